@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.files import place
+from rollbench.compare.files import shipped_path
 
 #: Group of entry points by which other packages add cases.
 GROUP = "rollbench.cases"
@@ -89,18 +89,18 @@ def cases_of_other_packages() -> tuple[Case, ...]:
     return tuple(found.values())
 
 
-def every_case() -> tuple[Case, ...]:
+def all_cases() -> tuple[Case, ...]:
     """Return all cases, first those of this package, then those that other installed packages add."""
     return (*CASES, *cases_of_other_packages())
 
 
 @cache
-def shipped_files(folder: str) -> dict[str, Path]:
+def shipped_toml_files(folder: str) -> dict[str, Path]:
     """Return all TOML files of scenes or printed tables in this package, sorted, by file name without suffix.
 
     ``folder``: "scenes" or "printed".
     """
-    files = {path.stem: path for path in place(folder).glob("*.toml")}
+    files = {path.stem: path for path in shipped_path(folder).glob("*.toml")}
     for case in CASES:
         files |= case.files(folder)
     return dict(sorted(files.items()))
@@ -111,10 +111,10 @@ def find_case_file(folder: str, name: str) -> Path | None:
 
     ``folder``: "scenes" or "printed".
     """
-    path = shipped_files(folder).get(name)
+    path = shipped_toml_files(folder).get(name)
     return path or next((files[name] for case in cases_of_other_packages() if name in (files := case.files(folder))), None)
 
 
-def files_named(name: str, cases: Iterable[Case] = CASES) -> dict[Case, Path]:
+def case_files_named(name: str, cases: Iterable[Case] = CASES) -> dict[Case, Path]:
     """Return the path of the file ``name``, such as ``misprints.toml``, for each of ``cases`` whose folder has it."""
     return {case: path for case in cases if (path := case.folder / name).is_file()}

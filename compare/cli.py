@@ -22,7 +22,7 @@ from rollbench.compare.commands.terminal import app
 from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.compare.running import clear_progress_line
 from rollbench.compare.text.printing import OutputLost, guard_standard_output
-from rollbench.meshes.processes import one_thread
+from rollbench.meshes.processes import limit_to_one_thread
 
 #: Largest time to wait, after an interrupt, for threads that clean up [s].
 TIDYING = 2.0
@@ -64,16 +64,16 @@ COMMANDS = {
 OF_ALL = "completion"
 
 
-def commands(first: str = "") -> App:
+def app_with_commands(first: str = "") -> App:
     """Return the command-line application with the command ``first`` only, or with all commands if ``first`` is unknown."""
     modules = {name: module for group in COMMANDS.values() for name, module in group.items()}
     for name in modules if first not in modules or first == OF_ALL else (first,):
         import_module(f"rollbench.compare.commands.{modules[name]}")
-    arrange(app)
+    group_commands_in_help(app)
     return app
 
 
-def unwrapped(doc: str | None) -> str:
+def join_paragraph_lines(doc: str | None) -> str:
     r"""Join each paragraph of a docstring to one line, so that the help text can be wrapped to the terminal's width.
 
     Examples
@@ -85,7 +85,7 @@ def unwrapped(doc: str | None) -> str:
     return re.sub(paragraph, lambda match: re.sub(r"\n *", " ", match[0]), inspect.cleandoc(doc or ""))
 
 
-def arrange(app: App) -> None:
+def group_commands_in_help(app: App) -> None:
     """Group the commands of the application under the headings of `COMMANDS`."""
     for place, (heading, names) in enumerate(COMMANDS.items()):
         group = Group(heading, sort_key=place)
@@ -94,13 +94,13 @@ def arrange(app: App) -> None:
                 app[name].group = (group,)
                 app[name].sort_key = number
                 command = app[name].default_command
-                command.__doc__ = unwrapped(command.__doc__)
+                command.__doc__ = join_paragraph_lines(command.__doc__)
     others = Group("Other options", sort_key=len(COMMANDS))
     for flag in ("--help", "--version"):
         app[flag].group = (others,)
 
 
-def option(argument: str) -> str:
+def option_of_argument(argument: str) -> str:
     """Return the command-line option that corresponds to an argument of a library function.
 
     Examples
@@ -115,17 +115,19 @@ def option(argument: str) -> str:
     return spelled if value in ("", "True") else f"{spelled} {value}"
 
 
-def in_options(error: InputError) -> InputError:
+def error_with_option_names(error: InputError) -> InputError:
     """Return a copy of an error whose message names command-line options instead of arguments of library functions."""
     said = copy(error)
     for part in ("allowed", "advice"):
-        setattr(said, part, re.sub("`([a-z_]+(?:=[^`]*)?)`", lambda found: option(found[1]), getattr(error, part)))
+        setattr(
+            said, part, re.sub("`([a-z_]+(?:=[^`]*)?)`", lambda found: option_of_argument(found[1]), getattr(error, part))
+        )
     if isinstance(error, ArgumentError):
-        said.file, said.key = error.file or "command line", ", ".join(map(option, error.key.split(", ")))
+        said.file, said.key = error.file or "command line", ", ".join(map(option_of_argument, error.key.split(", ")))
     return said
 
 
-def _drop_output() -> None:
+def _discard_standard_output() -> None:
     """Redirect standard output to the null device, so that text which is not written yet is discarded."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
@@ -160,7 +162,7 @@ def _print_to_stderr(lines: Iterable[str]) -> None:
         sys.stderr.flush()
 
 
-def _let_threads_end() -> None:
+def _wait_for_threads() -> None:
     """Wait up to `TIDYING` seconds for threads that clean up after parallel workers.
 
     If a thread ended after it removed a semaphore but before it reported this, joblib would warn of a leak.
@@ -183,15 +185,15 @@ def main(tokens: list[str] | None = None) -> None:
         if getattr(sys, name) is None:  # the caller closed it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - open until the process ends
     if tokens is None:
-        one_thread()
-        from rollbench.meshes.cache import switch_on  # loads numpy, which reads the number of threads
+        limit_to_one_thread()
+        from rollbench.meshes.cache import switch_on_geometry_cache  # loads numpy, which reads the number of threads
 
-        switch_on()
+        switch_on_geometry_cache()
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")  # joblib restarts the worker
         os.environ.setdefault("NUMBA_OPT", "1")  # compiles in 0.6 of the time of numba's default 3; kernels are as fast
     try:
         asked = sys.argv[1:] if tokens is None else tokens
-        code = commands(asked[0] if asked else "")(
+        code = app_with_commands(asked[0] if asked else "")(
             asked, exit_on_error=False, print_error=False, result_action="return_value"
         )
         with guard_standard_output():
@@ -199,30 +201,30 @@ def main(tokens: list[str] | None = None) -> None:
         if tokens is None and "rollbench.lowfi.jit" in sys.modules:
             sys.modules["rollbench.lowfi.jit"].compile_afterwards()
     except InputError as error:
-        _print_to_stderr(in_options(error).lines())
+        _print_to_stderr(error_with_option_names(error).lines())
         sys.exit(error.code)
     except CycloptsError as error:
         text = one_line(" ".join(str(error).split()), 400)
-        from rollbench.meshes.units import COMMA, has_comma
+        from rollbench.meshes.units import COMMA, has_comma_in_number
 
         given = re.search('convert "(.*)" into (?:int|float)', text)
-        advice = COMMA if given and has_comma(given[1]) else "rollbench --help lists commands and options"
+        advice = COMMA if given and has_comma_in_number(given[1]) else "rollbench --help lists commands and options"
         _print_to_stderr((f"command line: {text} Advice: {advice}",))
         sys.exit(2)
     except KeyboardInterrupt as stop:
-        _let_threads_end()
+        _wait_for_threads()
         _print_to_stderr(("interrupted; nothing was left half-written",))
         sys.exit(143 if isinstance(stop, Terminated) else 130)
     except BrokenPipeError:
-        _drop_output()
+        _discard_standard_output()
         sys.exit(141)
     except SystemExit as stop:
         if isinstance(stop.__context__, BrokenPipeError):  # the package rich exits with 1
-            _drop_output()
+            _discard_standard_output()
             sys.exit(141)
         raise
     except OutputLost as error:
-        _drop_output()
+        _discard_standard_output()
         _print_to_stderr((f"standard output: {error}",))
         sys.exit(74)
     sys.exit(code if isinstance(code, int) else 0)

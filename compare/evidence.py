@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare import files
-from rollbench.compare.case import Case, every_case, files_named
+from rollbench.compare.case import Case, all_cases, case_files_named
 from rollbench.compare.errors import InputError
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import KINDS, VERDICTS, Printed, Verdict, load_table, tables, value_of
+from rollbench.compare.printed import KINDS, VERDICTS, Printed, Verdict, load_table, printed_table_names, printed_value
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Evidence:
     def reason(self) -> str:
         """Sentences that explain the verdict; empty if no explanation is needed."""
         why = self.printed.contradicted
-        return joined_remarks(why[:1].upper() + why[1:], joined_remarks(self.printed.remark, self.words))
+        return join_remarks(why[:1].upper() + why[1:], join_remarks(self.printed.remark, self.words))
 
     @property
     def change(self) -> str:
@@ -181,7 +181,7 @@ class Findings:
 
     def printed(self, key: str) -> float:
         """Return the printed number ``key``, for use in a computation; KeyError for a claim or an unknown key."""
-        return value_of(self.table, key)
+        return printed_value(self.table, key)
 
     def claim(self, key: str, holds: bool, words: str) -> None:
         """Record whether the printed claim ``key`` is true (``holds``), and a text with the numbers that show it."""
@@ -196,13 +196,13 @@ class Findings:
         return tuple(self._entries.values())
 
 
-def joined_remarks(*texts: str) -> str:
+def join_remarks(*texts: str) -> str:
     """Return the non-empty remarks joined by ". " to one text."""
     given = [text for text in texts if text]
     return ". ".join([text.rstrip(".") for text in given[:-1]] + given[-1:])
 
 
-def count_of(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> str:
+def count_text_of_mask(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> str:
     """Return the text "k of n", where k of the n values in a mask are true."""
     return f"{int(mask.sum())} of {mask.size}"
 
@@ -242,12 +242,12 @@ class Computation:
         return findings.evidence()
 
     @property
-    def function(self) -> str:
+    def function_name(self) -> str:
         """Name ``module:function`` of the function that computes the values; ``none`` if nothing is computed."""
         return f"{self.case.package}.{self.computed_by}" if self.computed_by else "none"
 
     @property
-    def every_scene(self) -> tuple[str, ...]:
+    def scene_names(self) -> tuple[str, ...]:
         """Names of all scenes from which numbers of the table are computed, without repetition."""
         return tuple(dict.fromkeys(name for _, names in self.behind if not isinstance(names, str) for name in names))
 
@@ -265,13 +265,13 @@ class Computation:
 
 
 @cache
-def computations() -> dict[str, Computation]:
+def all_computations() -> dict[str, Computation]:
     """Return the computations of all publications, by the name of the printed table.
 
     InputError if a file `computations.toml` cannot be read, misses a printed table, or names a table that does not exist.
     """
     out: dict[str, Computation] = {}
-    for case in every_case():
+    for case in all_cases():
         path = case.folder / "computations.toml"
         try:
             described = tomllib.loads(path.read_text("utf-8")) if path.is_file() else {}
@@ -289,9 +289,9 @@ def computations() -> dict[str, Computation]:
 
 
 @cache
-def computations_by_table() -> dict[str, Computation]:
+def computations_with_function() -> dict[str, Computation]:
     """Return the computations, by the name of the printed table, without tables for which nothing is computed."""
-    return {name: one for name, one in computations().items() if one.computed_by}
+    return {name: one for name, one in all_computations().items() if one.computed_by}
 
 
 def evidence(study: Study, *names: str) -> list[Evidence]:
@@ -315,11 +315,11 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
         If a table is unknown.
     """
     found: list[Evidence] = []
-    for name in names or computations_by_table():
-        if name not in computations():
+    for name in names or computations_with_function():
+        if name not in all_computations():
             load_table(name)  # raises an error that lists the known tables
-        computation = computations()[name]
-        study.uses(computation.every_scene)
+        computation = all_computations()[name]
+        study.record_used_scenes(computation.scene_names)
         if name not in study.evidence:
             study.evidence[name] = computation.compute(study)
         found += study.evidence[name]
@@ -350,12 +350,12 @@ class EntryOrigin:
 
 def origins_of_entries(table: str = "") -> Iterator[EntryOrigin]:
     """Yield for every printed entry of one table, or of all tables, how it is computed; InputError for an unknown table."""
-    for name in [table] if table else tables():
-        rows, computation = load_table(name), computations()[name]
+    for name in [table] if table else printed_table_names():
+        rows, computation = load_table(name), all_computations()[name]
         for row in rows:
             printed = row.claim or f"{row.printed} {row.unit}".rstrip()
             test = f"{computation.test}::test_entry[{row.name}]" if computation.computed_by else ""
-            yield EntryOrigin(name, row.key, printed, row.cls, *computation.origin(row), computation.function, test)
+            yield EntryOrigin(name, row.key, printed, row.cls, *computation.origin(row), computation.function_name, test)
 
 
 #: Verdicts that are counted separately, because they do not judge a model.
@@ -363,13 +363,13 @@ APART: tuple[Verdict, ...] = ("input", "identity")
 
 
 @cache
-def misprints() -> list[dict[str, str]]:
+def misprint_rows() -> list[dict[str, str]]:
     """Return a row for each misprint or mistake in a publication, with the keys of a table of misprints.
 
     The keys are source (the publication), place, wrong (text), right (text), evidence, command (which shows it) and test.
     """
     out = []
-    for case, path in files_named("misprints.toml", every_case()).items():
+    for case, path in case_files_named("misprints.toml", all_cases()).items():
         for row in tomllib.loads(path.read_text(encoding="utf-8"))["row"]:
             shown = f"rollbench check --printed --only {row['shown']}" if "shown" in row else f"pytest {row['test']}"
             kept = {key: row[key] for key in ("place", "wrong", "right", "evidence")}
@@ -377,31 +377,31 @@ def misprints() -> list[dict[str, str]]:
     return out
 
 
-def numbers_left_out() -> list[dict[str, Any]]:
+def uncompared_number_rows() -> list[dict[str, Any]]:
     """Return a row for each group of printed numbers that rollbench does not compare: place, quantity, count, reason."""
-    rows: list[dict[str, Any]] = files.shipped_table("cases/left-out.toml")["row"]
+    rows: list[dict[str, Any]] = files.read_shipped_toml("cases/left-out.toml")["row"]
     return rows
 
 
 def publication_titles() -> list[str]:
     """Return the titles of the publications whose printed numbers are compared."""
-    return [case.title for case in every_case() if case.title]
+    return [case.title for case in all_cases() if case.title]
 
 
-def audit(study: Study, *names: str) -> list[Evidence]:
+def evidence_of_all_tables(study: Study, *names: str) -> list[Evidence]:
     """Return all entries of the printed tables ``names`` with their computed values and verdicts.
 
     Without names, all tables are returned, including those for which nothing is computed. InputError for an unknown table.
     """
-    return evidence(study, *(names or sorted(computations())))
+    return evidence(study, *(names or sorted(all_computations())))
 
 
-def source(printed: Printed) -> str:
+def publication_title_of(entry: Printed) -> str:
     """Return the title of the publication that prints a number or claim."""
-    return computations()[printed.table].case.title
+    return all_computations()[entry.table].case.title
 
 
-def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
+def count_entries_by_verdict(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
     """Count printed numbers and claims by publication and verdict.
 
     ``rows``: printed entries with their verdicts. A returned row for each publication, and a last one for all, has the
@@ -410,7 +410,7 @@ def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
     """
     out = []
     for title in (*publication_titles(), "all"):
-        by_verdict = Counter(row.verdict for row in rows if title in (source(row.printed), "all"))
+        by_verdict = Counter(row.verdict for row in rows if title in (publication_title_of(row.printed), "all"))
         if by_verdict:
             judged = sum(n for verdict, n in by_verdict.items() if verdict not in APART)
             verdicts: dict[str, Any] = {str(v): by_verdict[v] for v in VERDICTS}
@@ -418,14 +418,20 @@ def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
     return out
 
 
-def trust(row: Mapping[str, Any]) -> str:
-    """Return a sentence on how many numbers of a publication are reproduced; ``row``: its row of `counts`."""
-    n = row["judged"]
+def reproduction_sentence(counts_of_publication: Mapping[str, Any]) -> str:
+    """Return a sentence on how many numbers of a publication are reproduced.
+
+    ``counts_of_publication``: its row of `count_entries_by_verdict`.
+    """
+    n = counts_of_publication["judged"]
     if n == 0:
-        return f"{row['source']}: no number or claim by which a model can be judged."
-    share = {v: f"{row[v]} ({100.0 * row[v] / n:.0f} %)" for v in VERDICTS if v not in APART}
+        return f"{counts_of_publication['source']}: no number or claim by which a model can be judged."
+    share = {
+        v: f"{counts_of_publication[v]} ({100.0 * counts_of_publication[v] / n:.0f} %)" for v in VERDICTS if v not in APART
+    }
     return (
-        f"{row['source']}: of {n} numbers and claims by which a model can be judged, {share['reproduced']} are reproduced "
+        f"{counts_of_publication['source']}: of {n} numbers and claims by which a model can be judged, "
+        f"{share['reproduced']} are reproduced "
         f"as printed, {share['band']} lie within a band, {share['only as printed']} are reproduced only if a mistake of "
         f"the publication is repeated, {share['contradicted']} are contradicted, and {share['not identifiable']} cannot be "
         "computed from what the publication states."

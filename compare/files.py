@@ -19,25 +19,25 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import InputError
-from rollbench.meshes.files import make_folder_for_group, make_readable_for_group, temporary_name
-from rollbench.meshes.libraries import import_fault, pip_command
+from rollbench.meshes.files import create_folder_for_group, make_readable_for_group, temporary_path
+from rollbench.meshes.libraries import pip_command, reason_of_failed_import
 
 if TYPE_CHECKING:
     from rollbench.reports.content import Figure
 
 
-def place(path: str) -> Path:
+def shipped_path(path: str) -> Path:
     """Return the path of a file or folder that is shipped with rollbench; ``path`` is relative to the folder `compare`."""
     return Path(str(resources.files("rollbench.compare").joinpath(*path.split("/"))))
 
 
 def text(path: str) -> str:
     """Return the text of a file that is shipped with rollbench; ``path`` is relative to the folder `compare`."""
-    return place(path).read_text(encoding="utf-8")
+    return shipped_path(path).read_text(encoding="utf-8")
 
 
 @cache
-def shipped_table(path: str) -> dict[str, Any]:
+def read_shipped_toml(path: str) -> dict[str, Any]:
     """Return the contents of a shipped TOML file from a cache; callers must not change the returned dictionary."""
     return tomllib.loads(text(path))
 
@@ -63,7 +63,7 @@ class NotTextError(ValueError):
         self.value, self.advice = value, advice
 
 
-def text_of(data: bytes) -> str:
+def decode_text(data: bytes) -> str:
     """Decode the bytes of a file to text; NotTextError for another encoding than UTF-8 or UTF-16, or binary data.
 
     Examples
@@ -93,9 +93,9 @@ def _not_text_error(data: bytes, at: int) -> NotTextError:
     return NotTextError(f"text in another encoding ({place})", advice)
 
 
-def did_you_mean(found: Iterable[str]) -> str:
-    """Return the question ``did you mean A or B?`` with the names ``found``, quoted for a shell; empty without names."""
-    words = " or ".join(map(shlex.quote, found))
+def did_you_mean(names: Iterable[str]) -> str:
+    """Return the question ``did you mean A or B?`` with the names ``names``, quoted for a shell; empty without names."""
+    words = " or ".join(map(shlex.quote, names))
     return f"did you mean {words}?" if words else ""
 
 
@@ -144,12 +144,12 @@ def os_errors_as_input_errors(path: Path, allowed: str = "a folder that can be w
         raise InputError(str(path), "file", error.strerror or str(error), allowed, "check the path") from None
 
 
-def write_new(path: Path, text: str) -> None:
+def write_new_file(path: Path, text: str) -> None:
     """Write a text to a new file, completely or not at all; InputError if the file exists or cannot be written."""
     if path.exists():
         raise InputError(str(path), "file", "an existing file", "a new file", "choose another name, or remove the file")
     with os_errors_as_input_errors(path):
-        name = temporary_name(path)
+        name = temporary_path(path)
         file = open(name, "x", encoding="utf-8")  # noqa: SIM115 - closed below
     try:
         with os_errors_as_input_errors(path, "a file that can be written"):
@@ -163,8 +163,8 @@ def write_new(path: Path, text: str) -> None:
 def replace_file(path: Path, text: str) -> None:
     """Write a text to a file, completely or not at all; an existing file is replaced. InputError if it is not writable."""
     with os_errors_as_input_errors(path):
-        make_folder_for_group(path.parent)
-        name = temporary_name(path)
+        create_folder_for_group(path.parent)
+        name = temporary_path(path)
         try:
             with open(name, "x", encoding="utf-8") as file:
                 file.write(text)
@@ -190,9 +190,9 @@ def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     replace_file(path, text.getvalue())
 
 
-def why_no_figure() -> str:
+def reason_without_figure() -> str:
     """Return a text on why no figure can be drawn (matplotlib is missing), with advice; empty if figures can be drawn."""
-    reason = import_fault("matplotlib")
+    reason = reason_of_failed_import("matplotlib")
     return f"no figure ({reason}: {pip_command('matplotlib')})" if reason else ""
 
 
@@ -201,7 +201,7 @@ def write_figure(path: Path, figure: Figure) -> str:
 
     InputError if the file cannot be written.
     """
-    if reason := why_no_figure():
+    if reason := reason_without_figure():
         return reason
     from rollbench.reports.figures import draw_figure
 
@@ -209,12 +209,12 @@ def write_figure(path: Path, figure: Figure) -> str:
     return str(path)
 
 
-def need_writable(path: Path) -> None:
+def check_writable(path: Path) -> None:
     """Raise InputError unless the file ``path`` can be written; called before results for the file are computed."""
     if path.is_dir():
         raise InputError(str(path), "file", "a folder", "a file", "add the name of a file to the path")
     with os_errors_as_input_errors(path):
-        make_folder_for_group(path.parent)
-        probe = temporary_name(path)
+        create_folder_for_group(path.parent)
+        probe = temporary_path(path)
         probe.touch(exist_ok=False)
         probe.unlink()

@@ -47,7 +47,7 @@ def error_percent(value: ArrayLike, reference: ArrayLike, scale: ArrayLike | Non
 SMALL = 0.1
 
 
-def gate_scale(reference: ArrayLike, mean: float) -> Array:
+def scale_of_gate_errors(reference: ArrayLike, mean: float) -> Array:
     """Return for each contact the load [N] to which `rollbench check` relates the error of the contact load.
 
     Parameters
@@ -87,7 +87,8 @@ class LoadError:
     ball: int
     #: Groove flank with the largest error: SL, SR, NL, NR.
     side: str
-    #: Largest error as `rollbench check` judges it [% of `gate_scale`], over all contacts that are loaded in one of both.
+    #: Largest error as `rollbench check` judges it [% of `scale_of_gate_errors`], over all contacts that are loaded in one
+    #: of both.
     gate_percent: float
 
 
@@ -129,7 +130,7 @@ def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
         own_rms_percent=float(np.sqrt((relative**2).mean())),
         ball=int(ball) + 1,
         side=SIDES[int(side)],
-        gate_percent=float(np.abs(error_percent(value, reference, gate_scale(reference, mean))[either]).max()),
+        gate_percent=float(np.abs(error_percent(value, reference, scale_of_gate_errors(reference, mean))[either]).max()),
     )
 
 

@@ -10,7 +10,7 @@ from decimal import Decimal, InvalidOperation
 from functools import cache
 from typing import Any, Literal, cast
 
-from rollbench.compare.case import find_case_file, shipped_files
+from rollbench.compare.case import find_case_file, shipped_toml_files
 from rollbench.compare.errors import InputError
 
 Class = Literal["hard", "as-printed", "band", "open", "input"]
@@ -109,9 +109,9 @@ class Printed:
         return f"{self.table}:{self.key}"
 
 
-def tables() -> list[str]:
+def printed_table_names() -> list[str]:
     """Return the sorted names of all tables of printed numbers, such as "lin-3.5" for table 3.5 of Lin's thesis."""
-    return list(shipped_files("printed"))
+    return list(shipped_toml_files("printed"))
 
 
 @cache
@@ -123,11 +123,11 @@ def load_table(name: str) -> tuple[Printed, ...]:
     path = find_case_file("printed", name)
     if path is None:
         advice = "list the tables with: rollbench list"
-        raise InputError("printed tables", "name of a table", f'"{name}"', ", ".join(tables()), advice)
-    return parse_table(path.read_text(encoding="utf-8"), name)
+        raise InputError("printed tables", "name of a table", f'"{name}"', ", ".join(printed_table_names()), advice)
+    return parse_printed_table(path.read_text(encoding="utf-8"), name)
 
 
-def entry(table: str, key: str) -> Printed:
+def printed_entry(table: str, key: str) -> Printed:
     """Return the printed number or claim ``key`` of a table.
 
     InputError for an unknown table, KeyError for an unknown key.
@@ -138,18 +138,18 @@ def entry(table: str, key: str) -> Printed:
     raise KeyError(f"{table}: no printed entry {key!r}")
 
 
-def value_of(table: str, key: str) -> float:
+def printed_value(table: str, key: str) -> float:
     """Return the printed number ``key`` of a table, in its printed unit.
 
     KeyError for a claim or unknown key, InputError for an unknown table.
     """
-    value = entry(table, key).value
+    value = printed_entry(table, key).value
     if value is None:
         raise KeyError(f"{table}: {key!r} is a claim in words, not a number")
     return value
 
 
-def parse_table(text: str, name: str) -> tuple[Printed, ...]:
+def parse_printed_table(text: str, name: str) -> tuple[Printed, ...]:
     """Read the numbers and claims of the printed table ``name`` from the TOML text of its file.
 
     The text has the keys ``title``, ``source`` (the publication) and ``place`` (its section or table), and a ``[[row]]``
@@ -173,7 +173,7 @@ def parse_table(text: str, name: str) -> tuple[Printed, ...]:
     return rows
 
 
-def last_digit(printed: str) -> float:
+def half_unit_of_last_digit(printed: str) -> float:
     """Return half a unit of the last digit of a printed number, which is its rounding error.
 
     Examples
@@ -241,7 +241,7 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
             "remove the key, because entries of other classes are judged by the computed value",
         )
     try:
-        tolerance = raw.get("tolerance", last_digit(printed) if printed else 0.0)
+        tolerance = raw.get("tolerance", half_unit_of_last_digit(printed) if printed else 0.0)
         value = float(printed) if printed else None
     except (ValueError, InvalidOperation):
         raise refuse(

@@ -9,7 +9,7 @@ from importlib import resources
 from pathlib import Path
 
 from rollbench.compare import files as data
-from rollbench.compare.case import files_named, shipped_files
+from rollbench.compare.case import case_files_named, shipped_toml_files
 from rollbench.reports.manifest import sha256
 
 #: Packages whose source code affects the pages of a report.
@@ -23,7 +23,7 @@ SCENE, DATA, RUN = "scene ", "printed ", "reference "
 
 
 @cache
-def commit() -> str:
+def source_commit() -> str:
     """Return the git commit of the program's source code, or the reason why it is not known.
 
     ", changed since" is added if files differ from the commit. The result is that of the first call, so files that a report
@@ -63,12 +63,12 @@ def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
 
 def files_of_printed_values() -> dict[str, Path]:
     """Return the files with values printed in publications (also misprints, values left out), by names in manifests."""
-    files = {f"{name}.toml": path for name, path in shipped_files("printed").items()}
-    files |= {f"misprints/{case.name}.toml": path for case, path in files_named("misprints.toml").items()}
-    return files | {"left-out.toml": data.place("cases/left-out.toml")}
+    files = {f"{name}.toml": path for name, path in shipped_toml_files("printed").items()}
+    files |= {f"misprints/{case.name}.toml": path for case, path in case_files_named("misprints.toml").items()}
+    return files | {"left-out.toml": data.shipped_path("cases/left-out.toml")}
 
 
-def inputs(stores: Sequence[Path], scenes: Mapping[str, str]) -> dict[str, str]:
+def hashes_of_report_inputs(stores: Sequence[Path], scenes: Mapping[str, str]) -> dict[str, str]:
     """Return the SHA-256 hashes of all inputs of a report, by the names that its manifest uses.
 
     The inputs are the source code, the scenes (texts by name), the printed data, and the stored runs of the 3D reference.

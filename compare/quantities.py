@@ -12,7 +12,7 @@ from dataclasses import fields, is_dataclass
 from functools import cache, reduce
 from typing import Any, NamedTuple
 
-from rollbench.meshes.quantity import Stated, stated_in
+from rollbench.meshes.quantity import QuantityDescription, quantity_descriptions
 from rollbench.reports.content import Quantity
 
 
@@ -50,24 +50,24 @@ UNITS = {
 }
 
 
-def unit_of(key: str) -> tuple[str, Unit | None]:
+def name_and_unit_of_key(key: str) -> tuple[str, Unit | None]:
     """Split a JSON key, such as ``approach_um``, into its name and its unit; the unit is None if the key has none."""
     ending = next((ending for ending in UNITS if key.endswith(f"_{ending}")), None)
     return (key, None) if ending is None else (key[: -len(ending) - 1], UNITS[ending])
 
 
-def count_of(number: int, one: str) -> str:
-    """Return a text with a number and a noun in singular or plural; ``one`` is the noun in singular.
+def count_with_noun(number: int, noun: str) -> str:
+    """Return a text with a number and a noun in singular or plural; ``noun`` is the noun in singular.
 
     Examples
     --------
     >>> count_of(1, "set"), count_of(2, "set")
     ('1 set', '2 sets')
     """
-    return f"{number} {one}" if number == 1 else f"{number} {one}s"
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
-def split_unit(key: str) -> tuple[str, str]:
+def words_and_unit_of_key(key: str) -> tuple[str, str]:
     """Split a JSON key into a description in words and the text of its unit, which is empty if the key has no unit.
 
     Examples
@@ -75,29 +75,33 @@ def split_unit(key: str) -> tuple[str, str]:
     >>> split_unit("rigidity_N_per_um"), split_unit("worst_ball")
     (('rigidity', 'N/um'), ('worst ball', ''))
     """
-    name, unit = unit_of(key)
+    name, unit = name_and_unit_of_key(key)
     return name.replace("_", " "), "" if unit is None else unit.text
 
 
 @cache
-def quantities(kind: type) -> dict[str, Quantity]:
+def quantities_of_record(kind: type) -> dict[str, Quantity]:
     """Return the quantities that the fields of the record class ``kind`` define, by their JSON keys."""
-    return {x.key: _quantity_of_field(name, x) for name, x in stated_in(kind) if not callable(getattr(kind, name, None))}
+    return {
+        x.key: _quantity_of_field(name, x)
+        for name, x in quantity_descriptions(kind)
+        if not callable(getattr(kind, name, None))
+    }
 
 
 def _unit_of_dotted_key(key: str) -> tuple[str, Unit | None]:
     """Return the name in the last part of a dotted key, and the unit of this part, or else of the part before."""
-    *tables, last = map(unit_of, key.split("."))
+    *tables, last = map(name_and_unit_of_key, key.split("."))
     return last[0], next((unit for _, unit in (last, *reversed(tables)) if unit is not None), None)
 
 
-def heading_of(x: Stated) -> tuple[str, str]:
-    """Return the heading and the unit under which tables show a quantity; ``x``: what the field states about it."""
-    words, unit = _unit_of_dotted_key(x.key)
-    return x.heading or words.replace("_", " "), "" if unit is None else unit.text
+def heading_and_unit(stated: QuantityDescription) -> tuple[str, str]:
+    """Return the heading and the unit under which tables show a quantity; ``stated``: what the field states about it."""
+    words, unit = _unit_of_dotted_key(stated.key)
+    return stated.heading or words.replace("_", " "), "" if unit is None else unit.text
 
 
-def _quantity_of_field(name: str, x: Stated) -> Quantity:
+def _quantity_of_field(name: str, x: QuantityDescription) -> Quantity:
     """Return the quantity of a record's field: key, heading, unit, format, and function that gets its value for JSON.
 
     ``name``: name of the field; ``x``: what the field states about its quantity.
@@ -108,33 +112,33 @@ def _quantity_of_field(name: str, x: Stated) -> Quantity:
     def value(holder: Any) -> Any:
         return _in_key_unit(x.shown(getattr(holder, name)), factor)
 
-    return Quantity(x.key, *heading_of(x), x.form, value)
+    return Quantity(x.key, *heading_and_unit(x), x.form, value)
 
 
-def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
-    """Return the quantities of the record ``holder`` as JSON values by key; None if the record is None.
+def record_as_json(instance: Any, *without: str) -> dict[str, Any] | None:
+    """Return the quantities of the record ``instance`` as JSON values by key; None if the record is None.
 
     ``without``: keys that are left out.
     """
-    if holder is None:
+    if instance is None:
         return None
     out: dict[str, Any] = {}
-    kind: Any = type(holder)
-    for key, one in quantities(kind).items():
+    kind: Any = type(instance)
+    for key, one in quantities_of_record(kind).items():
         if key not in without:
             *tables, last = key.split(".")
-            reduce(lambda at, name: at.setdefault(name, {}), tables, out)[last] = one.value(holder)
+            reduce(lambda at, name: at.setdefault(name, {}), tables, out)[last] = one.value(instance)
     return out
 
 
-def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
+def fields_from_json(record_class: type, data: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values of a record's quantity fields in SI units, read from its JSON; None if a value is missing.
 
-    ``kind``: class of the record; ``data``: JSON with the values in the units of their keys. The result has the fields by
-    name.
+    ``record_class``: class of the record; ``data``: JSON with the values in the units of their keys. The result has the
+    fields by name.
     """
     out: dict[str, Any] = {}
-    for field in fields(kind):
+    for field in fields(record_class):
         one = next(iter(field.metadata.get("stated", ())), None)
         if one is not None and one.show is None:
             value: Any = data
@@ -145,13 +149,13 @@ def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
     return out
 
 
-def number(value: float) -> float | None:
+def json_number(value: float) -> float | None:
     """Return a number that JSON can represent: nan and infinity become None, and zero loses its sign."""
     value = float(value) + 0.0
     return value if math.isfinite(value) else None
 
 
-def shown(value: float, error: float | None = None, digits: int = 4) -> str:
+def format_by_error(value: float, error: float | None = None, digits: int = 4) -> str:
     """Format a number with only those significant digits that its error justifies.
 
     The last digit shown is the second digit of the error if the error's digits are at most 35, otherwise the first, as in
@@ -182,12 +186,12 @@ def shown(value: float, error: float | None = None, digits: int = 4) -> str:
     return f"{round(value, -place) + 0.0:.{max(-place, 0)}f}"
 
 
-def range_text(ends: Sequence[float] | None, digits: int = 3) -> str:
+def format_range(limits: Sequence[float] | None, digits: int = 3) -> str:
     """Format a range of numbers, or a single number if both limits agree in the digits shown.
 
     Parameters
     ----------
-    ends
+    limits
         Lower and upper limit, both in the unit shown; None if they are not known.
     digits
         Number of significant digits of each limit.
@@ -197,9 +201,9 @@ def range_text(ends: Sequence[float] | None, digits: int = 3) -> str:
     str
         ``LOW to HIGH``, one number, or "not known".
     """
-    if ends is None:
+    if limits is None:
         return "not known"
-    low, high = (shown(x, digits=digits) for x in ends)
+    low, high = (format_by_error(x, digits=digits) for x in limits)
     return low if low == high else f"{low} to {high}"
 
 
@@ -211,9 +215,9 @@ def _in_key_unit(value: Any, factor: float) -> Any:
     A record is converted to a dictionary.
     """
     if is_dataclass(value):
-        return as_json(value)
+        return record_as_json(value)
     if isinstance(value, Mapping):
         return {key: _in_key_unit(inner, factor) for key, inner in value.items()}
     if isinstance(value, tuple | list) or getattr(value, "ndim", False):
         return [_in_key_unit(inner, factor) for inner in value]
-    return value if value is None or isinstance(value, str | int) else number(factor * value)
+    return value if value is None or isinstance(value, str | int) else json_number(factor * value)

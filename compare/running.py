@@ -19,47 +19,47 @@ from rollbench.meshes.libraries import (
     MESHING,
     REFERENCE,
     apt_command,
-    import_fault,
     installed_version,
-    missing_libraries,
+    missing_system_libraries,
     pip_command,
+    reason_of_failed_import,
 )
 
 
 def gmsh_fault() -> str:
     """Return the reason why gmsh cannot be loaded, with the missing shared libraries; empty if it can be loaded."""
-    reason = import_fault("gmsh")
+    reason = reason_of_failed_import("gmsh")
     if not reason or installed_version("gmsh") is None:
         return reason
-    lacking = [name for name in missing_libraries(MESHING) if name not in reason]
+    lacking = [name for name in missing_system_libraries(MESHING) if name not in reason]
     return reason + (f"; also missing: {', '.join(lacking)}" if lacking else "")
 
 
-def gmsh_remedy() -> str:
+def gmsh_install_advice() -> str:
     """Return advice on how to install gmsh, or the shared libraries that it lacks."""
     return pip_command("gmsh") if installed_version("gmsh") is None else apt_command(MESHING)
 
 
-def need_gmsh() -> None:
+def check_gmsh() -> None:
     """Raise InputError if gmsh cannot be loaded."""
     reason = gmsh_fault()
     if reason:
-        advice = f"{gmsh_remedy()}, or use commands without the 3D reference; rollbench doctor lists what works"
+        advice = f"{gmsh_install_advice()}, or use commands without the 3D reference; rollbench doctor lists what works"
         raise InputError("this computer", "gmsh", reason, "gmsh with its shared libraries", advice)
 
 
-def need_packages(*packages: str) -> None:
+def check_packages(*packages: str) -> None:
     """Raise InputError for the first of the Python packages that cannot be imported."""
     for package in packages:
-        if reason := import_fault(package):
+        if reason := reason_of_failed_import(package):
             advice = f"{pip_command(package)}; rollbench doctor lists what works without it"
             raise InputError("this computer", package, reason, "an installed package, which this command needs", advice)
 
 
-def need_reference() -> None:
+def check_reference_programs() -> None:
     """Raise InputError if gmsh or a package that the 3D reference needs cannot be used."""
-    need_gmsh()
-    need_packages(*REFERENCE)
+    check_gmsh()
+    check_packages(*REFERENCE)
 
 
 def package_versions(packages: Sequence[str]) -> str:
@@ -67,7 +67,7 @@ def package_versions(packages: Sequence[str]) -> str:
     return ", ".join(f"{name} {installed_version(name) or 'not installed'}" for name in packages)
 
 
-def machine() -> str:
+def machine_description() -> str:
     """Return a text with the processor and the number of cores of this computer."""
     cpu = platform.processor() or platform.machine()
     with suppress(OSError):
@@ -76,12 +76,12 @@ def machine() -> str:
     return f"{cpu}, {os.cpu_count()} cores"
 
 
-def cores() -> int:
+def usable_cores() -> int:
     """Return the number of processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def out_of_memory(reason: object) -> InputError:
+def out_of_memory_error(reason: object) -> InputError:
     """Return the InputError for a computation that needs more memory than this computer has; ``reason``: what failed."""
     advice = "end other programs, choose a coarser mesh level or fewer workers, or use a cluster (`backend=dask`)"
     return InputError("this computer", "memory", str(reason) or "no free memory", "enough memory for the run", advice)
@@ -113,7 +113,7 @@ _drawn = False
 ENDED = 1
 
 
-def checked(limit: float | None) -> float | None:
+def checked_time_limit(limit: float | None) -> float | None:
     """Return a time limit [s] or None (no limit) unchanged; InputError if it is not above 0 and up to 1e9 s."""
     if limit is not None and not 0.0 < limit <= 1e9:
         raise ArgumentError("time_limit", str(limit), "above 0 to 1e9 seconds", "state a time in seconds, such as 60")
@@ -121,7 +121,7 @@ def checked(limit: float | None) -> float | None:
 
 
 @contextmanager
-def watched(label: str, limit: float | None = None) -> Iterator[None]:
+def watch_running_time(label: str, limit: float | None = None) -> Iterator[None]:
     """Show on the terminal how long the computation ``label`` has been running, and end the process after ``limit`` [s].
 
     The process ends at once, even inside a compiled kernel, which cannot be interrupted otherwise. So the block under this
@@ -156,7 +156,7 @@ def progress_bar(label: str) -> Iterator[Callable[[str, float], None]]:
         clear_progress_line()
 
 
-def on_terminal(text: str) -> None:
+def show_progress_message(text: str) -> None:
     """Show a progress message on standard error if that is a terminal.
 
     A text that contains ``[3/12]`` or ``34%`` replaces the progress line, with a bar and the time left; other texts are
@@ -188,7 +188,7 @@ def clear_progress_line() -> None:
     _drawn = False
 
 
-def duration(seconds: float) -> str:
+def format_duration(seconds: float) -> str:
     """Format a duration as a rounded number with its unit.
 
     Parameters
@@ -213,7 +213,7 @@ def duration(seconds: float) -> str:
 
 def _remaining_time_text(spent: float, share: float) -> str:
     """Return a text with the remaining time, from the time spent [s] and the share of work done; empty if not known."""
-    return f", about {duration(spent * (1.0 - share) / share)} left" if 0.0 < share < 1.0 else ""
+    return f", about {format_duration(spent * (1.0 - share) / share)} left" if 0.0 < share < 1.0 else ""
 
 
 def _draw_progress_line(text: str, share: float | None = None) -> None:

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from rollbench.compare.case import files_named
-from rollbench.compare.quantities import unit_of
+from rollbench.compare.case import case_files_named
+from rollbench.compare.quantities import name_and_unit_of_key
 from rollbench.compare.results.definitions import TABLES
 
 WORDS = {"COLUMNS": "96", "NO_COLOR": "1", "TERM": "dumb"}
@@ -143,14 +143,16 @@ def quantities() -> Iterator[str]:
 
 def unit_of_path(path: str) -> str:
     """Unit of a quantity: the ending of the last part of its path that names one; a dash for counts, words and ratios."""
-    units = (unit_of(piece.removesuffix("[]").removesuffix("_per_100N"))[1] for piece in reversed(path.split(".")))
+    units = (
+        name_and_unit_of_key(piece.removesuffix("[]").removesuffix("_per_100N"))[1] for piece in reversed(path.split("."))
+    )
     return next((unit.text for unit in units if unit is not None), "–").replace("um", "µm")
 
 
 def misprints() -> Iterator[str]:
     """The sources' misprints, from the data of each source."""
     yield "# Misprints of the sources\n\nThe right value stands in the models; as-printed modes show what a misprint does."
-    for path in files_named("misprints.toml").values():
+    for path in case_files_named("misprints.toml").values():
         found = tomllib.loads(path.read_text())
         yield f"\n## {found['title']}\n\n| where | printed | right | evidence |\n|---|---|---|---|"
         for row in found["row"]:

@@ -21,45 +21,45 @@ from rollbench.hifi.bodies.coarse import (
     BodyPiece,
     Socket,
     assemble_body_stiffness,
-    assemble_mode_rows,
-    coarse_compliance,
-    end_transform,
-    fine_compliance,
-    free_transform,
+    assemble_modes_of_sockets,
+    contact_compliance_in_fine_piece,
+    convert_mesh_order,
+    expansion_of_free_freedoms,
+    expansion_with_rigid_high_end,
     freedoms_of_nodes,
     isostatic_freedoms,
-    local_compliance,
-    mesh_of_order,
-    reduce_to_modes,
+    local_contact_compliance,
+    mode_compliance_in_coarse_piece,
+    reduce_socket_transfer_to_modes,
 )
-from rollbench.hifi.bodies.grid_wave import GridWave, tabulate_grid_wave
+from rollbench.hifi.bodies.grid_wave import GridWave, tabulate_gap_corrections
 from rollbench.hifi.bodies.patch import CondensedPatch, condense_patch
 from rollbench.hifi.elements.forms import cell_basis
-from rollbench.hifi.elements.rigid import rigid_modes, transport
-from rollbench.hifi.linear_algebra import compliance
+from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions, rigid_motion_transfer_matrix
+from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.meshing.part_meshes import (
     Meshes,
     Sockets,
     ball_socket_and_map,
-    body_kind,
     contacts_on_body,
-    mesh_carrier_patch,
+    element_order_of_bodies,
+    mesh_load_transfer_patch,
     mesh_patch,
     patch_normals,
-    rotated_sockets,
     rotation_about_z,
+    sockets_at_contact_azimuths,
 )
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.mounting import Stretch
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.ball_body import BallBody, build_ball
-from rollbench.meshes.fem import freedoms_on, nodes_on, points_of
+from rollbench.meshes.ball_body import BallBody, mesh_ball_with_sockets
+from rollbench.meshes.fem import freedoms_on_boundaries, node_coordinates, nodes_on_boundaries
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import GroovedBody, build_body
+from rollbench.meshes.grooved_body import GroovedBody, mesh_grooved_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Material, Nut, Scene
-from rollbench.meshes.sockets import SocketMesh, local_points, socket_reach
+from rollbench.meshes.sockets import SocketMesh, axial_reach_of_sockets, points_in_reference_socket
 from rollbench.meshes.solid import Dimensions
 
 #: Length of a submodel beyond its socket, over the ball's radius: the error of the coarse mesh has decayed there.
@@ -87,10 +87,10 @@ class SidePatches:
     wave: GridWave | None
 
 
-def condense_side_arguments(
+def collect_flank_condensation_arguments(
     scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, side: int, settings: Settings
 ) -> SideArguments:
-    """Return the arguments of `condense_side`, as a tuple in their order, for one flank of a ball screw or bearing.
+    """Return the arguments of `condense_patches_of_flank`, in their order, for one flank of a ball screw or bearing.
 
     ``m``: geometry of the track; ``dims``: dimensions of the solid parts; ``meshes``: meshes of the parts; ``side``: flank
     0 to 3; ``settings``: mesh choices.
@@ -100,7 +100,7 @@ def condense_side_arguments(
     return m, side, radii, materials, meshes.sockets(side), settings
 
 
-def condense_side(
+def condense_patches_of_flank(
     m: GrooveMap,
     side: int,
     radii: tuple[float, float],
@@ -136,7 +136,7 @@ def condense_side(
     ValueError
         The contact nodes of both do not match, or a submodel cannot be meshed.
     """
-    groove_place = partial(local_points, m, sockets.size, side)
+    groove_place = partial(points_in_reference_socket, m, sockets.size, side)
     ball_socket, place = ball_socket_and_map(m, sockets.size, side, sockets.zone)
     mesh = mesh_patch(sockets, sockets.groove, groove_place, settings)
     ball_mesh = mesh_patch(sockets, sockets.ball, place, settings)
@@ -150,10 +150,10 @@ def condense_side(
         )
     e, b = materials
     groove = condense_patch(
-        mesh, normals, *_elastic_constants(e), mesh_carrier_patch(sockets, sockets.groove, groove_place, settings)
+        mesh, normals, *_elastic_constants(e), mesh_load_transfer_patch(sockets, sockets.groove, groove_place, settings)
     )
     ball = condense_patch(
-        ball_mesh, -normals, *_elastic_constants(b), mesh_carrier_patch(sockets, sockets.ball, place, settings)
+        ball_mesh, -normals, *_elastic_constants(b), mesh_load_transfer_patch(sockets, sockets.ball, place, settings)
     )
     if settings.element == "P1":  # the mesh of Lin's thesis is not changed
         return SidePatches(groove, ball, groove.A + ball.A, None)
@@ -161,11 +161,11 @@ def condense_side(
 
     def groove_piece(scale: float, *, coarse: bool) -> tuple[BodyPiece, SocketMesh]:
         size, sizes = (sockets.size, (settings.fine, settings.coarse)) if coarse else (fine, settings.own_sizes)
-        half = max(socket_reach(m, sockets.size, (side,))) + BEYOND * m.ball
+        half = max(axial_reach_of_sockets(m, sockets.size, (side,))) + BEYOND * m.ball
         spec = BodySpec(
             *radii, m.z0 - half, m.z0 + half, side < 2, ((m.phase, m.z0, side),), size, scale * sizes[0], scale * sizes[1]
         )
-        body: GroovedBody = build_body(m, spec)
+        body: GroovedBody = mesh_grooved_body(m, spec)
         return BodyPiece(body.mesh, body.socket_nodes[0], rotation_about_z(m.phase), ("low end", "high end")), body.sockets[
             side
         ]
@@ -173,7 +173,7 @@ def condense_side(
     def ball_piece(scale: float, *, coarse: bool) -> tuple[BodyPiece, SocketMesh]:
         sizes = (settings.ball_fine, settings.ball_coarse) if coarse else settings.own_ball_sizes
         cuts = sockets.size.cuts if coarse else settings.own_cuts
-        body = build_ball(m, (ball_socket,), scale * sizes[0], scale * sizes[1], cuts)
+        body = mesh_ball_with_sockets(m, (ball_socket,), scale * sizes[0], scale * sizes[1], cuts)
         return BodyPiece(body.mesh, body.socket_nodes[side], np.eye(3), ()), body.sockets[side]
 
     local, total = np.zeros_like(groove.A), np.zeros_like(groove.A)
@@ -182,15 +182,19 @@ def condense_side(
         (ball_piece, place, ball, -normals, b, settings.ball_modes),
     ):
         piece, socket = piece_of(1.0, coarse=False)
-        C = fine_compliance(piece, mesh_patch(sockets, socket, points_at, settings), along, *_elastic_constants(material))
-        V, rows = reduce_to_modes(condensed, modes)
+        C = contact_compliance_in_fine_piece(
+            piece, mesh_patch(sockets, socket, points_at, settings), along, *_elastic_constants(material)
+        )
+        V, rows = reduce_socket_transfer_to_modes(condensed, modes)
 
         def coarse_response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
-            return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_elastic_constants(material))
+            return mode_compliance_in_coarse_piece(
+                piece_of(scale, coarse=True)[0], condensed, rows, *_elastic_constants(material)
+            )
 
-        local += local_compliance(C, V, coarse_response)
+        local += local_contact_compliance(C, V, coarse_response)
         total += C
-    return SidePatches(groove, ball, local, tabulate_grid_wave(m, side, groove, total, b))
+    return SidePatches(groove, ball, local, tabulate_gap_corrections(m, side, groove, total, b))
 
 
 def _elastic_constants(material: Material) -> tuple[float, float]:
@@ -198,7 +202,7 @@ def _elastic_constants(material: Material) -> tuple[float, float]:
     return material.youngs_modulus, material.poissons_ratio
 
 
-def is_turned_left_flank(m: GrooveMap, side: int) -> bool:
+def is_half_turn_of_left_flank(m: GrooveMap, side: int) -> bool:
     """Return whether a flank is the left flank of the same groove, turned by 180 deg about the radius through the ball.
 
     Parameters
@@ -216,7 +220,7 @@ def is_turned_left_flank(m: GrooveMap, side: int) -> bool:
     return side % 2 == 1 and float(m.radius[side]) == float(m.radius[side - 1])
 
 
-def turn_to_right_flank(patches: SidePatches) -> SidePatches:
+def turn_patches_to_right_flank(patches: SidePatches) -> SidePatches:
     """Turn the patches of a left flank by 180 degrees about the radius through the ball's centre, onto the right flank.
 
     The contact nodes are reordered, because the turn reverses azimuths.
@@ -284,7 +288,7 @@ class ModalBody:
         """Number of modes of all contacts of one ball."""
         return sum(V.shape[1] for V in self.modes.values())
 
-    def mode_rows(self, side: int, ball: int = 0) -> Index:
+    def mode_indices_of_contact(self, side: int, ball: int = 0) -> Index:
         """Return the indices of one contact's modes in the compliance matrix of the body's modes.
 
         Parameters
@@ -353,7 +357,7 @@ class BallResponse(ModalBody):
     unknowns: int
 
 
-def stiffness_and_modes(
+def assemble_stiffness_and_contact_modes(
     material: Material,
     mesh: Mesh,
     sockets: Sequence[Socket],
@@ -388,15 +392,17 @@ def stiffness_and_modes(
         For each flank, the modes V and their rows Q in the frame of the patch.
     """
     K = assemble_body_stiffness(
-        mesh_of_order(mesh, body_kind(settings)), sockets, patches, material.youngs_modulus, material.poissons_ratio
+        convert_mesh_order(mesh, element_order_of_bodies(settings)),
+        sockets,
+        patches,
+        material.youngs_modulus,
+        material.poissons_ratio,
     )
-    kept = {s: reduce_to_modes(p, count) for s, p in patches.items()}
-    return K, assemble_mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
+    kept = {s: reduce_socket_transfer_to_modes(p, count) for s, p in patches.items()}
+    return K, assemble_modes_of_sockets(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
 
 
-def ball_compliance(
-    material: Material, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings
-) -> BallResponse:
+def condense_ball(material: Material, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings) -> BallResponse:
     """Condense one ball to the modes of its contacts, with its six rigid motions constrained isostatically.
 
     The constraint carries no force, because the loads on a ball balance.
@@ -419,14 +425,16 @@ def ball_compliance(
     """
     ball_patches = {s: p.ball for s, p in patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in ball_patches]
-    K, rows, kept = stiffness_and_modes(material, mesh.mesh, sockets, ball_patches, settings.ball_modes, settings)
+    K, rows, kept = assemble_stiffness_and_contact_modes(
+        material, mesh.mesh, sockets, ball_patches, settings.ball_modes, settings
+    )
     held = isostatic_freedoms(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
-    G = compliance(condense(K, D=held, expand=False), rows[:, free])
+    G = symmetric_compliance_of_loads(condense(K, D=held, expand=False), rows[:, free])
     return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
 
 
-def screw_response(
+def condense_screw(
     material: Material,
     nut: Nut,
     ends: tuple[float, float],
@@ -469,12 +477,12 @@ def screw_response(
         The condensed screw.
     """
     places = contacts_on_body(layout, sides, True)
-    K, modes, kept = stiffness_and_modes(
-        material, mesh.mesh, rotated_sockets(mesh, places), patches, settings.modes, settings
+    K, modes, kept = assemble_stiffness_and_contact_modes(
+        material, mesh.mesh, sockets_at_contact_azimuths(mesh, places), patches, settings.modes, settings
     )
     low, high = ends
     bore = dims.screw_held == "bore"
-    T = screw_transform(mesh, dims, high)
+    T = expansion_of_free_screw_freedoms(mesh, dims, high)
     base = nut.position if bore else low
     if bore:
         ports: tuple[float, ...] = ()
@@ -488,15 +496,15 @@ def screw_response(
         follow = [section_motion_matrix(mesh.mesh, z) @ T for z in (*inside, *observers)]
         rows = sp.vstack([modes @ T, end, *follow]).tocsr()
     K = (T.T @ K @ T).tocsc()  # frees the stiffness of the free body: a gigabyte with 400 contacts
-    F = compliance(K, rows)
-    rigid = np.asarray(modes @ rigid_modes(mesh.points, np.array([0.0, 0.0, base])))
-    B = np.concatenate([rigid, *(transport(z - base) for z in (*ports, *observers))])
+    F = symmetric_compliance_of_loads(K, rows)
+    rigid = np.asarray(modes @ nodal_displacements_of_rigid_motions(mesh.points, np.array([0.0, 0.0, base])))
+    B = np.concatenate([rigid, *(rigid_motion_transfer_matrix(z - base) for z in (*ports, *observers))])
     stretch = Stretch(F, B, base, ports, observers, (low, high), modes.shape[0], rigid=bore)
     starts = np.concatenate([[0], np.cumsum([kept[p[2]][1].shape[0] for p in places])])
     least = min(k[1].shape[0] for k in kept.values()) if kept else 0
-    about = np.array([rigid[starts[i] : starts[i] + least] @ transport(base - p[1]) for i, p in enumerate(places)]).reshape(
-        len(places), least, 6
-    )
+    about = np.array(
+        [rigid[starts[i] : starts[i] + least] @ rigid_motion_transfer_matrix(base - p[1]) for i, p in enumerate(places)]
+    ).reshape(len(places), least, 6)
     return ScrewResponse(stretch, {s: k[0] for s, k in kept.items()}, about, T.shape[1])
 
 
@@ -518,20 +526,20 @@ def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
     (6, freedoms) sparse array
         Rows that give the three translations [m] and three rotations [rad] of the section.
     """
-    points, corners = points_of(mesh), mesh.p[2, mesh.t]
+    points, corners = node_coordinates(mesh), mesh.p[2, mesh.t]
     radius = float(np.hypot(points[:, 0], points[:, 1]).max())
     away = np.abs(corners.mean(axis=0) - z)
     reach = max(SLICE * radius, float(np.partition(away, LEAST)[LEAST]))
     volume = mass.assemble(cell_basis(mesh, elements=np.flatnonzero(away <= reach)))
     nodes = np.flatnonzero(volume.diagonal())
-    rigid = rigid_modes(points[nodes], np.array([0.0, 0.0, z]))
+    rigid = nodal_displacements_of_rigid_motions(points[nodes], np.array([0.0, 0.0, z]))
     carried = (volume[nodes][:, nodes] @ rigid.reshape(nodes.size, 18)).reshape(-1, 6)
     motion = np.linalg.solve(rigid.T @ carried, carried.T)
     place = (np.repeat(np.arange(6), 3 * nodes.size), np.tile(freedoms_of_nodes(nodes), 6))
     return sp.csr_array((motion.ravel(), place), (6, 3 * len(points)))
 
 
-def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_array:
+def expansion_of_free_screw_freedoms(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_array:
     """Return the matrix that maps the free degrees of freedom of the screw's 3D stretch to all its degrees of freedom.
 
     ``mesh``: mesh of the stretch; ``dims``: dimensions, which say whether the bore of the screw is fixed; ``high``: axial
@@ -539,8 +547,8 @@ def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_
     six motions about its centre come last.
     """
     if dims.screw_held == "bore":
-        return free_transform(mesh.mesh, freedoms_on(mesh.mesh, "bore"))
-    return end_transform(mesh.mesh, high)
+        return expansion_of_free_freedoms(mesh.mesh, freedoms_on_boundaries(mesh.mesh, "bore"))
+    return expansion_with_rigid_high_end(mesh.mesh, high)
 
 
 def points_in_bolt_circles(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array:
@@ -569,24 +577,24 @@ def points_in_bolt_circles(x: Array, y: Array, seat: tuple[float, float], count:
     return np.asarray((np.abs((x + 1j * y)[:, None] - middles) <= 0.5 * (seat[1] - seat[0]) + 1e-7).any(axis=1))
 
 
-def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_array:
+def expansion_of_free_nut_freedoms(mesh: GroovedBody, dims: Dimensions) -> sp.csc_array:
     """Return the matrix that maps the free degrees of freedom of the nut to all its degrees of freedom.
 
     ``dims``: dimensions of the solid parts, which name the fixed surface of the nut.
     """
     surface, _, bolts = dims.nut_held.partition(", ")
     fit = surface.endswith(FIT) or (surface == "outer surface" and "centring" in (mesh.mesh.boundaries or {}))
-    nodes = nodes_on(mesh.mesh, *NUT_HELD[surface.removesuffix(FIT)])
+    nodes = nodes_on_boundaries(mesh.mesh, *NUT_HELD[surface.removesuffix(FIT)])
     low, high = dims.held_radii
     x, y = mesh.points[nodes, 0], mesh.points[nodes, 1]
     on = (np.hypot(x, y) >= low - 1e-7) & (np.hypot(x, y) <= high + 1e-7)
     if bolts:
         on &= points_in_bolt_circles(x, y, (low, high), int(bolts.split()[0]))
-    held = freedoms_of_nodes(np.union1d(nodes[on], nodes_on(mesh.mesh, "centring")) if fit else nodes[on])
-    return free_transform(mesh.mesh, held)
+    held = freedoms_of_nodes(np.union1d(nodes[on], nodes_on_boundaries(mesh.mesh, "centring")) if fit else nodes[on])
+    return expansion_of_free_freedoms(mesh.mesh, held)
 
 
-def nut_response(
+def condense_nut(
     material: Material,
     mesh: GroovedBody,
     layout: BallLayout,
@@ -619,9 +627,9 @@ def nut_response(
     NutResponse
         The condensed nut.
     """
-    sockets = rotated_sockets(mesh, contacts_on_body(layout, sides, False))
-    K, rows, kept = stiffness_and_modes(material, mesh.mesh, sockets, patches, settings.modes, settings)
-    T = nut_transform(mesh, dims)
+    sockets = sockets_at_contact_azimuths(mesh, contacts_on_body(layout, sides, False))
+    K, rows, kept = assemble_stiffness_and_contact_modes(material, mesh.mesh, sockets, patches, settings.modes, settings)
+    T = expansion_of_free_nut_freedoms(mesh, dims)
     K = (T.T @ K @ T).tocsc()
-    rigid = np.asarray(rows @ rigid_modes(mesh.points, np.zeros(3)))
-    return NutResponse(compliance(K, rows @ T), {s: k[0] for s, k in kept.items()}, T.shape[1], rigid)
+    rigid = np.asarray(rows @ nodal_displacements_of_rigid_motions(mesh.points, np.zeros(3)))
+    return NutResponse(symmetric_compliance_of_loads(K, rows @ T), {s: k[0] for s, k in kept.items()}, T.shape[1], rigid)

@@ -16,12 +16,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import block_diag
 
-from rollbench.hifi.bodies.grid_wave import mean_approaches, resolved_forces, unit_hertz
+from rollbench.hifi.bodies.grid_wave import (
+    forces_resolved_by_patch,
+    hertz_contact_under_unit_force,
+    mean_approaches_over_grid_cell,
+)
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.elements.forms import mean_weights
+from rollbench.hifi.elements.forms import normalise_rows_of_weights
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.ball_body import directions
-from rollbench.meshes.condensed import CondensedBodies, geometry_digest
+from rollbench.meshes.ball_body import contact_frame_vectors
+from rollbench.meshes.condensed import CondensedBodies, digest_of_geometry
 
 if TYPE_CHECKING:
     from rollbench.hifi.condensation import NutResponse, ScrewResponse
@@ -32,20 +36,20 @@ if TYPE_CHECKING:
 SAMPLES = 16
 
 
-def sampled_forces(setup: Setup, side: int) -> Array:
+def sampled_contact_forces(setup: Setup, side: int) -> Array:
     """Return the f contact forces ``(f,)`` [N] at which the approach of the contact on a flank is computed.
 
     ``side``: flank 0 to 3.
     """
-    return resolved_forces(setup.map, side, setup.patches[side].groove, setup.scene.balls.material, SAMPLES)
+    return forces_resolved_by_patch(setup.map, side, setup.patches[side].groove, setup.scene.balls.material, SAMPLES)
 
 
 def _unit_hertz_approach(setup: Setup, side: int) -> float:
     """Return the approach of ball and groove at a flank (0 to 3) under 1 N by Hertz's theory [m]."""
-    return float(unit_hertz(setup.map, side, setup.scene.balls.material).approach)
+    return float(hertz_contact_under_unit_force(setup.map, side, setup.scene.balls.material).approach)
 
 
-def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
+def mean_approaches_of_patch_contact(setup: Setup, side: int, loads: Array) -> Array:
     """Compute the approach of ball and groove by the local compliance of their contact, a mean over positions on the grid.
 
     Parameters
@@ -63,7 +67,7 @@ def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
         Approach under each force [m].
     """
     pair = setup.patches[side]
-    return mean_approaches(setup.map, side, pair.groove, pair.local, loads)
+    return mean_approaches_over_grid_cell(setup.map, side, pair.groove, pair.local, loads)
 
 
 def hertz_nodal_forces(setup: Setup, side: int, load: float) -> Array:
@@ -84,15 +88,15 @@ def hertz_nodal_forces(setup: Setup, side: int, load: float) -> Array:
         Fractions of a unit force that act on each pressure function of the contact.
     """
     m, material = setup.map, setup.scene.balls.material
-    ellipse = hertz(load, *m.relative_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
-    normal, tangent, forward = directions(m, side)
+    ellipse = hertz(load, *m.relative_curvature_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
+    normal, tangent, forward = contact_frame_vectors(m, side)
     groove = setup.patches[side].groove
     x = groove.points - np.array([m.R, 0.0, 0.0]) - m.ball * normal
     force = ellipse.pressure(x @ tangent, x @ forward) * groove.areas
-    return np.asarray(force / (force @ (mean_weights(groove.weights) @ (groove.normals @ normal))))
+    return np.asarray(force / (force @ (normalise_rows_of_weights(groove.weights) @ (groove.normals @ normal))))
 
 
-def mean_body_compliance(setup: Setup, side: int, force: Array) -> float:
+def mean_contact_compliance_of_body(setup: Setup, side: int, force: Array) -> float:
     """Compute the displacement of a contact by the deformation of screw or nut under its own unit force, mean of all balls.
 
     Parameters
@@ -113,7 +117,7 @@ def mean_body_compliance(setup: Setup, side: int, force: Array) -> float:
     if body is None:
         return 0.0
     z = body.modes[side].T @ force
-    own = [np.ix_(rows, rows) for rows in (body.mode_rows(side, i) for i in range(setup.layout.z.size))]
+    own = [np.ix_(rows, rows) for rows in (body.mode_indices_of_contact(side, i) for i in range(setup.layout.z.size))]
     return float(np.mean([z @ body.G[block] @ z for block in own]))
 
 
@@ -158,10 +162,10 @@ def compliance_beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
     order = [setup.sides.index(3 - s) for s in setup.sides]
     diagonal = np.diag(D)
     ball = 0.5 * (diagonal + diagonal[order]) + D[np.arange(len(diagonal)), order]
-    return np.asarray(ball + [mean_body_compliance(setup, s, spreads[s]) for s in setup.sides])
+    return np.asarray(ball + [mean_contact_compliance_of_body(setup, s, spreads[s]) for s in setup.sides])
 
 
-def local_compliance_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
+def remaining_approach_over_force(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
     """Compute the part of every contact's approach that neither Hertz's law nor the compliance matrices contain.
 
     Parameters
@@ -179,10 +183,10 @@ def local_compliance_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Arr
     force : (k, f) Array
         These forces [N].
     """
-    loads = np.array([sampled_forces(setup, s) for s in setup.sides])
+    loads = np.array([sampled_contact_forces(setup, s) for s in setup.sides])
     extra = np.array(
         [
-            (patch_approaches(setup, s, f) - _unit_hertz_approach(setup, s) * np.cbrt(f) ** 2) / f
+            (mean_approaches_of_patch_contact(setup, s, f) - _unit_hertz_approach(setup, s) * np.cbrt(f) ** 2) / f
             for s, f in zip(setup.sides, loads, strict=True)
         ]
     )
@@ -212,11 +216,11 @@ def body_compliance_matrix(balls: int, body: ScrewResponse | NutResponse, spread
     """
     z = np.zeros((balls * len(body.modes), len(body.G)))
     for row, (i, s) in zip(z, product(range(balls), body.modes), strict=True):
-        row[body.mode_rows(s, i)] = body.modes[s].T @ spreads[s]
+        row[body.mode_indices_of_contact(s, i)] = body.modes[s].T @ spreads[s]
     return np.asarray(z @ body.G @ z.T)
 
 
-def condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
+def collect_condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
     """Collect the compliances of a prepared geometry that a low-order model can use.
 
     Parameters
@@ -231,14 +235,14 @@ def condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
     CondensedBodies
         Compliances of screw, nut and balls, as written to a file.
     """
-    spreads = {s: hertz_nodal_forces(setup, s, float(np.median(sampled_forces(setup, s)))) for s in setup.sides}
-    local, forces = local_compliance_terms(setup, spreads)
+    spreads = {s: hertz_nodal_forces(setup, s, float(np.median(sampled_contact_forces(setup, s)))) for s in setup.sides}
+    local, forces = remaining_approach_over_force(setup, spreads)
     N = setup.layout.z.size
     nut = np.zeros((N * sum(s >= 2 for s in setup.sides),) * 2)
     if setup.nut is not None:
         nut = body_compliance_matrix(N, setup.nut, spreads)
     return CondensedBodies(
-        geometry_digest(setup.scene),
+        digest_of_geometry(setup.scene),
         level,
         np.array(setup.sides, dtype=float),
         setup.screw.stretch.base,

@@ -15,16 +15,16 @@ import scipy.sparse as sp
 from scipy.linalg import block_diag
 
 from rollbench.hifi.condensation import ModalBody
-from rollbench.hifi.contact.balls import BallBlock, Compliance, coupled_compliance
-from rollbench.hifi.elements.forms import mean_weights
+from rollbench.hifi.contact.balls import BallBlock, Compliance, compliance_of_coupled_balls
+from rollbench.hifi.elements.forms import normalise_rows_of_weights
 from rollbench.hifi.meshing.part_meshes import rotation_about_z
 from rollbench.hifi.setup import Setup
-from rollbench.hifi.shaft.mounting import MountedShaft, beam_stretch, mount_stretch
+from rollbench.hifi.shaft.mounting import MountedShaft, mount_stretch, replace_stretch_by_beam
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.errors import Specimen
-from rollbench.meshes.helix import groove_radii, nominal_groove_centres
+from rollbench.meshes.helix import nominal_groove_centres, nominal_groove_radii
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.surface import groove_profile
+from rollbench.meshes.surface import groove_radius_with_slopes
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class PlacedSet:
         return self.setup.layout.z.size
 
     @cached_property
-    def zones(self) -> tuple[tuple[slice, int], ...]:
+    def node_slices_of_flanks(self) -> tuple[tuple[slice, int], ...]:
         """Slice of one ball's contact nodes that belongs to a flank, and the flank (0 to 3), for each flank."""
         ends = np.cumsum([0] + [len(self.setup.patches[s].groove.A) for s in self.sides]).tolist()
         return tuple((slice(a, b), s) for (a, b), s in zip(pairwise(ends), self.sides, strict=True))
@@ -58,10 +58,10 @@ class PlacedSet:
     @property
     def nodes_per_ball(self) -> int:
         """Number of contact nodes of one ball."""
-        return int(self.zones[-1][0].stop)
+        return int(self.node_slices_of_flanks[-1][0].stop)
 
 
-def assemble_compliance(
+def assemble_contact_compliance(
     sets: Sequence[PlacedSet], mounted: MountedShaft, leave_out: frozenset[str] = frozenset()
 ) -> tuple[Compliance, Index]:
     """Assemble the compliance between the contact nodes of all balls, ordered by nut or bearing, ball and flank.
@@ -87,15 +87,15 @@ def assemble_compliance(
     for p in sets:
         nut = p.setup.nut
         first = (screw, held if p.housing is None else carried)
-        block = ball_block(p.setup, p.sides, rigid=bool(leave_out & {"finite ball", "patch coupling"}))
+        block = compliance_block_of_ball(p.setup, p.sides, rigid=bool(leave_out & {"finite ball", "patch coupling"}))
         for i in range(p.ball_count):
             pieces = []
-            for nodes, s in p.zones:
+            for nodes, s in p.node_slices_of_flanks:
                 if (body := p.setup.body(s)) is not None:
                     V = np.zeros((p.nodes_per_ball, body.modes[s].shape[1]))
                     V[nodes] = body.modes[s]
                     pieces.append(V)
-                    rows.append(first[s >= 2] + body.mode_rows(s, i))
+                    rows.append(first[s >= 2] + body.mode_indices_of_contact(s, i))
             blocks.append(block)
             modes.append(np.hstack(pieces))
         screw += p.setup.screw.stretch.modes
@@ -105,10 +105,10 @@ def assemble_compliance(
         elif nut is not None:
             carried += len(nut.G)
     pick = np.concatenate(rows)
-    return coupled_compliance(blocks, modes, block_diag(*couplings)[np.ix_(pick, pick)]), pick
+    return compliance_of_coupled_balls(blocks, modes, block_diag(*couplings)[np.ix_(pick, pick)]), pick
 
 
-def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBlock:
+def compliance_block_of_ball(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBlock:
     """Return the compliance of one ball with the patches of its grooves, between the contact nodes of some flanks.
 
     Parameters
@@ -129,7 +129,7 @@ def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBloc
     ball = setup.ball
     if rigid:
         return BallBlock(local, tuple(np.zeros((len(a), 0)) for a in local), np.zeros((0, 0)))
-    pick = np.concatenate([ball.mode_rows(s) for s in sides])
+    pick = np.concatenate([ball.mode_indices_of_contact(s) for s in sides])
     return BallBlock(local, tuple(ball.modes[s] for s in sides), ball.G[np.ix_(pick, pick)])
 
 
@@ -152,7 +152,10 @@ def keep_local_response(G: Array, body: ModalBody) -> Array:
     """
     out = np.zeros_like(G)
     for s in body.modes:
-        own = [np.ix_(rows, rows) for rows in (body.mode_rows(s, i) for i in range(len(G) // body.modes_per_ball))]
+        own = [
+            np.ix_(rows, rows)
+            for rows in (body.mode_indices_of_contact(s, i) for i in range(len(G) // body.modes_per_ball))
+        ]
         mean = np.mean([G[block] for block in own], axis=0)
         for block in own:
             out[block] = mean
@@ -182,13 +185,13 @@ def mount_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozense
     if not leave_out & {"3D shaft", "patch coupling"} or full.rigid:
         return mount_stretch(full, scene, setup.section)
     stations = np.repeat(setup.layout.z, len(setup.screw.modes))
-    beam = beam_stretch(setup.screw.rigid, stations, full, setup.section)
+    beam = replace_stretch_by_beam(setup.screw.rigid, stations, full, setup.section)
     F = beam.F.copy()
     F[:m, :m] += keep_local_response(full.F[:m, :m] - beam.F[:m, :m], setup.screw)
     return mount_stretch(replace(beam, F=F), scene, setup.section)
 
 
-def normal_motion_of_nodes(C: Compliance, z: Array) -> Array:
+def normal_motion_by_modes(C: Compliance, z: Array) -> Array:
     """Compute the motion of every contact node along its normal from the displacements of the modes.
 
     Parameters
@@ -222,7 +225,7 @@ def expected_touching_nodes(p: PlacedSet, gap: Array) -> Array:
         Whether each node is expected to touch.
     """
     out = np.zeros(gap.shape, dtype=bool)
-    for nodes, _ in p.zones:
+    for nodes, _ in p.node_slices_of_flanks:
         gaps = gap[:, nodes]
         third = gaps.shape[1] // 3
         out[:, nodes] = gaps < np.partition(gaps, third, axis=1)[:, third, None]
@@ -245,14 +248,14 @@ def average_over_pressure_functions(p: PlacedSet, values: Array) -> Array:
         Means over the pressure function of each node.
     """
     out = np.empty_like(values)
-    for nodes, s in p.zones:
+    for nodes, s in p.node_slices_of_flanks:
         by_node = np.moveaxis(values[:, nodes], 1, 0)
-        mean = mean_weights(p.setup.patches[s].groove.weights) @ by_node.reshape(len(by_node), -1)
+        mean = normalise_rows_of_weights(p.setup.patches[s].groove.weights) @ by_node.reshape(len(by_node), -1)
         out[:, nodes] = np.moveaxis(mean.reshape(by_node.shape), 0, 1)
     return out
 
 
-def grid_gap_corrections(p: PlacedSet, forces: Array, directions: Array) -> Array:
+def gap_corrections_for_grid_positions(p: PlacedSet, forces: Array, directions: Array) -> Array:
     """Compute corrections of all gaps that remove the effect of each contact's position on its mesh grid.
 
     The corrections are tabulated by `hifi.bodies.grid_wave`.
@@ -272,7 +275,7 @@ def grid_gap_corrections(p: PlacedSet, forces: Array, directions: Array) -> Arra
         Corrections to be added to the gaps [m].
     """
     out = np.zeros_like(forces)
-    for nodes, s in p.zones:
+    for nodes, s in p.node_slices_of_flanks:
         pair = p.setup.patches[s]
         if pair.wave is not None:
             pressed = forces[:, nodes]
@@ -282,7 +285,7 @@ def grid_gap_corrections(p: PlacedSet, forces: Array, directions: Array) -> Arra
     return out
 
 
-def vectors_to_groove_nodes(p: PlacedSet, drawn: Specimen) -> Array:
+def ball_centre_to_groove_nodes(p: PlacedSet, drawn: Specimen) -> Array:
     """Return the vectors from the centre of each ball to the nodes of its grooves, in the ball's frame.
 
     Nominal positions are changed by the geometric errors of each groove and by the shift of the nut. Along its track a
@@ -302,14 +305,14 @@ def vectors_to_groove_nodes(p: PlacedSet, drawn: Specimen) -> Array:
     """
     m = p.setup.map
     x3, _, z3 = m.axes()
-    nominal_centres, radii = nominal_groove_centres(p.setup.scene), groove_radii(p.setup.scene)
+    nominal_centres, radii = nominal_groove_centres(p.setup.scene), nominal_groove_radii(p.setup.scene)
     rows = []
     for s in p.sides:
         local = p.setup.patches[s].groove.points - np.array([m.R, 0.0, 0.0])
         offset = drawn.centre[:, s] - nominal_centres[s]
         shift = offset[:, :1, None] * x3 + offset[:, 1:, None] * z3
-        gamma, _ = m.polar(s, local @ x3, local @ z3)
-        inward = radii[s] - groove_profile(gamma, drawn.radius[s], drawn.profile[s])[0]
+        gamma, _ = m.section_to_polar(s, local @ x3, local @ z3)
+        inward = radii[s] - groove_radius_with_slopes(gamma, drawn.radius[s], drawn.profile[s])[0]
         sx, sz = m.signs[s]
         outward = sx * np.cos(gamma)[:, None] * x3 + sz * np.sin(gamma)[:, None] * z3
         by_nut = p.offset * np.cos(m.alpha) * z3 if s >= 2 else np.zeros(3)
@@ -357,7 +360,7 @@ def rigid_body_normal_motion(p: PlacedSet, directions: Array, origin: float, *, 
     """
     layout = p.setup.layout
     out = np.zeros((*directions.shape[:2], 6))
-    for nodes, s in p.zones:
+    for nodes, s in p.node_slices_of_flanks:
         if (s < 2) != screw:
             continue
         for i in range(p.ball_count):
@@ -397,18 +400,18 @@ def ball_motion_relative_to_grooves(p: PlacedSet, balls: Array, along: Array, di
     slid : (balls, n) Array
         Motion along the track, less the mean over the flanks of a ball [m].
     """
-    motion = np.zeros((len(balls), len(p.zones), 3))
-    for k, (nodes, _) in enumerate(p.zones):
+    motion = np.zeros((len(balls), len(p.node_slices_of_flanks), 3))
+    for k, (nodes, _) in enumerate(p.node_slices_of_flanks):
         for i in range(len(balls)):
             motion[i, k] = balls[i] - np.linalg.lstsq(directions[i, nodes], along[i, nodes], rcond=1e-6)[0]
     y3 = p.setup.map.axes()[1]
     slid = motion @ y3
     shift = motion - slid[..., None] * y3
-    sizes = [nodes.stop - nodes.start for nodes, _ in p.zones]
+    sizes = [nodes.stop - nodes.start for nodes, _ in p.node_slices_of_flanks]
     return np.repeat(shift, sizes, axis=1), np.repeat(slid - slid.mean(axis=1, keepdims=True), sizes, axis=1)
 
 
-def helical_direction(p: PlacedSet) -> Array:
+def helical_motion_at_nodes(p: PlacedSet) -> Array:
     """Return the velocities of the track's helical motion at the n contact nodes of a ball ``(n, 3)``, without unit.
 
     They are in the ball's frame, and scaled so that the velocity at the ball's centre is 1.

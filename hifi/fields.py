@@ -18,47 +18,47 @@ from skfem import Mesh, condense
 from rollbench.hifi.bodies.coarse import (
     Socket,
     assemble_body_stiffness,
+    convert_mesh_order,
     freedoms_of_nodes,
     isostatic_freedoms,
-    mesh_of_order,
 )
-from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, patch_displacements
+from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, nodal_displacements_of_patch
 from rollbench.hifi.condensation import (
-    ball_compliance,
-    condense_side,
-    condense_side_arguments,
-    nut_transform,
-    screw_transform,
-    stiffness_and_modes,
+    assemble_stiffness_and_contact_modes,
+    collect_flank_condensation_arguments,
+    condense_ball,
+    condense_patches_of_flank,
+    expansion_of_free_nut_freedoms,
+    expansion_of_free_screw_freedoms,
 )
-from rollbench.hifi.contact.balls import BallBlock, solve_balls, uncoupled_compliance
+from rollbench.hifi.contact.balls import BallBlock, compliance_of_single_ball, solve_contacts_of_all_balls
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import hooke, mean_weights
-from rollbench.hifi.linear_algebra import factor
+from rollbench.hifi.elements.forms import isotropic_stress_law, normalise_rows_of_weights
+from rollbench.hifi.linear_algebra import factorise_positive_definite
 from rollbench.hifi.meshing.part_meshes import (
     Meshes,
     ball_socket_and_map,
-    body_kind,
     contacts_on_body,
+    element_order_of_bodies,
     mesh_parts,
     mesh_patch,
     patch_normals,
-    rotated_sockets,
     rotation_about_z,
+    sockets_at_contact_azimuths,
 )
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.reference import ReferenceResult
 from rollbench.hifi.setup import Setup
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.ball_body import directions
-from rollbench.meshes.fem import cells_of, with_points
+from rollbench.meshes.ball_body import contact_frame_vectors
+from rollbench.meshes.fem import nodes_of_cells, with_node_coordinates
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import GroovedBody
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import Material, Scene
-from rollbench.meshes.sockets import local_points
-from rollbench.meshes.solid import Dimensions, solid_dimensions
+from rollbench.meshes.sockets import points_in_reference_socket
+from rollbench.meshes.solid import Dimensions, dimensions_of_3d_parts
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
     nodes = mesh.elem.doflocs.T
     basis = forms.cell_basis(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])))
     slope = np.stack([basis.interpolate(component).grad for component in u.T])  # du_i/dx_j
-    stress = hooke(material.youngs_modulus, material.poissons_ratio)(0.5 * (slope + slope.swapaxes(0, 1)))
+    stress = isotropic_stress_law(material.youngs_modulus, material.poissons_ratio)(0.5 * (slope + slope.swapaxes(0, 1)))
     at_nodes = np.stack([stress[i, j].T for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))], axis=-1)
     cells = mesh.dofs.element_dofs if elements is None else mesh.dofs.element_dofs[:, elements]
     total, count = np.zeros((len(u), 6)), np.zeros(len(u))
@@ -144,7 +144,7 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
     return out
 
 
-def contact_forces(setup: Setup, result: ReferenceResult) -> dict[int, Array]:
+def pressure_function_forces_by_flank(setup: Setup, result: ReferenceResult) -> dict[int, Array]:
     """Return the normal forces of the pressure functions of all balls, separately for each flank.
 
     Parameters
@@ -174,7 +174,7 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
     mesh : GroovedBody
         Mesh of the stretch, with n nodes.
     forces : dict[int, Array]
-        Normal forces, by `contact_forces`.
+        Normal forces, by `pressure_function_forces_by_flank`.
     scene : Scene | None, default None
         Load case; None: the scene of the prepared geometry.
 
@@ -188,12 +188,12 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
     ValueError
         The scene supports or loads the screw beyond the low end, so that the high end carries an unknown reaction.
     """
-    refuse_beyond_low_end(scene or setup.scene, setup.dims)
+    refuse_supports_beyond_low_end(scene or setup.scene, setup.dims)
     high = setup.dims.ends(setup.scene)[1]
-    return _coarse_displacement(setup, mesh, forces, screw_transform(mesh, setup.dims, high), screw=True)
+    return _coarse_displacement(setup, mesh, forces, expansion_of_free_screw_freedoms(mesh, setup.dims, high), screw=True)
 
 
-def refuse_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
+def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
     """Raise ValueError if a scene supports or loads its screw beyond the low end of the 3D stretch.
 
     Parameters
@@ -222,14 +222,14 @@ def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) 
     mesh : GroovedBody
         Mesh of the nut, with n nodes.
     forces : dict[int, Array]
-        Normal forces, by `contact_forces`.
+        Normal forces, by `pressure_function_forces_by_flank`.
 
     Returns
     -------
     (n, 3) Array
         Displacements [m].
     """
-    return _coarse_displacement(setup, mesh, forces, nut_transform(mesh, setup.dims), screw=False)
+    return _coarse_displacement(setup, mesh, forces, expansion_of_free_nut_freedoms(mesh, setup.dims), screw=False)
 
 
 def _coarse_displacement(
@@ -237,19 +237,21 @@ def _coarse_displacement(
 ) -> Array:
     """Solve K q = Q^T V^T f for the displacements of a coarse body ``(n, 3)`` [m] under its contact loads.
 
-    ``mesh``: mesh of the body with n nodes; ``forces``: normal forces by flank, of `contact_forces`; T: matrix that maps
-    the free degrees of freedom to all of them; ``screw``: whether the body is the screw (True) or the nut.
+    ``mesh``: mesh of the body with n nodes; ``forces``: normal forces by flank, of `pressure_function_forces_by_flank`; T:
+    matrix that maps the free degrees of freedom to all of them; ``screw``: whether the body is the screw (True) or the nut.
     """
     material = (setup.scene.screw if screw else setup.scene.nut).material
     patches = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
-    sockets = rotated_sockets(mesh, contacts_on_body(setup.layout, setup.sides, screw))
-    K, Q, kept = stiffness_and_modes(material, mesh.mesh, sockets, patches, setup.settings.modes, setup.settings)
+    sockets = sockets_at_contact_azimuths(mesh, contacts_on_body(setup.layout, setup.sides, screw))
+    K, Q, kept = assemble_stiffness_and_contact_modes(
+        material, mesh.mesh, sockets, patches, setup.settings.modes, setup.settings
+    )
     amplitude = [
         kept[s][0].T @ (forces[s][i] if s in forces else np.zeros(len(patches[s].A)))
         for i in range(setup.layout.z.size)
         for s in patches
     ]
-    q = factor((T.T @ K @ T).tocsc())(T.T @ (Q.T @ np.concatenate(amplitude)))
+    q = factorise_positive_definite((T.T @ K @ T).tocsc())(T.T @ (Q.T @ np.concatenate(amplitude)))
     return np.asarray(T @ q).reshape(-1, 3)
 
 
@@ -271,7 +273,9 @@ def mesh_groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
         The patch.
     """
     body = meshes.screw if side < 2 else meshes.nut
-    return mesh_patch(meshes, body.sockets[side], partial(local_points, setup.map, meshes.size, side), setup.settings)
+    return mesh_patch(
+        meshes, body.sockets[side], partial(points_in_reference_socket, setup.map, meshes.size, side), setup.settings
+    )
 
 
 def mesh_ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
@@ -300,7 +304,7 @@ def groove_patch_field(
     side : int
         Flank 0 to 3.
     forces : dict[int, Array]
-        Normal forces, by `contact_forces`.
+        Normal forces, by `pressure_function_forces_by_flank`.
 
     Returns
     -------
@@ -322,11 +326,13 @@ def _patch_field(mesh: PatchMesh, normals: Array, material: Material, forces: Ar
     ``normals``: directions of the contact loads (c, 3); ``forces``: contact loads (c,) [N]; ``trace``: displacements of the
     socket's nodes in the patch's frame (3 k,) [m].
     """
-    u = patch_displacements(mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, trace)
+    u = nodal_displacements_of_patch(mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, trace)
     return SolidField(mesh.points, mesh.cells, mesh.kind, u, nodal_stress(mesh.mesh, u, material))
 
 
-def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material: Material, reach: float) -> SolidField:
+def stress_field_near_ball(
+    setup: Setup, mesh: GroovedBody, u: Array, ball: int, material: Material, reach: float
+) -> SolidField:
     """Return displacements and stresses of a coarse body near one ball, in a frame turned to the ball.
 
     The ball is at azimuth 0 and z = 0 of that frame, whose origin lies on the screw's axis.
@@ -355,15 +361,17 @@ def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material:
     points = (mesh.points - np.array([0.0, 0.0, setup.layout.z[ball]])) @ R
     near = np.linalg.norm(points - np.array([setup.map.R, 0.0, 0.0]), axis=1) < reach
     elements = np.flatnonzero(near[mesh.cells].any(axis=1))
-    body = mesh_of_order(with_points(mesh.mesh, points), kind := body_kind(setup.settings))
+    body = convert_mesh_order(with_node_coordinates(mesh.mesh, points), kind := element_order_of_bodies(setup.settings))
     if kind == "P1":  # eight first-order cells for each second-order one
         elements = (8 * elements[:, None] + np.arange(8)).ravel()
     stress = nodal_stress(body, u @ R, material, elements)
-    used, cells = np.unique(cells_of(body)[elements], return_inverse=True)
+    used, cells = np.unique(nodes_of_cells(body)[elements], return_inverse=True)
     return SolidField(points[used], cells.reshape(len(elements), -1), kind, u[used] @ R, stress[used])
 
 
-def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array]) -> dict[int | None, SolidField]:
+def stress_fields_of_ball(
+    setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array]
+) -> dict[int | None, SolidField]:
     """Compute displacements and stresses of one ball, in a frame that is turned to the ball, with its centre as origin.
 
     Parameters
@@ -375,7 +383,7 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
     ball : int
         Number of the ball, from 0.
     forces : dict[int, Array]
-        Normal forces, by `contact_forces`.
+        Normal forces, by `pressure_function_forces_by_flank`.
 
     Returns
     -------
@@ -386,7 +394,7 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
     e, nu = material.youngs_modulus, material.poissons_ratio
     patches: dict[int, CondensedPatch] = {s: p.ball for s, p in setup.patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in patches]
-    body = mesh_of_order(mesh.mesh, kind := body_kind(setup.settings))
+    body = convert_mesh_order(mesh.mesh, kind := element_order_of_bodies(setup.settings))
     K = assemble_body_stiffness(body, sockets, patches, e, nu)
     held = isostatic_freedoms(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
@@ -395,10 +403,10 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
         if s in forces:
             np.add.at(load, freedoms_of_nodes(mesh.socket_nodes[s]), patch.H.T @ forces[s][ball])
     u = np.zeros(K.shape[0])
-    u[free] = factor(condense(K, D=held, expand=False))(load[free])
+    u[free] = factorise_positive_definite(condense(K, D=held, expand=False))(load[free])
     u = u.reshape(-1, 3)
     by_side: dict[int | None, SolidField] = {
-        None: SolidField(mesh.points, cells_of(body), kind, u, nodal_stress(body, u, material))
+        None: SolidField(mesh.points, nodes_of_cells(body), kind, u, nodal_stress(body, u, material))
     }
     for s in forces:
         piece = mesh_ball_patch(setup, meshes, s)
@@ -458,15 +466,15 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
     if not forces.sum() > 0.0:
         raise ValueError(f"the contact on flank {side} got a force of {forces.sum():.3g} N; allowed for a pressure: > 0 N")
     arms = patch.points - np.array([m.R, 0.0, 0.0])
-    n, t1, t2 = directions(m, side)
+    n, t1, t2 = contact_frame_vectors(m, side)
     across, along = arms @ t1, arms @ t2
-    nodal = mean_weights(patch.weights).T @ forces
+    nodal = normalise_rows_of_weights(patch.weights).T @ forces
     resultant = nodal @ (arms / np.linalg.norm(arms, axis=1)[:, None])
     load = float(np.linalg.norm(resultant))
     angle = m.beta + float(np.arctan2(resultant @ t1, resultant @ n))
     centre = np.array([nodal @ across, nodal @ along]) / nodal.sum()
     material = scene.balls.material
-    closed = hertz(load, *m.relative_radii(side, angle), material.youngs_modulus, material.poissons_ratio)
+    closed = hertz(load, *m.relative_curvature_radii(side, angle), material.youngs_modulus, material.poissons_ratio)
     return ContactPressure(across, along, forces / patch.areas, centre, load, closed, patch.areas, patch.shape)
 
 
@@ -505,18 +513,21 @@ def ball_contact_pressures(
     sides = tuple(s for s in range(4) if loads[s] > 0.0)
     if not sides:
         raise ValueError(f"ball {ball + 1} carries no load, so that it has no contact pressure; allowed: a load > 0 N")
-    m, all_balls, dims = GrooveMap.of(scene), ball_layout(scene), solid_dimensions(scene)
+    m, all_balls, dims = GrooveMap.of(scene), ball_layout(scene), dimensions_of_3d_parts(scene)
     row = slice(ball, ball + 1)
     layout = BallLayout(*(getattr(all_balls, x.name)[row] for x in fields(BallLayout)))
     meshes = mesh_parts(scene, m, layout, dims, sides, settings)
-    patches = {s: condense_side(*condense_side_arguments(scene, m, dims, meshes, s, settings)) for s in sides}
-    whole_ball = ball_compliance(scene.balls.material, meshes.ball, patches, settings)
+    patches = {
+        s: condense_patches_of_flank(*collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings))
+        for s in sides
+    }
+    whole_ball = condense_ball(scene.balls.material, meshes.ball, patches, settings)
     block = BallBlock(tuple(patches[s].local for s in sides), tuple(whole_ball.modes[s] for s in sides), whole_ball.G)
     x3, _, z3 = m.axes()
     gaps, N, f, start = [], np.zeros((len(block), 3 * len(sides))), np.zeros(3 * len(sides)), 0
     for k, s in enumerate(sides):
         groove = patches[s].groove
-        mean = mean_weights(groove.weights)
+        mean = normalise_rows_of_weights(groove.weights)
         arms = groove.points - np.array([m.R, 0.0, 0.0])
         length = np.linalg.norm(arms, axis=1)
         pairs, columns = slice(start, start + length.size), slice(3 * k, 3 * k + 3)
@@ -525,7 +536,7 @@ def ball_contact_pressures(
         f[columns] = loads[s] * (sx * np.cos(angles[s]) * x3 + sz * np.sin(angles[s]) * z3)
         gaps.append(mean @ (length - m.ball))
         start = pairs.stop
-    result, _ = solve_balls(uncoupled_compliance(block), np.concatenate(gaps), sp.csr_array(N), f)
+    result, _ = solve_contacts_of_all_balls(compliance_of_single_ball(block), np.concatenate(gaps), sp.csr_array(N), f)
     if not result.converged:
         raise ValueError(f"the contact pressures of ball {ball + 1} cannot be computed: {result.status}")
     ends = np.cumsum([0] + [len(patches[s].groove.A) for s in sides])

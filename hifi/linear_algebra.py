@@ -50,7 +50,7 @@ class Supernodes(NamedTuple):
     rows: Index
 
 
-def symbolic_factor(K: sp.csc_array) -> Supernodes:
+def find_elimination_order(K: sp.csc_array) -> Supernodes:
     """Compute the elimination order and the supernodes of a sparse matrix, without regard to its values.
 
     K: matrix of symmetric pattern (n, n).
@@ -59,7 +59,7 @@ def symbolic_factor(K: sp.csc_array) -> Supernodes:
     dissected = _nested_dissection(graph, group)
     tree = _elimination_tree(graph[dissected][:, dissected])
     order = dissected[(later := _postorder(tree))]
-    first = _first_columns(_renumbered_parents(tree, later))
+    first = _first_columns_of_supernodes(_renumbered_parents(tree, later))
     rows = _supernode_rows(graph[order][:, order], first)
     # from vertices to their degrees of freedom
     freedoms, weights = np.argsort(group, kind="stable"), np.bincount(group)
@@ -178,7 +178,7 @@ def _renumbered_parents(parent: Index, order: Index) -> Index:
     return np.asarray(place[parent[order]])
 
 
-def _first_columns(parent: Index) -> Index:
+def _first_columns_of_supernodes(parent: Index) -> Index:
     """Find the first vertex of each supernode of a tree; the number of all vertices comes last.
 
     ``parent``: parent of each vertex (n,), n for a root; the vertices are in postorder.
@@ -255,7 +255,7 @@ class EliminatedFront(NamedTuple):
     share: Array
 
 
-def gram_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Array:
+def inverse_product_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Array:
     """Compute the matrix B^T K^-1 B by multifrontal elimination, without storing the factor of K.
 
     Parameters
@@ -340,13 +340,13 @@ def _eliminate_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> It
         rows = nodes.rows[nodes.start[k] : nodes.start[k + 1]]
         local[rows] = np.arange(rows.size)
         children = waiting.pop(k, [])
-        loaded, load_of, loads = _sparse_entries(B, freedoms)
+        loaded, load_of, loads = _list_entries_of_lines(B, freedoms)
         border = np.unique(np.concatenate([loaded, *(child.border for child in children)]))
         left = rows.size - count
         panel, block, bordering = (
             np.zeros(shape, order="F") for shape in ((rows.size, count), (left, left), (border.size, rows.size))
         )
-        coupled, column, stiffness = _sparse_entries(K, freedoms)
+        coupled, column, stiffness = _list_entries_of_lines(K, freedoms)
         at = place[coupled]
         kept = at >= low
         panel[local[at[kept]], column[kept]] = stiffness[kept]
@@ -365,7 +365,7 @@ def _eliminate_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> It
         yield done
 
 
-def _sparse_entries(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index, Index, Array]:
+def _list_entries_of_lines(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index, Index, Array]:
     """List the entries of some columns of a csc matrix, or of some rows of a csr matrix.
 
     ``lines``: indices of these columns or rows. Returns, for each entry, the index of its row (csc) or column (csr), the
@@ -438,7 +438,7 @@ class FactorError(ArithmeticError):
     """Error of a matrix that cannot be factorised: not positive definite, or singular to working precision."""
 
 
-def factor(K: sp.sparray) -> Solve:
+def factorise_positive_definite(K: sp.sparray) -> Solve:
     """Factorise a symmetric positive definite matrix. Its definiteness is checked, its symmetry is not.
 
     Parameters
@@ -462,18 +462,18 @@ def factor(K: sp.sparray) -> Solve:
     [1.0, 0.5]
     """
     matrix = sp.csc_array(K)
-    diagonal = _positive_diagonal(matrix)
+    diagonal = _checked_positive_diagonal(matrix)
     by_fronts = matrix.shape[0] > SMALL
     solve = (
-        _run_elimination(lambda: factor_by_fronts(matrix, symbolic_factor(matrix)))
+        _run_elimination(lambda: factor_by_fronts(matrix, find_elimination_order(matrix)))
         if by_fronts
         else _superlu_solver(matrix)
     )
-    _check_response(solve, diagonal)
+    _check_response_to_random_load(solve, diagonal)
     return solve
 
 
-def compliance(K: sp.sparray, rows: sp.sparray) -> Array:
+def symmetric_compliance_of_loads(K: sp.sparray, rows: sp.sparray) -> Array:
     """Compute the compliance R K^-1 R^T between several load cases R of a constrained body, made exactly symmetric.
 
     Parameters
@@ -498,11 +498,11 @@ def compliance(K: sp.sparray, rows: sp.sparray) -> Array:
     >>> compliance(sp.csc_array(np.diag([2.0, 4.0])), sp.csr_array(np.eye(2))).tolist()
     [[0.5, 0.0], [0.0, 0.25]]
     """
-    F = gram_of_inverse(K, sp.csr_array(rows).T) if rows.shape[0] else np.zeros((0, 0))
+    F = product_with_inverse(K, sp.csr_array(rows).T) if rows.shape[0] else np.zeros((0, 0))
     return np.asarray(0.5 * (F + F.T))
 
 
-def gram_of_inverse(K: sp.sparray, B: sp.sparray) -> Array:
+def product_with_inverse(K: sp.sparray, B: sp.sparray) -> Array:
     """Compute the matrix B^T K^-1 B for a stiffness K and loads B; a large K is eliminated without storing its factor.
 
     The result is checked by an additional column K x with a known solution x. If the check fails, a warning is given,
@@ -527,11 +527,11 @@ def gram_of_inverse(K: sp.sparray, B: sp.sparray) -> Array:
         K is not positive definite, or singular (an unconstrained body).
     """
     inner, columns = sp.csc_array(K), sp.csc_array(B)
-    diagonal = _positive_diagonal(inner)
+    diagonal = _checked_positive_diagonal(inner)
     if inner.shape[0] > SMALL or B.shape[0] * B.shape[1] > FEW:
         known = np.random.default_rng(2).standard_normal(inner.shape[0]) / np.sqrt(diagonal)
         loads = sp.hstack([columns, sp.csc_array((inner @ known)[:, None])]).tocsr()
-        solved = _run_elimination(lambda: gram_by_fronts(inner, loads, symbolic_factor(inner)))
+        solved = _run_elimination(lambda: inverse_product_by_fronts(inner, loads, find_elimination_order(inner)))
         answer = columns.T @ known
         off = np.linalg.norm(solved[:-1, -1] - answer)
         if off <= CHECKED * np.linalg.norm(answer):
@@ -539,10 +539,10 @@ def gram_of_inverse(K: sp.sparray, B: sp.sparray) -> Array:
         missed = f"multifrontal elimination misses a known solution by {off / np.linalg.norm(answer):.1g} of its norm"
         message = f"{missed}; the whole factor is stored instead, which takes several times the memory and time"
         warnings.warn(message, RuntimeWarning, stacklevel=3)
-    return np.asarray(columns.T @ factor(inner)(columns.toarray()))
+    return np.asarray(columns.T @ factorise_positive_definite(inner)(columns.toarray()))
 
 
-def _positive_diagonal(matrix: sp.csc_array) -> Array:
+def _checked_positive_diagonal(matrix: sp.csc_array) -> Array:
     """Return the diagonal ``(n,)`` of a matrix ``(n, n)``; raise FactorError unless all its entries are positive."""
     diagonal: Array = matrix.diagonal()
     if not np.all(diagonal > 0.0):  # also NaN
@@ -551,7 +551,7 @@ def _positive_diagonal(matrix: sp.csc_array) -> Array:
     return diagonal
 
 
-def _check_response(solve: Solve, diagonal: Array) -> None:
+def _check_response_to_random_load(solve: Solve, diagonal: Array) -> None:
     """Check a factorised matrix by a random load; raise FactorError if it is singular to working precision.
 
     ``solve``: function that solves for a right-hand side with the factorised matrix; ``diagonal``: its diagonal (n,).

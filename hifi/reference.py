@@ -16,27 +16,27 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.hifi.contact.balls import ContactResult, SolverState, solve_balls
+from rollbench.hifi.contact.balls import ContactResult, SolverState, solve_contacts_of_all_balls
 from rollbench.hifi.coupling import (
     PlacedSet,
-    assemble_compliance,
+    assemble_contact_compliance,
     average_over_pressure_functions,
+    ball_centre_to_groove_nodes,
     ball_motion_relative_to_grooves,
     expected_touching_nodes,
     gap_closing_matrix,
-    grid_gap_corrections,
-    helical_direction,
+    gap_corrections_for_grid_positions,
+    helical_motion_at_nodes,
     mount_screw,
-    normal_motion_of_nodes,
+    normal_motion_by_modes,
     rigid_body_normal_motion,
-    vectors_to_groove_nodes,
 )
-from rollbench.hifi.elements.rigid import transport
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
 from rollbench.hifi.setup import Setup
 from rollbench.hifi.shaft.beam import Frame
 from rollbench.hifi.shaft.mounting import MountedShaft
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.parts import Scene
 
 #: Remaining change of any contact load at which directions and gaps count as settled, over the mean load: a hundredth of
@@ -191,15 +191,15 @@ class LoadCase:
             Parts of the model to leave out, of `INGREDIENTS`.
         """
         self.sets, self.frame, self.mounted = sets, frame, mounted
-        self.C, self.rows = assemble_compliance(sets, mounted, leave_out)
+        self.C, self.rows = assemble_contact_compliance(sets, mounted, leave_out)
         self.on_mounted = self.rows < len(mounted.G)
         self.at_rest = np.zeros(self.rows.size)
         self.at_rest[self.on_mounted] = mounted.loads[self.rows[self.on_mounted]]
-        drawn = [specimen(p.scene, p.setup.layout) for p in sets]
+        drawn = [draw_specimen(p.scene, p.setup.layout) for p in sets]
         self.radii = [d.ball_radius for d in drawn]
-        self.arms = [vectors_to_groove_nodes(p, d) for p, d in zip(sets, drawn, strict=True)]
-        self.along = [helical_direction(p) for p in sets]
-        self.load_motion = normal_motion_of_nodes(self.C, self.at_rest)
+        self.arms = [ball_centre_to_groove_nodes(p, d) for p, d in zip(sets, drawn, strict=True)]
+        self.along = [helical_motion_at_nodes(p) for p in sets]
+        self.load_motion = normal_motion_by_modes(self.C, self.at_rest)
         self.balls = sum(p.ball_count for p in sets)
 
     def solve_first_round(self) -> ContactRound:
@@ -225,10 +225,13 @@ class LoadCase:
         moved = [_NO_MOTION for _ in self.sets]
         if moving:
             z = self.C.coupling @ self.C.amplitude(last.result.forces) + self.at_rest
-            along = self.split_by_set(normal_motion_of_nodes(self.C, z) + last.by_rigid @ self.rigid_amplitudes(last))
+            along = self.split_by_set(normal_motion_by_modes(self.C, z) + last.by_rigid @ self.rigid_amplitudes(last))
             each = zip(self.sets, self.ball_motions(last), along, last.directions, strict=True)
             moved = [ball_motion_relative_to_grooves(*of_set) for of_set in each]
-        level = [grid_gap_corrections(*of_set) for of_set in zip(self.sets, last.forces, last.directions, strict=True)]
+        level = [
+            gap_corrections_for_grid_positions(*of_set)
+            for of_set in zip(self.sets, last.forces, last.directions, strict=True)
+        ]
         return self._solve_round(moved, level, last.state)
 
     def rigid_amplitudes(self, last: ContactRound) -> Array:
@@ -264,7 +267,7 @@ class LoadCase:
             normals = arms / length[..., None]
             back = shift + slid[..., None] * self.along[k]  # the solver's gaps lose it again
             gap = length - self.radii[k][:, None] + np.einsum("ink,ink->in", normals, np.broadcast_to(back, arms.shape))
-            by_rigid.append(average_over_pressure_functions(p, self._rigid_normal_motion(p, normals)))
+            by_rigid.append(average_over_pressure_functions(p, self._normal_motion_by_rigid_motions(p, normals)))
             gap = average_over_pressure_functions(p, gap)
             directions.append(average_over_pressure_functions(p, normals))
             rests.append((gap + level[k]).ravel())
@@ -273,7 +276,7 @@ class LoadCase:
         free_motions = np.concatenate([rows.reshape(-1, len(motions)) for rows in by_rigid]) @ motions
         f = np.concatenate([np.zeros(3 * self.balls), self.mounted.work])
         N = gap_closing_matrix(directions, free_motions)
-        result, state = solve_balls(
+        result, state = solve_contacts_of_all_balls(
             self.C, np.concatenate(rests) + self.load_motion, N, f, start=start, touching=tuple(touching)
         )
         forces = self.split_by_set(result.forces)
@@ -281,7 +284,7 @@ class LoadCase:
         load, angle = (np.concatenate(x) for x in zip(*resultants, strict=True))
         return ContactRound(result, state, directions, by_rigid, free_motions, forces, load, angle)
 
-    def _rigid_normal_motion(self, p: PlacedSet, normals: Array) -> Array:
+    def _normal_motion_by_rigid_motions(self, p: PlacedSet, normals: Array) -> Array:
         """Compute the motion of contact nodes along their normals by unit rigid motions of shaft and housings.
 
         The result is ``(balls, n, 6 (1 + h))`` for h housings.
@@ -321,7 +324,7 @@ class LoadCase:
         loads = [last.load]
         for done in range(most + 1):
             left = remaining_load_change(loads)
-            if not last.result.converged or left <= SETTLED * _mean_load(last.load) or done == most:
+            if not last.result.converged or left <= SETTLED * _mean_of_nonzero_loads(last.load) or done == most:
                 break
             step(done + 2)
             last = self.solve_next_round(last, moving=moving)
@@ -351,7 +354,7 @@ class LoadCase:
             return last.result.status, 0.0
         if any(_is_outermost_node_loaded(p, forces) for p, forces in zip(self.sets, last.forces, strict=True)):
             return AT_RIM, 0.0
-        if left > SETTLED * _mean_load(last.load):
+        if left > SETTLED * _mean_of_nonzero_loads(last.load):
             left_words = f"loads may still move by {left:.2g} N after {updates} updates of directions and gaps"
             return f"not settled: {left_words}", left
         return "converged", 0.0
@@ -377,7 +380,7 @@ class LoadCase:
         # contact loads press on the grooves: along the normals counted from ball to groove
         forces, rows = self.C.amplitude(last.result.forces)[self.on_mounted], self.rows[self.on_mounted]
         line = m.line + m.line_modes[:, :, rows] @ forces
-        line = line + np.array([transport(x - m.origin) @ rigid[:6] for x in z])
+        line = line + np.array([rigid_motion_transfer_matrix(x - m.origin) @ rigid[:6] for x in z])
         housings = m.housings + m.housings_modes[:, :, rows] @ forces + rigid[6:].reshape(-1, 6)
         z, first = np.unique(z, return_index=True)
         return z, line[first], housings
@@ -414,7 +417,9 @@ class LoadCase:
         """
         arms = [self.mounted.origin - p.shift - p.setup.scene.nut.position for p in self.sets]
         each = zip(arms, last.rigid_normal_motion, last.forces, strict=True)
-        return tuple(transport(arm).T @ np.einsum("ink,in->k", rows[..., :6], f) for arm, rows, f in each)
+        return tuple(
+            rigid_motion_transfer_matrix(arm).T @ np.einsum("ink,in->k", rows[..., :6], f) for arm, rows, f in each
+        )
 
     def solve(
         self, most: int, report: Callable[[int], None] = lambda _: None, *, moving: bool = True, frozen: bool = False
@@ -511,7 +516,7 @@ def remaining_load_change(loads: Sequence[Array]) -> float:
     return changes[-1] * ratio / (1.0 - ratio)
 
 
-def _mean_load(load: Array) -> float:
+def _mean_of_nonzero_loads(load: Array) -> float:
     """Return the mean of the contact loads above zero [N]; 0 if there are none.
 
     ``load``: contact loads of all balls (balls, 4) [N].
@@ -526,7 +531,7 @@ def _contact_loads_and_angles(p: PlacedSet, forces: Array, normals: Array) -> tu
     """
     x3, _, z3 = p.setup.map.axes()
     load, angle = np.zeros((p.ball_count, 4)), np.full((p.ball_count, 4), np.nan)
-    for nodes, s in p.zones:
+    for nodes, s in p.node_slices_of_flanks:
         total = (forces[:, nodes, None] * normals[:, nodes]).sum(axis=1)
         load[:, s] = np.linalg.norm(total, axis=1)
         sx, sz = p.setup.map.signs[s]

@@ -27,32 +27,38 @@ from rollbench.hifi.condensation import (
     NutResponse,
     ScrewResponse,
     SidePatches,
-    ball_compliance,
-    condense_side,
-    condense_side_arguments,
-    is_turned_left_flank,
-    nut_response,
-    screw_response,
-    turn_to_right_flank,
+    collect_flank_condensation_arguments,
+    condense_ball,
+    condense_nut,
+    condense_patches_of_flank,
+    condense_screw,
+    is_half_turn_of_left_flank,
+    turn_patches_to_right_flank,
 )
-from rollbench.hifi.meshing.part_meshes import Meshes, mesh_recipes
+from rollbench.hifi.meshing.part_meshes import Meshes, list_mesh_calls
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube_section
 from rollbench.hifi.shaft.mounting import correct_beam_stiffness, subtract_cut_ends
 from rollbench.hifi.shaft.section import (
     EquivalentBeam,
-    helical_stiffness,
-    homogenise,
+    compute_equivalent_beam,
     meshed_shaft_flexibility,
     shaft_lengths,
+    stiffness_of_grooved_shaft,
 )
 from rollbench.meshes.cache import Cache, StageDone
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.processes import end_with_parent, one_thread_variables, peak_MB, reset_peak, without_restart_warnings
+from rollbench.meshes.processes import (
+    end_process_with_parent,
+    one_thread_environment,
+    peak_memory_MB,
+    reset_peak_memory,
+    without_restart_warnings,
+)
 from rollbench.meshes.sockets import AZIMUTH_TURNED
-from rollbench.meshes.solid import Dimensions, solid_dimensions
+from rollbench.meshes.solid import Dimensions, dimensions_of_3d_parts
 
 Step = Callable[[str], None]
 #: Contacts up to which screw and nut are condensed at once: with more, each takes gigabytes.
@@ -186,16 +192,18 @@ def prepare(
         A worker process was ended from outside.
     """
     stages = _StageRunner(cache or Cache(None), step)
-    m, layout, dims = GrooveMap.of(scene), ball_layout(scene), solid_dimensions(scene)
+    m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions_of_3d_parts(scene)
     stations = tuple(sorted({z for case in (scene, *scenes) for z in case.stations}))
-    recipes, gather = mesh_recipes(scene, m, layout, dims, sides, settings)
+    recipes, gather = list_mesh_calls(scene, m, layout, dims, sides, settings)
     meshes = gather(*stages.run([Job("meshes", *recipe) for recipe in recipes], processes))
     jobs = _patch_jobs(scene, m, dims, meshes, sides, settings)
     records = stages.run([*jobs.values(), *_shaft_jobs(scene, m, dims, settings, stations)], processes)
     condensed = dict(zip(jobs, records[: len(jobs)], strict=True))
-    patches = {s: condensed[s] if s in condensed else turn_to_right_flank(condensed[s - 1]) for s in sides}
+    patches = {s: condensed[s] if s in condensed else turn_patches_to_right_flank(condensed[s - 1]) for s in sides}
     section, *meshed = records[len(jobs) :]
-    homogenised = homogenise(m, scene.screw.bore / 2.0, scene.screw.material, section, meshed) if meshed else None
+    homogenised = (
+        compute_equivalent_beam(m, scene.screw.bore / 2.0, scene.screw.material, section, meshed) if meshed else None
+    )
 
     bodies = _body_jobs(scene, layout, dims, meshes, sides, settings, patches, stations)
     together = processes if layout.z.size * len(sides) <= TOGETHER else 1
@@ -218,7 +226,7 @@ def prepare(
         section=homogenised.section if homogenised else section,
         homogenised=homogenised,
         unknowns=unknowns,
-        quality=_mesh_quality(meshes, settings),
+        quality=_collect_mesh_quality(meshes, settings),
         seconds=stages.seconds,
         others_MB=sum(stages.others.values()),
     )
@@ -233,10 +241,18 @@ def _patch_jobs(
     """
     jobs = {}
     for s in sides:
-        alike = s - 1 in sides and settings.element == "Q2" and is_turned_left_flank(m, s) and _sockets_match(meshes, s)
+        alike = (
+            s - 1 in sides
+            and settings.element == "Q2"
+            and is_half_turn_of_left_flank(m, s)
+            and _have_mirrored_sockets(meshes, s)
+        )
         if not alike:
             jobs[s] = Job(
-                "patches", condense_side, condense_side_arguments(scene, m, dims, meshes, s, settings), SidePatches
+                "patches",
+                condense_patches_of_flank,
+                collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings),
+                SidePatches,
             )
     return jobs
 
@@ -245,8 +261,9 @@ def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings
     """List the jobs that compute the section of the shaft beyond the 3D stretch.
 
     ``stations``: axial positions of all supports and loads [m]. The jobs compute a plain section, or the stiffnesses of the
-    helical section and three meshed shafts for `homogenise`. Their arguments are only those that the result depends on, so
-    that other nuts and loads find them in the cache. If no support or load lies beyond the stretch, any section will do.
+    helical section and three meshed shafts for `compute_equivalent_beam`. Their arguments are only those that the result
+    depends on, so that other nuts and loads find them in the cache. If no support or load lies beyond the stretch, any
+    section will do.
     """
     screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends(scene)
     outer, bore = screw.outer_diameter / 2.0, screw.bore / 2.0
@@ -260,7 +277,7 @@ def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings
     meshed = [
         section_job(meshed_shaft_flexibility, (m, outer, dims.hole, e, settings.cell, x), tuple) for x in shaft_lengths(m)
     ]
-    return [section_job(helical_stiffness, (m, outer, bore, e), tuple), *meshed]
+    return [section_job(stiffness_of_grooved_shaft, (m, outer, bore, e), tuple), *meshed]
 
 
 def _body_jobs(
@@ -283,11 +300,11 @@ def _body_jobs(
     on_nut = {s: p.groove for s, p in patches.items() if s >= 2}
     of_screw = (screw.material, nut, ends, inside, meshes.screw, layout, sides, on_screw, settings, dims)
     of_nut = (nut.material, meshes.nut, layout, sides, on_nut, settings, dims)
-    nuts = [Job("nut", nut_response, of_nut, NutResponse)]
+    nuts = [Job("nut", condense_nut, of_nut, NutResponse)]
     return [
-        Job("screw", screw_response, of_screw, ScrewResponse),
+        Job("screw", condense_screw, of_screw, ScrewResponse),
         *(nuts if scene.solid.nut == "elastic" else []),
-        Job("ball", ball_compliance, (ball, meshes.ball, patches, settings), BallResponse),
+        Job("ball", condense_ball, (ball, meshes.ball, patches, settings), BallResponse),
     ]
 
 
@@ -311,7 +328,7 @@ def _correct_screw_stiffness(
     return replace(screw, stretch=subtract_cut_ends(stretch, homogenised.cut, m, stations))
 
 
-def _mesh_quality(meshes: Meshes, settings: Settings) -> dict[str, float]:
+def _collect_mesh_quality(meshes: Meshes, settings: Settings) -> dict[str, float]:
     """Collect the number of elements across a contact, the lowest quality of each mesh, and the grooves' deviation.
 
     The quality is the smallest scaled Jacobian; the deviation is that from the exact surface [m].
@@ -326,7 +343,7 @@ def _mesh_quality(meshes: Meshes, settings: Settings) -> dict[str, float]:
     }
 
 
-def _sockets_match(meshes: Meshes, side: int) -> bool:
+def _have_mirrored_sockets(meshes: Meshes, side: int) -> bool:
     """Return whether the sockets of a right flank have the nodes of the left one's, with azimuths reversed."""
     bodies = (meshes.screw if side < 2 else meshes.nut, meshes.ball)
     return all(
@@ -407,7 +424,7 @@ def compute_records(
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
     helpers = min(processes, len(jobs)) - 1
-    of_worker = {"initializer": end_with_parent, "initargs": (os.getpid(),), "env": one_thread_variables()}
+    of_worker = {"initializer": end_process_with_parent, "initargs": (os.getpid(),), "env": one_thread_environment()}
     others = get_memmapping_executor(helpers, **of_worker, max_nbytes=None)
     left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, ComputedRecord](), Lock()
 
@@ -450,7 +467,7 @@ def compute_records(
 
 def _compute_in_worker(job: Job, cache: Cache) -> ComputedRecord:
     """Compute the record of a job in a worker process, whose memory peak is reset first."""
-    reset_peak()
+    reset_peak_memory()
     cache.quiet = True
     return _compute_or_read(job, cache)
 
@@ -460,4 +477,4 @@ def _compute_or_read(job: Job, cache: Cache) -> ComputedRecord:
     start, hits, cold = perf_counter(), cache.hits, cache.cold_seconds
     value = cache.get(job.build, job.arguments, job.type_)
     spent, known = perf_counter() - start, cache.cold_seconds - cold
-    return ComputedRecord(value, spent, cache.hits > hits, known, os.getpid(), peak_MB(), cache.fault)
+    return ComputedRecord(value, spent, cache.hits > hits, known, os.getpid(), peak_memory_MB(), cache.fault)

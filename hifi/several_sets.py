@@ -15,7 +15,7 @@ from time import perf_counter
 import numpy as np
 
 from rollbench.hifi.coupling import PlacedSet
-from rollbench.hifi.elements.rigid import transport
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
 from rollbench.hifi.meshing.settings import nut_shift_for_axial_force
 from rollbench.hifi.reference import ROUNDS, LoadCase, ReferenceResult, slow_round_reporter
 from rollbench.hifi.setup import Setup
@@ -49,7 +49,7 @@ class SetBodies:
     shift: float
 
 
-def meshed_bodies(assembly: Assembly) -> tuple[SetBodies, ...]:
+def describe_bodies_of_each_set(assembly: Assembly) -> tuple[SetBodies, ...]:
     """Return the geometry that is meshed in 3D for each nut or bearing of an assembly.
 
     It includes a stretch of shaft, which reaches half the way to the next nut or bearing, but not farther beyond the nut
@@ -92,10 +92,12 @@ def meshed_bodies(assembly: Assembly) -> tuple[SetBodies, ...]:
         room[a], room[b] = min(room[a], half), min(room[b], half)
     stations = {*(x.at for x in assembly.supports), *(x.at for x in assembly.loads)}
     reach = min((*stations, *(x for face in faces for x in face))), max((*stations, *(x for face in faces for x in face)))
-    return tuple(_meshed_bodies_of_set(parts, assembly, room[k], stations, reach) for k, (_, parts) in enumerate(sets))
+    return tuple(
+        _describe_bodies_of_one_set(parts, assembly, room[k], stations, reach) for k, (_, parts) in enumerate(sets)
+    )
 
 
-def _meshed_bodies_of_set(
+def _describe_bodies_of_one_set(
     parts: Scene, assembly: Assembly, room: float, stations: set[float], reach: tuple[float, float]
 ) -> SetBodies:
     """Return the geometry that is meshed in 3D for one nut or bearing of an assembly.
@@ -140,7 +142,7 @@ def solve_sets(
     assembly : Assembly
         The shaft with its nuts and bearings.
     setups : Sequence[Setup]
-        Prepared bodies of each nut or bearing (`meshed_bodies`), in order.
+        Prepared bodies of each nut or bearing (`describe_bodies_of_each_set`), in order.
     frozen : bool, default False
         Whether to compute the contact loads with frozen normals and gaps as well.
     step : Callable[[str], None], optional
@@ -158,10 +160,10 @@ def solve_sets(
         is on a housing that moves.
     """
     begin, frame = perf_counter(), Frame.from_scene(assembly)
-    each = zip(assembly.sets, meshed_bodies(assembly), setups, strict=True)
+    each = zip(assembly.sets, describe_bodies_of_each_set(assembly), setups, strict=True)
     placed = tuple(PlacedSet(up, b.parts, up.sides, b.shift, frame.housing_index(s.housing), s.offset) for s, b, up in each)
     mounted = _mount_assembly(assembly, placed, frame)
-    placed, unmet = _replace_preloads_by_shifts(assembly, placed, frame)
+    placed, unmet = _find_shifts_for_preloads(assembly, placed, frame)
     found = LoadCase(placed, frame, mounted).solve(ROUNDS, slow_round_reporter(assembly.name, begin, step), frozen=frozen)
     status = f"not converged: {unmet}" if unmet and found.status == "converged" else found.status
     return replace(found, status=status, seconds=perf_counter() - begin)
@@ -180,8 +182,8 @@ def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Fram
         if p.setup.nut is None:
             raise ValueError("the 3D reference has no rigid nut on a housing that moves")
         at = frame.housings[p.housing].at - p.shift
-        carried.append(CarriedNut(p.setup.nut.G, p.setup.nut.rigid @ transport(-at), p.housing))
-    stretches = [p.setup.screw.stretch.shifted(p.shift) for p in placed]
+        carried.append(CarriedNut(p.setup.nut.G, p.setup.nut.rigid @ rigid_motion_transfer_matrix(-at), p.housing))
+    stretches = [p.setup.screw.stretch.shift_along_shaft(p.shift) for p in placed]
     steps = [z for segment in assembly.segments for z in (segment.start, segment.end)]
     return mount_stretches(stretches, frame, _section_function(assembly, placed), steps, carried)
 
@@ -202,7 +204,7 @@ def _section_function(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callab
     return at
 
 
-def _replace_preloads_by_shifts(
+def _find_shifts_for_preloads(
     assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame
 ) -> tuple[tuple[PlacedSet, ...], str]:
     """Replace preloads by force with the shifts of the nuts that cause them, in the absence of other loads.

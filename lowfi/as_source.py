@@ -14,20 +14,20 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
-from rollbench.lowfi.statics.contacts import error_free
+from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness_at_approach
+from rollbench.lowfi.statics.contacts import with_error_free_hertz
 from rollbench.lowfi.statics.held import free_motions
-from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState, build
+from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState, build_problem
 from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
-from rollbench.lowfi.statics.selection import shifts_of_beam
+from rollbench.lowfi.statics.selection import flank_motions_of_beam
 from rollbench.lowfi.statics.shape import shape_polynomials
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection
-from rollbench.meshes.surface import groove_profile
+from rollbench.meshes.surface import groove_radius_with_slopes
 
 Kinematics = Literal["arc", "source"]
 
@@ -55,7 +55,7 @@ class SourceSolution:
     reactions: Array
     #: Number of Newton steps.
     iterations: int
-    #: Largest residual of the equations over its scale, see `_residual_measures`.
+    #: Largest residual of the equations over its scale, see `_relative_residual`.
     residual: float
     #: Time that the solution took [s].
     seconds: float
@@ -100,7 +100,7 @@ def element_stiffness(length: float, s: BeamSection) -> Array:
     return k
 
 
-def beam_matrix(problem: Problem) -> Array:
+def beam_stiffness_of_screw(problem: Problem) -> Array:
     """Return the stiffness matrix ``(6 n, 6 n)`` of the screw, a beam with n nodes, as a dense array.
 
     ``problem``: arrays of the scene, with the positions of the nodes and the section of the beam.
@@ -127,7 +127,7 @@ class System:
     #: Unit vectors of each ball's groove section, radial and binormal ``(N, 2, 3)``.
     axes: Array
 
-    def motion_of_flank(self, side: int, gamma: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
+    def flank_motion_matrices(self, side: int, gamma: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
         """Return the matrices that give the motion of a flank at its contacts from the motions of the screw's nodes.
 
         Parameters
@@ -181,7 +181,7 @@ class System:
         and binormal [m], from the nominal ball centre (Lin 2.3 and 2.27).
         """
         drawn = self.problem.drawn
-        r, r1, r2 = groove_profile(gamma, drawn.radius[side], drawn.profile[side])
+        r, r1, r2 = groove_radius_with_slopes(gamma, drawn.radius[side], drawn.profile[side])
         c, s = np.cos(gamma), np.sin(gamma)
         sx, sz = SIGNS[side]
         a = np.stack([sx * r * c, sz * r * s], -1) + drawn.centre[:, side]
@@ -190,7 +190,7 @@ class System:
         return a, a1, a2
 
 
-def _contact_terms(
+def _contact_geometry_and_forces(
     system: System, p: Array, gamma: Array, u: Array, side: int
 ) -> tuple[Array, Array, Array, Array, Array, Array, NDArray[np.int64], Array, Array]:
     """Return geometry, forces and motion matrices of the contacts of N balls with one flank.
@@ -208,7 +208,7 @@ def _contact_terms(
     a, t, t1 = system.flank(side, gamma)
     count = p.shape[0]
     if side < 2:
-        dof, m0, m1, m2 = system.motion_of_flank(side, gamma)
+        dof, m0, m1, m2 = system.flank_motion_matrices(side, gamma)
         u_local = u[dof[:, None] + np.arange(m0.shape[2])[None, :]]
         a = a + np.einsum("nak,nk->na", m0, u_local)
         t = t + np.einsum("nak,nk->na", m1, u_local)
@@ -219,7 +219,7 @@ def _contact_terms(
     dist = np.linalg.norm(d, axis=1)
     n = d / dist[:, None]
     c, delta = problem.C[:, side], problem.drawn.ball_radius - dist
-    return n, t, t1, dist, contact_force(delta, c), contact_slope(delta, c), dof, m0, m1
+    return n, t, t1, dist, contact_force(delta, c), contact_stiffness_at_approach(delta, c), dof, m0, m1
 
 
 def equations_and_jacobian(
@@ -260,7 +260,7 @@ def equations_and_jacobian(
     forces = np.zeros((count, 4))
     eye = np.eye(2)
     for side in range(4):
-        n, t, t1, dist, force, stiff, dof, m0, m1 = _contact_terms(system, p, gamma[:, side], u, side)
+        n, t, t1, dist, force, stiff, dof, m0, m1 = _contact_geometry_and_forces(system, p, gamma[:, side], u, side)
         forces[:, side] = force
         phi[rows_g + side] = np.einsum("na,na->n", n, t)
         np.add.at(phi, rows_p, force[:, None] * n)
@@ -313,7 +313,7 @@ def initial_state(system: System, start: Start, fraction: float) -> Array:
     return np.concatenate([p.ravel(), gamma.ravel(), u.ravel()])
 
 
-def solve_source(
+def solve_by_source_equations(
     scene: Scene,
     *,
     kinematics: Kinematics = "source",
@@ -349,12 +349,14 @@ def solve_source(
     if scene.ingredients.screw == "rigid":
         raise ValueError("Lin's equations got a rigid screw; allowed: a screw that is modelled as a beam")
     layout = ball_layout(scene)
-    problem = build(scene, specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything)
+    problem = build_problem(
+        scene, draw_specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything
+    )
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     free_u = np.flatnonzero(~problem.fixed.ravel())
     count = problem.C.shape[0]
     free = np.concatenate([np.arange(6 * count), 6 * count + free_u])
-    system = System(problem, kinematics, beam_matrix(problem), free, axes)
+    system = System(problem, kinematics, beam_stiffness_of_screw(problem), free, axes)
     steps = [1.0] if start != "load steps" else list(np.linspace(0.1, 1.0, 10))
     x = initial_state(system, start, steps[0])
     total, residual, status = 0, np.inf, "converged"
@@ -379,7 +381,7 @@ def solve_source(
     )
 
 
-def solve_source_result(scene: Scene, *, everything: bool = False, member: int = 0) -> StaticResult:
+def solve_source_as_static_result(scene: Scene, *, everything: bool = False, member: int = 0) -> StaticResult:
     """Solve a scene by Lin's equations from the designer's guess; return the result in the form of all static models.
 
     Hertz constants are those of error-free parts, as in Lin's thesis, even if the scene asks for the radii with errors.
@@ -393,14 +395,14 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
     member
         Number of the specimen of a scene with random errors.
     """
-    scene = error_free(scene)
+    scene = with_error_free_hertz(scene)
     layout = ball_layout(scene)
     use = np.ones(4, dtype=bool)
-    problem = build(scene, specimen(scene, layout, member), layout, use, everything=everything)
+    problem = build_problem(scene, draw_specimen(scene, layout, member), layout, use, everything=everything)
     mechanism = free_motions(problem)
     if mechanism.driven:
         return failed_result(problem, "source", Status("not held", mechanism.text), 0.0)
-    solution = solve_source(scene, everything=everything, member=member)
+    solution = solve_by_source_equations(scene, everything=everything, member=member)
     status = Status("converged") if solution.converged else Status("not converged", f"Lin's iteration: {solution.status}")
     if not np.all(np.isfinite(solution.load)) or not np.all(np.isfinite(solution.motion)):
         return failed_result(problem, "source", status, solution.seconds)
@@ -412,7 +414,7 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
         solution.load,
         SIGNS * np.stack([np.cos(angle), np.sin(angle)], axis=-1),
         solution.reactions,
-        shifts_of_beam(problem, solution.motion),
+        flank_motions_of_beam(problem, solution.motion),
         0.0,
     )
     report = SolverReport(
@@ -426,10 +428,10 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
         "equilibrium equations of Lin's thesis",
     )
     left_out = ("nothing: all four flanks are built",)
-    return assemble_result(solved, "source", status, report, left_out, model_assumptions(scene), own_arms=True)
+    return assemble_result(solved, "source", status, report, left_out, model_assumptions(scene), has_own_lever_arms=True)
 
 
-def _residual_measures(system: System, phi: Array, forces: Array, load: Array) -> float:
+def _relative_residual(system: System, phi: Array, forces: Array, load: Array) -> float:
     """Return the relative residual of the equilibrium equations, from their residuals ``phi``.
 
     It is the largest unbalanced force over the largest of the contact ``forces`` and the ``load`` on the nodes, or the
@@ -462,7 +464,7 @@ def newton_iteration(system: System, x: Array, load: Array, tolerance: float) ->
     residual = np.inf
     for iteration in range(MOST + 1):
         phi, jac, forces = equations_and_jacobian(system, x, load)
-        residual = _residual_measures(system, phi, forces, load) if np.all(np.isfinite(phi)) else np.inf
+        residual = _relative_residual(system, phi, forces, load) if np.all(np.isfinite(phi)) else np.inf
         if residual <= tolerance:
             return x, iteration, residual, "converged"
         stalled = stalled + 1 if residual >= 0.5 * best else 0
@@ -488,7 +490,7 @@ def newton_iteration(system: System, x: Array, load: Array, tolerance: float) ->
     return x, MOST, residual, f"not converged after {MOST} iterations (residual {residual:.1e})"
 
 
-def solve_with_fallback_start(scene: Scene, kinematics: Literal["arc", "source"]) -> SourceSolution:
+def solve_from_guess_or_load_steps(scene: Scene, kinematics: Literal["arc", "source"]) -> SourceSolution:
     """Solve a scene by Lin's equations from the designer's guess or, if that fails, by load steps.
 
     Parameters
@@ -496,9 +498,9 @@ def solve_with_fallback_start(scene: Scene, kinematics: Literal["arc", "source"]
     scene
         Scene with one nut.
     kinematics
-        Motion of the flanks: rigid ``"arc"``, or as in Lin's thesis (``"source"``), see `solve_source`.
+        Motion of the flanks: rigid ``"arc"``, or as in Lin's thesis (``"source"``), see `solve_by_source_equations`.
     """
-    solution = solve_source(scene, kinematics=kinematics, start="guess")
+    solution = solve_by_source_equations(scene, kinematics=kinematics, start="guess")
     if solution.converged:
         return solution
-    return solve_source(scene, kinematics=kinematics, start="load steps")
+    return solve_by_source_equations(scene, kinematics=kinematics, start="load steps")

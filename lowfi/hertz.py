@@ -80,7 +80,7 @@ def contact_approach(force: Array | float, C: Array | float) -> Array:
     return np.asarray(C * force ** (2.0 / 3.0))
 
 
-def contact_slope(approach: Array | float, C: Array | float) -> Array:
+def contact_stiffness_at_approach(approach: Array | float, C: Array | float) -> Array:
     """Return the contact stiffness dF/d(approach) = 3 (approach/C)^(1/2)/(2 C) [N/m] at an approach; zero for a gap.
 
     Parameters
@@ -93,7 +93,7 @@ def contact_slope(approach: Array | float, C: Array | float) -> Array:
     return np.asarray(1.5 * np.sqrt(np.maximum(approach, 0.0) / C) / C)
 
 
-def contact_stiffness(force: Array | float, C: Array | float) -> Array:
+def contact_stiffness_under_force(force: Array | float, C: Array | float) -> Array:
     """Return the contact stiffness dF/d(approach) = 3 F^(1/3)/(2 C) [N/m] at a normal force.
 
     Parameters
@@ -186,11 +186,11 @@ def axis_ratio(curvature_ratio: Array) -> Array:
 
 def _log_curvature_ratio(x: Array) -> Array:
     """Return log(A/B), A/B the ratio of the relative curvatures, for x = log(b/a) of the semi-axes."""
-    _, along, across = complete_integrals(np.exp(x))
+    _, along, across = complete_elliptic_integrals(np.exp(x))
     return np.asarray(np.log(along / across))
 
 
-def complete_integrals(k: Array) -> tuple[Array, Array, Array]:
+def complete_elliptic_integrals(k: Array) -> tuple[Array, Array, Array]:
     """Return the elliptic integrals R_F(0, 1, k^2), R_D(0, k^2, 1) and R_D(0, 1, k^2), to a few round-offs.
 
     They follow from the arithmetic-geometric mean of 1 and k: R_F = K; with the sum s of the mean's differences,
@@ -265,7 +265,7 @@ def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Arr
         )
     k = axis_ratio(low / high)
     # with lengths in units of a: (3F / (2 pi a^2)) R_D(0, 1, k^2) / (3 E* a) = high / 2
-    K, _, across = complete_integrals(k)
+    K, _, across = complete_elliptic_integrals(k)
     c_a = np.cbrt(across / (np.pi * modulus * high))
     c = 1.5 * K / (np.pi * modulus * c_a)
     return HertzConstants(C=c, C_a=c_a, C_b=k * c_a, eccentricity=np.sqrt((1.0 - k) * (1.0 + k)))

@@ -2,12 +2,12 @@
 
 Plain Python has no start-up cost and suits one small solve; machine code suits many solves.
 
-A kernel package (a folder named ``kernel``) is written in the subset of Python that numba compiles. ``kernels(package,
-compiled=False)`` is the package itself; ``compiled=True`` loads the same files a second time under another name, where the
-decorator ``kernel`` compiles. Named tuples that kernels take or return are in ``kernel_types.py`` next to that folder:
-both copies must mean the same classes. To numba a number or truth value written out in a call has a type different from
-that of a variable, and the called kernel is compiled for each of them: where calls differ, ``int(np.int64(60))`` or
-``bool(np.bool_(False))`` is passed instead.
+A kernel package (a folder named ``kernel``) is written in the subset of Python that numba compiles.
+``load_kernel_package(package, compiled=False)`` is the package itself; ``compiled=True`` loads the same files a second time
+under another name, where the decorator ``kernel`` compiles. Named tuples that kernels take or return are in
+``kernel_types.py`` next to that folder: both copies must mean the same classes. To numba a number or truth value written
+out in a call has a type different from that of a variable, and the called kernel is compiled for each of them: where calls
+differ, ``int(np.int64(60))`` or ``bool(np.bool_(False))`` is passed instead.
 
 This module ensures that
 
@@ -36,7 +36,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
 
-from rollbench.meshes.files import private_folder
+from rollbench.meshes.files import create_private_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -69,12 +69,12 @@ def kernel(function: F) -> F:
         return function
     import numba
 
-    _hold_signals_back()
-    compiled_function: F = numba.njit(cache=code_folder() is not None, nogil=True, error_model="numpy")(function)
+    _delay_signals_while_compiling()
+    compiled_function: F = numba.njit(cache=machine_code_folder() is not None, nogil=True, error_model="numpy")(function)
     return compiled_function
 
 
-def kernels(package: str, *, compiled: bool) -> ModuleType:
+def load_kernel_package(package: str, *, compiled: bool) -> ModuleType:
     """Return a kernel package as a module, in plain Python or with its functions compiled by numba.
 
     A kernel is a function with the numerical loops of a solver. The compiled copy is loaded once in a process, and each
@@ -97,16 +97,16 @@ def kernels(package: str, *, compiled: bool) -> ModuleType:
     if not (compiled and _numba_works()):
         return importlib.import_module(package)
     for other in used:
-        _load_copy(other)
-    return _load_copy(package)
+        _load_compiled_copy(other)
+    return _load_compiled_copy(package)
 
 
 @cache
 def _numba_works() -> bool:
     """Return whether numba can be imported; print a message on standard error if not."""
-    from rollbench.meshes.libraries import ONLY_FOR, import_fault, pip_command
+    from rollbench.meshes.libraries import ONLY_FOR, pip_command, reason_of_failed_import
 
-    missing = import_fault("numba")
+    missing = reason_of_failed_import("numba")
     if missing:
         sys.stderr.write(f"rollbench: {missing}: {ONLY_FOR['numba']}; {pip_command('numba')}\n")
     return not missing
@@ -123,7 +123,7 @@ def _package_folder(package: str) -> Path:
 
 
 @cache
-def _load_copy(package: str) -> ModuleType:
+def _load_compiled_copy(package: str) -> ModuleType:
     """Load the source files of a kernel package a second time, as its compiled copy."""
     with _numba_writes_to(package):
         return _load_file_as(_compiled_name(package), _package_folder(package) / "__init__.py")
@@ -173,7 +173,7 @@ def is_machine_code_cached(package: str = "") -> bool:
     package
         Name of a kernel package; empty for any package.
     """
-    folder = code_folder()
+    folder = machine_code_folder()
     return folder is not None and any(folder.glob(f"{package or '*'}/*/*.nbi"))
 
 
@@ -184,13 +184,13 @@ _afterwards: dict[str, Callable[[], object]] = {}
 def register_compile_job(package: str, job: Callable[[], object]) -> None:
     """Register a function that calls, and so compiles, the kernels of a package after the result of a command is printed.
 
-    Commands call `compile_afterwards` last, which calls the registered functions. ``package``: name of the kernel package;
+    Commands call `run_compile_jobs` last, which calls the registered functions. ``package``: name of the kernel package;
     ``job``: function without arguments.
     """
     _afterwards[package] = job
 
 
-def compile_afterwards() -> None:
+def run_compile_jobs() -> None:
     """Run the registered jobs, which compile kernels that this process ran as plain Python, for later processes."""
     while _afterwards:
         _afterwards.popitem()[1]()
@@ -200,7 +200,7 @@ def compile_afterwards() -> None:
 
 
 @cache
-def digest() -> str:
+def digest_of_kernel_sources() -> str:
     """Return a digest (20 hexadecimal digits) of the sources of all kernels, their argument types and this module."""
     digest = hashlib.sha256(Path(__file__).read_bytes())
     for package in PACKAGES:
@@ -211,21 +211,21 @@ def digest() -> str:
 
 
 @cache
-def code_folder() -> Path | None:
+def machine_code_folder() -> Path | None:
     """Return the folder for machine code of the present sources, in NUMBA_CACHE_DIR or in the user's cache of rollbench.
 
     Folders of other versions of the sources are removed, except those used last. Returns None if the cache is switched off
     (ROLLBENCH_CACHE=off). Also returns None, with a message on standard error, if the folder cannot be written to or if
     others can write to it. Every process then compiles again.
     """
-    from rollbench.meshes.cache import default_root
+    from rollbench.meshes.cache import default_cache_folder
 
     named = os.environ.get("NUMBA_CACHE_DIR", "").strip()
-    root = Path(named) if named else default_root()
+    root = Path(named) if named else default_cache_folder()
     if root is None:
         return None
     try:
-        folder = private_folder(root, "kernels", digest())
+        folder = create_private_folder(root, "kernels", digest_of_kernel_sources())
         os.utime(folder)
         if not os.access(folder, os.W_OK):
             raise PermissionError(13, os.strerror(13), str(folder))
@@ -247,7 +247,7 @@ def _numba_writes_to(package: str) -> Iterator[None]:
     """
     import numba
 
-    before, folder = numba.config.CACHE_DIR, code_folder()
+    before, folder = numba.config.CACHE_DIR, machine_code_folder()
     if folder is not None:
         numba.config.CACHE_DIR = str(folder / package)
     try:
@@ -260,7 +260,7 @@ def _numba_writes_to(package: str) -> Iterator[None]:
 
 
 @cache
-def _hold_signals_back() -> None:
+def _delay_signals_while_compiling() -> None:
     """Delay the signals INT and TERM (if Python handles them) until numba has compiled the current kernel.
 
     An exception raised during compilation is swallowed by llvmlite's callbacks, or ends in a segmentation fault.

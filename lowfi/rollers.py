@@ -42,7 +42,7 @@ from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.numerics import brentq
 
 
-def half_width(line_load: Array | float, curvature: Array | float, modulus: float) -> Array:
+def line_contact_half_width(line_load: Array | float, curvature: Array | float, modulus: float) -> Array:
     """Return the half-width b of a line contact, b^2 = 4 q/(pi E* k).
 
     Parameters
@@ -83,7 +83,7 @@ def half_width(line_load: Array | float, curvature: Array | float, modulus: floa
     return np.sqrt(4.0 * np.asarray(line_load, dtype=float) / (np.pi * modulus * k))
 
 
-def pressure(line_load: Array | float, width: Array | float) -> Array:
+def line_contact_pressure(line_load: Array | float, width: Array | float) -> Array:
     """Return the largest pressure of Hertz's line contact, p_0 = 2 q/(pi b) [Pa].
 
     Parameters
@@ -91,7 +91,7 @@ def pressure(line_load: Array | float, width: Array | float) -> Array:
     line_load
         Load per length q [N/m]; shapes broadcast.
     width
-        Half-width b [m] (`half_width`).
+        Half-width b [m] (`line_contact_half_width`).
 
     References
     ----------
@@ -191,7 +191,7 @@ def approach_law_of_races(
     r = np.asarray(roller_radius, dtype=float)
     g = np.zeros_like(r)
     for race, depth in zip(race_curvatures, depths, strict=True):
-        b = half_width(1.0, 1.0 / r + race, modulus)
+        b = line_contact_half_width(1.0, 1.0 / r + race, modulus)
         g = g + factor * (2.0 * np.log(4.0 * r / b) - 1.0 + 2.0 * np.log(2.0 * depth / b) - poisson / (1.0 - poisson))
     return LineLaw(np.asarray(g), 4.0 * factor)
 
@@ -295,9 +295,9 @@ def roller_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
     roller, cone, cup = bearing.radii()
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
     q = load / bearing.length
-    widths = half_width(q, np.array([1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup]), modulus)
+    widths = line_contact_half_width(q, np.array([1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup]), modulus)
     rib = float(2.0 * load * np.sin(bearing.roller_angle))
-    return RollerContacts(widths, pressure(q, widths), 2.0 * widths * bearing.length, rib)
+    return RollerContacts(widths, line_contact_pressure(q, widths), 2.0 * widths * bearing.length, rib)
 
 
 @dataclass(frozen=True)
@@ -423,7 +423,7 @@ def slice_roller(bearing: TaperedBearing, slices: int, profile: Callable[[Array]
     return SlicedRoller(bearing.law(), x, bearing.length, drop)
 
 
-def slice_contacts(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, Array]:
+def half_widths_and_pressures_of_slices(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, Array]:
     """Return half-width and largest pressure of the contacts of every slice of a roller with cone and cup.
 
     They follow from Hertz's line contact, b^2 = 4 q R/(pi E*), p = 2 q/(pi b) = sqrt(q E*/(pi R)), with each slice's
@@ -449,11 +449,13 @@ def slice_contacts(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, A
     roller, cone, cup = bearing.radii(slice_middles(bearing.length, line_loads.shape[-1]))
     curvature = np.stack([1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup], axis=-1)
     q = np.asarray(line_loads, dtype=float)[..., None]
-    b = half_width(q, curvature, contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson))
-    return b, pressure(q, np.where(q == 0.0, 1.0, b))
+    b = line_contact_half_width(
+        q, curvature, contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
+    )
+    return b, line_contact_pressure(q, np.where(q == 0.0, 1.0, b))
 
 
-def slice_state(roller: SlicedRoller, approach: float) -> SliceState:
+def sliced_roller_state_at_approach(roller: SlicedRoller, approach: float) -> SliceState:
     """Return force, stiffness and line loads of a sliced roller at a given approach of its raceways.
 
     ``approach``: approach of the raceways in the roller's middle, without crown [m].
@@ -475,7 +477,9 @@ def approach_under_force(roller: SlicedRoller, force: float) -> float:
         raise ValueError(f"the force on a roller got {force:g} N; allowed: above 0 N, compression")
     low = float(roller.drop.min())
     high = float(roller.law.approach(force / roller.length).max() + roller.drop.max()) * (1.0 + 1e-9)
-    return float(brentq(lambda d: slice_state(roller, d).force - force, low, high, xtol=1e-22, rtol=8.9e-16))
+    return float(
+        brentq(lambda d: sliced_roller_state_at_approach(roller, d).force - force, low, high, xtol=1e-22, rtol=8.9e-16)
+    )
 
 
 @dataclass(frozen=True)
@@ -498,12 +502,14 @@ class SlicedRow:
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]."""
         sin = np.sin(self.bearing.cup_angle)
-        return float(self.bearing.rollers * sin * slice_state(self.roller, deflection * sin).force)
+        return float(self.bearing.rollers * sin * sliced_roller_state_at_approach(self.roller, deflection * sin).force)
 
     def stiffness(self, deflection: float) -> float:
         """Return the axial stiffness [N/m] at an axial deflection [m]."""
         sin = np.sin(self.bearing.cup_angle)
-        return float(self.bearing.rollers * sin**2 * slice_state(self.roller, deflection * sin).stiffness)
+        return float(
+            self.bearing.rollers * sin**2 * sliced_roller_state_at_approach(self.roller, deflection * sin).stiffness
+        )
 
     def deflection(self, load: float) -> float:
         """Return the axial deflection [m] under a thrust [N].

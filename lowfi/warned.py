@@ -54,12 +54,12 @@ class Warned(str):
         """Return the arguments of the constructor, with which pickle makes a copy of the warning."""
         return self.kind, str(self), self.brief
 
-    def prefixed(self, name: str) -> Warned:
+    def with_part_name(self, name: str) -> Warned:
         """Return this warning with the name of the part concerned in front of its text, as in "nut 1: ..."."""
         return Warned(self.kind, f"{name}: {self}", self.brief and f"{name}: {self.brief}")
 
 
-def warning_line(warnings: Iterable[Warned]) -> str:
+def join_brief_warnings(warnings: Iterable[Warned]) -> str:
     """Return the line of warnings that is printed above the results; empty if no warning has a short form.
 
     Parameters

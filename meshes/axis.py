@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Lubricant, Material, Motion, Scene, Screw, Support
 from rollbench.meshes.ranges import Bore, ContactAngle, Density, Duration, Efficiency, Inertia, Mass, Size, Station, Torque
-from rollbench.meshes.record_keys import about, keyed, usual
+from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults, scene_key_metadata
 
 #: A symmetric 6x6 stiffness matrix; rows and columns are in the order of FREEDOMS [N/m, N, N m].
 Stiffness = tuple[tuple[float, ...], ...]
@@ -40,7 +40,7 @@ ARRANGEMENTS: dict[str, tuple[Literal["+z", "-z"], ...]] = {
 }
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Segment:
     """A cylindrical segment of the shaft without groove.
@@ -48,13 +48,13 @@ class Segment:
     Axial positions, diameter and bore are in metres.
     """
 
-    start: Station = field(metadata=about("axial position at which the segment begins", "0 mm"))
-    end: Station = field(metadata=about("axial position at which the segment ends", "60 mm"))
-    diameter: Size = field(metadata=about("diameter of the segment", "25 mm"))
-    bore: Bore = usual(0.0, "diameter of the segment's bore", "6 mm")
+    start: Station = field(metadata=scene_key_metadata("axial position at which the segment begins", "0 mm"))
+    end: Station = field(metadata=scene_key_metadata("axial position at which the segment ends", "60 mm"))
+    diameter: Size = field(metadata=scene_key_metadata("diameter of the segment", "25 mm"))
+    bore: Bore = frozen_default(0.0, "diameter of the segment's bore", "6 mm")
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Housing:
     """Rigid housing that carries nuts or outer rings; its motion is that of a reference point on the shaft's axis."""
@@ -64,16 +64,16 @@ class Housing:
     #: Axial position of the reference point [m].
     at: float
     #: Pairs of a degree of freedom (of `FREEDOMS`) and its prescribed displacement [m] or rotation [rad].
-    fixed: tuple[tuple[str, float], ...] = usual(())
+    fixed: tuple[tuple[str, float], ...] = frozen_default(())
     #: Stiffness of the springs between housing and frame, at the reference point; None without springs.
-    stiffness: Stiffness | None = usual(None)
+    stiffness: Stiffness | None = frozen_default(None)
     #: Force on the housing at the reference point [N].
-    force: tuple[float, float, float] = usual((0.0, 0.0, 0.0))
+    force: tuple[float, float, float] = frozen_default((0.0, 0.0, 0.0))
     #: Moment on the housing [N m].
-    moment: tuple[float, float, float] = usual((0.0, 0.0, 0.0))
+    moment: tuple[float, float, float] = frozen_default((0.0, 0.0, 0.0))
 
     @property
-    def stands(self) -> bool:
+    def is_fixed(self) -> bool:
         """Whether all degrees of freedom of the housing are fixed at zero."""
         return {name for name, value in self.fixed if value == 0.0} == set(FREEDOMS)
 
@@ -92,7 +92,7 @@ class Joint:
     stiffness: Stiffness
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class RollerRow:
     """One row of tapered rollers with its rings; cones of raceways and rollers have their apexes on the shaft's axis."""
@@ -112,24 +112,24 @@ class RollerRow:
     #: Elastic material of rollers and rings.
     material: Material
     #: Radius of the crowning of the contact lines with both raceways [m]; infinite for straight rollers.
-    crown: float = usual(float("inf"))
+    crown: float = frozen_default(float("inf"))
     #: Number of slices into which a roller is divided for computing its contact forces.
-    slices: int = usual(15)
+    slices: int = frozen_default(15)
     #: Azimuth of the first roller [rad].
-    phase: float = usual(0.0)
+    phase: float = frozen_default(0.0)
     #: Radius of the spherical large end of a roller [m]; None where unknown.
-    end_radius: Size | None = usual(None)
+    end_radius: Size | None = frozen_default(None)
     #: Height of the contact with the rib above the raceway of the cone (inner ring) [m]; None for the default.
-    rib_height: Size | None = usual(None)
+    rib_height: Size | None = frozen_default(None)
     #: Coefficient of friction at the rib; None for the default.
-    rib_friction: float | None = usual(None)
+    rib_friction: float | None = frozen_default(None)
     #: Manufacturer's factor G_1 of Timken's formula for the friction torque; None where unknown.
-    torque_factor: float | None = usual(None)
+    torque_factor: float | None = frozen_default(None)
     #: Radius of the rounded edges at both ends of the contact line [m]; None for sharp edges.
-    edge_radius: Size | None = usual(None)
+    edge_radius: Size | None = frozen_default(None)
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class RollingSet:
     """One ball nut, ball bearing or row of tapered rollers on the shaft, and how it is mounted."""
@@ -144,36 +144,38 @@ class RollingSet:
     #: Axial position of the centre of the outer part, or of the middle of the contact lines on the cup [m].
     position: float
     #: Name of the housing of the outer part; None where the outer part is fixed.
-    housing: str | None = usual(None)
+    housing: str | None = frozen_default(None)
     #: Displacement of the outer part along +z relative to its housing, fixed at mounting [m].
-    offset: float = usual(0.0)
+    offset: float = frozen_default(0.0)
     #: Axial force [N] for which the outer part is displaced at mounting, without external loads, before it is fixed to its
     #: housing; 0 for no preload.
-    preload: float = usual(0.0)
+    preload: float = frozen_default(0.0)
     #: Direction of the thrust on the shaft that the rolling set can carry.
-    thrust: Thrust = usual("both")
+    thrust: Thrust = frozen_default("both")
     #: Name of the housing to which the inner part belongs, such as that of a bearing around a nut; None for the shaft.
-    carrier: str | None = usual(None)
+    carrier: str | None = frozen_default(None)
     #: Friction torque of the seals or wipers [N m].
-    seals: float = usual(0.0)
+    seals: float = frozen_default(0.0)
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Drive:
     """Mass and inertia that the motor moves in addition to the shaft, for motor torque and inertia of the axis."""
 
-    mass: Mass = usual(0.0, "mass that the nut moves along the shaft", "200 kg")
-    motor_inertia: Inertia = usual(0.0, "moment of inertia of motor and coupling", "20 kg cm2")
-    time: Duration | None = usual(None, "time of the uniform acceleration from rest to the speed in [motion]", "100 ms")
-    efficiency: Efficiency | None = usual(
+    mass: Mass = frozen_default(0.0, "mass that the nut moves along the shaft", "200 kg")
+    motor_inertia: Inertia = frozen_default(0.0, "moment of inertia of motor and coupling", "20 kg cm2")
+    time: Duration | None = frozen_default(
+        None, "time of the uniform acceleration from rest to the speed in [motion]", "100 ms"
+    )
+    efficiency: Efficiency | None = frozen_default(
         None, "efficiency of the ball screw during acceleration; 0.90 to 0.95 if left out (Smith 4.3.1)", 0.92
     )
-    torque: Torque = usual(0.0, "friction torque of all other parts: guides, motor, coupling", "0.5 N m")
-    density: Density = usual(7850.0, "density of the shaft", "7850 kg/m3")
+    torque: Torque = frozen_default(0.0, "friction torque of all other parts: guides, motor, coupling", "0.5 N m")
+    density: Density = frozen_default(7850.0, "density of the shaft", "7850 kg/m3")
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Assembly:
     """One load case of a shaft with several ball nuts and bearings, in SI units."""
@@ -187,40 +189,40 @@ class Assembly:
     #: Ball nuts and bearings on the shaft.
     sets: tuple[RollingSet, ...]
     #: Segments of the shaft without groove.
-    segments: tuple[Segment, ...] = usual(())
+    segments: tuple[Segment, ...] = frozen_default(())
     #: Rigid housings that carry nuts or outer rings.
-    housings: tuple[Housing, ...] = usual(())
+    housings: tuple[Housing, ...] = frozen_default(())
     #: Springs between housings.
-    joints: tuple[Joint, ...] = usual(())
+    joints: tuple[Joint, ...] = frozen_default(())
     #: Supports of the shaft.
-    supports: tuple[Support, ...] = usual(())
+    supports: tuple[Support, ...] = frozen_default(())
     #: Loads on the shaft.
-    loads: tuple[Load, ...] = usual(())
+    loads: tuple[Load, ...] = frozen_default(())
     #: Options of the low-order models.
-    ingredients: Ingredients = usual(Ingredients())
+    ingredients: Ingredients = frozen_default(Ingredients())
     #: Publication from which the scene is taken.
-    source: str = usual("")
+    source: str = frozen_default("")
     #: Assumptions about what the scene's source does not state.
-    assumed: tuple[str, ...] = usual(())
+    assumed: tuple[str, ...] = frozen_default(())
     #: Coulomb friction of the balls; None: no friction.
-    friction: Friction | None = usual(None)
+    friction: Friction | None = frozen_default(None)
     #: Rotating part and its angular speed.
-    motion: Motion | None = usual(None)
+    motion: Motion | None = frozen_default(None)
     #: Oil, or base oil of the grease.
-    lubricant: Lubricant | None = usual(None)
+    lubricant: Lubricant | None = frozen_default(None)
     #: Axial position [m], or name of the housing, at which the tangent stiffness is computed; None: where the loads act.
-    stiffness_at: float | str | None = usual(None)
+    stiffness_at: float | str | None = frozen_default(None)
     #: Thermal strain of the unconstrained shaft, uniform along it.
-    thermal_strain: float = usual(0.0)
+    thermal_strain: float = frozen_default(0.0)
     #: Mass and inertia that the motor moves in addition to the shaft.
-    drive: Drive = usual(Drive())
+    drive: Drive = frozen_default(Drive())
     kind: ClassVar[str] = "axis"
 
     def to_toml(self) -> str:
         """Write the shaft with its rolling sets as text of a TOML scene file, from which the same record can be read."""
-        from rollbench.meshes.scene_text import axis_tables, to_toml
+        from rollbench.meshes.scene_text import axis_tables, toml_of_tables
 
-        return to_toml(axis_tables(self))
+        return toml_of_tables(axis_tables(self))
 
     @property
     def ball_count(self) -> int:
@@ -251,10 +253,10 @@ def diagonal_stiffness(values: tuple[float, float, float, float, float, float]) 
     >>> diagonal_stiffness((1.0, 1.0, 2.0, 0.0, 0.0, 0.0))[2]
     (0.0, 0.0, 2.0, 0.0, 0.0, 0.0)
     """
-    return full_stiffness(np.diag(np.asarray(values)))
+    return checked_stiffness(np.diag(np.asarray(values)))
 
 
-def full_stiffness(matrix: NDArray[np.float64]) -> Stiffness:
+def checked_stiffness(matrix: NDArray[np.float64]) -> Stiffness:
     """Check a stiffness matrix, and convert it to nested tuples as stored in records.
 
     Parameters

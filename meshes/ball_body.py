@@ -18,11 +18,18 @@ from numpy.typing import NDArray
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import Meshed, Quality, improve_cells
+from rollbench.meshes.fem import MeshedBody, Quality, improve_curved_cells
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.shell import BEND, POOREST, Shell, best_mesh, fill_shell, graded_size
-from rollbench.meshes.sockets import SocketMesh, SocketSize, local_points, side_socket, socket_mesh, socket_rim
+from rollbench.meshes.shell import BEND, POOREST, Shell, fill_shell, graded_size_function, mesh_with_smallest_fault
+from rollbench.meshes.sockets import (
+    SocketMesh,
+    SocketSize,
+    mesh_socket_faces,
+    mesh_socket_of_flank,
+    nodes_of_socket_rim,
+    points_in_reference_socket,
+)
 
 Flags = NDArray[np.bool_]
 
@@ -43,12 +50,13 @@ class BallSocket:
     groove: SocketSize
     #: Depth below the sphere [m].
     depth: float
-    #: Fraction of its length, in the middle, in which its rays pass exactly through the groove's surface (see `rays`).
+    #: Fraction of its length, in the middle, in which its rays pass exactly through the groove's surface (see
+    #: `rays_from_ball_centre`).
     exact: float = 0.5
 
 
 @dataclass(frozen=True)
-class BallBody(Meshed):
+class BallBody(MeshedBody):
     """Coarse mesh of a ball at azimuth 0, with its centre at the origin; boundaries "sphere", "socket SL" (SR, NL, NR)."""
 
     #: Mesh of second-order tetrahedra.
@@ -61,7 +69,7 @@ class BallBody(Meshed):
     quality: Quality
 
 
-def directions(m: GrooveMap, side: int) -> Array:
+def contact_frame_vectors(m: GrooveMap, side: int) -> Array:
     """Return the unit vectors of the contact frame on a flank, for a ball at azimuth 0.
 
     Parameters
@@ -83,7 +91,7 @@ def directions(m: GrooveMap, side: int) -> Array:
     return np.stack([sx * c * x3 + sz * s * z3, -sx * s * x3 + sz * c * z3, y3])
 
 
-def rays(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
+def rays_from_ball_centre(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
     """Return directions from the ball's centre to points given by local coordinates in a socket of the ball.
 
     In the middle of the socket, each ray meets the groove's surface at the point with the same section angle and azimuth.
@@ -104,10 +112,10 @@ def rays(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
     (n, 3) Array
         Vectors along the rays, whose component along the contact normal is 1.
     """
-    n, t1, t2 = directions(m, socket.side)
+    n, t1, t2 = contact_frame_vectors(m, socket.side)
 
     def project_to_tangent_plane(at: Array) -> tuple[Array, Array]:
-        x = local_points(m, socket.groove, socket.side, at * [1.0, 0.0, 1.0]) - np.array([m.R, 0.0, 0.0])
+        x = points_in_reference_socket(m, socket.groove, socket.side, at * [1.0, 0.0, 1.0]) - np.array([m.R, 0.0, 0.0])
         return (x @ t1) / (x @ n), (x @ t2) / (x @ n)
 
     line = np.linspace(-1.0, 1.0, 9)
@@ -122,27 +130,27 @@ def rays(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
     return np.asarray(n[None, :] + s[:, None] * t1 + t[:, None] * t2)
 
 
-def ball_points(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
-    """Map local coordinates in a socket of a ball to points, which lie on the rays from the ball's centre of `rays`.
+def points_in_ball_socket(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
+    """Map local coordinates in a socket of a ball to points, which lie on rays from the ball's centre.
 
     Points at depth 0 are on the sphere, points at depth 1 on a plane normal to the contact normal.
 
     Parameters
     ----------
     m, socket, xi
-        Groove surfaces, socket of the ball and local coordinates, as for `rays`.
+        Groove surfaces, socket of the ball and local coordinates, as for `rays_from_ball_centre`.
 
     Returns
     -------
     (n, 3) Array
         Coordinates relative to the ball's centre [m].
     """
-    ray = rays(m, socket, xi)
+    ray = rays_from_ball_centre(m, socket, xi)
     outer = m.ball / np.linalg.norm(ray, axis=1)
     return np.asarray(ray * (outer + xi[:, 1] * (m.ball - socket.depth - outer))[:, None])
 
 
-def ball_depth(m: GrooveMap, size: SocketSize, side: int) -> float:
+def ball_socket_depth(m: GrooveMap, groove_socket: SocketSize, side: int) -> float:
     """Compute the depth of a ball's socket from the size of the groove's socket at the same contact.
 
     It is `SHALLOWER` times the depth of the groove's socket, or more where the corners need it to be `CORNER` ball radii
@@ -163,12 +171,20 @@ def ball_depth(m: GrooveMap, size: SocketSize, side: int) -> float:
         Depth below the sphere [m].
     """
     corners = np.array([[a, 0.0, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
-    widest = float(np.linalg.norm(rays(m, BallSocket(side, size, size.depth), corners), axis=1).max())
-    return max(SHALLOWER * size.depth, m.ball * (1.0 - (1.0 - CORNER) / widest))
+    widest = float(
+        np.linalg.norm(
+            rays_from_ball_centre(m, BallSocket(side, groove_socket, groove_socket.depth), corners), axis=1
+        ).max()
+    )
+    return max(SHALLOWER * groove_socket.depth, m.ball * (1.0 - (1.0 - CORNER) / widest))
 
 
-def build_ball(
-    m: GrooveMap, sockets: tuple[BallSocket, ...], fine: float, coarse: float, cuts: tuple[int, int, int] = (2, 2, 2)
+def mesh_ball_with_sockets(
+    m: GrooveMap,
+    sockets: tuple[BallSocket, ...],
+    socket_size: float,
+    far_size: float,
+    socket_divisions: tuple[int, int, int] = (2, 2, 2),
 ) -> BallBody:
     """Mesh a ball with a socket (box left free for a fine contact patch) at each contact.
 
@@ -182,7 +198,7 @@ def build_ball(
         Groove surfaces of the track.
     sockets : tuple[BallSocket, ...]
         Sockets of the ball, one for each contact.
-    fine, coarse : float
+    socket_size, coarse : float
         Element sizes at the sockets and far from them [m].
     cuts : tuple[int, int, int], optional
         Number of equal parts into which the sockets' edges are divided across, in depth and along.
@@ -200,18 +216,30 @@ def build_ball(
 
     def socket_map(side: int) -> Callable[[Array], Array]:
         like = next(socket for socket in sockets if socket.side // 2 == side // 2)
-        return partial(ball_points, m, replace(like, side=side))
+        return partial(points_in_ball_socket, m, replace(like, side=side))
 
-    _refuse_overlap(m, sockets)
+    _check_sockets_of_ball(m, sockets)
     try:
-        return _mesh_ball(m, sockets, [side_socket(socket_map, socket.side, cuts) for socket in sockets], fine, coarse)
+        return _mesh_ball_around_boxes(
+            m,
+            sockets,
+            [mesh_socket_of_flank(socket_map, socket.side, socket_divisions) for socket in sockets],
+            socket_size,
+            far_size,
+        )
     except ValueError:
         if not any(socket.side % 2 for socket in sockets):
             raise
-    return _mesh_ball(m, sockets, [socket_mesh(socket_map(socket.side), cuts) for socket in sockets], fine, coarse)
+    return _mesh_ball_around_boxes(
+        m,
+        sockets,
+        [mesh_socket_faces(socket_map(socket.side), socket_divisions) for socket in sockets],
+        socket_size,
+        far_size,
+    )
 
 
-def _mesh_ball(
+def _mesh_ball_around_boxes(
     m: GrooveMap, sockets: tuple[BallSocket, ...], boxes: list[tuple[SocketMesh, Array]], fine: float, coarse: float
 ) -> BallBody:
     """Mesh a ball with given meshes of its sockets' faces.
@@ -219,29 +247,33 @@ def _mesh_ball(
     ``boxes``: for each socket, the mesh of its faces, and the local coordinates of its corner nodes while the ball is
     filled, at which the faces bulge; ``fine``, ``coarse``: element sizes at the sockets and far from them [m].
     """
-    near = np.concatenate([ball_points(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)])
+    near = np.concatenate(
+        [points_in_ball_socket(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)]
+    )
 
     def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[BallBody, float]:
         sizes = share * fine, share * coarse
-        shell = Shell(gmsh, graded_size(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
+        shell = Shell(gmsh, graded_size_function(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
         corners = []
         for socket, (box, raised) in zip(sockets, boxes, strict=True):
-            places = (ball_points(m, socket, xi) for xi in (box.xi, raised))
+            places = (points_in_ball_socket(m, socket, xi) for xi in (box.xi, raised))
             corners.append(shell.socket(f"socket {SIDES[socket.side]}", box, *places))
-        sphere(m, shell, [c[socket_rim(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share)
+        triangulate_sphere(
+            m, shell, [c[nodes_of_socket_rim(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share
+        )
         filled = fill_shell(shell, volume)
         box_nodes = [filled.box_nodes(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
         kept = np.concatenate(box_nodes)
-        mesh, moved, quality = improve_cells(filled.named(shell), "ball", filled.on(shell.tris()), kept)
+        mesh, moved, quality = improve_curved_cells(filled.named(shell), "ball", filled.on(shell.tris()), kept)
         nodes = {socket.side: n for socket, n in zip(sockets, box_nodes, strict=True)}
         meshes = {socket.side: box for socket, (box, _) in zip(sockets, boxes, strict=True)}
         body = BallBody(mesh, nodes, meshes, quality)
         return body, moved + max(0.0, POOREST - quality.smallest)
 
-    return best_mesh("ball", attempt)
+    return mesh_with_smallest_fault("ball", attempt)
 
 
-def sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None:
+def triangulate_sphere(m: GrooveMap, shell: Shell, socket_rims: list[Index], edge_factor: float) -> None:
     """Triangulate the surface of a ball outside its sockets, in two halves.
 
     Parameters
@@ -255,8 +287,8 @@ def sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None:
     share : float
         Factor on the default for the longest edge.
     """
-    axis, limit = parting(m), share * BEND[1] * m.ball
-    along = directions(m, 0)[2]
+    axis, limit = parting_plane_normal(m), edge_factor * BEND[1] * m.ball
+    along = contact_frame_vectors(m, 0)[2]
     middle = np.stack([along, np.cross(axis, along)])
     equator = shell.curve(lambda t: m.ball * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit)
 
@@ -272,12 +304,12 @@ def sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None:
             square = np.sum((flat / m.ball) ** 2, axis=1)[:, None]
             return np.asarray((m.ball * (square - 1.0) * pole + 2.0 * flat @ middle) / (square + 1.0))
 
-        closed = [np.append(r, r[0]) for r in rims if shell.points[r[0]] @ pole < 0.0]
+        closed = [np.append(r, r[0]) for r in socket_rims if shell.points[r[0]] @ pole < 0.0]
         loops = [[(n, plane(shell.points[n]))] for n in (equator.nodes, *closed)]
         shell.face("sphere", loops, space, limit, stretch)
 
 
-def parting(m: GrooveMap) -> Array:
+def parting_plane_normal(m: GrooveMap) -> Array:
     """Return the unit normal of a plane through the ball's centre, far from all contacts, which halves the ball.
 
     The plane separates the contacts on the screw from those on the nut, or those on left flanks from those on right ones.
@@ -287,35 +319,38 @@ def parting(m: GrooveMap) -> Array:
     m
         Groove surfaces of the track.
     """
-    _, t1, _ = directions(m, 3)
-    n = directions(m, 3)[0]
+    _, t1, _ = contact_frame_vectors(m, 3)
+    n = contact_frame_vectors(m, 3)[0]
     x3, z3 = cos(m.beta) * n - sin(m.beta) * t1, sin(m.beta) * n + cos(m.beta) * t1
     return np.asarray(x3 if m.beta <= np.pi / 4 else z3)
 
 
-def _refuse_overlap(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
+def _check_sockets_of_ball(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
     """Raise ValueError where a ball has no socket, a socket is too deep or too wide, or two sockets overlap."""
     if not sockets:
         raise ValueError("the ball has no contacts to mesh: give at least one socket")
-    remedy = "make the sockets smaller (rollbench.meshes.sockets.fitted_socket finds a size that fits)"
+    remedy = "make the sockets smaller (rollbench.meshes.sockets.largest_fitting_socket finds a size that fits)"
     a, b = np.linspace(-1.0, 1.0, 41)[:-1], np.ones(40)
     around = np.concatenate([np.stack(x, 1) for x in ((a, 0 * a, -b), (b, 0 * a, a), (-a, 0 * a, b), (-b, 0 * a, -a))])
-    outlines = {socket.side: ball_points(m, socket, 1.02 * around) for socket in sockets}
+    outlines = {socket.side: points_in_ball_socket(m, socket, 1.02 * around) for socket in sockets}
     for socket in sockets:
         name = f"socket {SIDES[socket.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
         if not 0.0 < socket.depth < 0.8 * m.ball:
             raise ValueError(f"the {name} is {1e3 * socket.depth:.4g} mm deep, not between 0 and 0.8 ball radii: {remedy}")
-        points = ball_points(m, socket, around)
-        if np.linalg.norm(rays(m, socket, around), axis=1).max() * (m.ball - socket.depth) >= m.ball:
+        points = points_in_ball_socket(m, socket, around)
+        if np.linalg.norm(rays_from_ball_centre(m, socket, around), axis=1).max() * (m.ball - socket.depth) >= m.ball:
             raise ValueError(f"the {name} is wider than its depth of {1e3 * socket.depth:.4g} mm allows: {remedy}")
-        if np.ptp(np.sign(points @ parting(m))) > 0.0:
+        if np.ptp(np.sign(points @ parting_plane_normal(m))) > 0.0:
             raise ValueError(f"the {name} extends beyond one half of the ball: {remedy}")
         for other in sockets:
-            if other is not socket and _inside(outlines[other.side], points, directions(m, other.side)).any():
+            if (
+                other is not socket
+                and _are_inside_cone(outlines[other.side], points, contact_frame_vectors(m, other.side)).any()
+            ):
                 raise ValueError(f"the {name} and its socket {SIDES[other.side]} overlap: {remedy}")
 
 
-def _inside(outline: Array, points: Array, frame: Array) -> Flags:
+def _are_inside_cone(outline: Array, points: Array, frame: Array) -> Flags:
     """Find the points inside the cone that runs from the ball's centre through a closed outline; returns a mask ``(n,)``.
 
     ``outline``: points of the outline in order ``(k, 3)``; ``points``: points to test ``(n, 3)``; ``frame``: unit vectors

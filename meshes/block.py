@@ -14,12 +14,20 @@ import numpy as np
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.fem import Meshed, kind_of, mesh_of, points_of, tensor_grid, with_boundaries, with_points
+from rollbench.meshes.fem import (
+    MeshedBody,
+    build_mesh,
+    element_type_of_mesh,
+    mesh_rectangular_grid,
+    node_coordinates,
+    with_boundaries_from_facets,
+    with_node_coordinates,
+)
 from rollbench.meshes.shell import gmsh_session
 
 
 @dataclass(frozen=True)
-class BlockMesh(Meshed):
+class BlockMesh(MeshedBody):
     """Mesh of a quarter block, which models a half-space in contact.
 
     Boundaries: "contact" (the plane z = 0), "x = 0" and "y = 0" (the planes of symmetry), "cut" (where the half-space is
@@ -34,10 +42,10 @@ class BlockMesh(Meshed):
     @property
     def element(self) -> str:
         """Element type of the mesh: P1, P2, Q1 or Q2."""
-        return kind_of(self.mesh)
+        return element_type_of_mesh(self.mesh)
 
 
-def graded_coordinates(cell: float, core: float, size: float, growth: float) -> Array:
+def graded_coordinates(cell_length: float, fine_length: float, block_edge: float, growth_ratio: float) -> Array:
     """Return grid coordinates along one axis of a block: cells of equal length near 0, then cells of increasing length.
 
     Parameters
@@ -66,28 +74,31 @@ def graded_coordinates(cell: float, core: float, size: float, growth: float) -> 
     >>> graded_coordinates(1.0, 2.0, 9.0, 2.0).round(3).tolist()
     [0.0, 1.0, 2.0, 3.488, 5.703, 9.0]
     """
-    if not (0.0 < cell <= size and core < size and growth > 1.0):
+    if not (0.0 < cell_length <= block_edge and fine_length < block_edge and growth_ratio > 1.0):
         raise ValueError(
-            f"cells of {cell} m, core {core} m, block {size} m, growth {growth}: need 0 < cell <= block, core < block and "
+            f"cells of {cell_length} m, core {fine_length} m, block {block_edge} m, growth {growth_ratio}: need 0 < cell "
+            "<= block, core < block and "
             "growth > 1"
         )
-    equal = int(np.ceil(core / cell - 1e-9))
-    room = size - equal * cell
+    equal = int(np.ceil(fine_length / cell_length - 1e-9))
+    room = block_edge - equal * cell_length
     count = 1
-    while cell * growth * (growth**count - 1.0) / (growth - 1.0) < room:
+    while cell_length * growth_ratio * (growth_ratio**count - 1.0) / (growth_ratio - 1.0) < room:
         count += 1
-    steps = growth ** np.arange(1, count + 1)
-    low, high = 0.0, growth
+    steps = growth_ratio ** np.arange(1, count + 1)
+    low, high = 0.0, growth_ratio
     for _ in range(80):  # bisection for the ratio at which the last cell ends at `size`
         ratio = 0.5 * (low + high)
-        steps = cell * ratio ** np.arange(1, count + 1)
+        steps = cell_length * ratio ** np.arange(1, count + 1)
         low, high = (ratio, high) if steps.sum() < room else (low, ratio)
-    out = np.concatenate([cell * np.arange(equal + 1), equal * cell + np.cumsum(steps)])
-    out[-1] = size
+    out = np.concatenate([cell_length * np.arange(equal + 1), equal * cell_length + np.cumsum(steps)])
+    out[-1] = block_edge
     return out
 
 
-def hexahedral_block(order: int, spacing: Sequence[float], core: Sequence[float], size: float, growth: float) -> BlockMesh:
+def mesh_block_with_hexahedra(
+    order: int, spacing: Sequence[float], core: Sequence[float], size: float, growth: float
+) -> BlockMesh:
     """Mesh a quarter block with hexahedra of 8 or 27 nodes on a rectangular grid, fine at the contact.
 
     Parameters
@@ -114,11 +125,11 @@ def hexahedral_block(order: int, spacing: Sequence[float], core: Sequence[float]
         The lengths or the growth are not in the range of `graded_coordinates`.
     """
     x, y, z = (graded_coordinates(order * step, length, size, growth) for step, length in zip(spacing, core, strict=True))
-    return _name_boundaries(tensor_grid(x, y, z, f"Q{order}"), size)
+    return _block_with_named_boundaries(mesh_rectangular_grid(x, y, z, f"Q{order}"), size)
 
 
 @dataclass(frozen=True)
-class Influence:
+class BodyOfInfluence:
     """Sizes of the tetrahedra inside and outside an ellipsoid around the contact (body of influence)."""
 
     #: Edge length of the cells inside the ellipsoid [m].
@@ -130,12 +141,12 @@ class Influence:
     #: Largest edge length [m].
     coarse: float
 
-    def scaled(self, factor: float) -> Influence:
+    def scaled(self, factor: float) -> BodyOfInfluence:
         """Return a copy in which all lengths are multiplied by a factor."""
         x, y, z = (factor * length for length in self.semi)
         return replace(self, fine=factor * self.fine, semi=(x, y, z), coarse=factor * self.coarse)
 
-    def expression(self) -> str:
+    def size_expression(self) -> str:
         """Return the edge length as a formula of x, y, z for gmsh.
 
         The distance of a point is that between the ellipsoid and the similar one through the point, along the short axis.
@@ -145,7 +156,7 @@ class Influence:
         return f"Min({self.coarse!r}, {self.fine!r}+{self.growth!r}*{away})"
 
 
-def tetrahedral_block(order: int, influence: Influence, size: float) -> BlockMesh:
+def mesh_block_with_tetrahedra(order: int, influence: BodyOfInfluence, size: float) -> BlockMesh:
     """Mesh a quarter block with tetrahedra of 4 or 10 nodes by gmsh, fine at the contact.
 
     Parameters
@@ -171,7 +182,7 @@ def tetrahedral_block(order: int, influence: Influence, size: float) -> BlockMes
         gmsh.model.add("block")
         gmsh.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)  # OpenCASCADE's tolerances are made for lengths of about 1
         gmsh.model.occ.synchronize()
-        _set_edges(gmsh, influence.scaled(1.0 / size))
+        _set_element_sizes(gmsh, influence.scaled(1.0 / size))
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(order)
         tags, xyz, _ = gmsh.model.mesh.getNodes()
@@ -179,11 +190,11 @@ def tetrahedral_block(order: int, influence: Influence, size: float) -> BlockMes
         _, nodes = gmsh.model.mesh.getElementsByType({1: 4, 2: 11}[order])
         gmsh.model.remove()
     cells = np.searchsorted(tags[ascending], nodes).reshape(-1, {1: 4, 2: 10}[order])
-    mesh, _ = mesh_of(xyz.reshape(-1, 3)[ascending], cells, f"P{order}")
-    return _name_boundaries(with_points(mesh, size * points_of(mesh)), size)
+    mesh, _ = build_mesh(xyz.reshape(-1, 3)[ascending], cells, f"P{order}")
+    return _block_with_named_boundaries(with_node_coordinates(mesh, size * node_coordinates(mesh)), size)
 
 
-def _name_boundaries(mesh: Mesh, size: float) -> BlockMesh:
+def _block_with_named_boundaries(mesh: Mesh, size: float) -> BlockMesh:
     """Return the mesh of a quarter block with its named boundaries, found from the nodes' coordinates.
 
     ``size``: edge of the block [m].
@@ -195,13 +206,13 @@ def _name_boundaries(mesh: Mesh, size: float) -> BlockMesh:
     faces = {"contact": lies_on_plane(2, 0.0), "x = 0": lies_on_plane(0, 0.0), "y = 0": lies_on_plane(1, 0.0)}
     facets = {name: mesh.facets_satisfying(test, boundaries_only=True) for name, test in faces.items()}
     cut = [mesh.facets_satisfying(lies_on_plane(axis, size), boundaries_only=True) for axis in range(3)]
-    return BlockMesh(with_boundaries(mesh, {**facets, "cut": np.unique(np.concatenate(cut))}), size)
+    return BlockMesh(with_boundaries_from_facets(mesh, {**facets, "cut": np.unique(np.concatenate(cut))}), size)
 
 
-def _set_edges(gmsh: Any, influence: Influence) -> None:
+def _set_element_sizes(gmsh: Any, influence: BodyOfInfluence) -> None:
     """Set the element sizes of gmsh's model to those of ``influence``, and disable all other rules for sizes."""
-    field = gmsh.model.mesh.field.add("MathEval")
-    gmsh.model.mesh.field.setString(field, "F", influence.expression())
-    gmsh.model.mesh.field.setAsBackgroundMesh(field)
+    field = gmsh.model.mesh.track_velocity_field.add("MathEval")
+    gmsh.model.mesh.track_velocity_field.setString(field, "F", influence.size_expression())
+    gmsh.model.mesh.track_velocity_field.setAsBackgroundMesh(field)
     for name in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
         gmsh.option.setNumber(f"Mesh.{name}", 0)

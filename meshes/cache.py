@@ -12,8 +12,9 @@ Results are stored without pickle: arrays as in an .npz file, and a description 
 only numbers, texts, and records of known packages. No code in the data is run: fields are set without calling constructors.
 Values that a record has cached in addition to its fields are not written.
 
-The decorator `kept` stores results that depend only on a geometry, for all commands. It does so only after a process has
-called `switch_on`, as the command line does. So calls of the library, tests and timings compute all results.
+The decorator `cached_on_disk` stores results that depend only on a geometry, for all commands. It does so only after a
+process has called `switch_on_geometry_cache`, as the command line does. So calls of the library, tests and timings compute
+all results.
 """
 
 from __future__ import annotations
@@ -41,8 +42,8 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from rollbench.meshes.files import private_folder, temporary_name
-from rollbench.meshes.record_keys import digest
+from rollbench.meshes.files import create_private_folder, temporary_path
+from rollbench.meshes.record_keys import digest_of_values
 
 
 class StageDone(str):
@@ -72,8 +73,8 @@ _DIGEST = 32
 _SECONDS = struct.Struct("<d")
 #: Default of the largest size of a cache [bytes].
 LIMIT = 4_000_000_000
-#: Folder of the results of functions decorated by `kept`, inside the folder of all caches, and largest size of its files
-#: together [bytes].
+#: Folder of the results of functions decorated by `cached_on_disk`, inside the folder of all caches, and largest size of
+#: its files together [bytes].
 GEOMETRIES, GEOMETRIES_LIMIT = "geometries", 300_000_000
 #: Packages whose records and classes may occur in stored results.
 TRUSTED = ("rollbench", "skfem")
@@ -81,7 +82,7 @@ TRUSTED = ("rollbench", "skfem")
 _BEGAN = time.time()
 
 
-def default_root() -> Path | None:
+def default_cache_folder() -> Path | None:
     """Return the folder of the cache: environment variable ROLLBENCH_CACHE, else "rollbench" in the user's cache folder.
 
     Returns
@@ -149,7 +150,7 @@ class Cache:
             canonical text.
         """
         path = self._path(build, arguments, type_)
-        record = None if path is None else _read_record(path, type_)
+        record = None if path is None else _read_stored_result(path, type_)
         if record is not None:
             self.hits += 1
             self.cold_seconds += record[1]
@@ -162,7 +163,7 @@ class Cache:
         if not isinstance(value, type_):
             raise TypeError(f"{build.__qualname__} returned a {type(value).__name__}, not a {type_.__name__}")
         if path is not None and not self.fault:
-            self._write(path, _SECONDS.pack(spent) + pack_record(value))
+            self._write_result(path, _SECONDS.pack(spent) + record_to_bytes(value))
         return value
 
     def report(self, fault: str) -> None:
@@ -178,14 +179,14 @@ class Cache:
         """
         if self.root is None:
             return None
-        key = content_key(build, arguments, type_)
+        key = key_of_result(build, arguments, type_)
         try:
-            return private_folder(self.root, RECORDS) / f"{key}.npz"
+            return create_private_folder(self.root, RECORDS) / f"{key}.npz"
         except OSError as error:
             self.report(error.strerror or str(error))
             return None
 
-    def _write(self, path: Path, content: bytes) -> None:
+    def _write_result(self, path: Path, content: bytes) -> None:
         """Write the file of a result, and delete the files not used for the longest time where all exceed the limit.
 
         ``content``: computing time and result as bytes. A result larger than the limit is not stored.
@@ -193,7 +194,7 @@ class Cache:
         if len(content) > self.limit:
             return
         try:
-            new = temporary_name(path)
+            new = temporary_path(path)
             try:
                 new.write_bytes(hashlib.sha256(content).digest() + content)
                 new.replace(path)
@@ -219,7 +220,7 @@ def _remove_oldest_files(folder: Path, limit: int) -> None:
         total -= status.st_size
 
 
-def _read_record(path: Path, type_: type[T]) -> tuple[T, float] | None:
+def _read_stored_result(path: Path, type_: type[T]) -> tuple[T, float] | None:
     """Read a result and its computing time [s] from a file; None where the file is missing, damaged or of another class.
 
     ``type_``: class of the result.
@@ -229,7 +230,7 @@ def _read_record(path: Path, type_: type[T]) -> tuple[T, float] | None:
             digest, content = file.read(_DIGEST), file.read()
         if hashlib.sha256(content).digest() != digest:
             return None
-        value = unpack_record(content[_SECONDS.size :], type_.__module__.split(".")[0])
+        value = record_from_bytes(content[_SECONDS.size :], type_.__module__.split(".")[0])
     except (OSError, ValueError):  # no file, or one of other sources: the result is computed again
         return None
     with suppress(OSError):  # the folder may be read-only
@@ -237,12 +238,12 @@ def _read_record(path: Path, type_: type[T]) -> tuple[T, float] | None:
     return (value, *_SECONDS.unpack_from(content)) if isinstance(value, type_) else None
 
 
-def content_key(build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> str:
+def key_of_result(function: Callable[..., object], arguments: tuple[object, ...], result_class: type) -> str:
     """Compute the key under which the result of a function with its arguments is stored.
 
     Parameters
     ----------
-    build, arguments, type_
+    function, arguments, type_
         Function, its arguments, and the class of its result, as for `Cache.get`.
 
     Returns
@@ -253,14 +254,16 @@ def content_key(build: Callable[..., object], arguments: tuple[object, ...], typ
     Raises
     ------
     TypeError
-        The function is local or a lambda, or an argument has no canonical text (`record_keys.canonical`).
+        The function is local or a lambda, or an argument has no canonical text (`record_keys.canonical_text`).
     """
-    name = f"{build.__module__}.{build.__qualname__}"
+    name = f"{function.__module__}.{function.__qualname__}"
     if "<" in name:
         raise TypeError(f"{name} is not defined at module level: only results of such functions can be stored")
-    made_by = sorted({"rollbench.meshes", _package_of_module(build.__module__), _package_of_module(type_.__module__)})
-    programs = [*map(_installed_version, ("gmsh", "scikit-fem", "rollbench")), *map(sources_digest, made_by)]
-    return digest(name, type_, programs, arguments)
+    made_by = sorted(
+        {"rollbench.meshes", _package_of_module(function.__module__), _package_of_module(result_class.__module__)}
+    )
+    programs = [*map(_installed_version, ("gmsh", "scikit-fem", "rollbench")), *map(digest_of_sources, made_by)]
+    return digest_of_values(name, result_class, programs, arguments)
 
 
 def _package_of_module(module: str) -> str:
@@ -270,7 +273,7 @@ def _package_of_module(module: str) -> str:
 
 
 @lru_cache
-def sources_digest(package: str) -> str:
+def digest_of_sources(package: str) -> str:
     """Compute a digest of all Python sources of an installed package; empty where there are none (built-ins, archives).
 
     If a source was changed after the start of this process, the digest is made unique, so that no other process finds the
@@ -308,31 +311,31 @@ def _installed_version(package: str) -> str:
         return "not installed"
 
 
-#: The cache of the functions decorated by `kept`; empty while it is switched off.
+#: The cache of the functions decorated by `cached_on_disk`; empty while it is switched off.
 _stores: list[Cache] = []
 
 
-def switch_on() -> None:
-    """From now on, store results of functions decorated by `kept` in the user's cache folder, and read them from there.
+def switch_on_geometry_cache() -> None:
+    """From now on, store results of `cached_on_disk` functions in the user's cache folder, and read them from there.
 
     Where the environment variable ROLLBENCH_CACHE is "off", results are computed, and neither stored nor read.
     """
-    root = default_root()
+    root = default_cache_folder()
     _stores[:] = [] if root is None else [Cache(root / GEOMETRIES, GEOMETRIES_LIMIT)]
 
 
-def switched_on() -> bool:
-    """Return whether results of functions decorated by `kept` are stored on disk and read from there."""
+def is_geometry_cache_on() -> bool:
+    """Return whether results of functions decorated by `cached_on_disk` are stored on disk and read from there."""
     return bool(_stores)
 
 
-def switch_off() -> None:
+def switch_off_geometry_cache() -> None:
     """Stop the use of the cache on disk: all results are computed from now on."""
     _stores.clear()
 
 
 @contextmanager
-def no_cache() -> Iterator[None]:
+def without_geometry_cache() -> Iterator[None]:
     """Disable the cache on disk during a ``with`` block, for timings."""
     before, _stores[:] = list(_stores), []
     try:
@@ -341,8 +344,8 @@ def no_cache() -> Iterator[None]:
         _stores[:] = before
 
 
-def kept(type_: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Make a decorator for functions whose results are stored in the cache on disk, where that is on (`switch_on`).
+def cached_on_disk(result_class: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """Make a decorator for functions whose results are stored in the cache on disk, if that is switched on.
 
     Parameters
     ----------
@@ -360,14 +363,14 @@ def kept(type_: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
         def cached(*args: P.args, **kwargs: P.kwargs) -> T:
             if not _stores or kwargs:
                 return build(*args, **kwargs)
-            return _stores[0].get(build, args, type_)
+            return _stores[0].get(build, args, result_class)
 
         return cached
 
     return decorate
 
 
-def pack_record(value: object) -> bytes:
+def record_to_bytes(value: object) -> bytes:
     """Convert a record to bytes.
 
     Parameters
@@ -391,19 +394,19 @@ def pack_record(value: object) -> bytes:
     (1, {'a': [2.5, None]})
     """
     arrays: list[Any] = []
-    tree = json.dumps(_describe_value(value, arrays))
+    tree = json.dumps(_json_structure(value, arrays))
     stream = io.BytesIO()
     np.savez(stream, np.frombuffer(tree.encode(), np.uint8), *arrays)
     return stream.getvalue()
 
 
-def unpack_record(content: bytes, *packages: str) -> Any:
-    """Convert bytes from `pack_record` back to the record.
+def record_from_bytes(content: bytes, *packages: str) -> Any:
+    """Convert bytes from `record_to_bytes` back to the record.
 
     Parameters
     ----------
     content : bytes
-        Bytes returned by `pack_record`.
+        Bytes returned by `record_to_bytes`.
     *packages : str
         Packages whose classes may occur, in addition to `TRUSTED`.
 
@@ -415,7 +418,7 @@ def unpack_record(content: bytes, *packages: str) -> Any:
     Raises
     ------
     ValueError
-        The bytes are not from `pack_record`, or contain a class of another package.
+        The bytes are not from `record_to_bytes`, or contain a class of another package.
     """
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as file:
@@ -425,7 +428,7 @@ def unpack_record(content: bytes, *packages: str) -> Any:
         raise ValueError(f"the bytes do not contain a record: {error}") from error
 
 
-def _describe_value(value: Any, arrays: list[Any]) -> Any:
+def _json_structure(value: Any, arrays: list[Any]) -> Any:
     """Return the structure of a value for JSON: plain values unchanged, others as a list that begins with their kind.
 
     ``arrays``: list to which the value's arrays are appended; the structure refers to them by their numbers.
@@ -439,40 +442,40 @@ def _describe_value(value: Any, arrays: list[Any]) -> Any:
         matrix: Any = value if value.format in ("csr", "csc") else value.tocsr()
         return [
             "sparse",
-            _class_name(type(matrix)),
+            _qualified_class_name(type(matrix)),
             list(matrix.shape),
-            *(_describe_value(x, arrays) for x in _matrix_parts(matrix)),
+            *(_json_structure(x, arrays) for x in _sparse_matrix_arrays(matrix)),
         ]
     if type(value) in (tuple, list):
-        return [type(value).__name__, *(_describe_value(x, arrays) for x in value)]
+        return [type(value).__name__, *(_json_structure(x, arrays) for x in value)]
     if type(value) is dict:
-        return ["dict", *([_describe_value(k, arrays), _describe_value(x, arrays)] for k, x in value.items())]
+        return ["dict", *([_json_structure(k, arrays), _json_structure(x, arrays)] for k, x in value.items())]
     if isinstance(value, type):
-        return ["class", _class_name(value)]
+        return ["class", _qualified_class_name(value)]
     if dataclasses.is_dataclass(value):
-        fields = {f.name: _describe_value(getattr(value, f.name), arrays) for f in dataclasses.fields(value)}
-        return ["record", _class_name(type(value)), fields]
+        fields = {f.name: _json_structure(getattr(value, f.name), arrays) for f in dataclasses.fields(value)}
+        return ["record", _qualified_class_name(type(value)), fields]
     raise TypeError(f"a value of type {type(value).__name__} cannot be stored")
 
 
-def _matrix_parts(matrix: Any) -> tuple[Any, Any, Any]:
+def _sparse_matrix_arrays(matrix: Any) -> tuple[Any, Any, Any]:
     """Return the arrays of a compressed sparse matrix: values, indices and index pointers."""
     return matrix.data, matrix.indices, matrix.indptr
 
 
-def _class_name(class_: type) -> str:
+def _qualified_class_name(class_: type) -> str:
     """Return the name of a class with its module, as ``module:class``."""
     return f"{class_.__module__}:{class_.__qualname__}"
 
 
-def _unpack_value(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
-    """Build a value from its structure as returned by `_describe_value`.
+def _unpack_value(structure: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
+    """Build a value from its structure as returned by `_json_structure`.
 
-    ``tree``: the structure; ``arrays``: the arrays to which it refers; ``packages``: packages whose classes may occur.
+    ``structure``: the structure; ``arrays``: the arrays to which it refers; ``packages``: packages whose classes may occur.
     """
-    if not isinstance(tree, list):
-        return tree
-    sort, *content = tree
+    if not isinstance(structure, list):
+        return structure
+    sort, *content = structure
 
     def unpack(x: Any) -> Any:
         return _unpack_value(x, arrays, packages)

@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.files import make_folder_for_group, make_readable_for_group, temporary_name
+from rollbench.meshes.files import create_folder_for_group, make_readable_for_group, temporary_path
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.record_keys import digest
+from rollbench.meshes.record_keys import digest_of_values
 
 #: Version of the file format; files of other versions are not read.
 FORMAT = 2
@@ -55,7 +55,7 @@ class CondensedBodies:
     are sorted by ball, then by flank.
     """
 
-    #: Digest of the parts, from `geometry_digest`.
+    #: Digest of the parts, from `digest_of_geometry`.
     geometry: str
     #: Level of refinement of the 3D model's mesh.
     level: int
@@ -77,7 +77,7 @@ class CondensedBodies:
     #: Hertz constants C of the flanks, with the approach C F^(2/3) under the force F ``(k,)`` [m/N^(2/3)].
     hertz: Array
 
-    def local_law(self, side: int) -> tuple[float, float]:
+    def fit_local_law(self, side: int) -> tuple[float, float]:
         """Fit e F + h F^(4/3) to the approach of a flank's contacts under the force F, without the part after Hertz.
 
         The first term is the linear elasticity of the bodies. The next term for a smooth contact is of the order of F times
@@ -96,18 +96,18 @@ class CondensedBodies:
         h : float
             Coefficient of F^(4/3) [m/N^(4/3)].
         """
-        e, h = self._fit(list(self.sides).index(side))[0]
+        e, h = self._fit_approach(list(self.sides).index(side))[0]
         return float(e), float(h)
 
     def scatter(self, side: int) -> float:
-        """Return the RMS deviation of a flank's samples from `local_law` relative to the approach.
+        """Return the RMS deviation of a flank's samples from `fit_local_law` relative to the approach.
 
         It is the error due to the finite contact grid of the 3D model.
         """
-        return self._fit(list(self.sides).index(side))[1]
+        return self._fit_approach(list(self.sides).index(side))[1]
 
-    def _fit(self, k: int) -> tuple[Array, float]:
-        """Fit the coefficients of `local_law` to the samples of a flank.
+    def _fit_approach(self, k: int) -> tuple[Array, float]:
+        """Fit the coefficients of `fit_local_law` to the samples of a flank.
 
         ``k``: index of the flank in ``sides``. Returns the coefficients e and h ``(2,)``, and the RMS deviation of the
         samples from the fit, relative to the approach.
@@ -132,13 +132,13 @@ class CondensedBodies:
             The file cannot be written.
         """
         values = asdict(self)
-        _write_arrays(path, values | {"format": FORMAT, "checksum": arrays_digest(values)})
+        _write_arrays(path, values | {"format": FORMAT, "checksum": checksum_of_arrays(values)})
 
 
 def _write_arrays(path: Path, values: Mapping[str, Any]) -> None:
     """Write arrays by their names to a compressed .npz file, which replaces an existing file only when complete."""
-    make_folder_for_group(path.parent)
-    name = temporary_name(path)
+    create_folder_for_group(path.parent)
+    name = temporary_path(path)
     try:
         with open(name, "xb") as file:
             np.savez_compressed(file, **values)
@@ -148,7 +148,7 @@ def _write_arrays(path: Path, values: Mapping[str, Any]) -> None:
         name.unlink(missing_ok=True)
 
 
-def geometry_digest(scene: Scene) -> str:
+def digest_of_geometry(scene: Scene) -> str:
     """Compute a digest of all parameters of a scene on which the compliance of its bodies depends.
 
     Parameters
@@ -161,10 +161,10 @@ def geometry_digest(scene: Scene) -> str:
     str
         16 hexadecimal digits.
     """
-    return digest(scene.track, scene.screw, scene.nut, scene.balls, scene.solid, scene.ingredients.screw)[:16]
+    return digest_of_values(scene.track, scene.screw, scene.nut, scene.balls, scene.solid, scene.ingredients.screw)[:16]
 
 
-def load_condensed(path: Path) -> CondensedBodies:
+def read_condensed_bodies(path: Path) -> CondensedBodies:
     """Read the compliance of condensed bodies from its file, and check it.
 
     Parameters
@@ -195,7 +195,7 @@ def load_condensed(path: Path) -> CondensedBodies:
         float(values["base"]),
         *(np.asarray(values[name], dtype=float) for name in ("screw", "nut", "ball", "local", "force", "hertz")),
     )
-    _check_arrays(bodies)
+    _check_condensed_bodies(bodies)
     return bodies
 
 
@@ -207,8 +207,8 @@ def _read_arrays(path: Path) -> dict[str, Array]:
     names = [f.name for f in fields(CondensedBodies)]
     if path.stat().st_size > LARGEST_FILE:
         raise ValueError(f"a file of more than {LARGEST_FILE:.3g} bytes")
-    members = _read_members(path.read_bytes())
-    values = {name: _read_array(name, members[name]) for name in ("format", "checksum", *names) if name in members}
+    members = _read_archive_members(path.read_bytes())
+    values = {name: _parse_array(name, members[name]) for name in ("format", "checksum", *names) if name in members}
     number, said = values.pop("format", np.array(FORMAT)), values.pop("checksum", None)
     if number.shape != () or number.dtype.kind not in "iu" or int(number) != FORMAT:
         raise ValueError(f"a file of format {str(number)[:40]}, where this version reads format {FORMAT} only")
@@ -219,12 +219,12 @@ def _read_arrays(path: Path) -> dict[str, Array]:
     for name, value in values.items():
         if value.dtype.kind not in kinds.get(name, "fiu") or (name in ("geometry", "level", "base") and value.shape != ()):
             raise ValueError(f"a file in which {name} has an unexpected type or shape")
-    if said is None or str(said) != arrays_digest(values):
+    if said is None or str(said) != checksum_of_arrays(values):
         raise ValueError("a file whose checksum does not match its contents, so that it was damaged or changed")
     return values
 
 
-def _read_members(content: bytes) -> dict[str, bytes]:
+def _read_archive_members(content: bytes) -> dict[str, bytes]:
     """Return the bytes of each member of a zip archive by its name; raise ValueError for a damaged or too large archive."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
@@ -242,7 +242,7 @@ def _read_members(content: bytes) -> dict[str, bytes]:
     return members
 
 
-def _read_array(name: str, content: bytes) -> Array:
+def _parse_array(name: str, content: bytes) -> Array:
     """Read the array ``name`` from bytes in numpy's format.
 
     ValueError for another format, or a size that differs from that in the header.
@@ -261,7 +261,7 @@ def _read_array(name: str, content: bytes) -> Array:
     return np.ndarray(shape, kind, content, end, order="F" if head[2] == b"True" else "C").copy("K")
 
 
-def arrays_digest(values: Mapping[str, Any]) -> str:
+def checksum_of_arrays(values: Mapping[str, Any]) -> str:
     """Compute the checksum of the arrays of a file, including their names, types and shapes.
 
     Parameters
@@ -281,7 +281,7 @@ def arrays_digest(values: Mapping[str, Any]) -> str:
     return digest.hexdigest()
 
 
-def _check_arrays(bodies: CondensedBodies) -> None:
+def _check_condensed_bodies(bodies: CondensedBodies) -> None:
     """Raise ValueError for arrays whose shapes do not match, or whose values are impossible for elastic bodies."""
     k = bodies.sides.size
     sides = bodies.sides.tolist()

@@ -13,7 +13,7 @@ from typing import Any, cast
 import numpy as np
 
 from rollbench.meshes.arrays import Array, Mask
-from rollbench.meshes.helix import BallLayout, groove_radii, lead_angle, nominal_groove_centres
+from rollbench.meshes.helix import BallLayout, lead_angle, nominal_groove_centres, nominal_groove_radii
 from rollbench.meshes.parts import SIDES, FourierTerm, Scene, SideErrors
 
 #: Axial distance from the nut's centre up to which a ball counts as at the centre, as a ratio to the ball's radius.
@@ -39,7 +39,7 @@ class Specimen:
     profile: Array
 
 
-def _draw_terms(terms: tuple[FourierTerm, ...], rng: np.random.Generator) -> list[tuple[float, float, float]]:
+def _draw_fourier_amplitudes(terms: tuple[FourierTerm, ...], rng: np.random.Generator) -> list[tuple[float, float, float]]:
     """Draw the amplitudes of Fourier terms: for each term, add normal random numbers to its amplitudes.
 
     Returns a list with (harmonic, amplitude of the sine [m], amplitude of the cosine [m]) for each term.
@@ -51,7 +51,7 @@ def _draw_terms(terms: tuple[FourierTerm, ...], rng: np.random.Generator) -> lis
     return drawn
 
 
-def _fourier_series(drawn: list[tuple[float, float, float]], phi: Array) -> Array:
+def _fourier_series_and_slopes(drawn: list[tuple[float, float, float]], phi: Array) -> Array:
     """Return a Fourier series and its first two derivatives at azimuths, ``(3, n)`` [m, m/rad, m/rad2].
 
     ``drawn``: for each term, harmonic and amplitudes of sine and cosine [m]; ``phi``: azimuths ``(n,)`` [rad].
@@ -63,7 +63,7 @@ def _fourier_series(drawn: list[tuple[float, float, float]], phi: Array) -> Arra
     return total
 
 
-def _draw_profile(side: SideErrors, rng: np.random.Generator) -> list[float]:
+def _draw_profile_coefficients(side: SideErrors, rng: np.random.Generator) -> list[float]:
     """Draw the coefficients of a flank's profile error [m].
 
     The error is an inward offset of the groove, a polynomial in the section angle in rad; powers are ascending.
@@ -72,7 +72,7 @@ def _draw_profile(side: SideErrors, rng: np.random.Generator) -> list[float]:
     return [float(m + (rng.normal(0.0, s) if s > 0.0 else 0.0)) for m, s in terms]
 
 
-def draw_ball_radii(scene: Scene, rng: np.random.Generator, others: int | None = None) -> Array:
+def draw_ball_radii(scene: Scene, rng: np.random.Generator, return_path_balls: int | None = None) -> Array:
     """Draw the radii of all balls: nominal radius plus oversize, the error listed for the ball, and a random error.
 
     A uniform distribution has the half width sqrt(3) sigma, so that its standard deviation is sigma.
@@ -92,8 +92,10 @@ def draw_ball_radii(scene: Scene, rng: np.random.Generator, others: int | None =
         Radii [m].
     """
     errors = scene.errors.balls
-    radius = np.full(scene.ball_count if others is None else others, scene.balls.radius + errors.oversize)
-    for number, error in errors.listed if others is None else ():
+    radius = np.full(
+        scene.ball_count if return_path_balls is None else return_path_balls, scene.balls.radius + errors.oversize
+    )
+    for number, error in errors.listed if return_path_balls is None else ():
         radius[number - 1] += error
     if errors.sigma > 0.0:
         if errors.distribution == "normal":
@@ -105,7 +107,7 @@ def draw_ball_radii(scene: Scene, rng: np.random.Generator, others: int | None =
 
 
 @dataclass(frozen=True)
-class Drawn:
+class DrawnErrors:
     """Errors of one specimen after random ones are drawn: ball radii, and the errors of the flanks as functions."""
 
     #: Radii of the balls ``(n,)`` [m].
@@ -141,7 +143,7 @@ class Drawn:
         Lin (2019), eqs. (2.27), (4.1) and (4.3).
         """
         n = ball_radius.size
-        centre, slopes = _shifted_centres(scene, station), np.zeros((2, n, 4, 2))
+        centre, slopes = _groove_centres_with_lead_offset(scene, station), np.zeros((2, n, 4, 2))
         for s, name in enumerate(SIDES):
             if not self.pitch[s] and not self.roundness[s]:
                 continue
@@ -149,19 +151,23 @@ class Drawn:
             along = cos(lead_angle(scene.track)) if scene.errors.side(name).pitch_along == "axis" else 1.0
             # (2.27): roundness along x3, pitch along z3; (4.1) has the pitch error along the axis
             offset = np.stack(
-                [_fourier_series(self.roundness[s], phi), along * _fourier_series(self.pitch[s], phi)], axis=-1
+                [
+                    _fourier_series_and_slopes(self.roundness[s], phi),
+                    along * _fourier_series_and_slopes(self.pitch[s], phi),
+                ],
+                axis=-1,
             )
             centre[:, s] += offset[0]
             slopes[:, :, s] += offset[1:]
         degree = max(len(p) for p in self.profile)
         table = np.array([p + [0.0] * (degree - len(p)) for p in self.profile]).reshape(4, degree)
-        radius = groove_radii(scene)
+        radius = nominal_groove_radii(scene)
         if degree == 1:  # a constant offset is a change of radius, not of shape
             radius, table = radius - table[:, 0], np.zeros((4, 0))
         return Specimen(ball_radius, centre, slopes, radius, table)
 
 
-def beyond_step(scene: Scene, station: Array) -> Mask:
+def are_in_shifted_half(scene: Scene, axial_positions: Array) -> Mask:
     """Find the balls in that half of the nut whose groove a lead offset shifts, the half at larger z.
 
     The groove steps between two balls. A ball at the nut's centre belongs to the half that is not shifted.
@@ -178,24 +184,26 @@ def beyond_step(scene: Scene, station: Array) -> Mask:
     (n,) Mask
         True for balls in the shifted half.
     """
-    return np.asarray(station - scene.nut.position > AT_CENTRE * scene.balls.radius)
+    return np.asarray(axial_positions - scene.nut.position > AT_CENTRE * scene.balls.radius)
 
 
-def _shifted_centres(scene: Scene, station: Array) -> Array:
+def _groove_centres_with_lead_offset(scene: Scene, axial_positions: Array) -> Array:
     """Return the groove centres at the balls ``(n, 4, 2)`` [m]: the nominal ones, shifted by the nut's lead offset.
 
-    ``station``: axial positions of the balls ``(n,)`` [m]. A groove shifted along the axis by d is shifted across the track
-    by d cos(alpha), with the lead angle alpha. The shift along the track has no effect, because the groove is the same
-    everywhere along the track.
+    ``axial_positions``: axial positions of the balls ``(n,)`` [m]. A groove shifted along the axis by d is shifted across
+    the track by d cos(alpha), with the lead angle alpha. The shift along the track has no effect, because the groove is the
+    same everywhere along the track.
     """
-    centre = np.empty((station.size, 4, 2))
+    centre = np.empty((axial_positions.size, 4, 2))
     centre[:] = nominal_groove_centres(scene)
     if scene.errors.lead_offset != 0.0:
-        centre[beyond_step(scene, station), 2:, 1] += scene.errors.lead_offset * cos(lead_angle(scene.track))
+        centre[are_in_shifted_half(scene, axial_positions), 2:, 1] += scene.errors.lead_offset * cos(
+            lead_angle(scene.track)
+        )
     return centre
 
 
-def draw_errors(scene: Scene, member: int = 0) -> Drawn:
+def draw_errors(scene: Scene, member: int = 0) -> DrawnErrors:
     """Draw the random errors of one specimen of a screw or bearing.
 
     The same seed and number give the same specimen. Random numbers are drawn first for the ball radii, then for each flank
@@ -216,12 +224,19 @@ def draw_errors(scene: Scene, member: int = 0) -> Drawn:
     rng = np.random.default_rng([scene.errors.seed, member]) if scene.errors.random else _UNUSED
     radii = draw_ball_radii(scene, rng)
     sides = [scene.errors.side(name) for name in SIDES]
-    terms = [(_draw_terms(e.pitch, rng), _draw_terms(e.roundness, rng), _draw_profile(e, rng)) for e in sides]
+    terms = [
+        (
+            _draw_fourier_amplitudes(e.pitch, rng),
+            _draw_fourier_amplitudes(e.roundness, rng),
+            _draw_profile_coefficients(e, rng),
+        )
+        for e in sides
+    ]
     pitch, roundness, profile = zip(*terms, strict=True)
-    return Drawn(radii, pitch, roundness, profile)
+    return DrawnErrors(radii, pitch, roundness, profile)
 
 
-def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
+def draw_specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
     """Draw the errors of one specimen of a screw or bearing, and evaluate them at its balls; see `draw_errors`.
 
     Parameters
@@ -246,10 +261,10 @@ def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
     >>> specimen(scene, ball_layout(scene)).ball_radius[:2].tolist()
     [0.002778, 0.002778]
     """
-    return _at_balls(scene, layout, draw_errors(scene, member))
+    return _evaluate_at_balls(scene, layout, draw_errors(scene, member))
 
 
-def _at_balls(scene: Scene, layout: BallLayout, drawn: Drawn) -> Specimen:
+def _evaluate_at_balls(scene: Scene, layout: BallLayout, drawn: DrawnErrors) -> Specimen:
     """Evaluate the errors ``drawn`` at the positions of the scene's balls, ``layout``."""
     return drawn.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, layout.z, drawn.ball_radius)
 
@@ -266,8 +281,8 @@ class Specimens:
     radius: Array
 
 
-def alike_in_shape(scene: Scene) -> bool:
-    """Return whether the grooves of all specimens are circular arcs with the same radii, as `specimens` requires.
+def have_equal_circular_grooves(scene: Scene) -> bool:
+    """Return whether the grooves of all specimens are circular arcs with the same radii, as `draw_specimens` requires.
 
     A specimen is one screw or bearing with random errors.
 
@@ -285,13 +300,13 @@ def alike_in_shape(scene: Scene) -> bool:
     return not any(len(e.profile) > 1 or any(s > 0.0 for s in e.profile_sigma) for e in sides)
 
 
-def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Specimens:
-    """Draw the errors of several specimens and evaluate them at the balls; all grooves must be `alike_in_shape`.
+def draw_specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Specimens:
+    """Draw the errors of several specimens and evaluate them at the balls; all grooves must be equal circular arcs.
 
     Parameters
     ----------
     scene, layout
-        Scene with errors and seed, and positions of the balls, as for `specimen`.
+        Scene with errors and seed, and positions of the balls, as for `draw_specimen`.
     first, count : int
         Number of the first specimen, and number of specimens.
 
@@ -302,11 +317,11 @@ def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Speci
     """
     drawn = [draw_errors(scene, member) for member in range(first, first + count)]
     shared = all((one.pitch, one.roundness) == (drawn[0].pitch, drawn[0].roundness) for one in drawn)
-    places = [_at_balls(scene, layout, one) for one in (drawn[:1] if shared else drawn)]
+    places = [_evaluate_at_balls(scene, layout, one) for one in (drawn[:1] if shared else drawn)]
     return Specimens(np.stack([one.ball_radius for one in drawn]), np.stack([x.centre for x in places]), places[0].radius)
 
 
-def with_draws(scene: Scene, member: int = 0) -> Scene:
+def scene_with_drawn_errors(scene: Scene, member: int = 0) -> Scene:
     """Return a scene in which the drawn errors of one specimen replace the random ones.
 
     Parameters
@@ -340,7 +355,7 @@ def with_draws(scene: Scene, member: int = 0) -> Scene:
     return replace(scene, errors=replace(errors, balls=balls, SL=SL, SR=SR, NL=NL, NR=NR))
 
 
-def without_draws(scene: Scene) -> Scene:
+def scene_without_random_errors(scene: Scene) -> Scene:
     """Return a scene without random errors: all standard deviations are set to 0, other errors are unchanged.
 
     Parameters

@@ -33,7 +33,9 @@ _SKFEM: dict[str, tuple[int, ...]] = {
 }
 
 
-def mesh_of(points: Array, cells: Index, kind: str, boundaries: Mapping[str, Index] | None = None) -> tuple[Mesh, Index]:
+def build_mesh(
+    points: Array, cells: Index, element_type: str, boundaries: Mapping[str, Index] | None = None
+) -> tuple[Mesh, Index]:
     """Build a mesh of scikit-fem from points and cells in gmsh's node order.
 
     scikit-fem renumbers the nodes of second-order meshes: vertices come first.
@@ -61,19 +63,21 @@ def mesh_of(points: Array, cells: Index, kind: str, boundaries: Mapping[str, Ind
     ValueError
         The type is unknown, the cells have another number of nodes, or a face of a boundary belongs to no cell.
     """
-    if kind not in MESHES:
-        raise ValueError(f"element {kind!r} is unknown; use one of {', '.join(MESHES)}")
-    order = np.array(_SKFEM[kind])
+    if element_type not in MESHES:
+        raise ValueError(f"element {element_type!r} is unknown; use one of {', '.join(MESHES)}")
+    order = np.array(_SKFEM[element_type])
     if cells.ndim != 2 or cells.shape[1] != len(order):
-        raise ValueError(f"cells have the shape {cells.shape}, but element {kind} needs (m, {len(order)})")
+        raise ValueError(f"cells have the shape {cells.shape}, but element {element_type} needs (m, {len(order)})")
     ordered = cells[:, order]
-    mesh = MESHES[kind](np.ascontiguousarray(points.T), np.ascontiguousarray(ordered.T))
+    mesh = MESHES[element_type](np.ascontiguousarray(points.T), np.ascontiguousarray(ordered.T))
     number = np.full(len(points), -1, dtype=np.int64)
     number[ordered] = mesh.dofs.element_dofs.T
-    return with_faces(mesh, {name: number[f[:, : len(mesh.facets)]] for name, f in (boundaries or {}).items()}), number
+    return with_boundaries_from_corners(
+        mesh, {name: number[f[:, : len(mesh.facets)]] for name, f in (boundaries or {}).items()}
+    ), number
 
 
-def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
+def with_boundaries_from_corners(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
     """Add named boundaries to a mesh, each defined by the corner nodes of its faces.
 
     Parameters
@@ -94,20 +98,20 @@ def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
         A face belongs to no cell, or a boundary has no faces.
     """
     count = mesh.doflocs.shape[1]
-    known = _facet_keys(np.sort(mesh.facets.T), count)
+    known = _integers_of_faces(np.sort(mesh.facets.T), count)
     order = np.argsort(known)
     facets = {}
     for name, corners in faces.items():
-        wanted = _facet_keys(np.sort(corners), count)
+        wanted = _integers_of_faces(np.sort(corners), count)
         place = order[np.minimum(np.searchsorted(known, wanted, sorter=order), len(order) - 1)]
         lost = int(np.count_nonzero(known[place] != wanted))
         if lost:
             raise ValueError(f"boundary {name!r} is incomplete: {lost} of its {len(wanted)} faces belong to no cell")
         facets[name] = np.unique(place)
-    return with_boundaries(mesh, facets)
+    return with_boundaries_from_facets(mesh, facets)
 
 
-def with_boundaries(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
+def with_boundaries_from_facets(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
     """Add named boundaries to a mesh, each defined by the numbers of its facets in the mesh.
 
     Parameters
@@ -134,7 +138,7 @@ def with_boundaries(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
     return _with_attributes(mesh, _boundaries={**(mesh.boundaries or {}), **added})
 
 
-def _facet_keys(corners: Index, count: int) -> Index:
+def _integers_of_faces(corners: Index, count: int) -> Index:
     """Compute one integer for each edge or face of a mesh from its corners, to find and sort faces.
 
     ``corners``: numbers of the corners, ascending in each row ``(k, 2 or more)``; ``count``: number of nodes of the mesh.
@@ -146,7 +150,7 @@ def _facet_keys(corners: Index, count: int) -> Index:
     return np.asarray(low @ count ** np.arange(low.shape[1] - 1, -1, -1))
 
 
-def kind_of(mesh: Mesh) -> str:
+def element_type_of_mesh(mesh: Mesh) -> str:
     """Return the element type of a mesh: P1, P2, Q1 or Q2.
 
     Parameters
@@ -157,7 +161,7 @@ def kind_of(mesh: Mesh) -> str:
     return next(kind for kind, mesh_class in MESHES.items() if mesh.elem is mesh_class.elem)
 
 
-def points_of(mesh: Mesh) -> Array:
+def node_coordinates(mesh: Mesh) -> Array:
     """Return the coordinates of a mesh's nodes ``(n, 3)`` [m].
 
     Parameters
@@ -168,7 +172,7 @@ def points_of(mesh: Mesh) -> Array:
     return np.asarray(mesh.doflocs.T)
 
 
-def cells_of(mesh: Mesh) -> Index:
+def nodes_of_cells(mesh: Mesh) -> Index:
     """Return the nodes of each cell of a mesh ``(m, nodes)``, in gmsh's order.
 
     Parameters
@@ -176,10 +180,10 @@ def cells_of(mesh: Mesh) -> Index:
     mesh
         Mesh of scikit-fem.
     """
-    return np.asarray(mesh.dofs.element_dofs.T[:, np.argsort(_SKFEM[kind_of(mesh)])], dtype=np.int64)
+    return np.asarray(mesh.dofs.element_dofs.T[:, np.argsort(_SKFEM[element_type_of_mesh(mesh)])], dtype=np.int64)
 
 
-class Meshed:
+class MeshedBody:
     """Base class of records that contain the finite element mesh of a body."""
 
     #: The mesh, an object of scikit-fem.
@@ -188,15 +192,15 @@ class Meshed:
     @property
     def points(self) -> Array:
         """Coordinates of the mesh's nodes ``(n, 3)`` [m]."""
-        return points_of(self.mesh)
+        return node_coordinates(self.mesh)
 
     @property
     def cells(self) -> Index:
         """Nodes of each cell of the mesh ``(m, nodes)``, in gmsh's order."""
-        return cells_of(self.mesh)
+        return nodes_of_cells(self.mesh)
 
 
-def faces_of(mesh: Mesh, name: str) -> Index:
+def nodes_of_boundary_faces(mesh: Mesh, name: str) -> Index:
     """Return the nodes of each face on a named boundary of a mesh.
 
     Parameters
@@ -229,7 +233,7 @@ def faces_of(mesh: Mesh, name: str) -> Index:
     return faces
 
 
-def nodes_on(mesh: Mesh, *names: str) -> Index:
+def nodes_on_boundaries(mesh: Mesh, *names: str) -> Index:
     """Return the nodes on named boundaries of a mesh, in ascending order.
 
     Parameters
@@ -247,7 +251,7 @@ def nodes_on(mesh: Mesh, *names: str) -> Index:
     return _freedoms_of_boundary(mesh.dofs, mesh, names)
 
 
-def freedoms_on(mesh: Mesh, *names: str) -> Index:
+def freedoms_on_boundaries(mesh: Mesh, *names: str) -> Index:
     """Return the displacement degrees of freedom of the nodes on named boundaries, in ascending order.
 
     Parameters
@@ -274,7 +278,7 @@ def _freedoms_of_boundary(dofs: Dofs, mesh: Mesh, names: tuple[str, ...]) -> Ind
     return np.unique(np.concatenate(freedoms)).astype(np.int64)
 
 
-def tensor_grid(x: Array, y: Array, z: Array, kind: str, *, left_handed: bool = False) -> Mesh:
+def mesh_rectangular_grid(x: Array, y: Array, z: Array, element_type: str, *, left_handed: bool = False) -> Mesh:
     """Make a mesh of hexahedra on a rectangular grid, from its grid coordinates along three axes.
 
     Parameters
@@ -293,10 +297,10 @@ def tensor_grid(x: Array, y: Array, z: Array, kind: str, *, left_handed: bool = 
     """
     mirrored = MeshHex1.init_tensor(x, y, z)  # left-handed
     grid = MeshHex1(mirrored.doflocs, mirrored.t if left_handed else mirrored.t[[3, 5, 6, 0, 7, 1, 2, 4]])
-    return grid if kind == "Q1" else second_order(grid)
+    return grid if element_type == "Q1" else to_second_order(grid)
 
 
-def second_order(mesh: Mesh) -> Mesh:
+def to_second_order(mesh: Mesh) -> Mesh:
     """Convert a linear mesh to second-order cells with straight edges on the same vertices.
 
     Named boundaries are not copied.
@@ -311,12 +315,12 @@ def second_order(mesh: Mesh) -> Mesh:
     Mesh
         Mesh of P2 or Q2 cells.
     """
-    quadratic = MESHES[{"P1": "P2", "Q1": "Q2"}[kind_of(mesh)]].from_mesh(mesh)
+    quadratic = MESHES[{"P1": "P2", "Q1": "Q2"}[element_type_of_mesh(mesh)]].from_mesh(mesh)
     known = {name: value for name, value in vars(mesh).items() if name in ("_facets", "_t2f", "_f2t", "_edges", "_t2e")}
     return _with_attributes(quadratic, **known)
 
 
-def with_points(mesh: Mesh, points: Array) -> Mesh:
+def with_node_coordinates(mesh: Mesh, points: Array) -> Mesh:
     """Return a copy of a mesh with other coordinates of its nodes, and the same cells and boundaries.
 
     Parameters
@@ -365,7 +369,7 @@ class Quality:
     where: tuple[float, float, float]
 
 
-def node_slopes(element: Element, at: Array | None = None) -> Array:
+def shape_function_gradients(element: Element, reference_points: Array | None = None) -> Array:
     """Return the gradients of an element's shape functions at its nodes, or at other points of the reference cell.
 
     Parameters
@@ -381,8 +385,8 @@ def node_slopes(element: Element, at: Array | None = None) -> Array:
         Gradient of shape function n at point q.
     """
     nodes = element.doflocs.T
-    at = nodes if at is None else at
-    return np.stack([element.lbasis(at, k)[1] for k in range(nodes.shape[1])], axis=1).transpose(2, 1, 0)
+    reference_points = nodes if reference_points is None else reference_points
+    return np.stack([element.lbasis(reference_points, k)[1] for k in range(nodes.shape[1])], axis=1).transpose(2, 1, 0)
 
 
 def scaled_jacobians(mesh: Mesh) -> Array:
@@ -412,23 +416,23 @@ def scaled_jacobians(mesh: Mesh) -> Array:
     >>> scaled_jacobians(tensor_grid(edge, edge, edge, "Q1")).round(12).tolist()
     [1.0]
     """
-    return _of_cells(mesh, mesh.dofs.element_dofs.T)
+    return _smallest_jacobian_of_cells(mesh, mesh.dofs.element_dofs.T)
 
 
-def _of_cells(mesh: Mesh, cells: Index, at: Array | None = None) -> Array:
+def _smallest_jacobian_of_cells(mesh: Mesh, cells: Index, at: Array | None = None) -> Array:
     """Return the smallest scaled Jacobian of each of some cells of a mesh ``(c,)``.
 
     ``cells``: nodes of the cells ``(c, nodes)``; ``at``: reference coordinates ``(3, q)`` of the points at which it is
     evaluated, None for the cells' nodes.
     """
-    points, table = mesh.doflocs.T, node_slopes(mesh.elem(), at)
+    points, table = mesh.doflocs.T, shape_function_gradients(mesh.elem(), at)
     result = np.empty(len(cells))
     for k in range(0, len(cells), CHUNK):
-        result[k : k + CHUNK] = _smallest_scaled_jacobians(points[cells[k : k + CHUNK]], table).min(axis=1)
+        result[k : k + CHUNK] = _scaled_jacobians_at_points(points[cells[k : k + CHUNK]], table).min(axis=1)
     return result
 
 
-def _smallest_scaled_jacobians(x: Array, table: Array) -> Array:
+def _scaled_jacobians_at_points(x: Array, gradients: Array) -> Array:
     """Return the scaled Jacobians of cells at q points of the reference cell.
 
     Parameters
@@ -443,7 +447,7 @@ def _smallest_scaled_jacobians(x: Array, table: Array) -> Array:
     (m, q) Array
         Scaled Jacobian of each cell at each point.
     """
-    u, v, w = np.einsum("cnx,qnd->dcqx", x, table, optimize=["einsum_path", (0, 1)])
+    u, v, w = np.einsum("cnx,qnd->dcqx", x, gradients, optimize=["einsum_path", (0, 1)])
     normal = np.stack([u[..., i] * v[..., j] - u[..., j] * v[..., i] for i, j in ((1, 2), (2, 0), (0, 1))], axis=-1)
     det = np.einsum("cqx,cqx->cq", normal, w)
     if x.shape[1] in (8, 27):
@@ -454,7 +458,7 @@ def _smallest_scaled_jacobians(x: Array, table: Array) -> Array:
     return np.asarray(det / np.maximum(size, np.finfo(float).tiny))
 
 
-def measure_quality(mesh: Mesh) -> Quality:
+def mesh_quality(mesh: Mesh) -> Quality:
     """Count the cells and nodes of a mesh, and compute smallest and median of its cells' `scaled_jacobians`."""
     jacobians = scaled_jacobians(mesh)
     worst = int(jacobians.argmin())
@@ -469,7 +473,7 @@ def measure_quality(mesh: Mesh) -> Quality:
     )
 
 
-def refuse_inverted_cells(quality: Quality, name: str) -> None:
+def check_no_inverted_cells(quality: Quality, name: str) -> None:
     """Raise ValueError where the worst cell of a mesh is inverted, that is, where its scaled Jacobian is not positive.
 
     Parameters
@@ -494,12 +498,12 @@ INSIDE = np.hstack(
     [np.hstack([np.full((3, 1), a), a + (1.0 - 4.0 * a) * np.eye(3)]) for a in (0.1080472498984286, 0.3281633025163817)]
 )
 
-#: Scaled Jacobian below which the inner midside nodes of a curved cell are moved (`untangle`), and below which its edges
-#: are straightened (`straighten`), though the mesh's surface becomes less exact then.
+#: Scaled Jacobian below which the inner midside nodes of a curved cell are moved (`move_inner_midside_nodes`), and below
+#: which its edges are straightened (`straighten_bent_edges`), though the mesh's surface becomes less exact then.
 BENT, STRAIGHTENED = 0.05, 0.01
 
 
-def untangle(mesh: Mesh, surface: Index, at: Array | None = None) -> Mesh:
+def move_inner_midside_nodes(mesh: Mesh, fixed_nodes: Index, at: Array | None = None) -> Mesh:
     """Move the inner midside nodes of badly curved P2 tetrahedra until their scaled Jacobians are large enough.
 
     A curved edge on the surface may cut into its cell; then the inner edges of that cell are curved too. One node after the
@@ -523,13 +527,13 @@ def untangle(mesh: Mesh, surface: Index, at: Array | None = None) -> Mesh:
     points = mesh.doflocs.T.copy()
     free = np.zeros(len(points), dtype=bool)
     free[cells[:, 4:]] = True
-    free[surface] = False
-    table = node_slopes(mesh.elem(), at)
+    free[fixed_nodes] = False
+    table = shape_function_gradients(mesh.elem(), at)
     steps = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))
     size = 0.2
     near = cells
     for _ in range(12):
-        bad = near[_of_cells(with_points(mesh, points), near, at) < BENT]
+        bad = near[_smallest_jacobian_of_cells(with_node_coordinates(mesh, points), near, at) < BENT]
         node = np.unique(bad[:, 4:])
         node = node[free[node]]
         if not len(node):
@@ -542,15 +546,15 @@ def untangle(mesh: Mesh, surface: Index, at: Array | None = None) -> Mesh:
             trial = np.repeat(x[None], len(steps), axis=0)
             trial[:, ring == n] = (points[n] + length * steps)[:, None]
             worst = (
-                _smallest_scaled_jacobians(trial.reshape(-1, 10, 3), table).min(axis=1).reshape(len(steps), -1).min(axis=1)
+                _scaled_jacobians_at_points(trial.reshape(-1, 10, 3), table).min(axis=1).reshape(len(steps), -1).min(axis=1)
             )
             if worst.max() > worst[13] + 1e-12:  # 13: no step
                 points[n] = points[n] + length * steps[int(worst.argmax())]
         size *= 0.8
-    return with_points(mesh, points)
+    return with_node_coordinates(mesh, points)
 
 
-def straighten(mesh: Mesh, keep: Index, at: Array | None = None) -> tuple[Mesh, int]:
+def straighten_bent_edges(mesh: Mesh, fixed_nodes: Index, at: Array | None = None) -> tuple[Mesh, int]:
     """Straighten the edges of badly curved P2 tetrahedra: midside nodes move to the middle between the corners.
 
     Parameters
@@ -572,11 +576,11 @@ def straighten(mesh: Mesh, keep: Index, at: Array | None = None) -> tuple[Mesh, 
     cells = mesh.dofs.element_dofs.T
     points = mesh.doflocs.T.copy()
     free = np.ones(len(points), dtype=bool)
-    free[keep.ravel()] = False
+    free[fixed_nodes.ravel()] = False
     changed = np.zeros_like(free)
     near = cells
     for _ in range(8):
-        bad = near[_of_cells(with_points(mesh, points), near, at) < STRAIGHTENED]
+        bad = near[_smallest_jacobian_of_cells(with_node_coordinates(mesh, points), near, at) < STRAIGHTENED]
         before = int(changed.sum())
         for k, (i, j) in enumerate(mesh.refdom.edges):
             middle = 0.5 * (points[bad[:, i]] + points[bad[:, j]])
@@ -587,11 +591,11 @@ def straighten(mesh: Mesh, keep: Index, at: Array | None = None) -> tuple[Mesh, 
         if int(changed.sum()) == before:
             break
         near = cells[changed[cells].any(axis=1)]
-    return with_points(mesh, points), int(changed.sum())
+    return with_node_coordinates(mesh, points), int(changed.sum())
 
 
-def improve_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[Mesh, int, Quality]:
-    """Improve badly curved cells of a body's mesh: first by `untangle`, then by `straighten`.
+def improve_curved_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[Mesh, int, Quality]:
+    """Improve badly curved cells of a body's mesh: first by `move_inner_midside_nodes`, then by `straighten_bent_edges`.
 
     Parameters
     ----------
@@ -600,16 +604,16 @@ def improve_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[M
     name : str
         Name of the body, for the message.
     surface : Index
-        Nodes that `untangle` does not move.
+        Nodes that `move_inner_midside_nodes` does not move.
     keep : Index
-        Nodes that `straighten` does not move. Other nodes of the surface may leave the exact surface.
+        Nodes that `straighten_bent_edges` does not move. Other nodes of the surface may leave the exact surface.
 
     Returns
     -------
     mesh : Mesh
         Improved mesh.
     moved : int
-        Number of nodes that `straighten` moved.
+        Number of nodes that `straighten_bent_edges` moved.
     quality : Quality
         Quality of the improved mesh.
 
@@ -618,16 +622,16 @@ def improve_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[M
     ValueError
         A cell is still inverted.
     """
-    found, straight = straighten(untangle(mesh, surface), keep)
-    if (_of_cells(found, found.dofs.element_dofs.T, INSIDE) <= 0.0).any():
+    found, straight = straighten_bent_edges(move_inner_midside_nodes(mesh, surface), keep)
+    if (_smallest_jacobian_of_cells(found, found.dofs.element_dofs.T, INSIDE) <= 0.0).any():
         everywhere = np.hstack([mesh.elem.doflocs.T, INSIDE])
-        found, straight = straighten(untangle(mesh, surface, everywhere), keep, everywhere)
-    mesh, quality = found, measure_quality(found)
-    refuse_inverted_cells(quality, name)
+        found, straight = straighten_bent_edges(move_inner_midside_nodes(mesh, surface, everywhere), keep, everywhere)
+    mesh, quality = found, mesh_quality(found)
+    check_no_inverted_cells(quality, name)
     return mesh, straight, quality
 
 
-def arc_deviation(x3: Array, z3: Array, centre: Array, radius: float) -> float:
+def largest_arc_deviation(x3: Array, z3: Array, centre: Array, radius: float) -> float:
     """Return the largest distance between points in the groove section and the circular arc of the groove.
 
     Parameters

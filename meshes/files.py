@@ -22,7 +22,7 @@ from pathlib import Path
 OLD = 86_400.0
 
 
-def temporary_name(path: Path, ending: str = "tmp") -> Path:
+def temporary_path(path: Path, ending: str = "tmp") -> Path:
     """Return a name for a temporary file in the folder of its target, and remove abandoned temporary files of the target.
 
     Parameters
@@ -37,8 +37,8 @@ def temporary_name(path: Path, ending: str = "tmp") -> Path:
     Path
         Path of the temporary file, which is not created.
     """
-    remove_leftovers(path, ending)
-    return path.with_name(f".{path.name}.{_machine_name()}-{os.getpid()}-{os.urandom(4).hex()}.{ending}")
+    remove_abandoned_files(path, ending)
+    return path.with_name(f".{path.name}.{_machine_code()}-{os.getpid()}-{os.urandom(4).hex()}.{ending}")
 
 
 def make_readable_for_group(path: Path) -> None:
@@ -53,7 +53,7 @@ def make_readable_for_group(path: Path) -> None:
         path.chmod(path.stat().st_mode | 0o440)
 
 
-def make_folder_for_group(path: Path) -> None:
+def create_folder_for_group(path: Path) -> None:
     """Create a folder and its missing parents; the new folders are readable for the group.
 
     Parameters
@@ -68,7 +68,7 @@ def make_folder_for_group(path: Path) -> None:
             folder.chmod(folder.stat().st_mode | 0o050)
 
 
-def remove_leftovers(path: Path, ending: str = "tmp") -> None:
+def remove_abandoned_files(path: Path, ending: str = "tmp") -> None:
     """Remove the abandoned temporary files and folders of a target.
 
     Abandoned ones were written by a process of this machine that has ended, or by another machine more than a day ago.
@@ -76,7 +76,7 @@ def remove_leftovers(path: Path, ending: str = "tmp") -> None:
     Parameters
     ----------
     path : Path
-        Target file or folder, as for `temporary_name`.
+        Target file or folder, as for `temporary_path`.
     ending : str, default 'tmp'
         Suffix of the temporary names.
     """
@@ -99,7 +99,7 @@ def _is_abandoned(path: Path, machine: str, process: int) -> bool:
     ``machine``: digits of the machine in the file's name; ``process``: id of the process that wrote it.
     """
     try:
-        if machine != _machine_name():
+        if machine != _machine_code():
             return time.time() - path.lstat().st_mtime > OLD
         os.kill(process, 0)
     except ProcessLookupError:
@@ -109,12 +109,12 @@ def _is_abandoned(path: Path, machine: str, process: int) -> bool:
     return False
 
 
-def _machine_name() -> str:
+def _machine_code() -> str:
     """Return eight hexadecimal digits that identify this machine."""
     return hashlib.sha256(platform.node().encode()).hexdigest()[:8]
 
 
-def private_folder(root: Path, *below: str) -> Path:
+def create_private_folder(root: Path, *below: str) -> Path:
     """Create a folder to which only this user can write, inside a root folder, and check the permissions.
 
     On Windows permissions are not checked.

@@ -15,7 +15,13 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Flange, UnfitKey
 from rollbench.meshes.shell import Placing
-from rollbench.meshes.sockets import ON_GROOVE, SocketSize, flank_limits, groove_lines, whole_turns
+from rollbench.meshes.sockets import (
+    ON_GROOVE,
+    SocketSize,
+    helix_constants_of_grooves,
+    section_angles_of_flank,
+    turns_to_groove,
+)
 from rollbench.meshes.solid import RUN_OUT, WHOLE
 
 #: Distance [m] below which two circles on the contour of a flanged nut count as one circle.
@@ -66,12 +72,12 @@ class GrooveEnds:
         """
         if not m.rg:
             raise UnfitKey("solid.nut_groove", "the groove of a bearing ring has no ends: remove solid.nut_groove")
-        lines = groove_lines(m)
+        lines = helix_constants_of_grooves(m)
         ball = 2.0 * m.ball / float(np.hypot(m.R, m.rg))
         reach = max(WHOLE * ball, size.phi)
         whole = np.full((len(lines), 2), np.nan)
         for k, line in enumerate(lines):
-            places = [(phi, *whole_turns(m, phi, z, line)) for phi, z, _ in sockets]
+            places = [(phi, *turns_to_groove(m, phi, z, line)) for phi, z, _ in sockets]
             on_line = [phi + 2.0 * np.pi * turns for phi, turns, off in places if off <= ON_GROOVE * m.ball]
             if on_line:
                 whole[k] = min(on_line) - reach, max(on_line) + reach
@@ -218,14 +224,14 @@ class Groove:
             The groove is so wide or deep that no land or no wall remains.
         """
         sides: tuple[int, ...] = (0, 1) if spec.outer else (2, 3)
-        if m.one_arc:
-            sides = tuple(s for s in sides if s in m.arc_sides)
+        if m.has_single_arc:
+            sides = tuple(s for s in sides if s in m.flanks_of_single_arc)
         land, behind = (spec.r_out, spec.r_in) if spec.outer else (spec.r_in, spec.r_out)
-        apex, edge = flank_limits(m, sides[-1], land)
+        apex, edge = section_angles_of_flank(m, sides[-1], land)
         apex = max(apex, 0.0)
         gamma = np.linspace(apex, edge, 65)
-        r, zeta, _ = m.unroll(*m.section_point(sides[-1], gamma, np.full(65, m.radius[sides[-1]])))
-        middle = float(m.centre[sides[-1], 1]) if m.one_arc else 0.0
+        r, zeta, _ = m.section_to_unrolled(*m.polar_to_section(sides[-1], gamma, np.full(65, m.radius[sides[-1]])))
+        middle = float(m.centre[sides[-1], 1]) if m.has_single_arc else 0.0
         zeta = np.abs(zeta - middle)
         wall = float(r.min() - behind if spec.outer else behind - r.max())
         if wall <= 0.0:
@@ -248,7 +254,7 @@ class Groove:
         ends = GrooveEnds.of(m, spec.sockets, spec.size) if spec.ends else None
         return Groove(m, sides, land, behind, apex, edge, middle, float(zeta[-1]), wall, ends)
 
-    def unrolled(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
+    def unrolled_coordinates(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
         """Return the unrolled coordinates of points on a flank.
 
         Parameters
@@ -263,7 +269,7 @@ class Groove:
         r, zeta, psi : Array
             Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by `GrooveMap.unroll`.
         """
-        return self.m.unroll(*self.m.section_point(side, gamma, np.full(gamma.shape, self.m.radius[side])))
+        return self.m.section_to_unrolled(*self.m.polar_to_section(side, gamma, np.full(gamma.shape, self.m.radius[side])))
 
     def profile(self, side: int, gamma: Array) -> tuple[Array, Array]:
         """Return the profile of a flank: radius and axial coordinate along the unrolled groove.
@@ -280,7 +286,7 @@ class Groove:
         r, zeta : Array
             Radii and axial coordinates [m].
         """
-        return self.unrolled(side, gamma)[:2]
+        return self.unrolled_coordinates(side, gamma)[:2]
 
     def radius(self, line: float, r: float | Array, phi: Array) -> float | Array:
         """Return the radius of points on a flank, which approaches the land's radius where the groove ends.
@@ -302,22 +308,22 @@ class Groove:
         return r if self.ends is None else self.land + self.ends.depth(line, phi) * (r - self.land)
 
 
-def level_line(at: float) -> Placing:
+def line_along_first_axis(second_coordinate: float) -> Placing:
     """Make the curve with the plane coordinates (t, at), where t is its parameter: a line parallel to the first axis."""
-    return lambda t: np.stack([t, np.full(t.size, at)], axis=1)
+    return lambda t: np.stack([t, np.full(t.size, second_coordinate)], axis=1)
 
 
-def upright_line(at: float) -> Placing:
+def line_along_second_axis(first_coordinate: float) -> Placing:
     """Make the curve with the plane coordinates (at, t), where t is its parameter: a line parallel to the second axis."""
-    return lambda t: np.stack([np.full(t.size, at), t], axis=1)
+    return lambda t: np.stack([np.full(t.size, first_coordinate), t], axis=1)
 
 
-def plane_map(z: float) -> Placing:
+def point_map_at_z(z: float) -> Placing:
     """Make the function that maps plane coordinates (x, y) to points at the axial position z [m]."""
     return lambda x: np.column_stack([x, np.full(len(x), z)])
 
 
-def circle_curve(r: float, z: float) -> Placing:
+def circle_in_space(r: float, z: float) -> Placing:
     """Make the curve in space that is a circle of radius r [m] about the axis, at z [m]; its parameter is the azimuth."""
     return lambda t: points_from_cylindrical(r, t, z)
 
@@ -327,7 +333,9 @@ def circle_in_plane(r: float) -> Placing:
     return lambda t: points_from_cylindrical(r, t, 0.0)[:, :2]
 
 
-def groove_line(line: float, zeta: float, rg: float, at: float | None = None) -> Placing:
+def helix_in_plane_coordinates(
+    helix_constant: float, zeta: float, rg: float, second_coordinate: float | None = None
+) -> Placing:
     """Make the curve along a helical groove in plane coordinates; its parameter is the axial position z [m].
 
     Parameters
@@ -344,12 +352,14 @@ def groove_line(line: float, zeta: float, rg: float, at: float | None = None) ->
     Returns
     -------
     Placing
-        Function that returns the plane coordinates (azimuth, ``at`` or z).
+        Function that returns the plane coordinates (azimuth, ``second_coordinate`` or z).
     """
-    return lambda z: np.stack([(z - line - zeta) / rg, z if at is None else np.full(z.size, at)], axis=1)
+    return lambda z: np.stack(
+        [(z - helix_constant - zeta) / rg, z if second_coordinate is None else np.full(z.size, second_coordinate)], axis=1
+    )
 
 
-def widest_gap(spec: BodySpec) -> float:
+def azimuth_of_widest_gap(spec: BodySpec) -> float:
     """Return the azimuth in the middle of the widest angular gap between sockets, where a ring is cut open for meshing.
 
     Parameters
@@ -370,8 +380,8 @@ def widest_gap(spec: BodySpec) -> float:
     return float(phi[k] + 0.5 * gaps[k])
 
 
-def outer_surfaces(
-    flange: Flange, outer: float, z: tuple[float, float], least: float = SAME
+def outer_surfaces_of_flanged_nut(
+    flange: Flange, outer_radius: float, end_positions: tuple[float, float], smallest_width: float = SAME
 ) -> tuple[list[str], list[tuple[float, float]]]:
     """List the outer surfaces of a flanged nut, from its end at smaller z to that at larger z.
 
@@ -396,18 +406,18 @@ def outer_surfaces(
         Radius and axial position [m] of the circles that bound the surfaces, one more than surfaces.
     """
     rim = flange.diameter / 2.0
-    end, face, fit = flange.stations(*z)
-    far = z[1] if flange.side == "left" else z[0]
+    end, face, fit = flange.stations(*end_positions)
+    far = end_positions[1] if flange.side == "left" else end_positions[0]
     low, high = flange.seat
-    high, low = rim if rim - high < least else high, outer if low - outer < least else low
-    fit = face if abs(fit - face) < least else fit
+    high, low = rim if rim - high < smallest_width else high, outer_radius if low - outer_radius < smallest_width else low
+    fit = face if abs(fit - face) < smallest_width else fit
     corners = [
         ("rim", (rim, face)),
         ("flange", (high, face)),
         ("seat", (low, face)),
-        ("flange", (outer, face)),
-        ("centring", (outer, fit)),
-        ("outside", (outer, far)),
+        ("flange", (outer_radius, face)),
+        ("centring", (outer_radius, fit)),
+        ("outside", (outer_radius, far)),
     ]
     names, places = [], [(rim, end)]
     for name, place in corners:

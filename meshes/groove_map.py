@@ -16,13 +16,13 @@ from typing import Literal
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.helix import groove_radii, lead_angle, nominal_groove_centres, reduced_lead
-from rollbench.meshes.one_arc import near_apex, sides_of_arcs
+from rollbench.meshes.helix import lead_angle, lead_per_radian, nominal_groove_centres, nominal_groove_radii
+from rollbench.meshes.one_arc import contacts_merge_at_apex, flanks_with_contacts_of_arcs
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
-from rollbench.meshes.record_keys import keyed, usual
+from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True, eq=False)
 class GrooveMap:
     """Nominal groove surfaces of a scene, with exact maps between space, groove section and unrolled coordinates."""
@@ -50,7 +50,7 @@ class GrooveMap:
     #: Number of starts.
     starts: int
     #: Arcs of each groove, see `meshes.parts.Track`.
-    arcs: Literal["two", "+z", "-z"] = usual("two")
+    arcs: Literal["two", "+z", "-z"] = frozen_default("two")
 
     @staticmethod
     def of(scene: Scene) -> GrooveMap:
@@ -69,13 +69,13 @@ class GrooveMap:
         track = scene.track
         return GrooveMap(
             track.pitch_radius,
-            reduced_lead(track),
+            lead_per_radian(track),
             lead_angle(track),
             track.contact_angle,
             scene.balls.radius,
             np.array(SIDE_SIGNS),
             nominal_groove_centres(scene),
-            groove_radii(scene),
+            nominal_groove_radii(scene),
             scene.nut.position,
             track.phase,
             track.starts,
@@ -83,33 +83,33 @@ class GrooveMap:
         )
 
     @cached_property
-    def _content(self) -> tuple[object, ...]:
+    def _field_values(self) -> tuple[object, ...]:
         """Values of all fields, arrays as bytes, for comparison and hashing."""
         values = (getattr(self, field.name) for field in fields(self))
         return tuple(value.tobytes() if isinstance(value, np.ndarray) else value for value in values)
 
     def __eq__(self, other: object) -> bool:
         """Return whether all fields have the same values."""
-        return isinstance(other, GrooveMap) and self._content == other._content
+        return isinstance(other, GrooveMap) and self._field_values == other._field_values
 
     def __hash__(self) -> int:
         """Hash the values of all fields."""
-        return hash(self._content)
+        return hash(self._field_values)
 
     @property
-    def at_apex(self) -> bool:
+    def touches_at_apex(self) -> bool:
         """Whether a ball touches a bearing's groove at one point near the apex, not at both flanks (`meshes.one_arc`)."""
-        return self.rg == 0.0 and near_apex(float(self.radius.min()), self.beta, self.ball)
+        return self.rg == 0.0 and contacts_merge_at_apex(float(self.radius.min()), self.beta, self.ball)
 
     @property
-    def one_arc(self) -> bool:
+    def has_single_arc(self) -> bool:
         """Whether each groove is a single arc, not a gothic arch."""
-        return bool(self.arc_sides)
+        return bool(self.flanks_of_single_arc)
 
     @property
-    def arc_sides(self) -> tuple[int, ...]:
+    def flanks_of_single_arc(self) -> tuple[int, ...]:
         """Flanks (0 to 3) that carry contacts where each groove is a single arc; empty for gothic arches."""
-        return sides_of_arcs(self.rg, self.arcs, self.at_apex)
+        return flanks_with_contacts_of_arcs(self.rg, self.arcs, self.touches_at_apex)
 
     def axes(self) -> Array:
         """Return the unit vectors of the section frame at azimuth 0.
@@ -122,7 +122,7 @@ class GrooveMap:
         c, s = cos(self.alpha), sin(self.alpha)
         return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
 
-    def relative_radii(self, side: int, angle: float) -> tuple[float, float]:
+    def relative_curvature_radii(self, side: int, angle: float) -> tuple[float, float]:
         """Compute the relative radii of curvature of ball and groove, across and along the groove.
 
         Along the groove the screw is convex and the nut concave. Its curvature is that of a tube around a helix,
@@ -153,7 +153,7 @@ class GrooveMap:
         along = outward * cos(self.alpha) ** 2 / (self.R + outward * self.ball)
         return 1.0 / (1.0 / self.ball - 1.0 / float(self.radius[side])), 1.0 / (1.0 / self.ball - along)
 
-    def section_point(self, side: int, gamma: Array, rho: Array) -> tuple[Array, Array]:
+    def polar_to_section(self, side: int, gamma: Array, rho: Array) -> tuple[Array, Array]:
         """Convert polar coordinates about the centre of a flank's arc to section coordinates.
 
         Parameters
@@ -173,7 +173,7 @@ class GrooveMap:
         sx, sz = self.signs[side]
         return self.centre[side, 0] + sx * rho * np.cos(gamma), self.centre[side, 1] + sz * rho * np.sin(gamma)
 
-    def unroll(self, x3: Array, z3: Array) -> tuple[Array, Array, Array]:
+    def section_to_unrolled(self, x3: Array, z3: Array) -> tuple[Array, Array, Array]:
         """Convert section coordinates to unrolled coordinates.
 
         Parameters
@@ -195,14 +195,14 @@ class GrooveMap:
         return r, z3 * cos(self.alpha) - self.rg * psi, psi
 
     def roll(self, r: Array, zeta: Array) -> tuple[Array, Array]:
-        """Convert unrolled coordinates to section coordinates; the inverse of `unroll`.
+        """Convert unrolled coordinates to section coordinates; the inverse of `section_to_unrolled`.
 
         Newton's method for z3, which converges near the groove, where abs(z3 sin alpha) < 0.9 r.
 
         Parameters
         ----------
         r, zeta : Array
-            Radius and unrolled axial coordinate, as returned by `unroll` [m].
+            Radius and unrolled axial coordinate, as returned by `section_to_unrolled` [m].
 
         Returns
         -------
@@ -228,8 +228,8 @@ class GrooveMap:
                 break
         return np.sqrt(np.maximum(r * r - (z3 * s) ** 2, 0.0)) - self.R, z3
 
-    def polar(self, side: int, x3: Array, z3: Array) -> tuple[Array, Array]:
-        """Convert section coordinates to polar coordinates about the centre of a flank's arc; inverse of `section_point`.
+    def section_to_polar(self, side: int, x3: Array, z3: Array) -> tuple[Array, Array]:
+        """Convert section coordinates to polar ones about the centre of a flank's arc; inverse of `polar_to_section`.
 
         Parameters
         ----------

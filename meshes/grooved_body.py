@@ -17,19 +17,26 @@ import numpy as np
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import Meshed, Quality, arc_deviation, improve_cells, nodes_on, points_of
+from rollbench.meshes.fem import (
+    MeshedBody,
+    Quality,
+    improve_curved_cells,
+    largest_arc_deviation,
+    node_coordinates,
+    nodes_on_boundaries,
+)
 from rollbench.meshes.groove import (
     BodySpec,
     Groove,
-    circle_curve,
+    azimuth_of_widest_gap,
     circle_in_plane,
-    groove_line,
-    level_line,
-    outer_surfaces,
-    plane_map,
+    circle_in_space,
+    helix_in_plane_coordinates,
+    line_along_first_axis,
+    line_along_second_axis,
+    outer_surfaces_of_flanged_nut,
+    point_map_at_z,
     points_from_cylindrical,
-    upright_line,
-    widest_gap,
 )
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDE_SIGNS, SIDES
@@ -39,26 +46,26 @@ from rollbench.meshes.shell import (
     GROWTH,
     POOREST,
     WALL,
-    Curve,
+    DividedCurve,
     FilledShell,
     Placing,
     Shell,
     Side,
-    best_mesh,
     fill_shell,
-    graded_size,
+    graded_size_function,
+    mesh_with_smallest_fault,
 )
 from rollbench.meshes.sockets import (
     ON_GROOVE,
     SocketMesh,
-    groove_lines,
-    local_points,
-    refuse_misfitting_sockets,
-    side_socket,
-    socket_centre,
-    socket_points,
-    socket_rim,
-    whole_turns,
+    check_sockets_fit,
+    helix_constants_of_grooves,
+    mesh_socket_of_flank,
+    nodes_of_socket_rim,
+    points_in_reference_socket,
+    points_in_socket,
+    turns_to_groove,
+    unrolled_socket_centre,
 )
 
 #: Longest edges on flanks, as a ratio to the coarse element size. Most cells of a body are at its long, narrow groove.
@@ -70,7 +77,7 @@ SLIVER = 0.1
 
 
 @dataclass(frozen=True)
-class GroovedBody(Meshed):
+class GroovedBody(MeshedBody):
     """Coarse mesh of a screw, nut or ring with sockets, the boxes left free for fine contact patches.
 
     Names of its boundaries: "low end", "high end", "flank SL" (SR, NL, NR), "land"; "bore" of a hollow screw or "outside"
@@ -90,7 +97,7 @@ class GroovedBody(Meshed):
     quality: Quality
 
 
-class Surface:
+class GroovedBodySurface:
     """Closed surface of a screw, nut or ring, built face by face in a `Shell`.
 
     Plane coordinates of curved faces are (azimuth, section angle gamma) on flanks, and (azimuth, z) on cylinders.
@@ -119,19 +126,22 @@ class Surface:
         self.shell, self.m, self.spec = shell, m, spec
         self.groove = groove or Groove.of(m, spec)
         self.z = (spec.z_low, spec.z_high)
-        kinds = {s: side_socket(partial(partial, local_points, m, spec.size), s, spec.size.cuts) for s in self.groove.sides}
+        kinds = {
+            s: mesh_socket_of_flank(partial(partial, points_in_reference_socket, m, spec.size), s, spec.size.cuts)
+            for s in self.groove.sides
+        }
         self.boxes = {side: kinds[side][0] for side in sorted({s for _, _, s in spec.sockets})}
         self.corners = []
         for socket in spec.sockets:
             box, raised = kinds[socket[2]]
-            places = (socket_points(m, spec.size, socket, x) for x in (box.xi, raised))
+            places = (points_in_socket(m, spec.size, socket, x) for x in (box.xi, raised))
             self.corners.append(shell.socket("sockets", box, *places))
         self.flank_limit = share * min(BEND[0] * float(m.radius[self.groove.sides[0]]), FLANK * spec.coarse)
         self.bend = share * BEND[1]
-        self.start = widest_gap(spec)
-        self._ends(self._helix() if m.rg else self._ring())
+        self.start = azimuth_of_widest_gap(spec)
+        self._triangulate_end_faces(self._triangulate_helical_groove() if m.rg else self._triangulate_ring_groove())
 
-    def _holes(self, side: int, line: float) -> list[list[Side]]:
+    def _socket_rims_on_flank(self, side: int, line: float) -> list[list[Side]]:
         """Return the rims of the sockets on a flank of one start's groove, which are holes in the face of the flank.
 
         ``side``: flank 0 to 3; ``line``: constant z - r_g phi of the groove [m], with the lead per radian r_g.
@@ -139,13 +149,13 @@ class Surface:
         m, spec = self.m, self.spec
         holes = []
         for corners, (phi, z, socket_side) in zip(self.corners, spec.sockets, strict=True):
-            turns, off = whole_turns(m, phi, z, line)
+            turns, off = turns_to_groove(m, phi, z, line)
             if socket_side != side or off > ON_GROOVE * m.ball:
                 continue
-            top = socket_rim(self.boxes[side])
+            top = nodes_of_socket_rim(self.boxes[side])
             top = np.append(top, top[0])
             xi = self.boxes[side].xi[top]
-            middle = phi + 2.0 * np.pi * turns + socket_centre(m, side)[2]
+            middle = phi + 2.0 * np.pi * turns + unrolled_socket_centre(m, side)[2]
             if not m.rg:
                 middle = self.start + np.mod(middle - self.start, 2.0 * np.pi)
             at = np.stack([middle + spec.size.phi * xi[:, 2], m.beta + spec.size.gamma * xi[:, 0]], axis=1)
@@ -160,21 +170,21 @@ class Surface:
         from the section normal to the helix, which distorts angles least.
         """
         m = self.m
-        scale = np.array([np.hypot(m.rg, socket_centre(m, side)[0]), float(m.radius[side])])
+        scale = np.array([np.hypot(m.rg, unrolled_socket_centre(m, side)[0]), float(m.radius[side])])
 
         def to_plane(x: Array) -> Array:
-            return scale * np.stack([x[:, 0] - self.groove.unrolled(side, x[:, 1])[2], x[:, 1]], axis=1)
+            return scale * np.stack([x[:, 0] - self.groove.unrolled_coordinates(side, x[:, 1])[2], x[:, 1]], axis=1)
 
         def space(plane: Array) -> Array:
             along, gamma = (plane / scale).T
-            r, zeta, turn = self.groove.unrolled(side, gamma)
+            r, zeta, turn = self.groove.unrolled_coordinates(side, gamma)
             phi = along + turn
             return points_from_cylindrical(self.groove.radius(line, r, phi), phi, line + zeta + m.rg * phi)
 
-        loops = [[(n, to_plane(x)) for n, x in loop] for loop in (boundary, *self._holes(side, line))]
+        loops = [[(n, to_plane(x)) for n, x in loop] for loop in (boundary, *self._socket_rims_on_flank(side, line))]
         self.shell.face(f"flank {SIDES[side]}", loops, space, self.flank_limit)
 
-    def _cylinder(self, name: str, r: float, boundary: list[Side], limit: float) -> None:
+    def _triangulate_on_cylinder(self, name: str, r: float, boundary: list[Side], limit: float) -> None:
         """Triangulate the face ``name`` on the cylinder of radius r [m], with edges of at most ``limit`` [m].
 
         ``boundary``: sides of the face in the coordinates (azimuth, z).
@@ -183,29 +193,33 @@ class Surface:
         loop = [(n, x * scale) for n, x in boundary]
         self.shell.face(name, [loop], lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1]), limit)
 
-    def _circle(self, r: float, z: float, limit: float) -> Curve:
+    def _divide_circle(self, r: float, z: float, limit: float) -> DividedCurve:
         """Divide a circle of radius r about the axis at z [m] into edges of at most ``limit`` [m]."""
-        return self.shell.curve(circle_curve(r, z), self.start, self.start + 2.0 * np.pi, limit)
+        return self.shell.curve(circle_in_space(r, z), self.start, self.start + 2.0 * np.pi, limit)
 
-    def _around(self, low: Curve, high: Curve, at: tuple[float, float], seam: Placing, limit: float) -> list[Side]:
+    def _around(
+        self, low: DividedCurve, high: DividedCurve, at: tuple[float, float], seam: Placing, limit: float
+    ) -> list[Side]:
         """Return the four sides of a face between two circles, which is cut open along the curve ``seam``.
 
         ``at``: second plane coordinate of the lower and of the upper circle; ``limit``: length of the longest edge on the
         seam [m].
         """
         cut = self.shell.curve(seam, *at, limit, (int(low.nodes[0]), int(high.nodes[0])))
-        begin, end = upright_line(self.start), upright_line(self.start + 2.0 * np.pi)
-        return [low.on(level_line(at[0])), cut.on(end), high.back(level_line(at[1])), cut.back(begin)]
+        begin, end = line_along_second_axis(self.start), line_along_second_axis(self.start + 2.0 * np.pi)
+        return [low.on(line_along_first_axis(at[0])), cut.on(end), high.back(line_along_first_axis(at[1])), cut.back(begin)]
 
-    def _tube(self, name: str, r: float, low: Curve, high: Curve, z: tuple[float, float], limit: float) -> None:
+    def _triangulate_tube(
+        self, name: str, r: float, low: DividedCurve, high: DividedCurve, z: tuple[float, float], limit: float
+    ) -> None:
         """Triangulate the face ``name`` on the cylinder of radius r [m] between two circles.
 
         ``z``: axial positions of the circles [m]; ``limit``: length of the longest edge [m].
         """
         seam = self._around(low, high, z, lambda t: points_from_cylindrical(r, self.start, t), limit)
-        self._cylinder(name, r, seam, limit)
+        self._triangulate_on_cylinder(name, r, seam, limit)
 
-    def _ends(self, bounds: list[list[Side]]) -> None:
+    def _triangulate_end_faces(self, bounds: list[list[Side]]) -> None:
         """Triangulate the two flat ends, and the bore of a hollow screw or the outside of a nut.
 
         ``bounds``: for the end at smaller z and for that at larger z, the closed boundary next to the groove.
@@ -216,18 +230,20 @@ class Surface:
             limit = min(self.bend * r, max(WALL * self.groove.wall, self.shell.fine))
             places = [(r, z) for z in self.z]
             if self.spec.flange is None:
-                circles = [self._circle(r, z, limit) for z in self.z]
-                self._tube("bore" if self.spec.outer else "outside", r, circles[0], circles[1], self.z, limit)
+                circles = [self._divide_circle(r, z, limit) for z in self.z]
+                self._triangulate_tube("bore" if self.spec.outer else "outside", r, circles[0], circles[1], self.z, limit)
             else:
                 thin = max(THICKNESS * self.spec.flange.thickness, self.shell.fine)
-                names, places = outer_surfaces(self.spec.flange, r, self.z, SLIVER * thin)
-                circles = self._outline(names, places, limit, thin)
+                names, places = outer_surfaces_of_flanged_nut(self.spec.flange, r, self.z, SLIVER * thin)
+                circles = self._triangulate_flanged_outside(names, places, limit, thin)
             for loop, ring, (radius, _) in zip(loops, (circles[0], circles[-1]), (places[0], places[-1]), strict=True):
                 loop.insert(1 if self.spec.outer else 0, [ring.on(circle_in_plane(radius))])
         for name, z, loop in zip(("low end", "high end"), self.z, loops, strict=True):
-            self.shell.face(name, loop, plane_map(z), np.inf)
+            self.shell.face(name, loop, point_map_at_z(z), np.inf)
 
-    def _outline(self, names: list[str], places: list[tuple[float, float]], limit: float, thin: float) -> list[Curve]:
+    def _triangulate_flanged_outside(
+        self, names: list[str], places: list[tuple[float, float]], limit: float, thin: float
+    ) -> list[DividedCurve]:
         """Triangulate the outer surfaces of a flanged nut between the circles at ``places``, and return the circles.
 
         ``names`` holds the name of each surface, ``places`` radius and z [m] of each circle, ``limit`` and ``thin`` the
@@ -235,31 +251,31 @@ class Surface:
         """
         sizes = [limit if name in ("centring", "outside") else min(thin, limit) for name in names]
         around = [min(pair) for pair in zip([limit, *sizes], [*sizes, limit], strict=True)]
-        circles = [self._circle(r, z, size) for (r, z), size in zip(places, around, strict=True)]
+        circles = [self._divide_circle(r, z, size) for (r, z), size in zip(places, around, strict=True)]
         for k, (name, size) in enumerate(zip(names, sizes, strict=True)):
             (r, z), (other, end) = places[k : k + 2]
             if r == other:
-                self._tube(name, r, circles[k], circles[k + 1], (z, end), size)
+                self._triangulate_tube(name, r, circles[k], circles[k + 1], (z, end), size)
             else:
                 outer, inner = sorted(((r, circles[k]), (other, circles[k + 1])), key=lambda x: -x[0])
-                self.shell.face(name, [[c.on(circle_in_plane(x))] for x, c in (outer, inner)], plane_map(z), size)
+                self.shell.face(name, [[c.on(circle_in_plane(x))] for x, c in (outer, inner)], point_map_at_z(z), size)
         return circles
 
-    def _ring(self) -> list[list[Side]]:
+    def _triangulate_ring_groove(self) -> list[list[Side]]:
         """Triangulate the flanks and lands of a ring, and return the circles of the land at both flat ends."""
         g, line = self.groove, self.m.z0
         limit = self.bend * g.land
-        circles = [self._circle(g.land, z, limit) for z in self.z]
+        circles = [self._divide_circle(g.land, z, limit) for z in self.z]
         low, high = line + g.middle - g.half, line + g.middle + g.half
-        left, right = (self._circle(g.land, z, min(limit, self.flank_limit)) for z in (low, high))
-        self._tube("land", g.land, circles[0], left, (self.z[0], low), limit)
-        self._tube("land", g.land, right, circles[1], (high, self.z[1]), limit)
-        if self.m.one_arc:
+        left, right = (self._divide_circle(g.land, z, min(limit, self.flank_limit)) for z in (low, high))
+        self._triangulate_tube("land", g.land, circles[0], left, (self.z[0], low), limit)
+        self._triangulate_tube("land", g.land, right, circles[1], (high, self.z[1]), limit)
+        if self.m.has_single_arc:
             side = g.sides[0]
             faces = [(side, *((left, right) if SIDE_SIGNS[side][1] > 0.0 else (right, left)), -g.edge)]
         else:
             r, zeta = g.profile(g.sides[0], np.array([g.apex]))
-            apex = self._circle(float(r[0]), line + float(zeta[0]), min(limit, self.flank_limit))
+            apex = self._divide_circle(float(r[0]), line + float(zeta[0]), min(limit, self.flank_limit))
             faces = [(side, apex, edge, g.apex) for side, edge in zip(g.sides, (left, right), strict=True)]
         for side, first, last, begin in faces:
 
@@ -270,9 +286,9 @@ class Surface:
             self._flank(side, line, self._around(first, last, (begin, g.edge), seam_points, self.flank_limit))
         return [[c.on(circle_in_plane(g.land))] for c in circles]
 
-    def _helix(self) -> list[list[Side]]:
+    def _triangulate_helical_groove(self) -> list[list[Side]]:
         """Triangulate the flanks and lands of a screw or nut, and return the boundaries of both flat ends."""
-        g, rg, lines = self.groove, self.m.rg, groove_lines(self.m)
+        g, rg, lines = self.groove, self.m.rg, helix_constants_of_grooves(self.m)
         threads = [GrooveThread(self.shell, g, line, self.z, min(self.flank_limit, self.bend * g.land)) for line in lines]
         pitch = 2.0 * np.pi * abs(rg) / self.m.starts
         arcs = []
@@ -280,19 +296,22 @@ class Surface:
             for place, side in enumerate(g.sides):
                 self._flank(side, thread.line, thread.flank(place))
             following = threads[(k - 1 if rg > 0.0 else k + 1) % len(threads)]
-            near, far = groove_line(thread.line, g.half, rg), groove_line(thread.line, pitch - g.half, rg)
+            near, far = (
+                helix_in_plane_coordinates(thread.line, g.half, rg),
+                helix_in_plane_coordinates(thread.line, pitch - g.half, rg),
+            )
             pair = []
             for end, z in zip((0, -1), self.z, strict=True):
                 begin, stop = (float(x(np.array([z]))[0, 0]) for x in (near, far))
                 ends = int(thread.rails[2].nodes[end]), int(following.rails[0].nodes[end])
-                pair.append(self.shell.curve(circle_curve(g.land, z), begin, stop, self.bend * g.land, ends))
-            low, high = pair[0].on(level_line(self.z[0])), pair[1].back(level_line(self.z[1]))
+                pair.append(self.shell.curve(circle_in_space(g.land, z), begin, stop, self.bend * g.land, ends))
+            low, high = pair[0].on(line_along_first_axis(self.z[0])), pair[1].back(line_along_first_axis(self.z[1]))
             boundary = [low, following.rails[0].on(far), high, thread.rails[2].back(near)]
-            self._cylinder("land", g.land, boundary, self.bend * g.land)
+            self._triangulate_on_cylinder("land", g.land, boundary, self.bend * g.land)
             arcs.append(pair)
-        return [self._bound(threads, [pair[end] for pair in arcs], end) for end in (0, 1)]
+        return [self._boundary_of_end_face(threads, [pair[end] for pair in arcs], end) for end in (0, 1)]
 
-    def _bound(self, threads: list[GrooveThread], arcs: list[Curve], end: int) -> list[Side]:
+    def _boundary_of_end_face(self, threads: list[GrooveThread], arcs: list[DividedCurve], end: int) -> list[Side]:
         """Return the boundary of a flat end next to the grooves: edges of a flank, the land, the next flank, and so on.
 
         ``threads``: flanks of each start's groove; ``arcs``: for each start, the arc of the land at this end; ``end``: 0
@@ -339,7 +358,7 @@ class GrooveThread:
         self.cuts = [
             [
                 shell.curve(
-                    self._space(place, end),
+                    self._end_curve_in_space(place, end),
                     groove.apex,
                     groove.edge,
                     limit,
@@ -360,7 +379,7 @@ class GrooveThread:
         phi = (self.z[end] - self.line - zeta) / self.groove.m.rg
         return self.groove.radius(self.line, r, phi), phi
 
-    def _space(self, place: int, end: int) -> Placing:
+    def _end_curve_in_space(self, place: int, end: int) -> Placing:
         """Make the curve in space along which a flank meets a flat end; its parameter is the section angle gamma [rad].
 
         ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z.
@@ -373,7 +392,7 @@ class GrooveThread:
         ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z. The parameter of the
         curve is the section angle gamma [rad].
         """
-        return lambda gamma: self._space(place, end)(gamma)[:, :2]
+        return lambda gamma: self._end_curve_in_space(place, end)(gamma)[:, :2]
 
     def flank(self, place: int) -> list[Side]:
         """Return the four sides of a flank (0 left, 1 right) in its plane coordinates (azimuth, section angle gamma)."""
@@ -382,12 +401,14 @@ class GrooveThread:
         def cut(end: int) -> Placing:
             return lambda gamma: np.stack([self._azimuth(place, end, gamma)[1], gamma], axis=1)
 
-        apex, edge = (groove_line(self.line, self.zeta[k], g.m.rg, at) for k, at in ((1, g.apex), (2 * place, g.edge)))
+        apex, edge = (
+            helix_in_plane_coordinates(self.line, self.zeta[k], g.m.rg, at) for k, at in ((1, g.apex), (2 * place, g.edge))
+        )
         low, high = self.cuts[place]
         return [low.on(cut(0)), self.rails[2 * place].on(edge), high.back(cut(1)), self.rails[1].back(apex)]
 
 
-def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
+def mesh_grooved_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
     """Mesh a screw, nut or ring with boxes left free around its contacts (sockets).
 
     Parameters
@@ -408,23 +429,23 @@ def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
         A socket does not fit, or no attempt of gmsh gives a good mesh.
     """
     land, behind = (spec.r_out, spec.r_in) if spec.outer else (spec.r_in, spec.r_out)
-    refuse_misfitting_sockets(m, spec.size, spec.sockets, land, behind, (spec.z_low, spec.z_high))
+    check_sockets_fit(m, spec.size, spec.sockets, land, behind, (spec.z_low, spec.z_high))
     Groove.of(m, spec)
     xi = np.array(list(product((-1.0, 0.0, 1.0), (0.0, 0.5, 1.0), (-1.0, 0.0, 1.0))))
-    near = np.concatenate([np.zeros((0, 3)), *(socket_points(m, spec.size, socket, xi) for socket in spec.sockets)])
+    near = np.concatenate([np.zeros((0, 3)), *(points_in_socket(m, spec.size, socket, xi) for socket in spec.sockets)])
 
     def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[GroovedBody, float]:
         sizes = share * spec.fine, share * spec.coarse
-        shell = Shell(gmsh, graded_size(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
-        surface = Surface(shell, m, spec, share)
-        body = _collect_mesh(surface, fill_shell(shell, volume))
+        shell = Shell(gmsh, graded_size_function(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
+        surface = GroovedBodySurface(shell, m, spec, share)
+        body = _build_body_record(surface, fill_shell(shell, volume))
         off = body.deviation / m.ball if body.deviation > EXACT else 0.0
         return body, off + max(0.0, POOREST - body.quality.smallest)
 
-    return best_mesh("screw" if spec.outer else "nut", attempt)
+    return mesh_with_smallest_fault("screw" if spec.outer else "nut", attempt)
 
 
-def _collect_mesh(surface: Surface, filled: FilledShell) -> GroovedBody:
+def _build_body_record(surface: GroovedBodySurface, filled: FilledShell) -> GroovedBody:
     """Build the record of a body's mesh, with named boundaries; edges that would invert cells are straightened.
 
     ``surface``: surface of the body; ``filled``: mesh of the volume inside it.
@@ -434,14 +455,16 @@ def _collect_mesh(surface: Surface, filled: FilledShell) -> GroovedBody:
     rows = [filled.box_nodes(corners, surface.boxes[side]) for corners, (_, _, side) in places]
     sockets = np.array(rows, dtype=np.int64).reshape(len(rows), -1 if rows else 0)
     name = "screw" if spec.outer else "nut"
-    mesh, _, quality = improve_cells(filled.named(shell), name, filled.on(shell.tris()), sockets)
-    flanks = {s: points_of(mesh)[nodes_on(mesh, f"flank {SIDES[s]}")] for s in surface.groove.sides}
+    mesh, _, quality = improve_curved_cells(filled.named(shell), name, filled.on(shell.tris()), sockets)
+    flanks = {s: node_coordinates(mesh)[nodes_on_boundaries(mesh, f"flank {SIDES[s]}")] for s in surface.groove.sides}
     ends = surface.groove.ends
-    deviation = max(_flank_deviation(m, s, x if ends is None else x[ends.has_full_depth(x)]) for s, x in flanks.items())
+    deviation = max(
+        _largest_flank_deviation(m, s, x if ends is None else x[ends.has_full_depth(x)]) for s, x in flanks.items()
+    )
     return GroovedBody(mesh, sockets, surface.boxes, deviation, quality)
 
 
-def _flank_deviation(m: GrooveMap, side: int, points: Array) -> float:
+def _largest_flank_deviation(m: GrooveMap, side: int, points: Array) -> float:
     """Return the largest distance [m] between points and the exact surface of a flank.
 
     ``side``: flank 0 to 3; ``points``: coordinates ``(n, 3)`` [m].
@@ -451,4 +474,4 @@ def _flank_deviation(m: GrooveMap, side: int, points: Array) -> float:
         zeta = zeta - m.rg * (np.arctan2(points[:, 1], points[:, 0]) - m.phase)
         pitch = 2.0 * np.pi * abs(m.rg) / m.starts
         zeta = zeta - pitch * np.round(zeta / pitch)
-    return arc_deviation(*m.roll(r, zeta), m.centre[side], float(m.radius[side]))
+    return largest_arc_deviation(*m.roll(r, zeta), m.centre[side], float(m.radius[side]))

@@ -14,7 +14,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDE_SIGNS, Scene, Track
 
 
-def reduced_lead(track: Track) -> float:
+def lead_per_radian(track: Track) -> float:
     """Return the signed lead per radian of a track.
 
     Parameters
@@ -63,7 +63,7 @@ def lead_angle(track: Track) -> float:
     >>> round(degrees(lead_angle(Track(16.5e-3, 20e-3, radians(45.0)))), 3)
     10.919
     """
-    return atan2(reduced_lead(track), track.pitch_radius)
+    return atan2(lead_per_radian(track), track.pitch_radius)
 
 
 @dataclass(frozen=True)
@@ -114,11 +114,11 @@ def ball_layout(scene: Scene) -> BallLayout:
     offsets = 2.0 * pi * np.arange(track.starts) / track.starts
     azimuths = np.asarray(scene.balls.azimuths, dtype=float)
     azimuth = (azimuths[None, :] + offsets[:, None]).ravel()
-    z = scene.nut.position + reduced_lead(track) * np.tile(azimuths - track.phase, track.starts)  # (2.1)
-    return layout_at(track, azimuth, z)
+    z = scene.nut.position + lead_per_radian(track) * np.tile(azimuths - track.phase, track.starts)  # (2.1)
+    return ball_layout_at_positions(track, azimuth, z)
 
 
-def layout_at(track: Track, azimuth: Array, z: Array) -> BallLayout:
+def ball_layout_at_positions(track: Track, azimuth: Array, z: Array) -> BallLayout:
     """Compute the centres of balls from their azimuths and axial positions, and the section frames there.
 
     Parameters
@@ -149,7 +149,7 @@ def layout_at(track: Track, azimuth: Array, z: Array) -> BallLayout:
     return BallLayout(azimuth, z, centre, radial, binormal, tangent)
 
 
-def groove_radii(scene: Scene) -> Array:
+def nominal_groove_radii(scene: Scene) -> Array:
     """Return the nominal groove radii of the flanks SL, SR, NL, NR.
 
     Parameters
@@ -162,10 +162,10 @@ def groove_radii(scene: Scene) -> Array:
     (4,) Array
         Groove radii [m].
     """
-    return np.array(_groove_radius_list(scene))
+    return np.array(_listed_groove_radii(scene))
 
 
-def _groove_radius_list(scene: Scene) -> list[float]:
+def _listed_groove_radii(scene: Scene) -> list[float]:
     """Return the nominal groove radii of the flanks SL, SR, NL, NR [m]."""
     return [scene.screw.groove_radius] * 2 + [scene.nut.groove_radius] * 2
 
@@ -193,7 +193,7 @@ def nominal_groove_centres(scene: Scene) -> Array:
     >>> (1e3 * nominal_groove_centres(rollbench.read("lin-case1"))[0]).round(4).tolist()  # mm
     [0.3366, 0.3366]
     """
-    return _along_contacts(scene, [-(r - scene.balls.radius) for r in _groove_radius_list(scene)])
+    return _points_along_contact_directions(scene, [-(r - scene.balls.radius) for r in _listed_groove_radii(scene)])
 
 
 def nominal_contact_points(scene: Scene) -> Array:
@@ -215,10 +215,10 @@ def nominal_contact_points(scene: Scene) -> Array:
     >>> (1e3 * nominal_contact_points(rollbench.read("lin-case1"))[0]).round(4).tolist()  # mm
     [-1.9643, -1.9643]
     """
-    return _along_contacts(scene, [scene.balls.radius] * 4)
+    return _points_along_contact_directions(scene, [scene.balls.radius] * 4)
 
 
-def _along_contacts(scene: Scene, distance: list[float]) -> Array:
+def _points_along_contact_directions(scene: Scene, distance: list[float]) -> Array:
     """Return points in the section, in the contact direction of each flank from the ball's centre, ``(4, 2)`` [m].
 
     ``distance``: distance of the point from the ball's centre for each flank [m].
@@ -227,7 +227,9 @@ def _along_contacts(scene: Scene, distance: list[float]) -> Array:
     return np.array([(d * (x * c), d * (z * s)) for d, (x, z) in zip(distance, SIDE_SIGNS, strict=True)])
 
 
-def spread_over_turns(balls: int, turns: float, phase: float, circuits: int = 1, gap: float = 0.0) -> tuple[float, ...]:
+def evenly_spaced_azimuths(
+    balls_of_circuit: int, turns: float, helix_azimuth: float, circuits: int = 1, circuit_gap: float = 0.0
+) -> tuple[float, ...]:
     """Return the azimuths of balls that are evenly spaced over the loaded turns of each circuit.
 
     Parameters
@@ -254,6 +256,8 @@ def spread_over_turns(balls: int, turns: float, phase: float, circuits: int = 1,
     >>> [round(degrees(x)) for x in spread_over_turns(4, 1.0, 0.0)]
     [-135, -45, 45, 135]
     """
-    spacing, pitch = 2.0 * pi * turns / balls, 2.0 * pi * (turns + gap)
-    middles = (phase + (k - (circuits - 1) / 2.0) * pitch for k in range(circuits))
-    return tuple(middle + (i - (balls - 1) / 2.0) * spacing for middle in middles for i in range(balls))
+    spacing, pitch = 2.0 * pi * turns / balls_of_circuit, 2.0 * pi * (turns + circuit_gap)
+    middles = (helix_azimuth + (k - (circuits - 1) / 2.0) * pitch for k in range(circuits))
+    return tuple(
+        middle + (i - (balls_of_circuit - 1) / 2.0) * spacing for middle in middles for i in range(balls_of_circuit)
+    )

@@ -72,7 +72,7 @@ def pip_command(package: str) -> str:
 
 
 @cache
-def import_fault(package: str) -> str:
+def reason_of_failed_import(package: str) -> str:
     """Return the reason for which a Python package cannot be imported.
 
     Parameters
@@ -130,7 +130,7 @@ def apt_command(*lists: Mapping[str, str]) -> str:
     return f"apt-get install {' '.join(sorted(names))}"
 
 
-def missing_libraries(libraries: Mapping[str, str]) -> list[str]:
+def missing_system_libraries(libraries: Mapping[str, str]) -> list[str]:
     """Return the names of those system libraries that this process cannot load.
 
     Parameters

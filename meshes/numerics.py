@@ -86,7 +86,7 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
 FEW = 500
 
 
-def close_pairs(points: Array, reach: float) -> Index:
+def pairs_of_close_points(points: Array, largest_distance: float) -> Index:
     """Find the pairs of points whose distance does not exceed a limit.
 
     Parameters
@@ -109,8 +109,8 @@ def close_pairs(points: Array, reach: float) -> Index:
     if len(points) > FEW:
         from scipy.spatial import cKDTree
 
-        pairs = np.sort(cKDTree(points).query_pairs(reach, output_type="ndarray"), axis=1)
+        pairs = np.sort(cKDTree(points).query_pairs(largest_distance, output_type="ndarray"), axis=1)
         return np.asarray(pairs[np.lexsort(pairs.T[::-1])])
     i, j = np.triu_indices(len(points), 1)
-    near = np.linalg.norm(points[i] - points[j], axis=1) <= reach
+    near = np.linalg.norm(points[i] - points[j], axis=1) <= largest_distance
     return np.column_stack([i[near], j[near]])

@@ -10,7 +10,7 @@ from dataclasses import replace
 from math import acos, asin, cos, degrees, sin
 
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.quantity import quantity, record
+from rollbench.meshes.quantity import quantity_field, result_record
 
 #: Distance between contact and apex, as a ratio to the ball's radius, below which both arcs are treated as one. At this
 #: distance a third of a contact of typical size lies beyond the apex.
@@ -20,7 +20,7 @@ NEAR = 0.0774
 LEAST = 1e-7
 
 
-def is_one_arc(scene: Scene) -> bool:
+def has_single_arc_grooves(scene: Scene) -> bool:
     """Return whether each groove of a bearing is a single arc, so that a ball has one contact with each ring.
 
     Parameters
@@ -33,10 +33,10 @@ def is_one_arc(scene: Scene) -> bool:
     bool
         True for grooves of single arcs; False for gothic arches, and for every screw.
     """
-    return bool(sides_of_arc(scene))
+    return bool(flanks_with_contacts(scene))
 
 
-def sides_of_arc(scene: Scene) -> tuple[int, ...]:
+def flanks_with_contacts(scene: Scene) -> tuple[int, ...]:
     """Return the flanks that carry the contacts of a bearing whose grooves are single arcs.
 
     Parameters
@@ -51,11 +51,13 @@ def sides_of_arc(scene: Scene) -> tuple[int, ...]:
     """
     radius = min(scene.screw.groove_radius, scene.nut.groove_radius)
     track = scene.track
-    return sides_of_arcs(track.lead, track.arcs, near_apex(radius, track.contact_angle, scene.balls.radius))
+    return flanks_with_contacts_of_arcs(
+        track.lead, track.arcs, contacts_merge_at_apex(radius, track.contact_angle, scene.balls.radius)
+    )
 
 
-def sides_of_arcs(lead: float, arcs: str, near: bool) -> tuple[int, ...]:
-    """Return the flanks that carry the contacts where grooves are single arcs; like `sides_of_arc`, but without a scene.
+def flanks_with_contacts_of_arcs(lead: float, arcs: str, near: bool) -> tuple[int, ...]:
+    """Return the flanks that carry the contacts where grooves are single arcs, from plain numbers instead of a scene.
 
     The groove of a screw is always a gothic arch: with a single arc near the apex its nut would carry no thrust.
 
@@ -66,7 +68,7 @@ def sides_of_arcs(lead: float, arcs: str, near: bool) -> tuple[int, ...]:
     arcs : str
         Arcs of each groove, as in ``Track.arcs``: ``"two"``, ``"+z"`` or ``"-z"``.
     near : bool
-        Whether the contacts of both flanks of a gothic arch overlap, as returned by `near_apex`.
+        Whether the contacts of both flanks of a gothic arch overlap, as returned by `contacts_merge_at_apex`.
 
     Returns
     -------
@@ -78,7 +80,7 @@ def sides_of_arcs(lead: float, arcs: str, near: bool) -> tuple[int, ...]:
     return (1, 2) if arcs == "-z" else (0, 3)
 
 
-def near_apex(groove: float, angle: float, ball: float) -> bool:
+def contacts_merge_at_apex(groove_radius: float, contact_angle: float, ball_radius: float) -> bool:
     """Return whether the contacts on both flanks of a gothic arch are so close to the apex that they count as one.
 
     Parameters
@@ -100,10 +102,10 @@ def near_apex(groove: float, angle: float, ball: float) -> bool:
     >>> near_apex(3.254e-3, 0.05, 2.778e-3), near_apex(3.254e-3, 0.7, 2.778e-3)
     (True, False)
     """
-    return groove * sin(angle) < NEAR * ball
+    return groove_radius * sin(contact_angle) < NEAR * ball_radius
 
 
-def as_one_arc(scene: Scene) -> Scene:
+def with_single_arc_grooves(scene: Scene) -> Scene:
     """Replace a bearing's gothic arches by single arcs where the contacts of both flanks overlap.
 
     The single arc touches the ball, without clearance, where the ridge between the two arcs was. The gap between ball and
@@ -121,7 +123,7 @@ def as_one_arc(scene: Scene) -> Scene:
         Scene with single arcs; the same scene where no arch is replaced.
     """
     angle, ball = scene.track.contact_angle, scene.balls.radius
-    if angle <= LEAST or scene.track.arcs != "two" or not is_one_arc(scene):
+    if angle <= LEAST or scene.track.arcs != "two" or not has_single_arc_grooves(scene):
         return scene
     groove = max(scene.screw.groove_radius, scene.nut.groove_radius)
     ridge = (groove - ball) * ball / (2.0 * groove) * angle**2
@@ -132,20 +134,20 @@ def as_one_arc(scene: Scene) -> Scene:
     return replace(scene, track=replace(scene.track, contact_angle=LEAST), assumed=(*scene.assumed, statement))
 
 
-@record
+@result_record
 class Clearance:
     """Internal clearance of a bearing whose grooves are single arcs: total displacements of one ring against the other."""
 
-    radial: float = quantity(
+    radial: float = quantity_field(
         "radial_um",
         "radial internal clearance P_d of that row: total radial displacement of one ring against the other, with the "
         "balls' oversize",
         heading="radial clearance",
     )
-    axial: float = quantity(
+    axial: float = quantity_field(
         "axial_um", "axial internal clearance P_e = 2 A sin alpha_0 of that row", heading="axial clearance"
     )
-    angle: float = quantity(
+    angle: float = quantity_field(
         "rest_angle_deg",
         "contact angle of a deep-groove row at either end of its axial play, without load: "
         "cos alpha_0 = 1 - P_d/(2 A), A = r_i + r_o - D; null without play",
@@ -153,7 +155,7 @@ class Clearance:
     )
 
 
-def distance_of_centres(scene: Scene) -> float:
+def distance_of_groove_centres(scene: Scene) -> float:
     """Return the distance between the groove centres of both rings at which a nominal ball touches both grooves.
 
     Parameters
@@ -173,7 +175,7 @@ def distance_of_centres(scene: Scene) -> float:
     return scene.screw.groove_radius + scene.nut.groove_radius - 2.0 * scene.balls.radius
 
 
-def rest_angle(A: float, radial: float | None, axial: float | None) -> float:
+def free_contact_angle(centre_distance: float, radial: float | None, axial: float | None) -> float:
     """Compute the free contact angle alpha of a bearing with single-arc grooves from its internal clearance.
 
     The clearances are P_d = 2 A (1 - cos alpha) and P_e = 2 A sin alpha.
@@ -181,7 +183,7 @@ def rest_angle(A: float, radial: float | None, axial: float | None) -> float:
     Parameters
     ----------
     A : float
-        Distance between the groove centres in contact [m], from `distance_of_centres`.
+        Distance between the groove centres in contact [m], from `distance_of_groove_centres`.
     radial : float | None
         Radial internal clearance P_d [m]; used where ``axial`` is None.
     axial : float | None
@@ -207,12 +209,14 @@ def rest_angle(A: float, radial: float | None, axial: float | None) -> float:
     15.44
     """
     share = (radial if axial is None else axial or 0.0) or 0.0
-    if not share < 2.0 * A:
-        raise ValueError(f"below {2e3 * A:.4g} mm")
-    return max(acos(1.0 - share / (2.0 * A)) if axial is None else asin(share / (2.0 * A)), LEAST)
+    if not share < 2.0 * centre_distance:
+        raise ValueError(f"below {2e3 * centre_distance:.4g} mm")
+    return max(
+        acos(1.0 - share / (2.0 * centre_distance)) if axial is None else asin(share / (2.0 * centre_distance)), LEAST
+    )
 
 
-def clearance_of(scene: Scene) -> Clearance | None:
+def internal_clearance(scene: Scene) -> Clearance | None:
     """Compute the internal clearance of a bearing with single-arc grooves, including the oversize of its balls.
 
     Parameters
@@ -225,9 +229,9 @@ def clearance_of(scene: Scene) -> Clearance | None:
     Clearance | None
         Clearances [m] and free contact angle [rad], all 0 without clearance; None where grooves are gothic arches.
     """
-    if not is_one_arc(scene):
+    if not has_single_arc_grooves(scene):
         return None
-    A = distance_of_centres(scene)
+    A = distance_of_groove_centres(scene)
     apart, touching = A * cos(scene.track.contact_angle), A - 2.0 * scene.errors.balls.oversize
     if touching <= apart:
         return Clearance(0.0, 0.0, 0.0)

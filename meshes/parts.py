@@ -23,7 +23,9 @@ from rollbench.meshes.ranges import (
     Filling,
     Forces,
     Harmonic,
+    IntegerRange,
     Lead,
+    ListLength,
     LoadStep,
     Modulus,
     Moments,
@@ -32,7 +34,6 @@ from rollbench.meshes.ranges import (
     PressureViscosity,
     Radius,
     Reliability,
-    Several,
     Size,
     SpeedLimit,
     Spread,
@@ -43,9 +44,8 @@ from rollbench.meshes.ranges import (
     Turns,
     Viscosity,
     ViscosityRatio,
-    Whole,
 )
-from rollbench.meshes.record_keys import about, keyed, usual
+from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults, scene_key_metadata
 
 #: Names of the four flanks in the order of the columns of every ``(n, 4)`` array: screw left, right; nut left, right.
 SIDES = ("SL", "SR", "NL", "NR")
@@ -105,7 +105,7 @@ class Material:
         return self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Track:
     """Nominal path of the balls in a screw or bearing, and the number of arcs in its grooves (Lin 2019, 2.1, 2.2, 2.5)."""
@@ -117,17 +117,17 @@ class Track:
     #: Nominal contact angle beta [rad].
     contact_angle: ContactAngle
     #: Hand of the helix.
-    hand: Literal["right", "left"] = usual("right")
+    hand: Literal["right", "left"] = frozen_default("right")
     #: Number of starts.
-    starts: int = usual(1)
+    starts: int = frozen_default(1)
     #: Azimuth of the helix at the nut's centre [rad].
-    phase: Azimuth = usual(0.0)
+    phase: Azimuth = frozen_default(0.0)
     #: Arcs of each groove: ``"two"`` for a gothic arch. A bearing may also have one arc, which carries thrust on the shaft
     #: in the direction ``"+z"`` or ``"-z"``.
-    arcs: Literal["two", "+z", "-z"] = usual("two")
+    arcs: Literal["two", "+z", "-z"] = frozen_default("two")
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Screw:
     """Dimensions and material of a screw shaft, or of the inner ring of a bearing."""
@@ -141,10 +141,10 @@ class Screw:
     #: Elastic material.
     material: Material
     #: Diameter of the bore [m]; 0 for a solid shaft.
-    bore: Bore = usual(0.0)
+    bore: Bore = frozen_default(0.0)
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Flange:
     """Dimensions of the flange at one end of a nut, and how it is fixed; the nut's length includes the flange."""
@@ -156,14 +156,14 @@ class Flange:
     #: Inner and outer radius [m] of the ring that may be fixed, on the face towards the rest of the nut.
     seat: tuple[float, float]
     #: End of the nut at which the flange is.
-    side: Literal["left", "right"] = usual("left")
+    side: Literal["left", "right"] = frozen_default("left")
     #: Length of the nut's outer surface, beginning at that face, that fits into the bore of the housing [m].
-    centring: Bore = usual(0.0)
+    centring: Bore = frozen_default(0.0)
     #: Whether the nut is fixed at the centring fit too (True), or is free there.
-    bonded: bool = usual(False)
+    bonded: bool = frozen_default(False)
     #: Number of bolts. At each bolt the 3D reference fixes a circle as wide as the ring ``seat``; the first bolt is at
     #: azimuth 0. With 0 bolts the whole ring is fixed, as it always is in the low-order models.
-    bolts: int = usual(0)
+    bolts: int = frozen_default(0)
 
     def stations(self, low: float, high: float) -> tuple[float, float, float]:
         """Return the axial positions of the flange's two faces and of the end of its centring fit.
@@ -191,7 +191,7 @@ class Flange:
         return end, end + inwards * self.thickness, end + inwards * (self.thickness + self.centring)
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Nut:
     """Dimensions, position and material of a nut, or of the outer ring of a bearing."""
@@ -207,9 +207,9 @@ class Nut:
     #: Elastic material.
     material: Material
     #: Angle psi_N from the screw's x axis to the nut's [rad]; the nut's errors are defined in its own axes (Lin 2.9).
-    azimuth: Azimuth = usual(0.0)
+    azimuth: Azimuth = frozen_default(0.0)
     #: Flange; None for a nut without flange.
-    flange: Flange | None = usual(None)
+    flange: Flange | None = frozen_default(None)
 
 
 @dataclass(frozen=True)
@@ -225,7 +225,7 @@ class Balls:
     azimuths: tuple[Azimuth, ...]
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class FourierTerm:
     """One harmonic of a geometric error along the track: sin * sin(harmonic * phi) + cos * cos(harmonic * phi).
@@ -233,16 +233,16 @@ class FourierTerm:
     Amplitudes and standard deviation are in metres; phi is the azimuth.
     """
 
-    harmonic: Harmonic = field(metadata=about("cycles per turn; may be a fraction"))
-    sin: Deviation = usual(0.0, "amplitude of the sine", "3 um")
-    cos: Deviation = usual(0.0, "amplitude of the cosine", "3 um")
-    sigma: Spread = usual(0.0, "standard deviation of normal draws added to both amplitudes", "1 um")
+    harmonic: Harmonic = field(metadata=scene_key_metadata("cycles per turn; may be a fraction"))
+    sin: Deviation = frozen_default(0.0, "amplitude of the sine", "3 um")
+    cos: Deviation = frozen_default(0.0, "amplitude of the cosine", "3 um")
+    sigma: Spread = frozen_default(0.0, "standard deviation of normal draws added to both amplitudes", "1 um")
 
 
-Terms = Annotated[tuple[FourierTerm, ...], Several(0, 1000)]
+Terms = Annotated[tuple[FourierTerm, ...], ListLength(0, 1000)]
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class SideErrors:
     """Geometric errors of one groove flank: screw left (SL), screw right (SR), nut left (NL) or nut right (NR).
@@ -250,56 +250,58 @@ class SideErrors:
     Lengths are in metres, the section angle gamma in radians (Lin 2019, 2.27, 4.1, 4.3).
     """
 
-    profile: Annotated[tuple[Deviation, ...], Several(0, 7)] = usual(
+    profile: Annotated[tuple[Deviation, ...], ListLength(0, 7)] = frozen_default(
         (), "inward offset of the groove radius: coefficients of a polynomial in gamma / rad", ["3 um", "-1 um"]
     )
-    profile_sigma: Annotated[tuple[Spread, ...], Several(0, 7)] = usual(
+    profile_sigma: Annotated[tuple[Spread, ...], ListLength(0, 7)] = frozen_default(
         (), "standard deviations of normal draws added to the coefficients of profile", ["1 um", "0 um"]
     )
-    pitch: Terms = usual((), "displacement of the groove centre along the screw", [{"harmonic": 1, "sin": "3 um"}])
-    pitch_along: Literal["section", "axis"] = usual(
+    pitch: Terms = frozen_default((), "displacement of the groove centre along the screw", [{"harmonic": 1, "sin": "3 um"}])
+    pitch_along: Literal["section", "axis"] = frozen_default(
         "section",
         "direction of the pitch error: in the section normal to the helix (Lin 2.27), or along the axis (Lin 4.1)",
         "section",
     )
-    roundness: Terms = usual((), "displacement of the groove centre along the radius", [{"harmonic": 2, "cos": "5 um"}])
+    roundness: Terms = frozen_default(
+        (), "displacement of the groove centre along the radius", [{"harmonic": 2, "cos": "5 um"}]
+    )
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class BallErrors:
     """Errors of the balls' radii: one for all balls, further ones for single balls, and random ones."""
 
     #: Error of all radii [m].
-    oversize: Deviation = usual(0.0)
+    oversize: Deviation = frozen_default(0.0)
     #: Pairs of a ball's number (from 1) and the additional error of its radius [m].
-    listed: tuple[tuple[int, float], ...] = usual(())
+    listed: tuple[tuple[int, float], ...] = frozen_default(())
     #: Standard deviation of a random error of each radius [m].
-    sigma: Spread = usual(0.0)
+    sigma: Spread = frozen_default(0.0)
     #: Distribution of the random errors; a uniform one has the half width sqrt(3) sigma.
-    distribution: Literal["normal", "uniform"] = usual("normal")
+    distribution: Literal["normal", "uniform"] = frozen_default("normal")
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Errors:
     """All geometric errors of a scene, and the seed of the random ones."""
 
     #: Errors of the balls' radii.
-    balls: BallErrors = usual(BallErrors())
+    balls: BallErrors = frozen_default(BallErrors())
     #: Errors of the screw's left flank.
-    SL: SideErrors = usual(SideErrors())
+    SL: SideErrors = frozen_default(SideErrors())
     #: Errors of the screw's right flank.
-    SR: SideErrors = usual(SideErrors())
+    SR: SideErrors = frozen_default(SideErrors())
     #: Errors of the nut's left flank.
-    NL: SideErrors = usual(SideErrors())
+    NL: SideErrors = frozen_default(SideErrors())
     #: Errors of the nut's right flank.
-    NR: SideErrors = usual(SideErrors())
+    NR: SideErrors = frozen_default(SideErrors())
     #: Seed of all random draws.
-    seed: int = usual(0)
+    seed: int = frozen_default(0)
     #: Axial offset between the two halves of the nut's groove [m]: shift of the half at larger z than the nut's centre. It
     #: preloads a single nut in two-point contact.
-    lead_offset: float = usual(0.0)
+    lead_offset: float = frozen_default(0.0)
 
     def side(self, name: str) -> SideErrors:
         """Return the errors of a flank.
@@ -336,7 +338,7 @@ class Support:
     fixed: tuple[tuple[str, float], ...]
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Load:
     """Load on the screw, applied on its axis at one axial position.
@@ -344,12 +346,12 @@ class Load:
     Position in m, force in N, moment in N m.
     """
 
-    at: Station = field(metadata=about("axial position along the screw, from its left end", "0 mm"))
-    force: Forces = usual((0.0, 0.0, 0.0), "force along x, y, z", ["0 N", "0 N", "5 kN"])
-    moment: Moments = usual((0.0, 0.0, 0.0), "moment about x, y, z", ["0 N m", "3 N m", "0 N m"])
+    at: Station = field(metadata=scene_key_metadata("axial position along the screw, from its left end", "0 mm"))
+    force: Forces = frozen_default((0.0, 0.0, 0.0), "force along x, y, z", ["0 N", "0 N", "5 kN"])
+    moment: Moments = frozen_default((0.0, 0.0, 0.0), "moment about x, y, z", ["0 N m", "3 N m", "0 N m"])
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Ingredients:
     """Options of the low-order models: contact constants, screw as a beam or rigid, its elements, and lever arms.
@@ -359,64 +361,68 @@ class Ingredients:
     the lever arm is that of the ball's centre; the force still acts at the current contact point.
     """
 
-    hertz: Literal["nominal", "error-free", "actual", "as printed"] = usual(
+    hertz: Literal["nominal", "error-free", "actual", "as printed"] = frozen_default(
         "nominal",
         "contact constants: of each contact's radii at the nominal angle, of error-free parts, of the actual geometry, "
         "or as in Lin's Table B.1",
         "actual",
     )
-    screw: Literal["beam", "rigid"] = usual("beam", "screw as Timoshenko beam or rigid", "rigid")
-    partition: Literal["nodal", "source", "uniform"] = usual(
+    screw: Literal["beam", "rigid"] = frozen_default("beam", "screw as Timoshenko beam or rigid", "rigid")
+    partition: Literal["nodal", "source", "uniform"] = frozen_default(
         "nodal",
         "nodes of the beam: at every contact, as in Lin's thesis (every 15 mm in the nut), or at every element_length",
         "source",
     )
-    element_length: Element = usual(1.0e-3, 'length of the elements in the nut, for partition = "uniform"')
-    section: Literal["groove", "groove squared", "full"] = usual(
+    element_length: Element = frozen_default(1.0e-3, 'length of the elements in the nut, for partition = "uniform"')
+    section: Literal["groove", "groove squared", "full"] = frozen_default(
         "groove",
         "cross-section of the beam: diameters scaled by k_r (Lin C.8), by k_r without its square root, or full diameter",
         "full",
     )
-    arm: Literal["current", "nominal", "ball"] = usual(
+    arm: Literal["current", "nominal", "ball"] = frozen_default(
         "current",
         "lever arm of a contact load: to the current contact point, the nominal contact point, or the ball's centre",
         "nominal",
     )
-    load_step: LoadStep | None = usual(
+    load_step: LoadStep | None = frozen_default(
         None, "increment of the axial load for which the model liu also computes a stiffness (Liu's equation 22)", "600 N"
     )
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Solid:
     """Inputs of the 3D reference only; for a missing key the program makes an assumption and prints it."""
 
-    nut_inner_diameter: Size | None = usual(
+    nut_inner_diameter: Size | None = frozen_default(
         None,
         "diameter of the nut's lands; if left out, they are as far outside the pitch cylinder as the screw's are inside it",
         "34 mm",
     )
-    hole_diameter: Size | None = usual(None, "diameter of a hole along the axis of a meshed screw that has no bore", "3 mm")
-    shaft: Station | None = usual(
+    hole_diameter: Size | None = frozen_default(
+        None, "diameter of a hole along the axis of a meshed screw that has no bore", "3 mm"
+    )
+    shaft: Station | None = frozen_default(
         None, "length of the shaft beyond each face of the nut that is meshed in 3D; the rest is a beam", "20 mm"
     )
-    shaft_diameter: Size | None = usual(
+    shaft_diameter: Size | None = frozen_default(
         None, "diameter of the plain shaft beyond the 3D mesh; if left out, a homogenised grooved shaft", "31 mm"
     )
-    nut_held: NutHeld | None = usual(None, "former key of nut.held.at", "left face")
-    screw_held: Literal["ends", "bore"] | None = usual(
+    nut_held: NutHeld | None = frozen_default(None, "former key of nut.held.at", "left face")
+    screw_held: Literal["ends", "bore"] | None = frozen_default(
         None, "whether supports and loads act on the screw at its ends or by a stiff shaft in its bore", "ends"
     )
-    nut: Literal["elastic", "rigid"] = usual("elastic", "elastic nut, or nut rigid outside the contact patches", "elastic")
-    nut_groove: Literal["through", "loaded"] = usual(
+    nut: Literal["elastic", "rigid"] = frozen_default(
+        "elastic", "elastic nut, or nut rigid outside the contact patches", "elastic"
+    )
+    nut_groove: Literal["through", "loaded"] = frozen_default(
         "through",
         "groove through the whole nut, or groove that ends two ball diameters beyond the outermost balls",
         "through",
     )
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Friction:
     """Coefficients of Coulomb friction of the balls, and which effects of friction are computed."""
@@ -426,14 +432,14 @@ class Friction:
     #: Coefficient of friction between balls and nut.
     nut: float
     #: Origin of the coefficients, as statements for the report.
-    assumed: tuple[str, ...] = usual(())
+    assumed: tuple[str, ...] = frozen_default(())
     #: Whether friction moves each ball across its grooves and so changes the contact loads (True), or not.
-    feedback: bool = usual(True)
+    feedback: bool = frozen_default(True)
     #: Coefficient between balls; None for the larger one of the coefficients ``screw`` and ``nut``.
-    balls: float | None = usual(None)
+    balls: float | None = frozen_default(None)
     #: Whether neighbouring balls that touch exert forces on each other in the quasi-static solution; in a computation over
     #: time they always do.
-    neighbours: bool = usual(False)
+    neighbours: bool = frozen_default(False)
 
     @property
     def between_balls(self) -> float:
@@ -441,7 +447,7 @@ class Friction:
         return max(self.screw, self.nut) if self.balls is None else self.balls
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Motion:
     """The part that rotates and its angular speed, for the command ``rollbench friction``.
@@ -449,15 +455,17 @@ class Motion:
     The angular speed is in rad/s.
     """
 
-    speed: Turning = field(metadata=about("angular speed of the rotating part about +z; negative for the other direction"))
-    turns: Literal["screw", "nut"] = usual(
+    speed: Turning = field(
+        metadata=scene_key_metadata("angular speed of the rotating part about +z; negative for the other direction")
+    )
+    turns: Literal["screw", "nut"] = frozen_default(
         "screw",
         "part that rotates; the other one does not, and one moves along the axis against the other by one lead per turn",
         "nut",
     )
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Lubricant:
     """Properties of the oil, or of the base oil of a grease, at operating temperature and ambient pressure.
@@ -465,15 +473,15 @@ class Lubricant:
     Viscosity in m^2/s, density in kg/m^3, pressure coefficient in 1/Pa.
     """
 
-    viscosity: Viscosity = field(metadata=about("kinematic viscosity at operating temperature", "27 mm2/s"))
-    density: Density = usual(900.0, "density", "900 kg/m3")
-    pressure_viscosity: PressureViscosity = usual(
+    viscosity: Viscosity = field(metadata=scene_key_metadata("kinematic viscosity at operating temperature", "27 mm2/s"))
+    density: Density = frozen_default(900.0, "density", "900 kg/m3")
+    pressure_viscosity: PressureViscosity = frozen_default(
         20e-9, "pressure-viscosity coefficient (Barus), for the film between rollers and raceways", "20 1/GPa"
     )
-    supply: Literal["grease", "oil mist", "oil bath", "oil jet"] = usual(
+    supply: Literal["grease", "oil mist", "oil bath", "oil jet"] = frozen_default(
         "grease", "type of lubrication of a ball bearing row, for Palmgren's factor f0", "oil bath"
     )
-    factor: Factor0 | None = usual(
+    factor: Factor0 | None = frozen_default(
         None, "manufacturer's factor f0 of a ball bearing row, in place of the published range", 2
     )
 
@@ -489,27 +497,29 @@ class Lubricant:
         return self.viscosity * self.density
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Circulation:
     """Ball circuits of a screw and how full they are, for the command ``rollbench friction``."""
 
-    circuits: Annotated[int, Whole(1, 1000)] = usual(
+    circuits: Annotated[int, IntegerRange(1, 1000)] = frozen_default(
         1, "number of closed circuits of each start; each has the same number of balls", 1
     )
-    turns: Turns | None = usual(
+    turns: Turns | None = frozen_default(
         None, "loaded turns of each start in all its circuits together; if left out, the turns that its balls fill"
     )
-    returning: Annotated[int, Whole(0, MAX_BALLS)] = usual(0, "number of balls in the return path of each circuit", 4)
-    gap: Clearance | None = usual(
+    returning: Annotated[int, IntegerRange(0, MAX_BALLS)] = frozen_default(
+        0, "number of balls in the return path of each circuit", 4
+    )
+    gap: Clearance | None = frozen_default(
         None, "mean clearance between neighbouring balls along a circuit (instead of filling)", "50 um"
     )
-    filling: Filling | None = usual(
+    filling: Filling | None = frozen_default(
         None, "fraction of a circuit's length that its balls would fill if they touched (instead of gap)", 0.8
     )
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Time:
     """Length and steps of a computation over time, for the command ``rollbench friction``. Give angle or duration.
@@ -517,17 +527,17 @@ class Time:
     Angle in rad, duration in s.
     """
 
-    angle: Travel | None = usual(None, "angle by which the rotating part turns in the computed time", "360 deg")
-    duration: Duration | None = usual(None, "computed time (instead of angle)", "1 s")
-    steps: Annotated[int, Whole(1, 100_000)] | None = usual(
+    angle: Travel | None = frozen_default(None, "angle by which the rotating part turns in the computed time", "360 deg")
+    duration: Duration | None = frozen_default(None, "computed time (instead of angle)", "1 s")
+    steps: Annotated[int, IntegerRange(1, 100_000)] | None = frozen_default(
         None, "number of time steps, at least 4; if left out, as many as needed for errors below goal", 200
     )
-    goal: StepGoal = usual(
+    goal: StepGoal = frozen_default(
         0.01,
         "largest accepted error of the time steps relative to the mean friction torque; above it the run has not converged",
         0.01,
     )
-    output: Literal["balls", "torque"] = usual(
+    output: Literal["balls", "torque"] = frozen_default(
         "balls", "time histories in the JSON result: torque and balls, or torque only", "balls"
     )
 
@@ -554,40 +564,42 @@ class Time:
         return abs((self.angle or 0.0) / motion.speed)
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class GateLimits:
     """Largest accepted errors of the contact loads of this scene, for the command ``rollbench check``."""
 
-    max_error: Percent | None = usual(
+    max_error: Percent | None = frozen_default(
         None, "largest accepted error of a contact load against the 3D reference, in per cent", 7
     )
-    rms_error: Percent | None = usual(
+    rms_error: Percent | None = frozen_default(
         None, "largest accepted RMS error of the contact loads, in per cent of the mean load", 3
     )
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Operation:
     """Operating conditions for the modified life (ISO 281), and the speed limit of the ball return."""
 
-    reliability: Reliability | None = usual(None, "fraction of specimens that reach the modified life, in per cent", 95)
-    viscosity_ratio: ViscosityRatio | None = usual(
+    reliability: Reliability | None = frozen_default(
+        None, "fraction of specimens that reach the modified life, in per cent", 95
+    )
+    viscosity_ratio: ViscosityRatio | None = frozen_default(
         None, "viscosity ratio kappa of ISO 281: actual over required viscosity (only together with contamination)", 1.5
     )
-    contamination: Contamination | None = usual(
+    contamination: Contamination | None = frozen_default(
         None,
         "contamination factor e_C of ISO 281: 1 extremely clean, 0.8 to 0.6 sealed, 0.3 to 0.1 coarsely filtered "
         "(only together with viscosity_ratio)",
         0.6,
     )
-    dn_limit: SpeedLimit = usual(
+    dn_limit: SpeedLimit = frozen_default(
         76_200.0, "manufacturer's limit of pitch diameter times rotational speed, in mm/min", 120_000
     )
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Scene:
     """One load case of one ball screw or bearing, in SI units; the input of every model."""
@@ -605,37 +617,37 @@ class Scene:
     #: Radius, material and azimuths of the balls.
     balls: Balls
     #: Geometric errors.
-    errors: Errors = usual(Errors())
+    errors: Errors = frozen_default(Errors())
     #: Supports of the screw.
-    supports: tuple[Support, ...] = usual(())
+    supports: tuple[Support, ...] = frozen_default(())
     #: Loads on the screw.
-    loads: tuple[Load, ...] = usual(())
+    loads: tuple[Load, ...] = frozen_default(())
     #: Options of the low-order models.
-    ingredients: Ingredients = usual(Ingredients())
+    ingredients: Ingredients = frozen_default(Ingredients())
     #: Further inputs of the 3D reference.
-    solid: Solid = usual(Solid())
+    solid: Solid = frozen_default(Solid())
     #: Publication from which the scene is taken.
-    source: str = usual("")
+    source: str = frozen_default("")
     #: Assumptions about what the scene's source does not state.
-    assumed: tuple[str, ...] = usual(())
+    assumed: tuple[str, ...] = frozen_default(())
     #: Number of specimens with different random errors.
-    members: int = usual(1)
+    members: int = frozen_default(1)
     #: Coulomb friction of the balls; None: no friction.
-    friction: Friction | None = usual(None)
+    friction: Friction | None = frozen_default(None)
     #: Rotating part and its angular speed.
-    motion: Motion | None = usual(None)
+    motion: Motion | None = frozen_default(None)
     #: Role of the scene in the validation report, for scenes that come with the program.
-    role: str = usual("", compare=False)
+    role: str = frozen_default("", compare=False)
     #: Ball circuits.
-    circulation: Circulation | None = usual(None)
+    circulation: Circulation | None = frozen_default(None)
     #: Computation over time.
-    time: Time | None = usual(None)
+    time: Time | None = frozen_default(None)
     #: Largest accepted errors of contact loads against the 3D reference.
-    gate: GateLimits = usual(GateLimits(), compare=False)
+    gate: GateLimits = frozen_default(GateLimits(), compare=False)
     #: Operating conditions for the modified life.
-    operation: Operation = usual(Operation(), compare=False)
+    operation: Operation = frozen_default(Operation(), compare=False)
     #: Oil, or base oil of the grease.
-    lubricant: Lubricant | None = usual(None)
+    lubricant: Lubricant | None = frozen_default(None)
 
     def __hash__(self) -> int:
         """Hash the fields that are compared; the hash is computed only once, because many caches look up scenes."""
@@ -650,9 +662,9 @@ class Scene:
 
     def to_toml(self) -> str:
         """Write the scene as text of a TOML scene file, from which the same scene can be read."""
-        from rollbench.meshes.scene_text import scene_tables, to_toml
+        from rollbench.meshes.scene_text import scene_tables, toml_of_tables
 
-        return to_toml(scene_tables(self))
+        return toml_of_tables(scene_tables(self))
 
     @property
     def stations(self) -> list[float]:

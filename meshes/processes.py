@@ -1,8 +1,8 @@
 """Number of threads for linear algebra, worker processes, and measurement of peak memory.
 
 Linear algebra uses one thread: for small matrices, or on a busy machine, several threads only wait for one another. The
-command line, workers and tests call `one_thread` at their start. A call of the library limits threads only until it
-returns, because the rest of the process belongs to its user. Parallel work is done by several processes. Environment
+command line, workers and tests call `limit_to_one_thread` at their start. A call of the library limits threads only until
+it returns, because the rest of the process belongs to its user. Parallel work is done by several processes. Environment
 variables that the user has set (`VARIABLES`) take precedence.
 
 Worker processes end when the process that started them ends.
@@ -30,7 +30,7 @@ from typing import Any
 VARIABLES = tuple(f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "BLIS", "VECLIB_MAXIMUM"))
 
 
-def one_thread_variables() -> dict[str, str]:
+def one_thread_environment() -> dict[str, str]:
     """Return the environment variables that must be set so that linear algebra uses one thread.
 
     Returns
@@ -42,23 +42,23 @@ def one_thread_variables() -> dict[str, str]:
     return {} if VARIABLES[0] in os.environ else {name: "1" for name in VARIABLES if name not in os.environ}
 
 
-def one_thread() -> None:
+def limit_to_one_thread() -> None:
     """Limit linear algebra of this process, and of child processes started from now on, to one thread."""
     if "numpy" in sys.modules:
-        for library in _loaded_libraries():
+        for library in _loaded_blas_libraries():
             library.set_num_threads(1)
-    os.environ.update(one_thread_variables())
+    os.environ.update(one_thread_environment())
 
 
 @contextmanager
-def held_to_one_thread() -> Iterator[None]:
+def limited_to_one_thread() -> Iterator[None]:
     """Limit linear algebra of this process to one thread during a ``with`` block, or a call of a decorated function."""
-    if not one_thread_variables():
+    if not one_thread_environment():
         yield
         return
     import scipy.linalg  # noqa: F401 - scipy loads another BLAS, which must be loaded before threads are limited
 
-    libraries = [(library, library.num_threads) for library in _loaded_libraries()]
+    libraries = [(library, library.num_threads) for library in _loaded_blas_libraries()]
     for library, _ in libraries:
         library.set_num_threads(1)
     try:
@@ -68,12 +68,12 @@ def held_to_one_thread() -> Iterator[None]:
             library.set_num_threads(before)
 
 
-def _loaded_libraries() -> list[Any]:
+def _loaded_blas_libraries() -> list[Any]:
     """Return the BLAS libraries already loaded whose number of threads the user has not set.
 
     Loaded libraries do not read environment variables any more, so that their number of threads must be set directly.
     """
-    left = one_thread_variables()
+    left = one_thread_environment()
     if not left:
         return []
     from threadpoolctl import ThreadpoolController
@@ -86,7 +86,7 @@ def _loaded_libraries() -> list[Any]:
 LOOK = 0.5
 
 
-def local_workers() -> Any:
+def single_thread_workers() -> Any:
     """Return a context manager of joblib in which ``Parallel`` starts local workers, each with one thread.
 
     Where the user has set `VARIABLES`, these give the number of threads. A worker ends within a second after the process
@@ -102,7 +102,7 @@ def local_workers() -> Any:
 
     threads = None if any(name in os.environ for name in VARIABLES) else 1
     return parallel_config(
-        backend="loky", inner_max_num_threads=threads, initializer=end_with_parent, initargs=(os.getpid(),)
+        backend="loky", inner_max_num_threads=threads, initializer=end_process_with_parent, initargs=(os.getpid(),)
     )
 
 
@@ -114,7 +114,7 @@ def without_restart_warnings() -> Iterator[None]:
         yield
 
 
-def end_with_parent(parent: int) -> None:
+def end_process_with_parent(parent_id: int) -> None:
     """Start a thread that ends this process as soon as its parent process has ended.
 
     Parameters
@@ -122,12 +122,12 @@ def end_with_parent(parent: int) -> None:
     parent : int
         Process id of the present parent process.
     """
-    threading.Thread(target=_wait_for_end, args=(parent,), daemon=True).start()
+    threading.Thread(target=_wait_for_parent_to_end, args=(parent_id,), daemon=True).start()
 
 
-def _wait_for_end(parent: int) -> None:
-    """Wait until the process ``parent`` is not the parent of this process any more, then end this process."""
-    while os.getppid() == parent:
+def _wait_for_parent_to_end(parent_id: int) -> None:
+    """Wait until the process ``parent_id`` is not the parent of this process any more, then end this process."""
+    while os.getppid() == parent_id:
         time.sleep(LOOK)
     os._exit(1)
 
@@ -136,7 +136,7 @@ def _wait_for_end(parent: int) -> None:
 _stale = False
 
 
-def reset_peak() -> bool:
+def reset_peak_memory() -> bool:
     """Reset the system's record of the largest resident memory of this process.
 
     Before this, freed memory is returned to the system, where the C library can do so; otherwise it would be counted.
@@ -158,8 +158,8 @@ def reset_peak() -> bool:
     return not _stale
 
 
-def peak_MB() -> float | None:
-    """Return the largest resident memory of this process since `reset_peak`, including interpreter and libraries.
+def peak_memory_MB() -> float | None:
+    """Return the largest resident memory of this process since `reset_peak_memory`, including interpreter and libraries.
 
     Returns
     -------

@@ -14,7 +14,7 @@ Getter = TypeVar("Getter", bound=Callable[..., object])
 
 
 @dataclass(frozen=True)
-class Stated:
+class QuantityDescription:
     """Description of a quantity in the results: its key, definition and format."""
 
     #: Key in JSON, whose ending gives the unit; a dot in the key separates the name of a JSON table from the name in it.
@@ -48,10 +48,10 @@ class Stated:
         return getter
 
 
-def quantity(
+def quantity_field(
     key: str,
     definition: str = "",
-    *also: Stated,
+    *also: QuantityDescription,
     error: str = "",
     heading: str = "",
     form: str = "g5",
@@ -67,18 +67,18 @@ def quantity(
     Parameters
     ----------
     key, definition
-        Key and definition, as the fields of `Stated`.
+        Key and definition, as the fields of `QuantityDescription`.
     *also : Stated
         Descriptions of further keys that are computed from the same value.
     error, heading, form, parts, show, expected, note
-        Error, name, format and other properties, as the fields of `Stated`.
+        Error, name, format and other properties, as the fields of `QuantityDescription`.
     default, default_factory : Any, default MISSING
         Default of the field, as for ``dataclasses.field``.
 
     Returns
     -------
     dataclasses.Field
-        The field, for the body of a dataclass decorated by `record`.
+        The field, for the body of a dataclass decorated by `result_record`.
 
     Examples
     --------
@@ -88,18 +88,18 @@ def quantity(
     >>> Contact(2.0).force, stated_in(Contact)[0][1].definition
     (2.0, 'its load F')
     """
-    stated = Stated(key, definition, error, heading, form, parts, show, expected, note), *also
+    stated = QuantityDescription(key, definition, error, heading, form, parts, show, expected, note), *also
     given: dict[str, Any] = {"default": default, "default_factory": default_factory}
     return field(**given, metadata={"stated": stated})
 
 
 @overload
-def record(cls: type[Class], /) -> type[Class]: ...
+def result_record(cls: type[Class], /) -> type[Class]: ...
 @overload
-def record(*, eq: bool = True, repr: bool = True, kw_only: bool = False) -> Callable[[type[Class]], type[Class]]: ...
-@dataclass_transform(frozen_default=True, field_specifiers=(field, quantity))
-def record(cls: type[Class] | None = None, /, **options: bool) -> Any:
-    """Make a class a frozen dataclass for results, whose fields may be defined by `quantity` (a class decorator).
+def result_record(*, eq: bool = True, repr: bool = True, kw_only: bool = False) -> Callable[[type[Class]], type[Class]]: ...
+@dataclass_transform(frozen_default=True, field_specifiers=(field, quantity_field))
+def result_record(cls: type[Class] | None = None, /, **options: bool) -> Any:
+    """Make a class a frozen dataclass for results, whose fields may be defined by `quantity_field` (a class decorator).
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def record(cls: type[Class] | None = None, /, **options: bool) -> Any:
     return made if cls is None else made(cls)
 
 
-def stated_in(kind: type) -> tuple[tuple[str, Stated], ...]:
+def quantity_descriptions(kind: type) -> tuple[tuple[str, QuantityDescription], ...]:
     """List the descriptions of all quantities of a result record: of its fields, properties and methods.
 
     Parameters

@@ -96,17 +96,17 @@ class Quantity:
         if not too_low and (number < high if self.below else number <= high):
             return number
         advice = f"the value is too {'small' if too_low else 'large'}; a typical value is {units.toml_text(self.example)}"
-        raise self._refused(self.allowed, advice)
+        raise self._refused_value_error(self.allowed, advice)
 
     def _number(self, value: object) -> float:
         """Convert a value to SI units without checking the range; raise pydantic's error where it is not a quantity."""
         try:
             return units.parse_quantity(value, self.dimension)
         except units.UnitError as error:
-            allowed = f"{units.dimension_words(self.dimension).split(',')[0]}, {self.allowed}"
-            raise self._refused(allowed, f"the value {error.reason}: {error.advice}") from None
+            allowed = f"{units.dimension_description(self.dimension).split(',')[0]}, {self.allowed}"
+            raise self._refused_value_error(allowed, f"the value {error.reason}: {error.advice}") from None
 
-    def written(self, value: float, added: float = 0.0) -> str | float:
+    def text_with_unit(self, value: float, added: float = 0.0) -> str | float:
         """Write a value as the shortest text, in the unit of the example, that is read as exactly the same value.
 
         Parameters
@@ -128,7 +128,7 @@ class Quantity:
         """
         if self.dimension == "number":
             return value
-        _, unit = units.number_and_unit(str(self.example)) or ("", "")
+        _, unit = units.split_quantity_text(str(self.example)) or ("", "")
         number = value / self._number(f"1 {unit}")
         if unit.startswith("kN") and abs(number) < 1.0:
             unit, number = unit[1:], 1e3 * number
@@ -140,7 +140,7 @@ class Quantity:
         return text if self._number(text) == value else f"{float(value)!r} {self.unit}"
 
     @staticmethod
-    def _refused(allowed: str, advice: str) -> PydanticCustomError:
+    def _refused_value_error(allowed: str, advice: str) -> PydanticCustomError:
         """Return pydantic's error for a value that is refused, with the allowed range and the advice to the user."""
         from pydantic_core import PydanticCustomError
 
@@ -193,7 +193,7 @@ class ForceOrShare(Quantity):
         percent = float(match[1])
         if not 0.0 < percent <= self.most:
             advice = "give a value that manufacturers use: 3 to 8 % of C, seldom more than 10 %"
-            raise self._refused(f"above 0, up to {self.most:g} % of C", advice)
+            raise self._refused_value_error(f"above 0, up to {self.most:g} % of C", advice)
         return ShareOfRating(percent / 100.0)
 
     @property
@@ -214,17 +214,17 @@ class Rate(Quantity):
     def _number(self, value: object) -> float:
         """Convert a value to SI units without checking the range; raise pydantic's error where its unit is not known."""
         rates = RATES[self.dimension]
-        parts = units.number_and_unit(value) if isinstance(value, str) else None
-        unit = units.tidy_unit(parts[1]) if parts else ""
+        parts = units.split_quantity_text(value) if isinstance(value, str) else None
+        unit = units.standard_unit_spelling(parts[1]) if parts else ""
         if parts is None or unit not in rates:
             advice = f"write a number and one of {', '.join(rates)}, e.g. {units.toml_text(self.example)}"
             article = "an" if self.dimension[0] == "a" else "a"
-            raise self._refused(f"{article} {self.dimension}, {self.allowed}", advice)
+            raise self._refused_value_error(f"{article} {self.dimension}, {self.allowed}", advice)
         return float(parts[0]) * rates[unit]
 
 
 @dataclass(frozen=True)
-class Whole:
+class IntegerRange:
     """Allowed range of an integer in scene files, used as the annotation of a field."""
 
     #: Smallest number.
@@ -240,7 +240,7 @@ class Whole:
 
 
 @dataclass(frozen=True)
-class Several:
+class ListLength:
     """Allowed number of entries of a list in scene files, which is read as a tuple; used as the annotation of a field."""
 
     #: Smallest number of entries.
@@ -256,7 +256,7 @@ class Several:
         return core_schema.tuple_variable_schema(items, min_length=self.low or None, max_length=self.high, strict=False)
 
 
-def quantity_of(of: Any) -> Quantity:
+def quantity_of_type(annotated_type: Any) -> Quantity:
     """Return the quantity with which an annotated type such as `Size` is annotated.
 
     Parameters
@@ -269,7 +269,7 @@ def quantity_of(of: Any) -> Quantity:
     Quantity
         Dimension and allowed range.
     """
-    found: Quantity = get_args(of)[1]
+    found: Quantity = get_args(annotated_type)[1]
     return found
 
 
@@ -295,8 +295,8 @@ Harmonic = Annotated[float, Quantity("number", 0, 10_000, 1)]
 Force = Annotated[float, Quantity("force", "-1000 MN", "1000 MN", "5 kN")]
 Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
 #: Components x, y, z of a force and of a moment.
-Forces = Annotated[tuple[Force, Force, Force], Several(3, 3)]
-Moments = Annotated[tuple[Moment, Moment, Moment], Several(3, 3)]
+Forces = Annotated[tuple[Force, Force, Force], ListLength(3, 3)]
+Moments = Annotated[tuple[Moment, Moment, Moment], ListLength(3, 3)]
 Reliability = Annotated[float, Quantity("number", 90, 99.95, 95)]
 Contamination = Annotated[float, Quantity("number", 0, 1, 0.6)]
 ViscosityRatio = Annotated[float, Quantity("number", 0.1, 1000, 1.5)]

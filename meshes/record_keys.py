@@ -2,13 +2,13 @@
 
 A stored run is found again by a key, a digest of the canonical text of its inputs. The text of a record (dataclass or named
 tuple) is its class's name and those fields that differ from their frozen defaults, sorted by name. A frozen default is the
-default on the day on which the field was added. So a new field changes no key of older runs, provided that `usual` defines
-its default; `keyed` raises an error at import otherwise. A default that is changed later changes the keys of all records
-that used it. Equal numbers have the same text whatever their type; negative zero differs from zero, and all NaN values are
-the same. The module of a record's class does not matter.
+default on the day on which the field was added. So a new field changes no key of older runs, provided that `frozen_default`
+defines its default; `register_frozen_defaults` raises an error at import otherwise. A default that is changed later changes
+the keys of all records that used it. Equal numbers have the same text whatever their type; negative zero differs from zero,
+and all NaN values are the same. The module of a record's class does not matter.
 
-For fields that are also keys of a scene file, the type gives unit and range (`meshes.ranges`), and `about` or `usual` gives
-description and example.
+For fields that are also keys of a scene file, the type gives unit and range (`meshes.ranges`), and `scene_key_metadata` or
+`frozen_default` gives description and example.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ FROZEN: dict[str, dict[str, object]] = {}
 _NONE: Any = object()
 
 
-def about(description: str, example: object = None) -> dict[str, Any]:
+def scene_key_metadata(description: str, example: object = None) -> dict[str, Any]:
     """Make the metadata of a dataclass field that is also a key of scene files.
 
     Parameters
@@ -48,7 +48,9 @@ def about(description: str, example: object = None) -> dict[str, Any]:
     return {"description": description} | ({} if example is None else {"examples": [example]})
 
 
-def usual(default: Any, description: str = "", example: object = None, *, now: Any = _NONE, compare: bool = True) -> Any:
+def frozen_default(
+    default: Any, description: str = "", example: object = None, *, now: Any = _NONE, compare: bool = True
+) -> Any:
     """Make a dataclass field with a default; a value equal to this default does not enter the keys of stored runs.
 
     The default given here is frozen: it must never be changed, because the keys of stored runs depend on it.
@@ -58,7 +60,7 @@ def usual(default: Any, description: str = "", example: object = None, *, now: A
     default : Any
         Frozen default, on the day on which the field was added.
     description, example : str and object, optional
-        Description of the field as a key of scene files, and an example of its value, as for `about`.
+        Description of the field as a key of scene files, and an example of its value, as for `scene_key_metadata`.
     now : object, optional
         Default that is used today, where it differs from the frozen one.
     compare : bool, default True
@@ -69,11 +71,11 @@ def usual(default: Any, description: str = "", example: object = None, *, now: A
     dataclasses.Field
         The field, for the body of a dataclass.
     """
-    metadata = {"usual": default} | (about(description, example) if description else {})
+    metadata = {"usual": default} | (scene_key_metadata(description, example) if description else {})
     return field(default=default if now is _NONE else now, metadata=metadata, compare=compare)
 
 
-def keyed(record: type[T]) -> type[T]:
+def register_frozen_defaults(record: type[T]) -> type[T]:
     """Register the frozen defaults of a dataclass whose fields enter the keys of stored runs (a class decorator).
 
     Parameters
@@ -89,7 +91,7 @@ def keyed(record: type[T]) -> type[T]:
     Raises
     ------
     TypeError
-        The default of a field is not defined by `usual`.
+        The default of a field is not defined by `frozen_default`.
     """
     frozen: dict[str, object] = {}
     for each in fields(record):  # type: ignore[arg-type]
@@ -108,7 +110,7 @@ FORM = 1
 
 
 @dataclass(frozen=True)
-class Fields:
+class RecordFields:
     """Class and fields of a record as read from a file; has the same canonical text as the record."""
 
     #: Class of the record.
@@ -117,13 +119,13 @@ class Fields:
     values: Mapping[str, object]
 
 
-def digest(*parts: object) -> str:
+def digest_of_values(*parts: object) -> str:
     """Compute the digest of values from their canonical text.
 
     Parameters
     ----------
     *parts : object
-        Values of the types that `canonical` accepts.
+        Values of the types that `canonical_text` accepts.
 
     Returns
     -------
@@ -140,10 +142,10 @@ def digest(*parts: object) -> str:
     >>> digest(3) == digest(3.0), len(digest(3))
     (True, 64)
     """
-    return hashlib.sha256(f"form {FORM}: {canonical(parts)}".encode()).hexdigest()
+    return hashlib.sha256(f"form {FORM}: {canonical_text(parts)}".encode()).hexdigest()
 
 
-def canonical(value: object) -> str:
+def canonical_text(value: object) -> str:
     """Return the canonical text of a value: the same for equal values, and different for different ones.
 
     Parameters
@@ -175,29 +177,32 @@ def canonical(value: object) -> str:
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
         return _record_text(type(value), value._asdict())
     if isinstance(value, str):  # a subclass of str with further attributes, such as a status
-        return canonical(str(value))
+        return canonical_text(str(value))
     if isinstance(value, type):
         return f"class {value.__module__}.{value.__qualname__}"
     if isinstance(value, np.bool | np.integer | np.float64 | np.float32 | np.float16 | np.str_):
-        return canonical(value.item())
+        return canonical_text(value.item())
     kind = getattr(value, "format", "")
     if type(value).__module__.startswith("scipy.sparse") and kind in ("csr", "csc"):  # a matrix or an array
-        return f"{kind}_matrix{canonical([getattr(value, x) for x in ('shape', 'data', 'indices', 'indptr')])}"
+        return f"{kind}_matrix{canonical_text([getattr(value, x) for x in ('shape', 'data', 'indices', 'indptr')])}"
     raise TypeError(f"{type(value).__module__}.{type(value).__qualname__} has no canonical form")
 
 
 def _record_text(record: type, values: Mapping[str, object]) -> str:
     """Return the canonical text of a record of the class ``record`` from the values of its fields, by the fields' names."""
     name, usual = record.__name__, _frozen_default_texts(record)
-    texts = {field: canonical(value) for field, value in values.items()}
+    texts = {field: canonical_text(value) for field, value in values.items()}
     return f"{name}({', '.join(f'{field}={texts[field]}' for field in sorted(texts) if texts[field] != usual.get(field))})"
 
 
 @cache
 def _frozen_default_texts(record: type) -> Mapping[str, str]:
-    """Return the canonical texts of a record's frozen defaults by field; empty for a class not decorated by `keyed`."""
+    """Return the canonical texts of a record's frozen defaults by field.
+
+    Empty for a class not decorated by `register_frozen_defaults`.
+    """
     frozen = FROZEN.get(record.__name__, {})
-    return {field: f"{type(x).__name__}()" if is_dataclass(x) else canonical(x) for field, x in frozen.items()}
+    return {field: f"{type(x).__name__}()" if is_dataclass(x) else canonical_text(x) for field, x in frozen.items()}
 
 
 def _float_text(value: float) -> str:
@@ -216,7 +221,7 @@ def _array_text(value: np.ndarray[Any, Any]) -> str:
 
 def _dict_text(value: Mapping[object, object]) -> str:
     """Return the canonical text of a dict, with sorted items."""
-    return "{" + ", ".join(sorted(f"{canonical(k)}: {canonical(v)}" for k, v in value.items())) + "}"
+    return "{" + ", ".join(sorted(f"{canonical_text(k)}: {canonical_text(v)}" for k, v in value.items())) + "}"
 
 
 #: For values of exactly these classes, the function that returns their canonical text.
@@ -226,9 +231,9 @@ _WRITERS: Mapping[type, Callable[[Any], str]] = {
     int: str,
     float: _float_text,
     str: json.dumps,
-    tuple: lambda value: f"({', '.join(map(canonical, value))})",
-    list: lambda value: f"[{', '.join(map(canonical, value))}]",
+    tuple: lambda value: f"({', '.join(map(canonical_text, value))})",
+    list: lambda value: f"[{', '.join(map(canonical_text, value))}]",
     dict: _dict_text,
     np.ndarray: _array_text,
-    Fields: lambda value: _record_text(value.record, value.values),
+    RecordFields: lambda value: _record_text(value.record, value.values),
 }

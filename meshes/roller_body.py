@@ -19,7 +19,7 @@ from itertools import pairwise
 import numpy as np
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import Meshed, mesh_of
+from rollbench.meshes.fem import MeshedBody, build_mesh
 from rollbench.meshes.shell import gmsh_session
 
 #: Number of layers of cells below the zone of contact, each as deep as the cells are wide.
@@ -29,7 +29,7 @@ _EDGES = ((0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5)
 
 
 @dataclass(frozen=True)
-class Zone:
+class RollerContactZone:
     """Strip along the contact line in which roller and raceway may come into contact, and the cells of its mesh."""
 
     #: Half width of the strip [m].
@@ -41,7 +41,7 @@ class Zone:
 
 
 @dataclass(frozen=True)
-class Section:
+class SectionMesh:
     """Plane mesh of the cross-section of a roller or raceway: second-order quadrilaterals."""
 
     #: Coordinates y, z of the nodes ``(n, 2)`` [m].
@@ -51,7 +51,7 @@ class Section:
 
 
 @dataclass(frozen=True)
-class SweptBody(Meshed):
+class SweptBody(MeshedBody):
     """Mesh of half a raceway or of a quarter of a tapered roller, with the nodes of its zone of contact."""
 
     #: The mesh.
@@ -66,7 +66,7 @@ class SweptBody(Meshed):
     inward: Array
 
 
-def section_mesh(zone: Zone, width: float, depth: float, *, round: bool) -> Section:
+def mesh_section(zone: RollerContactZone, width: float, depth: float, *, round: bool) -> SectionMesh:
     """Mesh the cross-section of a raceway (half a rectangle) or of a roller (a quarter of a disc) by gmsh.
 
     Parameters
@@ -107,10 +107,10 @@ def section_mesh(zone: Zone, width: float, depth: float, *, round: bool) -> Sect
         geo.synchronize()
         for surface in (block, far):
             gmsh.model.mesh.setRecombine(2, surface)
-        size = gmsh.model.mesh.field.add("MathEval")
+        size = gmsh.model.mesh.track_velocity_field.add("MathEval")
         away = f"Sqrt(Max(0,x-{w!r})^2+Max(0,y-{d!r})^2)"
-        gmsh.model.mesh.field.setString(size, "F", f"2*({cell / unit!r}+{zone.grading!r}*{away})")
-        gmsh.model.mesh.field.setAsBackgroundMesh(size)
+        gmsh.model.mesh.track_velocity_field.setString(size, "F", f"2*({cell / unit!r}+{zone.grading!r}*{away})")
+        gmsh.model.mesh.track_velocity_field.setAsBackgroundMesh(size)
         for name in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
             gmsh.option.setNumber(f"Mesh.{name}", 0)
         gmsh.model.mesh.generate(2)
@@ -127,7 +127,7 @@ def section_mesh(zone: Zone, width: float, depth: float, *, round: bool) -> Sect
     y = np.rint(points[strip_nodes, 0] / cell * 2.0) * cell / 2.0
     points[strip_nodes, 0] = y
     points[strip_nodes, 1] = depth - np.sqrt(depth**2 - y**2) if round else 0.0
-    return Section(points, cells.reshape(-1, 9))
+    return SectionMesh(points, cells.reshape(-1, 9))
 
 
 def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
@@ -139,16 +139,16 @@ def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
     return depth - np.hypot(points[:, 0], depth - points[:, 1]) if round else points[:, 1]
 
 
-def _sweep_section(flat: Section, lines: Array) -> tuple[Index, Array, Index]:
-    """Extrude a plane mesh to hexahedra whose ends are at the distances ``lines`` [m] from the apex.
+def _sweep_section_to_hexahedra(section: SectionMesh, layer_distances: Array) -> tuple[Index, Array, Index]:
+    """Extrude a plane mesh to hexahedra whose ends are at the distances ``layer_distances`` [m] from the apex.
 
     Returns three arrays: for each node of the hexahedra its node of the section, and its distance from the apex [m]; then
     the nodes of each hexahedron, in gmsh's order.
     """
-    along = np.interp(np.arange(2 * len(lines) - 1) / 2.0, np.arange(len(lines)), lines)
-    n = len(flat.points)
+    along = np.interp(np.arange(2 * len(layer_distances) - 1) / 2.0, np.arange(len(layer_distances)), layer_distances)
+    n = len(section.points)
     node, place = np.tile(np.arange(n), len(along)), np.repeat(along, n)
-    quad = flat.cells
+    quad = section.cells
     corners = quad[:, :4]
 
     def layer_nodes(members: Index, step: int) -> Index:
@@ -169,26 +169,27 @@ def _sweep_section(flat: Section, lines: Array) -> tuple[Index, Array, Index]:
         layer_nodes(quad[:, 8], 1),
     ]
     first = np.stack(columns, axis=1)
-    return np.asarray(node), np.asarray(place), np.concatenate([first + 2 * n * k for k in range(len(lines) - 1)])
+    return np.asarray(node), np.asarray(place), np.concatenate([first + 2 * n * k for k in range(len(layer_distances) - 1)])
 
 
-def _boundary_corners(cells: Index, chosen: Array) -> Index:
+def _corners_of_boundary_faces(cells: Index, boundary_nodes: Array) -> Index:
     """Return the corners ``(k, 4)`` of those faces of hexahedra whose four corners all belong to a set of nodes.
 
-    ``cells``: nodes of the hexahedra ``(m, 27)``; ``chosen``: for each node of the mesh, whether it belongs to the set.
+    ``cells``: nodes of the hexahedra ``(m, 27)``; ``boundary_nodes``: for each node of the mesh, whether it belongs to the
+    set.
     """
     corners = cells[:, :8]
     quads = np.array([(0, 3, 2, 1), (0, 1, 5, 4), (0, 4, 7, 3), (1, 2, 6, 5), (2, 3, 7, 6), (4, 5, 6, 7)])
     faces = corners[:, quads].reshape(-1, 4)
-    return np.asarray(faces[chosen[faces].all(axis=1)])
+    return np.asarray(faces[boundary_nodes[faces].all(axis=1)])
 
 
-def swept_body(
-    flat: Section,
-    zone: Zone,
-    lines: Array,
-    reach: tuple[float, float],
-    place: Callable[[Array, Array], Array],
+def build_swept_body(
+    section: SectionMesh,
+    zone: RollerContactZone,
+    layer_distances: Array,
+    zone_ends: tuple[float, float],
+    point_map: Callable[[Array, Array], Array],
     *,
     round: bool = False,
     mirrored: bool = False,
@@ -197,42 +198,45 @@ def swept_body(
 
     Parameters
     ----------
-    flat
+    section
         Mesh of the section.
     zone
         Strip of possible contact.
-    lines
+    layer_distances
         Distances of the cells' ends from the apex, ascending ``(k,)`` [m].
-    reach
-        Distances from the apex at which the zone of contact begins and ends, two values of ``lines`` [m].
-    place
+    zone_ends
+        Distances from the apex at which the zone of contact begins and ends, two values of ``layer_distances`` [m].
+    point_map
         Function that maps nodes ``(n, 2)`` of the section, and their distances ``(n,)`` from the apex, to points ``(n, 3)``
         of the body [m]: `roller_point_map` or `raceway_point_map`.
     round
         Whether the section is a quarter of a disc (roller).
     mirrored
-        Whether ``place`` reverses the orientation, as for a cup.
+        Whether ``point_map`` reverses the orientation, as for a cup.
     """
-    turned = Section(flat.points, flat.cells[:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]) if mirrored else flat
-    node, along, cells = _sweep_section(turned, lines)
-    points, at = place(flat.points[node], along), flat.points[node]
-    depth, tiny = flat.points[:, 1].max(), 1e-9 * flat.points[:, 1].max()
+    turned = SectionMesh(section.points, section.cells[:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]) if mirrored else section
+    node, along, cells = _sweep_section_to_hexahedra(turned, layer_distances)
+    points, at = point_map(section.points[node], along), section.points[node]
+    depth, tiny = section.points[:, 1].max(), 1e-9 * section.points[:, 1].max()
     on_top = np.abs(_depth_below_surface(at, depth, round)) < tiny
-    strip = on_top & (at[:, 0] <= zone.width + tiny) & (along >= reach[0] - tiny) & (along <= reach[1] + tiny)
+    strip = on_top & (at[:, 0] <= zone.width + tiny) & (along >= zone_ends[0] - tiny) & (along <= zone_ends[1] + tiny)
     sides = {"y = 0": at[:, 0] < tiny, "side": at[:, 1] > depth - tiny if round else at[:, 0] > at[:, 0].max() - tiny}
-    faces = {"contact": _boundary_corners(cells, strip), **{k: _boundary_corners(cells, v) for k, v in sides.items()}}
+    faces = {
+        "contact": _corners_of_boundary_faces(cells, strip),
+        **{k: _corners_of_boundary_faces(cells, v) for k, v in sides.items()},
+    }
     if round:
-        faces["end"] = _boundary_corners(cells, along > along.max() - tiny)
+        faces["end"] = _corners_of_boundary_faces(cells, along > along.max() - tiny)
     else:
-        faces["base"] = _boundary_corners(cells, at[:, 1] > depth - tiny)
-    mesh, number = mesh_of(points, cells, "Q2", faces)
+        faces["base"] = _corners_of_boundary_faces(cells, at[:, 1] > depth - tiny)
+    mesh, number = build_mesh(points, cells, "Q2", faces)
     held = np.flatnonzero(strip)
     held = held[np.lexsort((at[held, 0], along[held]))]
     rows = np.unique(along[held])
     grid = held.reshape(len(rows), -1)
     near = 1e-6 * depth  # a little deeper
     shifted = at[held] + near * _inward_direction(at[held], depth, round)
-    inward = place(shifted, along[held]) - points[held]
+    inward = point_map(shifted, along[held]) - points[held]
     inward /= np.linalg.norm(inward, axis=1)[:, None]
     return SweptBody(mesh, number[grid], at[grid[0], 0], rows, inward.reshape(*grid.shape, 3))
 
@@ -247,7 +251,9 @@ def _inward_direction(at: Array, depth: float, round: bool) -> Array:
     return np.asarray(inward if round else np.tile([0.0, 1.0], (len(at), 1)))
 
 
-def roller_point_map(radius: float, angle: float, drop: Callable[[Array], Array]) -> Callable[[Array, Array], Array]:
+def roller_point_map(
+    radius: float, angle: float, profile_drop: Callable[[Array], Array]
+) -> Callable[[Array, Array], Array]:
     """Return the function that maps the section of a tapered roller, at distances from the apex, to points of the roller.
 
     Parameters
@@ -256,14 +262,14 @@ def roller_point_map(radius: float, angle: float, drop: Callable[[Array], Array]
         Mean radius of the roller [m].
     angle
         Half included angle of the roller [rad].
-    drop
+    profile_drop
         Function that returns the profile drop, the decrease of the radius by crowning [m], at distances from the apex [m].
     """
 
     def place(at: Array, along: Array) -> Array:
         ray = np.column_stack([radius - at[:, 1], at[:, 0], np.full(len(at), radius / np.tan(angle))])
         out = along[:, None] * ray / np.linalg.norm(ray, axis=1)[:, None]
-        out[:, :2] *= 1.0 - (drop(along) / radius)[:, None]
+        out[:, :2] *= 1.0 - (profile_drop(along) / radius)[:, None]
         return np.asarray(out)
 
     return place

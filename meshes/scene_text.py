@@ -13,8 +13,8 @@ from math import cos, pi, sin
 from typing import Any, get_args, get_type_hints
 
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet, Stiffness
-from rollbench.meshes.helix import spread_over_turns
-from rollbench.meshes.one_arc import distance_of_centres, rest_angle
+from rollbench.meshes.helix import evenly_spaced_azimuths
+from rollbench.meshes.one_arc import distance_of_groove_centres, free_contact_angle
 from rollbench.meshes.parts import SIDES, Errors, Friction, Material, Nut, Scene, Screw, Support
 from rollbench.meshes.ranges import (
     SOLIDS,
@@ -31,7 +31,7 @@ from rollbench.meshes.ranges import (
     Turn,
     Turning,
     Twist,
-    quantity_of,
+    quantity_of_type,
 )
 
 #: Number of characters up to which a table or list is written on one line with its key.
@@ -41,7 +41,7 @@ STEEL = 11.5e-6
 Table = dict[str, Any]
 
 
-def to_toml(tables: Mapping[str, Any]) -> str:
+def toml_of_tables(tables: Mapping[str, Any]) -> str:
     """Write keys and tables as TOML text; a small table is written on one line with its key.
 
     Parameters
@@ -79,7 +79,7 @@ def scene_tables(scene: Scene) -> Table:
         Keys and tables, without keys that have their default values.
     """
     offset = scene.errors.lead_offset
-    return given_keys(
+    return without_empty_values(
         **_head_table(scene, scene.screw.material),
         role=scene.role,
         members=scene.members if scene.members > 1 else None,
@@ -89,18 +89,18 @@ def scene_tables(scene: Scene) -> Table:
         balls=_balls_table(scene, scene.screw.material),
         errors=_errors_table(scene.errors),
         supports=[*map(_support_table, scene.supports)],
-        loads=[*map(table_of, scene.loads)],
+        loads=[*map(keys_of_record, scene.loads)],
         cases=[],
-        ingredients=table_of(scene.ingredients),
-        solid=table_of(scene.solid, "nut_held"),
+        ingredients=keys_of_record(scene.ingredients),
+        solid=keys_of_record(scene.solid, "nut_held"),
         friction=_friction_table(scene.friction),
-        motion=scene.motion and table_of(scene.motion),
-        lubricant=scene.lubricant and table_of(scene.lubricant),
-        circulation=scene.circulation and (table_of(scene.circulation) or {"circuits": 1}),
-        time=scene.time and table_of(scene.time),
-        preload={"lead_offset": text_of(Deviation, offset)} if offset else {},
-        gate=table_of(scene.gate),
-        operation=table_of(scene.operation),
+        motion=scene.motion and keys_of_record(scene.motion),
+        lubricant=scene.lubricant and keys_of_record(scene.lubricant),
+        circulation=scene.circulation and (keys_of_record(scene.circulation) or {"circuits": 1}),
+        time=scene.time and keys_of_record(scene.time),
+        preload={"lead_offset": value_with_unit_text(Deviation, offset)} if offset else {},
+        gate=keys_of_record(scene.gate),
+        operation=keys_of_record(scene.operation),
     )
 
 
@@ -118,44 +118,48 @@ def axis_tables(axis: Assembly) -> Table:
         Keys and tables, without keys that have their default values.
     """
     shared = next((s.parts.material for s in axis.sets if isinstance(s.parts, RollerRow)), axis.screw.material)
-    shaft = table_of(axis.screw, "material", "groove_radius") | _material_key(axis.screw.material, shared)
+    shaft = keys_of_record(axis.screw, "material", "groove_radius") | _material_table(axis.screw.material, shared)
     if axis.screw.groove_radius:
-        shaft["groove_radius"] = text_of(Size, axis.screw.groove_radius)
+        shaft["groove_radius"] = value_with_unit_text(Size, axis.screw.groove_radius)
     at, strain = axis.stiffness_at, axis.thermal_strain
     expansion = STEEL if strain / STEEL == round(strain / STEEL, 9) else abs(strain)
-    ask = {"housing": at} if isinstance(at, str) else {} if at is None else {"at": text_of(Size, at)}
+    ask = {"housing": at} if isinstance(at, str) else {} if at is None else {"at": value_with_unit_text(Size, at)}
     joints = [
-        {"between": [j.first, j.second], "at": text_of(Size, j.at), **(_stiffness_rows(j.stiffness) or {"springs": {}})}
+        {
+            "between": [j.first, j.second],
+            "at": value_with_unit_text(Size, j.at),
+            **(_stiffness_table(j.stiffness) or {"springs": {}}),
+        }
         for j in axis.joints
     ]
-    return given_keys(
+    return without_empty_values(
         **_head_table(axis, shared, kind="axis"),
-        screw=shaft | given_keys(plain=[*map(table_of, axis.segments)]),
-        sets=[_set_table(axis, one, shared) for one in axis.sets],
+        screw=shaft | without_empty_values(plain=[*map(keys_of_record, axis.segments)]),
+        sets=[_rolling_set_table(axis, one, shared) for one in axis.sets],
         housings=[
-            given_keys(
+            without_empty_values(
                 name=h.name,
                 **_support_table(Support(h.at, h.fixed)),
-                **_stiffness_rows(h.stiffness),
+                **_stiffness_table(h.stiffness),
                 **_force_and_moment(h.force, h.moment),
             )
             for h in axis.housings
         ],
         joints=joints,
         supports=[*map(_support_table, axis.supports)],
-        loads=[*map(table_of, axis.loads)],
+        loads=[*map(keys_of_record, axis.loads)],
         cases=[],
         stiffness=ask,
         heat={"warming": f"{strain / expansion:.12g} K", "expansion": expansion} if strain else {},
-        ingredients=table_of(axis.ingredients, "screw", "element_length", "arm"),
+        ingredients=keys_of_record(axis.ingredients, "screw", "element_length", "arm"),
         friction=_friction_table(axis.friction),
-        motion=axis.motion and table_of(axis.motion),
-        lubricant=axis.lubricant and table_of(axis.lubricant),
-        drive=table_of(axis.drive),
+        motion=axis.motion and keys_of_record(axis.motion),
+        lubricant=axis.lubricant and keys_of_record(axis.lubricant),
+        drive=keys_of_record(axis.drive),
     )
 
 
-def case_table(
+def load_case_table(
     share: float, time: float | None, speed: float | None, parts: Scene | Assembly, case: Scene | Assembly
 ) -> Table:
     """Collect the keys of one load case of a duty cycle: only those that differ from the scene without load cases.
@@ -178,31 +182,35 @@ def case_table(
     Table
         Keys and values of the load case's table in the scene file.
     """
-    supports = [_displaced_keys(*pair) for pair in zip(parts.supports, case.supports, strict=True)]
-    table: Table = {"share": share} if time is None else {"time": text_of(Duration, time)}
-    table |= {} if speed is None else {"speed": text_of(Turning, speed)}
-    table |= {} if case.loads == parts.loads else {"loads": [*map(table_of, case.loads)]}
-    before, after = _oversize_keys(parts), _oversize_keys(case)
-    table |= {} if before == after else {"oversize": text_of(Deviation, after[0])}
+    supports = [_displaced_support_table(*pair) for pair in zip(parts.supports, case.supports, strict=True)]
+    table: Table = {"share": share} if time is None else {"time": value_with_unit_text(Duration, time)}
+    table |= {} if speed is None else {"speed": value_with_unit_text(Turning, speed)}
+    table |= {} if case.loads == parts.loads else {"loads": [*map(keys_of_record, case.loads)]}
+    before, after = _ball_oversizes(parts), _ball_oversizes(case)
+    table |= {} if before == after else {"oversize": value_with_unit_text(Deviation, after[0])}
     if isinstance(parts, Assembly) and isinstance(case, Assembly):
         each = zip(parts.housings, case.housings, strict=True)
-        table |= given_keys(housings=[{"name": b.name} | _force_and_moment(b.force, b.moment) for a, b in each if a != b])
-    return table | given_keys(supports=[x for x in supports if x])
+        table |= without_empty_values(
+            housings=[{"name": b.name} | _force_and_moment(b.force, b.moment) for a, b in each if a != b]
+        )
+    return table | without_empty_values(supports=[x for x in supports if x])
 
 
-def _oversize_keys(parts: Scene | Assembly) -> list[float]:
+def _ball_oversizes(parts: Scene | Assembly) -> list[float]:
     """Return the oversize of the balls [m] in the ball screw or bearing, or in each rolling set with balls of a shaft."""
     scenes = [parts] if isinstance(parts, Scene) else [s.parts for s in parts.sets if isinstance(s.parts, Scene)]
     return [scene.errors.balls.oversize for scene in scenes]
 
 
-def _displaced_keys(before: Support, after: Support) -> Table:
+def _displaced_support_table(before: Support, after: Support) -> Table:
     """Collect the keys of a support whose prescribed displacement changes in a load case; empty where it does not.
 
     ``before``, ``after``: the support without load cases, and in the load case.
     """
-    moved = {n: text_of(Shift if n[0] == "u" else Turn, x) for n, x in after.fixed if dict(before.fixed)[n] != x}
-    return {"at": text_of(Size, after.at), "displace": moved} if moved else {}
+    moved = {
+        n: value_with_unit_text(Shift if n[0] == "u" else Turn, x) for n, x in after.fixed if dict(before.fixed)[n] != x
+    }
+    return {"at": value_with_unit_text(Size, after.at), "displace": moved} if moved else {}
 
 
 # --- tables
@@ -214,15 +222,15 @@ def _head_table(scene: Scene | Assembly, material: Material, kind: str = "") -> 
     ``material``: material of all parts that have no key for their material; ``kind``: value of the key, empty for none.
     """
     head = {"title": scene.title, "source": scene.source, "assumed": [*scene.assumed], "kind": kind}
-    return head | {"material": _material_key(material, None)["material"]}
+    return head | {"material": _material_table(material, None)["material"]}
 
 
-def _material_key(material: Material, shared: Material | None) -> Table:
+def _material_table(material: Material, shared: Material | None) -> Table:
     """Return the key ``material`` of a part; empty where the part has the material ``shared``, that of the file's head."""
     if material == shared:
         return {}
     unusual = not SOLIDS[0] <= material.youngs_modulus <= SOLIDS[1]
-    return {"material": ({"unusual": True} if unusual else {}) | table_of(material)}
+    return {"material": ({"unusual": True} if unusual else {}) | keys_of_record(material)}
 
 
 def _track_table(scene: Scene, *, by_thrust: bool = False) -> Table:
@@ -233,16 +241,20 @@ def _track_table(scene: Scene, *, by_thrust: bool = False) -> Table:
     """
     track = scene.track
     if track.arcs == "two" or by_thrust:
-        return table_of(track, "arcs")
-    apart, angle = distance_of_centres(scene), track.contact_angle
+        return keys_of_record(track, "arcs")
+    apart, angle = distance_of_groove_centres(scene), track.contact_angle
     ways = {"radial": 2.0 * apart * (1.0 - cos(angle)), "axial": 2.0 * apart * sin(angle)}
     found = ways["radial"]
     for digits in range(2, 18):
         for way, size in ways.items():
             found = float(f"{size:.{digits}g}")
-            if rest_angle(apart, **{"radial": None, "axial": None, way: found}) == angle:
-                return table_of(track, "arcs", "contact_angle") | {"clearance": {way: text_of(Clearance, found)}}
-    return table_of(track, "arcs", "contact_angle") | {"clearance": {"radial": text_of(Clearance, ways["radial"])}}
+            if free_contact_angle(apart, **{"radial": None, "axial": None, way: found}) == angle:
+                return keys_of_record(track, "arcs", "contact_angle") | {
+                    "clearance": {way: value_with_unit_text(Clearance, found)}
+                }
+    return keys_of_record(track, "arcs", "contact_angle") | {
+        "clearance": {"radial": value_with_unit_text(Clearance, ways["radial"])}
+    }
 
 
 def groove_table(radius: float, ball: float) -> Table:
@@ -263,10 +275,10 @@ def groove_table(radius: float, ball: float) -> Table:
     >>> groove_table(0.52 * 2.0 * 2.7765e-3, 2.7765e-3), groove_table(3.254e-3, 2.778e-3)
     ({'conformity': 0.52}, {'groove_radius': '3.254 mm'})
     """
-    text, conformity = text_of(Size, radius), float(f"{radius / (2.0 * ball):.9g}")
+    text, conformity = value_with_unit_text(Size, radius), float(f"{radius / (2.0 * ball):.9g}")
     shorter = len(str(conformity)) < len(str(text)) - 3 and conformity > 0.5
     if shorter and conformity * (2.0 * ball) == radius:
-        return {"conformity": text_of(Conformity, conformity)}
+        return {"conformity": value_with_unit_text(Conformity, conformity)}
     return {"groove_radius": text}
 
 
@@ -275,8 +287,8 @@ def _body_table(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
 
     ``shared``: material at the head of the scene file; a part that has it gets no key for its material.
     """
-    table = table_of(part, "groove_radius", "material", "flange")
-    return table | groove_table(part.groove_radius, scene.balls.radius) | _material_key(part.material, shared)
+    table = keys_of_record(part, "groove_radius", "material", "flange")
+    return table | groove_table(part.groove_radius, scene.balls.radius) | _material_table(part.material, shared)
 
 
 def _nut_table(scene: Scene, shared: Material) -> Table:
@@ -285,14 +297,14 @@ def _nut_table(scene: Scene, shared: Material) -> Table:
     ``shared``: material at the head of the scene file; a nut that has it gets no key for its material.
     """
     nut, flange, at = scene.nut, scene.nut.flange, scene.solid.nut_held
-    held = given_keys(at=at)
+    held = without_empty_values(at=at)
     if flange is not None and at in (None, "flange face"):
         seat = 0.5 * nut.outer_diameter, 0.5 * flange.diameter
         for name, radius, whole in zip(("inner_diameter", "outer_diameter"), flange.seat, seat, strict=True):
-            held |= {} if radius == whole else {name: text_of(Size, 2.0 * radius)}
+            held |= {} if radius == whole else {name: value_with_unit_text(Size, 2.0 * radius)}
         held |= ({"centring": "bonded"} if flange.bonded else {}) | ({"bolts": flange.bolts} if flange.bolts else {})
-    own = {} if flange is None else {"flange": table_of(flange, "seat", "bonded", "bolts")}
-    return _body_table(scene, nut, shared) | own | given_keys(held=held)
+    own = {} if flange is None else {"flange": keys_of_record(flange, "seat", "bonded", "bolts")}
+    return _body_table(scene, nut, shared) | own | without_empty_values(held=held)
 
 
 def _balls_table(scene: Scene, shared: Material) -> Table:
@@ -306,70 +318,78 @@ def _balls_table(scene: Scene, shared: Material) -> Table:
     turns = 1.0 if each == 1 else float(f"{each * apart[0] / (2.0 * pi):.9g}")
     circuits = len(at) // each
     gap = float(f"{(at[each] - at[0]) / (2.0 * pi) - turns:.9g}") if circuits > 1 else 0.0
-    table: Table = {"radius": text_of(Size, balls.radius)}
-    if at == spread_over_turns(each, turns, track.phase, circuits, gap):
+    table: Table = {"radius": value_with_unit_text(Size, balls.radius)}
+    if at == evenly_spaced_azimuths(each, turns, track.phase, circuits, gap):
         table |= {"count": len(at) * track.starts, "turns": turns}
         table |= {"circuits": circuits, "circuit_gap": gap} if circuits > 1 else {}
     else:
-        table |= {"azimuths": table_of(balls, "radius", "material")["azimuths"]}
-    return table | _material_key(balls.material, shared)
+        table |= {"azimuths": keys_of_record(balls, "radius", "material")["azimuths"]}
+    return table | _material_table(balls.material, shared)
 
 
 def _errors_table(errors: Errors, *, seed: bool = False) -> Table:
     """Collect the keys of the geometric errors; with ``seed``, the seed of random errors is written even where it is 0."""
-    listed = {str(number): text_of(Deviation, error) for number, error in errors.balls.listed}
-    balls = table_of(errors.balls, "listed") | given_keys(listed=listed)
-    sides = {side: table_of(errors.side(side)) for side in SIDES}
-    return ({"seed": errors.seed} if seed or errors.seed else {}) | given_keys(balls=balls, **sides)
+    listed = {str(number): value_with_unit_text(Deviation, error) for number, error in errors.balls.listed}
+    balls = keys_of_record(errors.balls, "listed") | without_empty_values(listed=listed)
+    sides = {side: keys_of_record(errors.side(side)) for side in SIDES}
+    return ({"seed": errors.seed} if seed or errors.seed else {}) | without_empty_values(balls=balls, **sides)
 
 
 def _support_table(support: Support) -> Table:
     """Collect the keys of a support: its axial position, the fixed and the displaced degrees of freedom."""
     fix = [name for name, value in support.fixed if value == 0.0]
-    moved = {name: text_of(Shift if name[0] == "u" else Turn, value) for name, value in support.fixed if value != 0.0}
-    return given_keys(at=text_of(Size, support.at), fix=fix, displace=moved)
+    moved = {
+        name: value_with_unit_text(Shift if name[0] == "u" else Turn, value)
+        for name, value in support.fixed
+        if value != 0.0
+    }
+    return without_empty_values(at=value_with_unit_text(Size, support.at), fix=fix, displace=moved)
 
 
 def _friction_table(friction: Friction | None) -> Table:
     """Collect the keys of friction; one key ``coefficient`` where screw and nut have the same coefficient."""
     if friction is None:
         return {}
-    table = table_of(friction, "assumed") | given_keys(assumed=[*friction.assumed])
+    table = keys_of_record(friction, "assumed") | without_empty_values(assumed=[*friction.assumed])
     if friction.screw == friction.nut:
         return {"coefficient": friction.screw} | {k: v for k, v in table.items() if k not in ("screw", "nut")}
     return table
 
 
-def _set_table(axis: Assembly, one: RollingSet, shared: Material) -> Table:
-    """Collect the keys of ``one``, a bearing or ball nut on the shaft of ``axis``.
+def _rolling_set_table(axis: Assembly, rolling_set: RollingSet, shared: Material) -> Table:
+    """Collect the keys of ``rolling_set``, a bearing or ball nut on the shaft of ``axis``.
 
     Its inner ring (table ``screw``) is written only where groove, diameter or material differ from those of the shaft.
     ``shared``: material at the head of the scene file.
     """
-    parts, rollers = one.parts, isinstance(one.parts, RollerRow)
+    parts, rollers = rolling_set.parts, isinstance(rolling_set.parts, RollerRow)
     bearing = isinstance(parts, Scene) and parts.track.lead == 0.0
-    table = given_keys(
-        name=one.name,
-        kind=one.kind,
-        housing=one.housing,
-        carrier=one.carrier,
-        thrust=one.thrust if bearing or one.thrust != "both" else "",
-        offset=text_of(Deviation, one.offset) if one.offset else "",
-        preload=text_of(Force, one.preload) if one.preload else "",
-        position=text_of(Size, one.position) if rollers else "",
-        seals=text_of(Torque, one.seals) if one.seals else "",
+    table = without_empty_values(
+        name=rolling_set.name,
+        kind=rolling_set.kind,
+        housing=rolling_set.housing,
+        carrier=rolling_set.carrier,
+        thrust=rolling_set.thrust if bearing or rolling_set.thrust != "both" else "",
+        offset=value_with_unit_text(Deviation, rolling_set.offset) if rolling_set.offset else "",
+        preload=value_with_unit_text(Force, rolling_set.preload) if rolling_set.preload else "",
+        position=value_with_unit_text(Size, rolling_set.position) if rollers else "",
+        seals=value_with_unit_text(Torque, rolling_set.seals) if rolling_set.seals else "",
     )
     if isinstance(parts, RollerRow):
-        row = table_of(parts, "material", "phase", "depth", "crown") | {"ring_depth": text_of(Size, parts.depth)}
-        return table | {"rollers": row | ({} if parts.crown == float("inf") else {"crown": text_of(Size, parts.crown)})}
+        row = keys_of_record(parts, "material", "phase", "depth", "crown") | {
+            "ring_depth": value_with_unit_text(Size, parts.depth)
+        }
+        return table | {
+            "rollers": row | ({} if parts.crown == float("inf") else {"crown": value_with_unit_text(Size, parts.crown)})
+        }
     inner = {}
     if parts.screw != axis.screw:
-        inner = groove_table(parts.screw.groove_radius, parts.balls.radius) | _material_key(
+        inner = groove_table(parts.screw.groove_radius, parts.balls.radius) | _material_table(
             parts.screw.material, axis.screw.material
         )
         if parts.screw.outer_diameter != axis.screw.outer_diameter:
-            inner["outer_diameter"] = text_of(Size, parts.screw.outer_diameter)
-    return table | given_keys(
+            inner["outer_diameter"] = value_with_unit_text(Size, parts.screw.outer_diameter)
+    return table | without_empty_values(
         track=_track_table(parts, by_thrust=True),
         screw=inner,
         nut=_nut_table(parts, shared),
@@ -382,24 +402,26 @@ def _force_and_moment(force: Sequence[float], moment: Sequence[float]) -> Table:
     """Collect the keys ``force`` [N] and ``moment`` [N m] of a load, with units; a zero vector is left out."""
     from rollbench.meshes.parts import Load
 
-    return {name: text for name, text in table_of(Load(0.0, tuple(force), tuple(moment))).items() if name != "at"}  # type: ignore[arg-type]
+    return {name: text for name, text in keys_of_record(Load(0.0, tuple(force), tuple(moment))).items() if name != "at"}  # type: ignore[arg-type]
 
 
-def _stiffness_rows(matrix: Stiffness | None) -> Table:
+def _stiffness_table(matrix: Stiffness | None) -> Table:
     """Return the key for a 6x6 stiffness matrix: ``springs`` where it is diagonal, else ``matrix``; empty for None."""
     if matrix is None:
         return {}
     if any(x for i, row in enumerate(matrix) for j, x in enumerate(row) if i != j):
         return {"matrix": [[*row] for row in matrix]}
     names = ("ux", "uy", "uz", "rx", "ry", "rz")
-    springs = {n: text_of(Spring if n[0] == "u" else Twist, matrix[i][i]) for i, n in enumerate(names) if matrix[i][i]}
+    springs = {
+        n: value_with_unit_text(Spring if n[0] == "u" else Twist, matrix[i][i]) for i, n in enumerate(names) if matrix[i][i]
+    }
     return {"springs": springs or {"ux": "0 N/m"}}
 
 
 # --- values of fields, by their types
 
 
-def given_keys(**table: Any) -> Table:
+def without_empty_values(**table: Any) -> Table:
     """Collect the keyword arguments that are neither None nor empty, as keys of a table.
 
     Examples
@@ -410,7 +432,7 @@ def given_keys(**table: Any) -> Table:
     return {name: value for name, value in table.items() if value not in (None, "", [], {})}
 
 
-def text_of(of: Any, value: float) -> str | float:
+def value_with_unit_text(annotated_type: Any, value: float) -> str | float:
     """Write a value in SI units as text with a unit, as in a scene file.
 
     Parameters
@@ -425,25 +447,25 @@ def text_of(of: Any, value: float) -> str | float:
     str | float
         Text with a unit, such as ``"3.254 mm"``; the number itself where the quantity has no unit.
     """
-    return quantity_of(of).written(value)
+    return quantity_of_type(annotated_type).text_with_unit(value)
 
 
 @cache
 def _quantities_of_fields(record: type) -> dict[str, Quantity]:
     """Return, for each field of a record with a physical quantity, the quantity with its unit and range."""
     hints = get_type_hints(record, include_extras=True)
-    return {name: found[0] for name, hint in hints.items() if (found := [*_inner_type(hint)])}
+    return {name: found[0] for name, hint in hints.items() if (found := [*_quantities_in_type(hint)])}
 
 
-def _inner_type(hint: Any) -> Iterator[Quantity]:
+def _quantities_in_type(hint: Any) -> Iterator[Quantity]:
     """Yield the physical quantities in an annotated type, also inside tuples and unions."""
     if isinstance(hint, Quantity):
         yield hint
     for part in (*get_args(hint), *getattr(hint, "__metadata__", ())):
-        yield from _inner_type(part)
+        yield from _quantities_in_type(part)
 
 
-def table_of(record: Any, *left_out: str) -> Table:
+def keys_of_record(record: Any, *left_out: str) -> Table:
     """Collect the fields of a record that differ from their defaults, as keys of a scene file.
 
     Parameters
@@ -474,8 +496,8 @@ def _value_with_unit(value: Any, quantity: Quantity | None) -> Any:
     ``quantity``: quantity of the field, which defines the unit; None for a field without unit.
     """
     if isinstance(value, tuple):
-        return [table_of(x) if hasattr(x, "__dataclass_fields__") else _value_with_unit(x, quantity) for x in value]
-    return quantity.written(value) if quantity is not None and isinstance(value, float) else value
+        return [keys_of_record(x) if hasattr(x, "__dataclass_fields__") else _value_with_unit(x, quantity) for x in value]
+    return quantity.text_with_unit(value) if quantity is not None and isinstance(value, float) else value
 
 
 # --- text

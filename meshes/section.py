@@ -73,7 +73,7 @@ def groove_section(scene: Scene) -> GrooveSection:
     return GrooveSection(g1, g2, area)
 
 
-def nut_groove_range(scene: Scene) -> tuple[float, float]:
+def axial_range_of_nut_groove(scene: Scene) -> tuple[float, float]:
     """Return the range of the section angle on a nut's flank, from the apex of the groove to pi/2.
 
     No publication gives the diameter of the nut's lands; so pi/2 is taken instead of the angle at which the flank ends.
@@ -94,7 +94,7 @@ def nut_groove_range(scene: Scene) -> tuple[float, float]:
     return asin(slack * sin(scene.track.contact_angle) / scene.nut.groove_radius), pi / 2.0
 
 
-def volume_ratio(scene: Scene) -> float:
+def grooved_volume_ratio(scene: Scene) -> float:
     """Return the ratio of the grooved screw's volume to that of a full cylinder with its outer diameter.
 
     Parameters
@@ -144,7 +144,7 @@ class BeamSection:
     kGA: float
 
 
-def shear_coefficient(ratio: float, poisson: float) -> float:
+def shear_coefficient(diameter_ratio: float, poisson: float) -> float:
     """Return the shear coefficient kappa of a circular tube or solid shaft (Timoshenko beam).
 
     Parameters
@@ -168,7 +168,7 @@ def shear_coefficient(ratio: float, poisson: float) -> float:
     >>> round(shear_coefficient(0.0, 0.28), 4), round(shear_coefficient(1.0, 0.3), 4)
     (0.8848, 0.5306)
     """
-    m2 = ratio**2
+    m2 = diameter_ratio**2
     denominator = (7.0 + 6.0 * poisson) * (1.0 + m2) ** 2 + (20.0 + 12.0 * poisson) * m2
     return 6.0 * (1.0 + poisson) * (1.0 + m2) ** 2 / denominator
 
@@ -209,8 +209,8 @@ def screw_section(scene: Scene) -> BeamSection:
     """Return the stiffnesses of the grooved screw's cross-section: circular, with a diameter reduced for the groove.
 
     The outer diameter is multiplied by a factor, which the scene's ``ingredients.section`` selects. With k the
-    `volume_ratio`: ``"groove"`` sqrt(k), which preserves the volume; ``"groove squared"`` k, that is, eq. (C.8) without its
-    square root; ``"full"`` 1.
+    `grooved_volume_ratio`: ``"groove"`` sqrt(k), which preserves the volume; ``"groove squared"`` k, that is, eq. (C.8)
+    without its square root; ``"full"`` 1.
 
     Parameters
     ----------
@@ -237,7 +237,7 @@ def screw_section(scene: Scene) -> BeamSection:
     >>> round(screw_section(rollbench.read("lin-case1")).EA / 1e6, 2)  # MN
     158.22
     """
-    ratio = volume_ratio(scene)
+    ratio = grooved_volume_ratio(scene)
     if ratio <= 0.0:
         raise ValueError("the groove's volume exceeds that of the screw")
     factor = {"groove": sqrt(ratio), "groove squared": ratio, "full": 1.0}[scene.ingredients.section]  # k_r of (C.8)
@@ -251,7 +251,7 @@ MERGE = 1.0e-5
 SOURCE_ELEMENT = 15.0e-3
 
 
-def contact_stations(scene: Scene, layout: BallLayout) -> Array:
+def contact_force_positions(scene: Scene, layout: BallLayout) -> Array:
     """Return the axial positions at which the contact forces on the screw's two flanks act on the beam.
 
     They are those of the nominal contact points; with ``ingredients.arm = "ball"``, those of the ball centres.
@@ -274,7 +274,7 @@ def contact_stations(scene: Scene, layout: BallLayout) -> Array:
     return layout.z[:, None] + rise[None, :]
 
 
-def needed_stations(scene: Scene) -> Array:
+def support_and_load_positions(scene: Scene) -> Array:
     """Return the axial positions of a scene's supports, then of its loads; the beam must reach all of them.
 
     Parameters
@@ -290,7 +290,7 @@ def needed_stations(scene: Scene) -> Array:
     return np.array([s.at for s in scene.supports] + [f.at for f in scene.loads])
 
 
-def merge_stations(stations: Array, exact: Array) -> Array:
+def merge_close_positions(stations: Array, preferred: Array) -> Array:
     """Sort axial positions, and merge positions that are closer together than `MERGE`.
 
     Parameters
@@ -308,7 +308,7 @@ def merge_stations(stations: Array, exact: Array) -> Array:
     ordered = np.sort(stations)
     if np.all(ordered[1:] - ordered[:-1] > MERGE):
         return ordered
-    named = frozenset(exact.tolist())
+    named = frozenset(preferred.tolist())
     first, *others = ordered.tolist()
     keep, firm = [first], first in named
     for z in others:
@@ -321,13 +321,13 @@ def merge_stations(stations: Array, exact: Array) -> Array:
     return np.array(keep)
 
 
-def _steps_between(start: float, end: float, length: float) -> Array:
+def _nodes_of_equal_elements(start: float, end: float, length: float) -> Array:
     """Divide an interval of the shaft into the fewest equal elements of at most ``length`` [m]; return their nodes [m]."""
     count = max(1, ceil((end - start) / length - 1e-9))
     return np.linspace(start, end, count + 1)
 
 
-def fixed_partition(scene: Scene, *others: Scene) -> Array:
+def nodes_of_whole_beam(scene: Scene, *others: Scene) -> Array:
     """Return the nodes of the beam over the whole screw, for ``ingredients.partition`` ``"source"`` or ``"uniform"``.
 
     ``"source"`` is the partition of Lin's thesis: inside the nut as many elements of 15 mm as fit, centred on it; outside,
@@ -353,11 +353,11 @@ def fixed_partition(scene: Scene, *others: Scene) -> Array:
     parts, at, longest = [], 0.0, 2.0 * min(x.track.pitch_radius for x in (scene, *others))
     for inside in sorted((_nodes_in_nut(x) for x in (scene, *others)), key=lambda x: float(x[0])):
         if inside[0] - at > MERGE:
-            parts.append(_steps_between(at, inside[0], longest)[:-1])
+            parts.append(_nodes_of_equal_elements(at, inside[0], longest)[:-1])
         parts.append(inside)
         at = float(inside[-1])
     if scene.screw.length - at > MERGE:
-        parts.append(_steps_between(at, scene.screw.length, longest)[1:])
+        parts.append(_nodes_of_equal_elements(at, scene.screw.length, longest)[1:])
     return np.unique(np.concatenate(parts))
 
 
@@ -369,10 +369,10 @@ def _nodes_in_nut(scene: Scene) -> Array:
         count = max(1, floor(nut.length / SOURCE_ELEMENT + 1e-9))
         half = min(count * SOURCE_ELEMENT, nut.length) / 2.0
         return np.linspace(nut.position - half, nut.position + half, count + 1)
-    return _steps_between(low, high, scene.ingredients.element_length)
+    return _nodes_of_equal_elements(low, high, scene.ingredients.element_length)
 
 
-def beam_nodes(scene: Scene, stations: Array, *, everything: bool = False) -> tuple[Array, int]:
+def beam_nodes(scene: Scene, contact_positions: Array, *, whole_screw: bool = False) -> tuple[Array, int]:
     """Return the nodes of the beam between the outermost supports, loads and contacts.
 
     Each support has a node. A load or contact closer than `MERGE` to a node is connected to it rigidly.
@@ -393,17 +393,17 @@ def beam_nodes(scene: Scene, stations: Array, *, everything: bool = False) -> tu
     left_out : int
         Number of elements of the whole screw that are not included.
     """
-    needed = np.concatenate([needed_stations(scene), stations.ravel()])
+    needed = np.concatenate([support_and_load_positions(scene), contact_positions.ravel()])
     held = np.array([s.at for s in scene.supports])
     if scene.ingredients.partition == "nodal":
         ends = np.array([0.0, scene.screw.length])
-        nodes = merge_stations(np.concatenate([needed, ends]), held)
+        nodes = merge_close_positions(np.concatenate([needed, ends]), held)
     else:
-        nodes = merge_stations(np.concatenate([fixed_partition(scene), needed_stations(scene)]), held)
-    return (nodes, 0) if everything else enclosing_nodes(nodes, needed)
+        nodes = merge_close_positions(np.concatenate([nodes_of_whole_beam(scene), support_and_load_positions(scene)]), held)
+    return (nodes, 0) if whole_screw else enclosing_nodes(nodes, needed)
 
 
-def enclosing_nodes(nodes: Array, needed: Array) -> tuple[Array, int]:
+def enclosing_nodes(nodes: Array, enclosed: Array) -> tuple[Array, int]:
     """Select the nodes of a beam that enclose some axial positions; at least two nodes.
 
     Parameters
@@ -425,8 +425,8 @@ def enclosing_nodes(nodes: Array, needed: Array) -> tuple[Array, int]:
     >>> enclosing_nodes(np.array([0.0, 1.0, 2.0, 3.0]), np.array([1.2, 1.9]))
     (array([1., 2.]), 2)
     """
-    first = int(np.searchsorted(nodes, needed.min() + MERGE, side="right")) - 1
-    last = int(np.searchsorted(nodes, needed.max() - MERGE, side="left"))
+    first = int(np.searchsorted(nodes, enclosed.min() + MERGE, side="right")) - 1
+    last = int(np.searchsorted(nodes, enclosed.max() - MERGE, side="left"))
     first, last = max(first, 0), min(last, nodes.size - 1)
     if last == first:
         last, first = min(first + 1, nodes.size - 1), max(0, min(first, nodes.size - 2))

@@ -23,7 +23,7 @@ from scipy.spatial import cKDTree
 from skfem import Mesh, MeshTet1
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import second_order, with_faces, with_points
+from rollbench.meshes.fem import to_second_order, with_boundaries_from_corners, with_node_coordinates
 from rollbench.meshes.sockets import SocketMesh
 
 #: Signals whose handlers gmsh replaces by the default ones of the operating system.
@@ -139,7 +139,7 @@ POOREST = 0.005
 
 
 @dataclass(frozen=True)
-class Curve:
+class DividedCurve:
     """A curve on the surface of a body, divided into n edges."""
 
     #: Numbers of its nodes, in order ``(n + 1,)``.
@@ -160,7 +160,7 @@ class Curve:
 
 
 @dataclass
-class Face:
+class TriangulatedFace:
     """One triangulated face of a body's surface, with n nodes."""
 
     #: Name of the boundary of the mesh to which the face belongs, such as a flank.
@@ -184,7 +184,7 @@ class Face:
         """Edges of the face's triangles ``(3 t, 2)``, as indices into `number`, the nodes of the face."""
         return np.concatenate([self.local[:, [0, 1]], self.local[:, [1, 2]], self.local[:, [2, 0]]])
 
-    def turn(self, first: int, second: int) -> bool:
+    def flip_common_edge(self, first: int, second: int) -> bool:
         """Flip the common edge of two triangles to the other diagonal, if both triangles remain well shaped in the plane.
 
         Parameters
@@ -204,13 +204,15 @@ class Face:
         a, b, c = one[start], one[(start + 1) % 3], one[(start + 2) % 3]
         d = next(k for k in two if k not in (a, b))
         new = np.array([[c, a, d], [d, b, c]])
-        if corner_sine(self.plane[new]).min() < min(SLENDER, 0.5 * float(corner_sine(self.plane[[one, two]]).min())):
+        if sine_of_smallest_angle(self.plane[new]).min() < min(
+            SLENDER, 0.5 * float(sine_of_smallest_angle(self.plane[[one, two]]).min())
+        ):
             return False
         self.local[[first, second]] = new
         return True
 
 
-def corner_sine(corners: Array) -> Array:
+def sine_of_smallest_angle(corners: Array) -> Array:
     """Return the sine of the smallest angle of plane triangles; negative for triangles with clockwise corners.
 
     Parameters
@@ -255,7 +257,7 @@ class Shell:
         """
         self.gmsh, self.size, self.fine, self.algorithm = gmsh, size, fine, algorithm
         self.points = np.zeros((0, 3))
-        self.faces: list[Face] = []
+        self.faces: list[TriangulatedFace] = []
         self.middles: list[tuple[Index, Array]] = []
         self.raised: list[tuple[Index, Array]] = []
 
@@ -265,7 +267,9 @@ class Shell:
         self.points = np.concatenate([self.points, points])
         return np.arange(first, len(self.points))
 
-    def curve(self, space: Placing, start: float, end: float, limit: float, ends: tuple[int, int] | None = None) -> Curve:
+    def curve(
+        self, space: Placing, start: float, end: float, limit: float, ends: tuple[int, int] | None = None
+    ) -> DividedCurve:
         """Divide a curve into edges of the wanted length, and add its nodes to the surface.
 
         Parameters
@@ -295,7 +299,7 @@ class Shell:
         inner = self.nodes(space(t[:-1] if ends is None else t[1:-1]))
         number = np.append(inner, inner[0]) if ends is None else np.array([ends[0], *inner, ends[1]])
         self.middles.append((np.stack([number[:-1], number[1:]], 1), space(0.5 * (t[1:] + t[:-1]))))
-        return Curve(number, t)
+        return DividedCurve(number, t)
 
     def face(
         self, name: str, loops: Sequence[Sequence[Side]], space: Placing, limit: float, stretch: Placing | None = None
@@ -323,11 +327,11 @@ class Shell:
             size = np.minimum(self.size(space(at[:, :2])), limit)
             return size if stretch is None else size * stretch(at[:, :2])
 
-        sizes = size_callback(edge_lengths, 0.3 * self.fine, FACE_BLOCK)
-        tris, inner = triangulate(self.gmsh, [len(n) for n, _ in rings], plane, sizes, self.algorithm)
+        sizes = gmsh_size_callback(edge_lengths, 0.3 * self.fine, FACE_BLOCK)
+        tris, inner = triangulate_plane_region(self.gmsh, [len(n) for n, _ in rings], plane, sizes, self.algorithm)
         number = np.concatenate([boundary, self.nodes(space(inner))])
         plane = np.concatenate([plane, inner])
-        self.faces.append(Face(name, number, plane, tris, space))
+        self.faces.append(TriangulatedFace(name, number, plane, tris, space))
 
     def socket(self, name: str, mesh: SocketMesh, points: Array, raised: Array) -> Index:
         """Add the inner faces of a socket (box left free for a fine contact patch) to the surface.
@@ -353,7 +357,7 @@ class Shell:
         pairs = np.array(list(mesh.edges), dtype=np.int64)
         self.middles.append((number[pairs], points[list(mesh.edges.values())]))
         self.raised.append((number, raised))
-        self.faces.append(Face(name, number, np.zeros((count, 2)), mesh.triangles[:, :3], None))
+        self.faces.append(TriangulatedFace(name, number, np.zeros((count, 2)), mesh.triangles[:, :3], None))
         return number
 
     def tris(self, name: str = "") -> Index:
@@ -375,7 +379,7 @@ class Shell:
         return np.concatenate(edges), np.concatenate(points)
 
 
-def size_callback(lengths: Placing, grain: float, block: tuple[int, int, int]) -> Callable[..., float]:
+def gmsh_size_callback(length_function: Placing, cube_edge: float, block: tuple[int, int, int]) -> Callable[..., float]:
     """Make a mesh size callback for gmsh that evaluates many points at once and caches their sizes.
 
     Parameters
@@ -393,7 +397,7 @@ def size_callback(lengths: Placing, grain: float, block: tuple[int, int, int]) -
         Argument of gmsh's ``setSizeCallback``.
     """
     known = dict[tuple[int, int, int], list[float]]()
-    inverse, (a, b, c) = 1.0 / (MM * grain), block
+    inverse, (a, b, c) = 1.0 / (MM * cube_edge), block
     cubes = np.array(list(product(*map(range, block))))
 
     def size_at(_dim: int, _tag: int, x: float, y: float, z: float, lc: float) -> float:
@@ -401,13 +405,13 @@ def size_callback(lengths: Placing, grain: float, block: tuple[int, int, int]) -
         key = (i // a, j // b, k // c)
         sizes = known.get(key)
         if sizes is None:
-            sizes = known[key] = (MM * lengths(grain * (np.multiply(key, block) + cubes))).tolist()
+            sizes = known[key] = (MM * length_function(cube_edge * (np.multiply(key, block) + cubes))).tolist()
         return min(sizes[((i % a) * b + j % b) * c + k % c], lc)
 
     return size_at
 
 
-def triangulate(
+def triangulate_plane_region(
     gmsh: Any, counts: Sequence[int], plane: Array, sizes: Callable[..., float], algorithm: int
 ) -> tuple[Index, Array]:
     """Triangulate a plane region with gmsh, without adding nodes to its boundary.
@@ -421,7 +425,7 @@ def triangulate(
     plane : (n, 2) Array
         Coordinates of the loops' nodes, one loop after another [m].
     sizes : Callable[..., float]
-        Mesh size callback from `size_callback`.
+        Mesh size callback from `gmsh_size_callback`.
     algorithm : int
         Number of gmsh's algorithm for faces.
 
@@ -471,7 +475,9 @@ def triangulate(
     return tris, inner
 
 
-def tetrahedra(gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float], algorithm: int) -> tuple[Index, Array]:
+def fill_with_tetrahedra(
+    gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float], algorithm: int
+) -> tuple[Index, Array]:
     """Fill a closed triangulated surface with tetrahedra by gmsh, without changing the surface.
 
     Parameters
@@ -483,7 +489,7 @@ def tetrahedra(gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float
     tris : (t, 3) Index
         Triangles of the surface.
     sizes : Callable[..., float]
-        Mesh size callback from `size_callback`.
+        Mesh size callback from `gmsh_size_callback`.
     algorithm : int
         Number of gmsh's algorithm for volumes.
 
@@ -586,7 +592,9 @@ class FilledShell:
         ValueError
             The mesh does not contain a triangle of the shell.
         """
-        return with_faces(self.mesh, {name: shell.tris(name) for name in dict.fromkeys(f.name for f in shell.faces)})
+        return with_boundaries_from_corners(
+            self.mesh, {name: shell.tris(name) for name in dict.fromkeys(f.name for f in shell.faces)}
+        )
 
     def on(self, tris: Index) -> Index:
         """Return the numbers of all corner and midside nodes of triangles on the surface, in ascending order.
@@ -597,14 +605,14 @@ class FilledShell:
         return np.unique(np.concatenate([tris.ravel(), self.middle(pairs)]))
 
 
-def turned_right(points: Array, cells: Index) -> Index:
+def with_positive_volumes(points: Array, cells: Index) -> Index:
     """Reorder the nodes of tetrahedra ``(m, 4)`` so that all volumes are positive; ``points``: all nodes ``(n, 3)`` [m]."""
     a, b, c, d = (points[cells[:, k]] for k in range(4))
     turned = np.einsum("ni,ni->n", np.cross(b - a, c - a), d - a) < 0.0
     return np.where(turned[:, None], cells[:, [0, 2, 1, 3]], cells)
 
 
-def drop_flat_cells(shell: Shell, points: Array, cells: Index) -> Index:
+def drop_flat_surface_cells(shell: Shell, points: Array, cells: Index) -> Index:
     """Remove flat tetrahedra at the surface, and change the surface's triangles to match.
 
     A tetrahedron with two triangles on the same smooth face degenerates along their common edge once that edge is curved.
@@ -642,7 +650,7 @@ def drop_flat_cells(shell: Shell, points: Array, cells: Index) -> Index:
             face_index, rows = int(opposite[number, ends[0]]), [int(k) for k in row[place[number, ends]]]
             turned = {(face_index, k) for k in rows}
             fresh = int(np.sort(cells[number, ends]) @ base[1:]) not in edges and not changed & turned
-            if fresh and shell.faces[face_index].turn(rows[0], rows[1]):
+            if fresh and shell.faces[face_index].flip_common_edge(rows[0], rows[1]):
                 changed |= turned
                 gone.append(number)
         if not gone:
@@ -684,17 +692,17 @@ def fill_shell(shell: Shell, algorithm: int) -> FilledShell:
         distance, node = tree.query(x)
         return np.asarray(np.minimum(shell.size(x), near[node] + INWARD * distance))
 
-    cells, inner = tetrahedra(
-        shell.gmsh, points, tris, size_callback(edge_lengths, 0.6 * shell.fine, VOLUME_BLOCK), algorithm
+    cells, inner = fill_with_tetrahedra(
+        shell.gmsh, points, tris, gmsh_size_callback(edge_lengths, 0.6 * shell.fine, VOLUME_BLOCK), algorithm
     )
-    cells = turned_right(np.concatenate([points, inner]), cells)
+    cells = with_positive_volumes(np.concatenate([points, inner]), cells)
     corners = np.concatenate([shell.points, inner])
-    cells = drop_flat_cells(shell, corners, cells)
+    cells = drop_flat_surface_cells(shell, corners, cells)
     used = np.zeros(len(corners), dtype=bool)
     used[: len(shell.points)] = True
     used[cells] = True
     cells, corners = (np.cumsum(used) - 1)[cells], corners[used]
-    straight = second_order(MeshTet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
+    straight = to_second_order(MeshTet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
     pairs = np.sort(straight.edges, axis=0).T @ np.array([len(corners), 1])
     order = np.argsort(pairs)
     filled = FilledShell(straight, pairs[order], straight.dofs.edge_dofs[0, order].astype(np.int64))
@@ -702,19 +710,21 @@ def fill_shell(shell: Shell, algorithm: int) -> FilledShell:
     number = filled.middle(edges)[::-1]  # where an edge has several midpoints, the first one counts
     points = straight.doflocs.T.copy()
     points[number] = exact[::-1]
-    return replace(filled, mesh=with_points(straight, points))
+    return replace(filled, mesh=with_node_coordinates(straight, points))
 
 
-def graded_size(near: Array, fine: float, coarse: float, first: float, last: float) -> Placing:
+def graded_size_function(
+    fine_points: Array, smallest_size: float, largest_size: float, fine_distance: float, coarse_distance: float
+) -> Placing:
     """Make a function for the edge length, which grows with the distance from the nearest of some points.
 
     Parameters
     ----------
     near : (k, 3) Array
         Points around which the mesh is fine [m].
-    fine, coarse : float
-        Edge length up to the distance ``first``, and from the distance ``last`` on [m].
-    first, last : float
+    smallest_size, coarse : float
+        Edge length up to the distance ``fine_distance``, and from the distance ``coarse_distance`` on [m].
+    fine_distance, last : float
         Distances between which the edge length grows linearly [m].
 
     Returns
@@ -722,18 +732,18 @@ def graded_size(near: Array, fine: float, coarse: float, first: float, last: flo
     callable
         Function that returns the edge lengths [m] at points ``(n, 3)`` [m].
     """
-    if not len(near):
-        return lambda x: np.full(len(x), coarse)
-    tree = cKDTree(near)
+    if not len(fine_points):
+        return lambda x: np.full(len(x), largest_size)
+    tree = cKDTree(fine_points)
 
     def size(x: Array) -> Array:
-        share = (tree.query(x, distance_upper_bound=last)[0] - first) / (last - first)
-        return np.asarray(fine + (coarse - fine) * np.minimum(np.maximum(share, 0.0), 1.0))
+        share = (tree.query(x, distance_upper_bound=coarse_distance)[0] - fine_distance) / (coarse_distance - fine_distance)
+        return np.asarray(smallest_size + (largest_size - smallest_size) * np.minimum(np.maximum(share, 0.0), 1.0))
 
     return size
 
 
-def best_mesh(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
+def mesh_with_smallest_fault(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
     """Mesh a body with the algorithms and sizes of `ATTEMPTS` until a mesh has no fault; return the least faulty mesh.
 
     Parameters

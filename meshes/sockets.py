@@ -44,9 +44,10 @@ THIN = 0.05
 TAPER = 0.2
 #: Largest accepted distance of a ball's centre from the groove's centre line, as a ratio to the ball's radius.
 ON_GROOVE = 1e-3
-#: RAISED: relative bulges of a socket's faces that are tried while a body is filled with cells, see `socket_mesh`. RIDGE:
-#: smallest height of the protruding diagonals as a ratio to their lengths. TWIST: terms that twist the rectangles of side
-#: faces and of the bottom, so that one diagonal protrudes. SKEW: the same for rectangles in the middle of symmetric faces.
+#: RAISED: relative bulges of a socket's faces that are tried while a body is filled with cells, see `mesh_socket_faces`.
+#: RIDGE: smallest height of the protruding diagonals as a ratio to their lengths. TWIST: terms that twist the rectangles of
+#: side faces and of the bottom, so that one diagonal protrudes. SKEW: the same for rectangles in the middle of symmetric
+#: faces.
 RAISED, RIDGE, TWIST = (0.04, 0.06, 0.08), 1e-4, (0.8, 0.4)
 SKEW = 0.2
 AZIMUTH_TURNED = np.array([1.0, 1.0, -1.0])
@@ -80,7 +81,7 @@ class SocketMesh:
     edges: dict[tuple[int, int], int]
 
 
-def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> tuple[SocketMesh, Array]:
+def mesh_socket_faces(point_map: Callable[[Array], Array], divisions: tuple[int, int, int]) -> tuple[SocketMesh, Array]:
     """Mesh the inner faces of a socket, and bulge them into the body for the time in which gmsh fills the body.
 
     While gmsh fills a body with tetrahedra, the corner nodes of its sockets are at the bulging coordinates; the rim at the
@@ -102,12 +103,16 @@ def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> 
     bulging : (c, 3) Array
         Local coordinates of the corner nodes while the body is filled.
     """
-    lines = (np.linspace(-1.0, 1.0, cuts[0] + 1), np.linspace(0.0, 1.0, cuts[1] + 1), np.linspace(-1.0, 1.0, cuts[2] + 1))
+    lines = (
+        np.linspace(-1.0, 1.0, divisions[0] + 1),
+        np.linspace(0.0, 1.0, divisions[1] + 1),
+        np.linspace(-1.0, 1.0, divisions[2] + 1),
+    )
     number: dict[tuple[int, ...], int] = {}
     squares, owner = [], []
-    for face, (axis, end) in enumerate(((0, 0), (0, cuts[0]), (1, cuts[1]), (2, 0), (2, cuts[2]))):
+    for face, (axis, end) in enumerate(((0, 0), (0, divisions[0]), (1, divisions[1]), (2, 0), (2, divisions[2]))):
         a, b = (k for k in range(3) if k != axis)
-        for i, j in product(range(cuts[a]), range(cuts[b])):
+        for i, j in product(range(divisions[a]), range(divisions[b])):
             keys = [[end] * 3 for _ in range(4)]
             for key, (di, dj) in zip(keys, ((0, 0), (1, 0), (1, 1), (0, 1)), strict=True):
                 key[a], key[b] = i + di, j + dj
@@ -115,22 +120,22 @@ def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> 
             owner.append(face)
     step = np.array(list(number))
     xi = np.stack([lines[k][step[:, k]] for k in range(3)], axis=1)
-    square, inside = np.array(squares), place(np.array([[0.0, 0.5, 0.0]]))[0]
+    square, inside = np.array(squares), point_map(np.array([[0.0, 0.5, 0.0]]))[0]
     best = (-1.0, np.zeros(0), xi)
     for share in RAISED:
         raised = bulge_faces(xi, share)
-        height = _ridge_heights(place(raised), square, inside)
+        height = _heights_of_diagonals(point_map(raised), square, inside)
         best = max(best, (float(np.abs(height).min()), height, raised), key=lambda x: x[0])
         if best[0] >= RIDGE:
             break
     turned = np.where((best[1] > 0.0)[:, None], square, np.roll(square, 1, axis=1))
-    return _second_order(xi, turned[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3), np.repeat(owner, 2)), best[2]
+    return _add_midside_nodes(xi, turned[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3), np.repeat(owner, 2)), best[2]
 
 
-def side_socket(
-    places: Callable[[int], Callable[[Array], Array]], side: int, cuts: tuple[int, int, int]
+def mesh_socket_of_flank(
+    point_map_of_flank: Callable[[int], Callable[[Array], Array]], side: int, divisions: tuple[int, int, int]
 ) -> tuple[SocketMesh, Array]:
-    """Mesh the inner faces of the sockets on one flank of the groove; for details see `socket_mesh`.
+    """Mesh the inner faces of the sockets on one flank of the groove; for details see `mesh_socket_faces`.
 
     A rotation by 180 degrees about the radial line through the ball's centre maps left flanks onto right ones and reverses
     the azimuth. So the mesh for a right flank (SR, NR) is that for the left flank with reversed azimuth, node by node.
@@ -152,14 +157,14 @@ def side_socket(
         Local coordinates of the corner nodes while the body is filled.
     """
     if side % 2 == 0:
-        return socket_mesh(places(side), cuts)
-    left, raised = socket_mesh(places(side - 1), cuts)
+        return mesh_socket_faces(point_map_of_flank(side), divisions)
+    left, raised = mesh_socket_faces(point_map_of_flank(side - 1), divisions)
     turned = left.triangles[:, [0, 2, 1, 5, 4, 3]]
     face = np.where(left.face >= 3, 7 - left.face, left.face)
     return SocketMesh(left.xi * AZIMUTH_TURNED, turned, face, left.edges), raised * AZIMUTH_TURNED
 
 
-def bulge_faces(xi: Array, share: float) -> Array:
+def bulge_faces(xi: Array, bulge_ratio: float) -> Array:
     """Move points on a socket's faces outwards, so that the faces bulge; points on the rim do not move.
 
     Parameters
@@ -177,11 +182,11 @@ def bulge_faces(xi: Array, share: float) -> Array:
     a, u, b = xi.T
     rise, across, along = u * (2.0 - u), 1.0 - a * a, 1.0 - b * b
     bottom = u * u * (across + along + TWIST[1] * across * along + SKEW * a * b)
-    side, end = (1.0 + share * (rise + TWIST[0] * u * (x + SKEW * y)) for x, y in ((along, b), (across, a)))
-    return np.stack([a * side, u + share * bottom, b * end], axis=1)
+    side, end = (1.0 + bulge_ratio * (rise + TWIST[0] * u * (x + SKEW * y)) for x, y in ((along, b), (across, a)))
+    return np.stack([a * side, u + bulge_ratio * bottom, b * end], axis=1)
 
 
-def _ridge_heights(points: Array, square: Index, inside: Array) -> Array:
+def _heights_of_diagonals(points: Array, square: Index, inside: Array) -> Array:
     """Return the heights of the first diagonals of quadrilaterals above the second ones, divided by their lengths ``(s,)``.
 
     ``points``: coordinates of the nodes ``(n, 3)`` [m]; ``square``: nodes of the quadrilaterals ``(s, 4)``; ``inside``: a
@@ -194,7 +199,7 @@ def _ridge_heights(points: Array, square: Index, inside: Array) -> Array:
     return np.asarray(np.einsum("sx,sx->s", 0.5 * (a + c - b - d), out) / area**1.5)
 
 
-def _second_order(xi: Array, corners: Index, owner: Index) -> SocketMesh:
+def _add_midside_nodes(xi: Array, corners: Index, owner: Index) -> SocketMesh:
     """Add midside nodes to the triangles of a socket's faces, so that they become second-order triangles.
 
     ``xi``: local coordinates of the corner nodes ``(c, 3)``; ``corners``: corners of the triangles ``(t, 3)``; ``owner``:
@@ -209,7 +214,7 @@ def _second_order(xi: Array, corners: Index, owner: Index) -> SocketMesh:
     return SocketMesh(np.concatenate([xi, middle]), np.array(rows, dtype=np.int64), owner, edges)
 
 
-def socket_rim(socket: SocketMesh) -> Index:
+def nodes_of_socket_rim(socket: SocketMesh) -> Index:
     """Return the corner nodes around the open top of a socket, in order.
 
     Parameters
@@ -234,7 +239,7 @@ def socket_rim(socket: SocketMesh) -> Index:
     return np.array(loop, dtype=np.int64)
 
 
-def socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float]:
+def unrolled_socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float]:
     """Return the unrolled coordinates of a flank's nominal contact point, for a ball at azimuth 0 and z = 0.
 
     Parameters
@@ -249,12 +254,12 @@ def socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float]:
     r, zeta, psi : float
         Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by `GrooveMap.unroll`.
     """
-    x3, z3 = m.section_point(side, np.array(m.beta), np.array(m.radius[side]))
-    r, zeta, psi = m.unroll(x3, z3)
+    x3, z3 = m.polar_to_section(side, np.array(m.beta), np.array(m.radius[side]))
+    r, zeta, psi = m.section_to_unrolled(x3, z3)
     return float(r), float(zeta), float(psi)
 
 
-def local_points(m: GrooveMap, size: SocketSize, side: int, xi: Array) -> Array:
+def points_in_reference_socket(m: GrooveMap, size: SocketSize, side: int, xi: Array) -> Array:
     """Map local coordinates in a socket to points, for the socket of a ball at azimuth 0 and z = 0.
 
     Parameters
@@ -275,11 +280,11 @@ def local_points(m: GrooveMap, size: SocketSize, side: int, xi: Array) -> Array:
     """
     gamma = m.beta + size.gamma * xi[:, 0] * (1.0 - TAPER * xi[:, 1])
     rho = m.radius[side] + size.depth * xi[:, 1]
-    r, zeta, _ = m.unroll(*m.section_point(side, gamma, rho))
-    return m.space(r, zeta, socket_centre(m, side)[2] + size.phi * xi[:, 2])
+    r, zeta, _ = m.section_to_unrolled(*m.polar_to_section(side, gamma, rho))
+    return m.space(r, zeta, unrolled_socket_centre(m, side)[2] + size.phi * xi[:, 2])
 
 
-def socket_points(m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], xi: Array) -> Array:
+def points_in_socket(m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], xi: Array) -> Array:
     """Map local coordinates in the socket of a ball to points of the part.
 
     Parameters
@@ -301,18 +306,18 @@ def socket_points(m: GrooveMap, size: SocketSize, socket: tuple[float, float, in
     phi, z, side = socket
     c, s = np.cos(phi), np.sin(phi)
     turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    return np.asarray(local_points(m, size, side, xi) @ turn + np.array([0.0, 0.0, z]))
+    return np.asarray(points_in_reference_socket(m, size, side, xi) @ turn + np.array([0.0, 0.0, z]))
 
 
-def socket_coordinates(
+def local_coordinates_in_socket(
     m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], phi: Array, z: Array, r: Array
 ) -> Array:
-    """Map points of a part to local coordinates in the socket of a ball; the inverse of `socket_points`.
+    """Map points of a part to local coordinates in the socket of a ball; the inverse of `points_in_socket`.
 
     Parameters
     ----------
     m, size, socket
-        Track, size of the socket, and place of the ball with its flank, as for `socket_points`.
+        Track, size of the socket, and place of the ball with its flank, as for `points_in_socket`.
     phi, z, r : (n,) Array
         Cylindrical coordinates of the points [rad, m, m].
 
@@ -322,16 +327,16 @@ def socket_coordinates(
         Local coordinates: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
     """
     ball_phi, ball_z, side = socket
-    centre = ball_phi + socket_centre(m, side)[2]
+    centre = ball_phi + unrolled_socket_centre(m, side)[2]
     total = phi + 2.0 * np.pi * np.round((centre - phi) / (2.0 * np.pi))
     zeta = z - (ball_z - m.rg * ball_phi) - m.rg * total
-    gamma, rho = m.polar(side, *m.roll(r, zeta))
+    gamma, rho = m.section_to_polar(side, *m.roll(r, zeta))
     depth = (rho - m.radius[side]) / size.depth
     across = (gamma - m.beta) / (size.gamma * (1.0 - TAPER * depth))
     return np.stack([across, depth, (total - centre) / size.phi], axis=1)
 
 
-def flank_limits(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
+def section_angles_of_flank(m: GrooveMap, side: int, land_radius: float) -> tuple[float, float]:
     """Return the section angles at which a flank of the groove begins and ends.
 
     Parameters
@@ -358,19 +363,22 @@ def flank_limits(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
     apex = float(np.arcsin((m.radius[side] - m.ball) * np.sin(m.beta) / m.radius[side]))
 
     def radius_beyond_land(gamma: float) -> float:
-        return float(m.unroll(*m.section_point(side, np.array(gamma), np.array(m.radius[side])))[0]) - land
+        return (
+            float(m.section_to_unrolled(*m.polar_to_section(side, np.array(gamma), np.array(m.radius[side])))[0])
+            - land_radius
+        )
 
     if radius_beyond_land(m.beta) * radius_beyond_land(np.pi) < 0.0:
         edge = float(brentq(radius_beyond_land, m.beta, np.pi, xtol=1e-14))
-        return (-edge if m.one_arc else apex), edge
+        return (-edge if m.has_single_arc else apex), edge
     raise ValueError(
         f"the {SIDES[side]} flank ends before its contact at {np.degrees(m.beta):.3g} deg: with a land radius of "
-        f"{1e3 * land:.4g} mm the groove does not reach that angle; move the land towards the pitch radius "
+        f"{1e3 * land_radius:.4g} mm the groove does not reach that angle; move the land towards the pitch radius "
         f"{1e3 * m.R:.4g} mm"
     )
 
 
-def whole_turns(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, float]:
+def turns_to_groove(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, float]:
     """Return the whole turns by which a ball's azimuth differs from that along a helical groove, and its distance from it.
 
     Parameters
@@ -380,7 +388,7 @@ def whole_turns(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, f
     phi, z : float
         Azimuth [rad] and axial position [m] of the ball.
     line : float
-        The groove's constant z - r_g phi [m] from `groove_lines`, with the lead per radian r_g.
+        The groove's constant z - r_g phi [m] from `helix_constants_of_grooves`, with the lead per radian r_g.
 
     Returns
     -------
@@ -395,7 +403,7 @@ def whole_turns(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, f
     return turns, abs(off - turns * pitch)
 
 
-def groove_lines(m: GrooveMap) -> list[float]:
+def helix_constants_of_grooves(m: GrooveMap) -> list[float]:
     """Return the constant z - r_g phi of each start's groove [m], with the lead per radian r_g.
 
     It is the axial position at which the groove's helix crosses azimuth 0. A ring has one entry.
@@ -413,7 +421,7 @@ def groove_lines(m: GrooveMap) -> list[float]:
     return [m.z0 - m.rg * (m.phase + 2.0 * np.pi * k / m.starts) for k in range(m.starts if m.rg else 1)]
 
 
-def track_gaps(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, Index]:
+def gaps_between_balls(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, Index]:
     """Return the angles between neighbouring balls along the grooves.
 
     In a ring, the last ball is a neighbour of the first.
@@ -454,7 +462,7 @@ def track_gaps(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, Index]:
     return np.array(gaps), np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
-def _largest_share(fits: Callable[[float], bool]) -> float:
+def _largest_fitting_factor(fits: Callable[[float], bool]) -> float:
     """Find the largest factor in [0, 1] for which ``fits`` is true, by bisection; 0 where it is true for none."""
     if fits(1.0):
         return 1.0
@@ -465,16 +473,16 @@ def _largest_share(fits: Callable[[float], bool]) -> float:
     return low if low > 1e-6 else 0.0
 
 
-def _hull_points(m: GrooveMap, size: SocketSize, side: int) -> Array:
+def _sample_points_in_socket(m: GrooveMap, size: SocketSize, side: int) -> Array:
     """Return sample points throughout a socket, ``(n, 3)`` [m], for a ball at azimuth 0 and z = 0.
 
     ``size``: size of the socket; ``side``: flank 0 to 3.
     """
     axes = (np.linspace(-1.0, 1.0, 7), np.linspace(0.0, 1.0, 3), np.linspace(-1.0, 1.0, 3))
-    return local_points(m, size, side, np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3))
+    return points_in_reference_socket(m, size, side, np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3))
 
 
-def remaining_wall(m: GrooveMap, size: SocketSize, side: int, beyond: float) -> float:
+def wall_under_socket(m: GrooveMap, size: SocketSize, side: int, wall_radius: float) -> float:
     """Return the wall thickness between the bottom of a socket and the bore of the screw or the outside of the nut.
 
     Parameters
@@ -493,11 +501,11 @@ def remaining_wall(m: GrooveMap, size: SocketSize, side: int, beyond: float) -> 
     float
         Thickness [m]; negative where the socket reaches through the wall.
     """
-    r = np.hypot(*_hull_points(m, size, side)[:, :2].T)
-    return float(r.min() - beyond if side < 2 else beyond - r.max())
+    r = np.hypot(*_sample_points_in_socket(m, size, side)[:, :2].T)
+    return float(r.min() - wall_radius if side < 2 else wall_radius - r.max())
 
 
-def socket_reach(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> tuple[float, float]:
+def axial_reach_of_sockets(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> tuple[float, float]:
     """Return the axial distances by which sockets extend below and above the ball's centre.
 
     Parameters
@@ -514,7 +522,7 @@ def socket_reach(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> tupl
     below, above : float
         Distances in the directions -z and +z [m].
     """
-    z = np.concatenate([_hull_points(m, size, s)[:, 2] for s in sides])
+    z = np.concatenate([_sample_points_in_socket(m, size, s)[:, 2] for s in sides])
     return float(-z.min()), float(z.max())
 
 
@@ -542,18 +550,18 @@ def distance_to_next_turn(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]
     pitch = 2.0 * np.pi * abs(m.rg) / m.starts
     distances = []
     for side in sides:
-        x = _hull_points(m, size, side)
+        x = _sample_points_in_socket(m, size, side)
         r, zeta = np.hypot(x[:, 0], x[:, 1]), x[:, 2] - m.rg * np.arctan2(x[:, 1], x[:, 0])
         other = side ^ 1
         x3, z3 = m.roll(r, zeta - m.signs[side, 1] * pitch)
-        away = [m.polar(s, x3, z3)[1] - m.radius[s] for s in (side, other)]
+        away = [m.section_to_polar(s, x3, z3)[1] - m.radius[s] for s in (side, other)]
         distances.append(float(np.max(away, axis=0).min()))
         if other in sides:
             distances.append(float((0.5 * pitch - np.abs(zeta)).min()))
     return min(distances)
 
 
-def fitted_socket(
+def largest_fitting_socket(
     m: GrooveMap,
     layout: BallLayout,
     sides: tuple[int, ...],
@@ -562,7 +570,7 @@ def fitted_socket(
     land_nut: float,
     outer_nut: float,
     ends: tuple[float, float],
-    need: tuple[float, float] = (0.0, 0.0),
+    contact_half_lengths: tuple[float, float] = (0.0, 0.0),
 ) -> SocketSize:
     """Find the size of the largest socket that fits at every ball, on every flank that carries contacts.
 
@@ -595,13 +603,16 @@ def fitted_socket(
     ------
     ValueError
         A contact is wider than the flank between apex and edge allows; or less than 0.4 of the default depth, length or
-        (without ``need``) width remains, or 0.1 of depth and length next to a flat end. The message gives cause and remedy.
+        (without ``contact_half_lengths``) width remains, or 0.1 of depth and length next to a flat end. The message gives
+        cause and remedy.
     """
     usual = SocketSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)
     bodies = [tuple(s for s in sides if (s < 2) == screw) for screw in (True, False)]
-    least = max((need[0] / float(m.radius[s]) for s in sides), default=0.0) / ZONE
-    wide = replace(usual, gamma=max(GAMMA, least * ZONE / FILLED), phi=max(usual.phi, need[1] / (FILLED * m.R)))
-    gamma, why_gamma = _narrowed_width(m, sides, land_screw, land_nut, wide.gamma, need[0])
+    least = max((contact_half_lengths[0] / float(m.radius[s]) for s in sides), default=0.0) / ZONE
+    wide = replace(
+        usual, gamma=max(GAMMA, least * ZONE / FILLED), phi=max(usual.phi, contact_half_lengths[1] / (FILLED * m.R))
+    )
+    gamma, why_gamma = _allowed_half_width(m, sides, land_screw, land_nut, wide.gamma, contact_half_lengths[0])
     size = replace(wide, gamma=gamma)
     cause = {"gamma": why_gamma, "depth": "", "phi": ""}
 
@@ -613,16 +624,16 @@ def fitted_socket(
 
         def wall_is_thick_enough(share: float, side: int = side, behind: float = behind, size: SocketSize = size) -> bool:
             depth = share * wide.depth
-            return remaining_wall(m, replace(size, depth=depth), side, behind) >= UNDER * depth
+            return wall_under_socket(m, replace(size, depth=depth), side, behind) >= UNDER * depth
 
-        depth = wide.depth * _largest_share(wall_is_thick_enough)
+        depth = wide.depth * _largest_fitting_factor(wall_is_thick_enough)
         if depth < size.depth:
             size = replace(size, depth=depth)
-            wall = remaining_wall(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
+            wall = wall_under_socket(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
             cause["depth"] = f"the wall between the contact and the {name} is only {in_mm(wall)} thick; thicken the wall"
 
     if layout.z.size > 1 or m.rg == 0.0:
-        gaps, pairs = track_gaps(m, layout.azimuth, layout.z)
+        gaps, pairs = gaps_between_balls(m, layout.azimuth, layout.z)
         if gaps.size and gaps.min() < (2.0 + BETWEEN) * wide.phi:
             size = replace(size, phi=float(gaps.min()) / (2.0 + BETWEEN))
             first, second = pairs[gaps.round(9).argmin()] + 1
@@ -633,11 +644,11 @@ def fitted_socket(
 
     def scaled_socket(share: float) -> SocketSize:
         narrow = max(share * size.gamma, min(size.gamma, least))
-        short = max(share * size.phi, min(size.phi, need[1] / (ZONE * m.R)))
+        short = max(share * size.phi, min(size.phi, contact_half_lengths[1] / (ZONE * m.R)))
         return replace(size, gamma=narrow, depth=share * size.depth, phi=short)
 
     def fits_between_ends(share: float, away: float = AWAY) -> bool:
-        below, above = socket_reach(m, scaled_socket(share), sides)
+        below, above = axial_reach_of_sockets(m, scaled_socket(share), sides)
         return bool(below + away * m.ball <= low and above + away * m.ball <= high)
 
     def fits_with_thin_wall(share: float) -> bool:
@@ -661,14 +672,14 @@ def fitted_socket(
             f"the next turn of the groove is only {in_mm(2.0 * np.pi * abs(m.rg) / m.starts)} away; raise the lead",
         ),
     ):
-        share = _largest_share(fits)
+        share = _largest_fitting_factor(fits)
         if share < 1.0:
             size = scaled_socket(share) if share else replace(size, gamma=0.0, depth=0.0, phi=0.0)
             cause = dict.fromkeys(cause, why)
     for name, word, floor in (
         ("gamma", "narrow", least or LEAST * GAMMA),
         ("depth", "shallow", (LIP if lip else LEAST) * usual.depth),
-        ("phi", "short", max((LIP if lip else LEAST) * usual.phi, need[1] / (ZONE * m.R))),
+        ("phi", "short", max((LIP if lip else LEAST) * usual.phi, contact_half_lengths[1] / (ZONE * m.R))),
     ):
         if getattr(size, name) < floor * (1.0 - 1e-9):
             left, wanted = getattr(size, name) / getattr(usual, name), floor / getattr(usual, name)
@@ -679,7 +690,7 @@ def fitted_socket(
     return size
 
 
-def _narrowed_width(
+def _allowed_half_width(
     m: GrooveMap, sides: tuple[int, ...], land_screw: float, land_nut: float, wanted: float, need: float
 ) -> tuple[float, str]:
     """Reduce the half width of sockets to what edge and apex of the grooves allow, and say which of the two limits it.
@@ -706,10 +717,10 @@ def _narrowed_width(
     gamma, why = wanted, ""
     for side in sides:
         land, radius = land_screw if side < 2 else land_nut, float(m.radius[side])
-        apex, edge = flank_limits(m, side, land)
+        apex, edge = section_angles_of_flank(m, side, land)
         at_land = f"the groove, at the land radius of {1e3 * land:.4g} mm,"
         low_end, remedy_low = "apex between the two arcs", "bring the groove radius closer to the ball's"
-        if m.one_arc:
+        if m.has_single_arc:
             low_end, remedy_low = f"other edge of {at_land}", "deepen the groove"
         for room, name, remedy in (
             (m.beta - apex, low_end, remedy_low),
@@ -731,12 +742,12 @@ def _narrowed_width(
     return gamma, why
 
 
-def refuse_misfitting_sockets(
+def check_sockets_fit(
     m: GrooveMap,
     size: SocketSize,
     sockets: tuple[tuple[float, float, int], ...],
-    land: float,
-    behind: float,
+    land_radius: float,
+    wall_radius: float,
     ends: tuple[float, float],
 ) -> None:
     """Raise ValueError where sockets of a screw or nut overlap or extend beyond the part's surfaces.
@@ -749,34 +760,34 @@ def refuse_misfitting_sockets(
         Size of the sockets (boxes left free for the fine contact patches).
     sockets : tuple[tuple[float, float, int], ...]
         For each socket, azimuth [rad] and axial position [m] of its ball, and flank 0 to 3.
-    land, behind : float
+    land_radius, behind : float
         Radius of the lands; radius of the screw's bore or of the nut's outer surface [m].
     ends : tuple[float, float]
         Axial positions of the part's flat ends [m].
     """
-    remedy = "make the sockets smaller (rollbench.meshes.sockets.fitted_socket finds a size that fits)"
+    remedy = "make the sockets smaller (rollbench.meshes.sockets.largest_fitting_socket finds a size that fits)"
     sides = tuple(sorted({s for _, _, s in sockets}))
     for phi, z, _ in sockets:
-        if min(whole_turns(m, phi, z, line)[1] for line in groove_lines(m)) > ON_GROOVE * m.ball:
+        if min(turns_to_groove(m, phi, z, line)[1] for line in helix_constants_of_grooves(m)) > ON_GROOVE * m.ball:
             raise ValueError(
                 f"the socket at azimuth {np.degrees(phi):.4g} deg, z = {1e3 * z:.4g} mm does not lie on a groove: place "
                 "the balls with rollbench.meshes.helix.ball_layout"
             )
     for side in sides:
-        apex, edge = flank_limits(m, side, land)
+        apex, edge = section_angles_of_flank(m, side, land_radius)
         if not (apex < m.beta - size.gamma and m.beta + size.gamma < edge):
             raise ValueError(
                 f"a socket on flank {SIDES[side]}, from {m.beta - size.gamma:.3g} to {m.beta + size.gamma:.3g} rad, "
                 f"extends beyond the flank, from {apex:.3g} to {edge:.3g} rad: {remedy}"
             )
-        if remaining_wall(m, size, side, behind) <= 0.0:
+        if wall_under_socket(m, size, side, wall_radius) <= 0.0:
             raise ValueError(f"a socket on flank {SIDES[side]} reaches through the wall of the part: {remedy}")
         places = np.array([(a, z) for a, z, s in sockets if s == side])
-        gaps, pairs = track_gaps(m, places[:, 0], places[:, 1])
+        gaps, pairs = gaps_between_balls(m, places[:, 0], places[:, 1])
         if gaps.size and gaps.min() <= 2.0 * size.phi:
             first, second = pairs[gaps.round(9).argmin()] + 1
             raise ValueError(f"the sockets of balls {first} and {second} overlap along the track: {remedy}")
-        below, above = socket_reach(m, size, (side,))
+        below, above = axial_reach_of_sockets(m, size, (side,))
         if places[:, 1].min() - below <= ends[0] or places[:, 1].max() + above >= ends[1]:
             raise ValueError(f"a socket on flank {SIDES[side]} reaches a flat end of the part: {remedy}")
     if sides and distance_to_next_turn(m, size, sides) <= 0.0:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.meshes.helix import groove_radii, nominal_groove_centres
+from rollbench.meshes.helix import nominal_groove_centres, nominal_groove_radii
 from rollbench.meshes.parts import Scene, UnfitKey
-from rollbench.meshes.record_keys import keyed, usual
+from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
 
 #: Radius of the hole that is assumed along the axis of a solid screw, as a ratio to the pitch radius. The mesh needs a
 #: hole; its effect is part of the modelling uncertainty.
@@ -25,7 +25,7 @@ SHAFT = 1.5
 WHOLE, RUN_OUT = 1.0, 1.0
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Dimensions:
     """Dimensions and fixed surfaces of screw and nut in the 3D reference, with the assumptions for those not given."""
@@ -49,7 +49,7 @@ class Dimensions:
     #: All assumptions, as sentences.
     assumed: tuple[str, ...]
     #: The assumptions that are needed only for meshing, as sentences.
-    mesh_only: tuple[str, ...] = usual(())
+    mesh_only: tuple[str, ...] = frozen_default(())
 
     def ends(self, scene: Scene) -> tuple[float, float]:
         """Return the axial positions of the flat ends of the screw's part that is meshed in 3D.
@@ -74,7 +74,7 @@ class Dimensions:
         return low, high
 
 
-def groove_depths(scene: Scene) -> tuple[float, float]:
+def largest_groove_depths(scene: Scene) -> tuple[float, float]:
     """Return the largest depths of the nominal grooves, measured from the pitch cylinder.
 
     The deepest point is where both arcs meet, or the bottom of a single arc. For a wide groove the depth is much smaller
@@ -97,11 +97,11 @@ def groove_depths(scene: Scene) -> tuple[float, float]:
     [2.9, 2.9]
     """
     radial, across = np.abs(nominal_groove_centres(scene)).T
-    screw, nut = (np.sqrt(groove_radii(scene) ** 2 - across**2) - radial)[[0, 3]]
+    screw, nut = (np.sqrt(nominal_groove_radii(scene) ** 2 - across**2) - radial)[[0, 3]]
     return float(screw), float(nut)
 
 
-def _check_lands(scene: Scene, land: float, depth: float) -> None:
+def _check_nut_land(scene: Scene, land: float, depth: float) -> None:
     """Raise UnfitKey where the nut has no groove or no wall because of the radius ``land`` [m] of its lands.
 
     ``depth`` is the depth of the nut's groove, measured from the pitch cylinder [m].
@@ -127,7 +127,7 @@ def _check_lands(scene: Scene, land: float, depth: float) -> None:
     )
 
 
-def solid_dimensions(scene: Scene) -> Dimensions:
+def dimensions_of_3d_parts(scene: Scene) -> Dimensions:
     """Collect the dimensions of a scene's parts for the 3D reference; those that the scene does not give are assumed.
 
     Parameters
@@ -210,8 +210,8 @@ def solid_dimensions(scene: Scene) -> Dimensions:
         )
     else:
         assumed.append("The groove runs through the whole nut and the whole 3D stretch of the screw; flat nut faces.")
-    of_screw, of_nut = groove_depths(scene)
-    _check_lands(scene, land, of_nut)
+    of_screw, of_nut = largest_groove_depths(scene)
+    _check_nut_land(scene, land, of_nut)
     if not 0.0 < hole < R - of_screw:
         raise UnfitKey(
             "solid.hole_diameter",

@@ -12,7 +12,7 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen
-from rollbench.meshes.helix import lead_angle, reduced_lead
+from rollbench.meshes.helix import lead_angle, lead_per_radian
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
 
 SIGNS = np.array(SIDE_SIGNS)
@@ -20,7 +20,7 @@ SIGNS = np.array(SIDE_SIGNS)
 ALL = slice(None)
 
 
-def groove_profile(gamma: Array, radius: float | Array, profile: Array) -> Array:
+def groove_radius_with_slopes(gamma: Array, radius: float | Array, profile: Array) -> Array:
     """Compute the groove radius with its profile error at section angles, and its first two derivatives.
 
     Parameters
@@ -79,10 +79,10 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma:
     """
     sx, sz = SIGNS[side].T
     if isinstance(side, int):
-        rho, rho1, rho2 = groove_profile(gamma, drawn.radius[side], drawn.profile[side])
+        rho, rho1, rho2 = groove_radius_with_slopes(gamma, drawn.radius[side], drawn.profile[side])
     else:
         flanks = zip(gamma.T, drawn.radius, drawn.profile, strict=True)
-        rho, rho1, rho2 = np.stack([groove_profile(*x) for x in flanks], axis=-1)
+        rho, rho1, rho2 = np.stack([groove_radius_with_slopes(*x) for x in flanks], axis=-1)
     c, s = np.cos(gamma), np.sin(gamma)
     zero = np.zeros_like(c)
     a = np.stack([sx * rho * c, sz * rho * s], -1) + drawn.centre[:, side]
@@ -100,7 +100,7 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma:
         """Differentiate a vector with respect to azimuth; its components are radial, azimuthal and axial."""
         return np.stack([dx[..., 0] - x[..., 1], dx[..., 1] + x[..., 0], dx[..., 2]], -1)
 
-    rise = np.stack([zero, zero, zero + reduced_lead(scene.track)], -1)
+    rise = np.stack([zero, zero, zero + lead_per_radian(scene.track)], -1)
     x = cylindrical_components(a) + np.array([scene.track.pitch_radius, 0.0, 0.0])
     x_p = cylindrical_components(a_p) + rise
     sp = differentiate(x, x_p)
@@ -189,7 +189,7 @@ def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma
     return np.sort(-outward[..., None] * np.linalg.eigvals(shape).real, axis=-1)
 
 
-def printed_radii(scene: Scene, drawn: Specimen, side: int, gamma: Array) -> Array:
+def printed_principal_radii(scene: Scene, drawn: Specimen, side: int, gamma: Array) -> Array:
     """Compute the "principal radii" printed in Table B.1 of Lin's thesis: eigenvalues of the second fundamental form II.
 
     These are not radii of curvature, because the first fundamental form I is not considered. They have the dimension of a

@@ -67,8 +67,12 @@ class LocalTets:
     seconds: float
 
 
-def source_box(
-    width: tuple[float, float], depth: float, zone: tuple[float, float], fine: float = 0.08e-3, far: float = 0.5e-3
+def patch_as_in_thesis(
+    width: tuple[float, float],
+    depth: float,
+    zone: tuple[float, float],
+    contact_size: float = 0.08e-3,
+    edge_size: float = 0.5e-3,
 ) -> TetBox:
     """Return the dimensions of a contact patch whose cells are as in Lin's thesis: of equal size in the contact zone.
 
@@ -87,10 +91,10 @@ def source_box(
         Dimensions of the patch, and sizes of its cells.
     """
     across, along = zone[0] * width[0], zone[1] * width[1]
-    return TetBox(width, depth, zone, (across, along, min(across, along)), fine, far)
+    return TetBox(width, depth, zone, (across, along, min(across, along)), contact_size, edge_size)
 
 
-def build_tets(box: TetBox, socket: SocketMesh | None = None) -> LocalTets:
+def mesh_patch_with_tetrahedra(box: TetBox, socket: SocketMesh | None = None) -> LocalTets:
     """Mesh a contact patch with first-order tetrahedra by gmsh.
 
     Parameters
@@ -118,13 +122,13 @@ def build_tets(box: TetBox, socket: SocketMesh | None = None) -> LocalTets:
     begin = perf_counter()
     with gmsh_session(OPTIONS) as gmsh:
         gmsh.model.add("patch")
-        inner, ring = _add_geometry(gmsh, box, socket)
-        _set_sizes(gmsh, box)
+        inner, ring = _add_patch_volume(gmsh, box, socket)
+        _set_element_sizes(gmsh, box)
         gmsh.model.mesh.generate(3)
-        return _collect_arrays(gmsh, box, inner, ring, begin)
+        return _read_patch_mesh(gmsh, box, inner, ring, begin)
 
 
-def _set_sizes(gmsh: Any, box: TetBox) -> None:
+def _set_element_sizes(gmsh: Any, box: TetBox) -> None:
     """Set gmsh's element sizes: ``box.fine`` around the contact, growing with the distance from there.
 
     Inside the volume, sizes are divided by `LARGER`, because gmsh's tetrahedra are larger than requested.
@@ -132,7 +136,7 @@ def _set_sizes(gmsh: Any, box: TetBox) -> None:
     across, along, depth = (MM * length for length in box.influence)
     away = "+".join(f"Max(0,Abs({x})-{half:.17g})^2" for x, half in (("x", across), ("y", depth), ("z", along)))
     edge = f"Min({MM * box.far:.17g},{MM * box.fine:.17g}+{box.growth:.17g}*Sqrt({away}))"
-    field = gmsh.model.mesh.field
+    field = gmsh.model.mesh.track_velocity_field
     on_faces, within, inside, finest = (field.add(name) for name in ("MathEval", "MathEval", "Restrict", "Min"))
     field.setString(on_faces, "F", edge)
     field.setString(within, "F", f"{edge}/{LARGER}")
@@ -155,7 +159,7 @@ def _socket_faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
     return socket.xi, triangles
 
 
-def _rim_corners(corners: Array, polygons: list[list[int]]) -> list[int]:
+def _corners_around_rim(corners: Array, polygons: list[list[int]]) -> list[int]:
     """Return the corners around the open top of a patch's faces, in order; ValueError unless there is exactly one open rim.
 
     ``corners``: local coordinates ``(c, 3)``; ``polygons``: indices of the corners of each face.
@@ -180,7 +184,7 @@ def _rim_corners(corners: Array, polygons: list[list[int]]) -> list[int]:
     return loop
 
 
-def _add_geometry(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[int, int]:
+def _add_patch_volume(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[int, int]:
     """Add the patch to gmsh's model as a volume between plane faces.
 
     Returns the numbers of two surfaces at depth 0: the contact zone, and the ring around it.
@@ -205,14 +209,14 @@ def _add_geometry(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[in
     a, b = scale[0] * box.zone[0], scale[2] * box.zone[1]
     square = [geo.addPoint(x, 0.0, z) for x, z in ((-a, -b), (a, -b), (a, b), (-a, b))]
     zone = geo.addCurveLoop([geo.addLine(square[k], square[(k + 1) % 4]) for k in range(4)])
-    inner, ring = geo.addPlaneSurface([zone]), geo.addPlaneSurface([add_loop(_rim_corners(corners, polygons)), zone])
+    inner, ring = geo.addPlaneSurface([zone]), geo.addPlaneSurface([add_loop(_corners_around_rim(corners, polygons)), zone])
     shell = [inner, ring, *(geo.addPlaneSurface([add_loop(p)]) for p in polygons)]
     geo.addVolume([geo.addSurfaceLoop(shell)])
     geo.synchronize()
     return inner, ring
 
 
-def _collect_arrays(gmsh: Any, box: TetBox, inner: int, ring: int, begin: float) -> LocalTets:
+def _read_patch_mesh(gmsh: Any, box: TetBox, inner: int, ring: int, begin: float) -> LocalTets:
     """Read nodes and cells of the patch from gmsh's model, and convert the nodes to local coordinates.
 
     ``inner``, ``ring``: numbers of the model's surfaces for the contact zone and for the ring around it; ``begin``: time at
@@ -266,7 +270,7 @@ _DIAGONALS = ((4, 8, (5, 6, 7, 9)), (5, 7, (4, 9, 8, 6)), (6, 9, (4, 5, 8, 7)))
 _OCTAHEDRON = np.array([[[p, q, ring[k], ring[(k + 1) % 4]] for k in range(4)] for p, q, ring in _DIAGONALS])
 
 
-def split_second_order(points: Array, cells: Index) -> Index:
+def split_into_linear_tetrahedra(points: Array, cells: Index) -> Index:
     """Divide each second-order tetrahedron into eight first-order tetrahedra on its ten nodes.
 
     Parameters

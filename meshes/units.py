@@ -149,10 +149,10 @@ class UnitError(ValueError):
         """Compose the message from the value, the reason for the error, the expected dimension and the advice."""
         self.reason = reason
         self.advice = advice or f"write a number and a unit, e.g. {example_quantity(dimension)}"
-        super().__init__(f"{toml_text(value)} {reason}; expected {dimension_words(dimension)}; {self.advice}")
+        super().__init__(f"{toml_text(value)} {reason}; expected {dimension_description(dimension)}; {self.advice}")
 
 
-def dimension_words(dimension: str) -> str:
+def dimension_description(dimension: str) -> str:
     """Return a text that names a dimension and gives an example of a quantity.
 
     Parameters
@@ -240,11 +240,11 @@ def parse_quantity(value: object, dimension: str) -> float:
     if isinstance(value, bool) or not isinstance(value, str):
         missing = isinstance(value, (int, float)) and not isinstance(value, bool)
         raise UnitError(value, dimension, "has no unit" if missing else "is not text")
-    return _of_text(value, dimension)
+    return _parse_text_cached(value, dimension)
 
 
 @lru_cache(maxsize=1024)
-def _of_text(value: str, dimension: str) -> float:
+def _parse_text_cached(value: str, dimension: str) -> float:
     """Convert a text to its value in SI units, as `parse_quantity` does; results are stored, because texts occur often."""
     number, unit = _split_number_and_unit(value, dimension)
     if not unit:
@@ -252,7 +252,7 @@ def _of_text(value: str, dimension: str) -> float:
     kind, above, below = _unit_factor(unit)
     if kind != dimension:
         if kind:
-            raise UnitError(value, dimension, f"is {dimension_words(kind).split(',')[0]}")
+            raise UnitError(value, dimension, f"is {dimension_description(kind).split(',')[0]}")
         raise UnitError(value, dimension, "has an unknown unit", _nearest_unit_advice(unit, dimension))
     result = math.radians(float(number)) if unit == "deg" else float(number * above / below)
     if not math.isfinite(result):
@@ -263,7 +263,7 @@ def _of_text(value: str, dimension: str) -> float:
 def _plain_number(value: object) -> float:
     """Return a value without unit as a float, or raise UnitError where it is not a finite number."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        advice = COMMA if isinstance(value, str) and has_comma(value) else "write a number without quotes or unit"
+        advice = COMMA if isinstance(value, str) and has_comma_in_number(value) else "write a number without quotes or unit"
         raise UnitError(value, "number", "is not a plain number", advice)
     try:
         number = float(value)
@@ -274,7 +274,7 @@ def _plain_number(value: object) -> float:
     return number
 
 
-def number_and_unit(text: str) -> tuple[str, str] | None:
+def split_quantity_text(text: str) -> tuple[str, str] | None:
     """Split the text of a quantity into its number and its unit, both as written.
 
     Parameters
@@ -297,7 +297,7 @@ def number_and_unit(text: str) -> tuple[str, str] | None:
     return None if match is None else (match[1], match[2] or "")
 
 
-def has_comma(text: str) -> bool:
+def has_comma_in_number(text: str) -> bool:
     """Return whether a text begins with a number that has a comma, before decimals or between thousands.
 
     Parameters
@@ -315,18 +315,18 @@ def has_comma(text: str) -> bool:
 
 def _split_number_and_unit(value: str, dimension: str) -> tuple[Decimal, str]:
     """Split a text into its number and its unit in standard spelling; raise UnitError unless it has a finite number."""
-    if has_comma(value):
+    if has_comma_in_number(value):
         raise UnitError(value, dimension, "has a comma in its number", COMMA)
-    parts = number_and_unit(value)
+    parts = split_quantity_text(value)
     if parts is None:
         if re.match(r"[+-]?(nan|inf)", value.strip(), re.IGNORECASE):
             advice = f"write a finite number, e.g. {example_quantity(dimension)}"
             raise UnitError(value, dimension, "is not finite", advice)
         raise UnitError(value, dimension, "does not begin with a plain number")
-    return Decimal(parts[0]), tidy_unit(parts[1])
+    return Decimal(parts[0]), standard_unit_spelling(parts[1])
 
 
-def tidy_unit(unit: str) -> str:
+def standard_unit_spelling(unit: str) -> str:
     """Return a unit in standard spelling: "u" for micro, "deg" for degrees, and products with a space.
 
     Parameters

@@ -30,9 +30,9 @@ def write_csv(table: Table, path: Path) -> None:
     """
     with open(path, "w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
-        heads = (f"{c.label} [{micro_sign(c.unit)}]" if c.unit else c.label for c in table.columns)
+        heads = (f"{c.label} [{replace_um_by_micrometre(c.unit)}]" if c.unit else c.label for c in table.columns)
         writer.writerow(escape_formula(head) for head in heads)
-        writer.writerows([_csv_cell(row.get(c.key)) for c in table.columns] for row in table.rows)
+        writer.writerows([_format_csv_cell(row.get(c.key)) for c in table.columns] for row in table.rows)
 
 
 def format_cell(value: Cell, form: str = "g4") -> str:
@@ -56,7 +56,7 @@ def format_cell(value: Cell, form: str = "g4") -> str:
     >>> format_cell(225.0), format_cell(1.5e-7), format_cell(-3.14159, ".2f"), format_cell(None)
     ('225.0', '1.500×10⁻⁷', '−3.14', '–')
     """
-    value = _plain_text(value)
+    value = _python_number(value)
     if value is None:
         return "–"
     if isinstance(value, bool):
@@ -87,14 +87,14 @@ def _significant_digits(value: float, digits: int) -> str:
     return mantissa.replace("-", "−") + "×10" + str(power).translate(_SUPERSCRIPT)
 
 
-def _plain_text(value: Any) -> Any:
+def _python_number(value: Any) -> Any:
     """Return a numpy scalar as a number of Python, and any other value unchanged."""
     return value.item() if hasattr(value, "item") else value
 
 
-def _csv_cell(value: Cell) -> str:
+def _format_csv_cell(value: Cell) -> str:
     """Return the value of a table cell as text for a CSV file: all digits, ``true`` or ``false``, empty for None."""
-    value = _plain_text(value)
+    value = _python_number(value)
     if value is None:
         return ""
     if isinstance(value, bool):
@@ -114,7 +114,7 @@ def escape_formula(text: str) -> str:
     return f"'{text}" if text[:1] in tuple("=+-@\t\r") and not number else text
 
 
-def micro_sign(text: str) -> str:
+def replace_um_by_micrometre(text: str) -> str:
     """Return a text in which the unit "um" is replaced by "µm".
 
     Examples
@@ -125,7 +125,7 @@ def micro_sign(text: str) -> str:
     return re.sub(r"\bum\b", "µm", text)
 
 
-def typeset_text(text: str) -> str:
+def with_typographic_signs(text: str) -> str:
     """Return a text with typographic signs for a web page: µm for um, − for a minus, ± for +-, a no-break space before %.
 
     Examples
@@ -133,14 +133,14 @@ def typeset_text(text: str) -> str:
     >>> typeset_text("-0.3 to 5 um, +-2 N")
     '−0.3 to 5 µm, ±2 N'
     """
-    text = re.sub(r"(?<![^\s(=])-(?=\d)", "−", micro_sign(text).replace("+-", "±"))
+    text = re.sub(r"(?<![^\s(=])-(?=\d)", "−", replace_um_by_micrometre(text).replace("+-", "±"))
     return re.sub(r"(?<=\d) ?%", "\xa0%", text)
 
 
-def filled_table(table: Table) -> tuple[list[Quantity], list[str]]:
+def filled_columns_and_empty_headings(table: Table) -> tuple[list[Quantity], list[str]]:
     """Return the columns of a table that have a value in at least one row, and the headings of its empty columns."""
     empty = [
-        c for c in table.columns if table.rows and all(_plain_text(row.get(c.key)) in (None, "") for row in table.rows)
+        c for c in table.columns if table.rows and all(_python_number(row.get(c.key)) in (None, "") for row in table.rows)
     ]
     return [c for c in table.columns if c not in empty], [c.label for c in empty]
 
@@ -150,14 +150,14 @@ def is_number(column: Quantity, table: Table) -> bool:
     if column.format != "s":
         return True
     cells = [
-        str(_plain_text(row.get(column.key)))
+        str(_python_number(row.get(column.key)))
         for row in table.rows
-        if _plain_text(row.get(column.key)) not in (None, "", "–")
+        if _python_number(row.get(column.key)) not in (None, "", "–")
     ]
     return bool(cells) and all(_NUMBER.fullmatch(cell) for cell in cells)
 
 
-def cell_view(column: Quantity, value: Cell, *, number: bool) -> dict[str, str]:
+def cell_text_and_classes(column: Quantity, value: Cell, *, number: bool) -> dict[str, str]:
     """Return the text of a table cell and its CSS classes: ``align`` for the alignment, ``mark`` for a coloured label.
 
     Only cells in the columns ``class`` and ``verdict`` have a label. number: whether the cell is right-aligned.
@@ -168,11 +168,11 @@ def cell_view(column: Quantity, value: Cell, *, number: bool) -> dict[str, str]:
     if column.key == "class" and value is not None:
         mark = "tag tag-" + (text if text in ("hard", "as-printed", "band", "open", "input") else "other")
     elif column.key == "verdict" and value is not None:
-        mark = "verdict verdict-" + verdict_class(text)
+        mark = "verdict verdict-" + colour_class_of_verdict(text)
     return {"text": text, "align": f"{align} marked" if mark else align, "mark": mark}
 
 
-def verdict_class(text: str) -> str:
+def colour_class_of_verdict(text: str) -> str:
     """Return the colour class of a verdict such as "reproduced" or "not identifiable", by its first word.
 
     The classes are ``good``, ``bad``, ``open`` and ``other``.

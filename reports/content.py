@@ -84,12 +84,12 @@ class Table:
 
         The columns are in the order in which they first appear in the rows.
         """
-        listed = [{_quantity_of(q): value for q, value in row.items()} for row in rows]
+        listed = [{_column_of_heading(q): value for q, value in row.items()} for row in rows]
         columns = tuple(dict.fromkeys(q for row in listed for q in row))
         return cls(name, title, columns, [{q.key: value for q, value in row.items()} for row in listed], note, unfolded)
 
 
-def _quantity_of(named: Quantity | str) -> Quantity:
+def _column_of_heading(named: Quantity | str) -> Quantity:
     """Return a table column as a `Quantity`; a plain text becomes the heading of a column of texts."""
     return Quantity(named, named, format="s") if isinstance(named, str) else named
 

@@ -17,7 +17,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.mesh_files import VTK
 from rollbench.reports.content import FieldPicture, MeshPart
 from rollbench.reports.figures import COLOURS
-from rollbench.reports.offscreen import draw_in_child, set_view
+from rollbench.reports.offscreen import draw_in_child, set_camera_and_lights
 from rollbench.reports.scene3d import SIZE
 
 #: VTK's numbers of the element types.
@@ -31,7 +31,7 @@ MM = 1e3
 _LINE = "#2b3138"
 
 
-def draw_field(picture: FieldPicture, path: str | Path) -> None:
+def draw_field_picture(picture: FieldPicture, path: str | Path) -> None:
     """Draw finite-element meshes, or fields on them, to a PNG file; needs no display.
 
     Parameters
@@ -49,7 +49,7 @@ def draw_field(picture: FieldPicture, path: str | Path) -> None:
     draw_in_child("rollbench.reports.field3d", picture, path)
 
 
-def part_grid(part: MeshPart) -> Any:
+def pyvista_grid_of_part(part: MeshPart) -> Any:
     """Return a finite-element mesh as an unstructured grid of pyvista, in mm, with its values at the nodes as "values"."""
     import pyvista
 
@@ -60,7 +60,7 @@ def part_grid(part: MeshPart) -> Any:
     return grid
 
 
-def grid_surface(grid: Any) -> Any:
+def triangulated_outer_surface(grid: Any) -> Any:
     """Return the outer surface of a mesh as triangles; a face of a second-order element becomes four or eight triangles.
 
     ``grid``: mesh, as an unstructured grid of pyvista. The surface is a triangle mesh of pyvista.
@@ -75,9 +75,9 @@ def grid_surface(grid: Any) -> Any:
     return pyvista.wrap(divide.GetOutput()).triangulate()
 
 
-def _keep_visible_cells(part: MeshPart, picture: FieldPicture) -> Any:
+def _visible_elements(part: MeshPart, picture: FieldPicture) -> Any:
     """Return the elements of a mesh that are not cut away by the picture's cutting planes, as a grid of pyvista."""
-    points, cells, grid = np.asarray(part.points, float), np.asarray(part.cells), part_grid(part)
+    points, cells, grid = np.asarray(part.points, float), np.asarray(part.cells), pyvista_grid_of_part(part)
     if not picture.cuts:
         return grid
     middle = points[cells[:, : 8 if part.kind == "Q2" else 4]].mean(axis=1)
@@ -85,28 +85,30 @@ def _keep_visible_cells(part: MeshPart, picture: FieldPicture) -> Any:
     return grid.extract_cells(~front)
 
 
-def _add_skin(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
+def _draw_outer_surface(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
     """Draw the surface of a mesh, opened by the picture's cutting planes, with the element edges if the mesh shows them.
 
     ``plotter``: plotter of pyvista, to which it is added. ``look``: colour settings for pyvista.
     """
-    grid = _keep_visible_cells(part, picture)
+    grid = _visible_elements(part, picture)
     if not grid.n_cells:
         return
-    surface = grid_surface(grid).compute_normals(feature_angle=25.0, split_vertices=True, consistent_normals=False)
+    surface = triangulated_outer_surface(grid).compute_normals(
+        feature_angle=25.0, split_vertices=True, consistent_normals=False
+    )
     actor = plotter.add_mesh(surface, ambient=0.35, diffuse=0.65, smooth_shading=True, **look)
     actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
     if part.edges:
         plotter.add_mesh(grid.extract_all_edges(), color=_LINE, line_width=part.line, lighting=False)
 
 
-def _add_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
+def _draw_plane_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
     """Draw the plane section through a mesh, with the element edges or the outline slightly in front of the plane.
 
     ``plotter``: plotter of pyvista, to which it is added. ``look``: colour settings for pyvista.
     """
     origin, normal = (np.asarray(v, float) for v in picture.cuts[0])
-    plane, grid = {"normal": normal, "origin": MM * origin}, part_grid(part)
+    plane, grid = {"normal": normal, "origin": MM * origin}, pyvista_grid_of_part(part)
     cut = grid.slice(**plane)
     if cut.n_points == 0:
         return
@@ -116,7 +118,7 @@ def _add_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict
         (part.edges, grid.separate_cells(), _LINE, 1.3),
         (part.outline, grid, "#101418", 2.4),
     ):
-        lines = grid_surface(cells).slice(**plane)
+        lines = triangulated_outer_surface(cells).slice(**plane)
         if wanted and lines.n_points:
             plotter.add_mesh(lines.translate(ahead), color=colour, line_width=width, lighting=False)
 
@@ -129,7 +131,7 @@ def _colour_limits(picture: FieldPicture) -> tuple[float, float] | None:
     return min(float(np.nanmin(v)) for v in shown), max(float(np.nanmax(v)) for v in shown)
 
 
-def _picture_axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
+def _picture_unit_vectors(picture: FieldPicture) -> tuple[Array, Array, Array]:
     """Return three unit vectors (3,): those that point right and upwards in the picture, and the one towards the viewer."""
     sight = np.asarray(picture.sight, float) / np.linalg.norm(picture.sight)
     right = np.cross(np.asarray(picture.up, float), sight)
@@ -137,7 +139,7 @@ def _picture_axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
     return right, np.cross(sight, right), sight
 
 
-def _render_scene(picture: FieldPicture, path: str) -> None:
+def _write_field_picture(picture: FieldPicture, path: str) -> None:
     """Draw meshes or fields and write the PNG file ``path``; runs in the child process."""
     import matplotlib
     import pyvista
@@ -158,18 +160,18 @@ def _render_scene(picture: FieldPicture, path: str) -> None:
                 "n_colors": STEPS,
                 "log_scale": picture.log,
             }
-        (_add_section if picture.section else _add_skin)(plotter, part, picture, look)
-    right, up, sight = _picture_axes(picture)
+        (_draw_plane_section if picture.section else _draw_outer_surface)(plotter, part, picture, look)
+    right, up, sight = _picture_unit_vectors(picture)
     lights = ((sight + 0.9 * up - 0.4 * right, 0.75), (sight, 0.35), (sight + 1.5 * right, 0.25))
-    set_view(plotter, MM * np.asarray(picture.focus, float), sight, up, MM * picture.height, lights)
+    set_camera_and_lights(plotter, MM * np.asarray(picture.focus, float), sight, up, MM * picture.height, lights)
     image = plotter.screenshot(None, return_img=True)
     plotter.close()
     with matplotlib.rc_context():
         matplotlib.rcdefaults()  # independent of the user's own settings
-        _compose_picture(picture, np.asarray(image), limits, path)
+        _write_annotated_image(picture, np.asarray(image), limits, path)
 
 
-def _compose_picture(picture: FieldPicture, image: Any, limits: tuple[float, float] | None, path: str) -> None:
+def _write_annotated_image(picture: FieldPicture, image: Any, limits: tuple[float, float] | None, path: str) -> None:
     """Add texts, scale bar and colour scale to the drawn image, and write it as a PNG file with few colours.
 
     ``image``: pixels drawn by pyvista, (rows, columns, 3). ``limits``: ends of the colour scale; None: no scale. ``path``:
@@ -188,7 +190,7 @@ def _compose_picture(picture: FieldPicture, image: Any, limits: tuple[float, flo
     axes = figure.add_axes((0.0, 0.0, columns / SIZE[0], 1.0))
     axes.imshow(image, interpolation="none", aspect="auto", extent=(0.0, columns, 0.0, rows))
     axes.set_axis_off()
-    right, up, _ = _picture_axes(picture)
+    right, up, _ = _picture_unit_vectors(picture)
     scale = rows / picture.height
     paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "boxstyle": "round,pad=0.25"}
     for place, text in picture.words:
@@ -229,4 +231,4 @@ def _compose_picture(picture: FieldPicture, image: Any, limits: tuple[float, flo
 
 
 if __name__ == "__main__":
-    _render_scene(*pickle.load(sys.stdin.buffer))
+    _write_field_picture(*pickle.load(sys.stdin.buffer))

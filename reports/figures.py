@@ -22,7 +22,7 @@ from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 
-from rollbench.reports.cells import micro_sign
+from rollbench.reports.cells import replace_um_by_micrometre
 from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Series
 
 #: Colours of curves: the palette of Okabe and Ito, safe for colour blindness, without yellow and with dark tones first.
@@ -93,7 +93,7 @@ PHONE = 3.75
 LEFT = 0.4
 
 
-def move_apart(heights: Sequence[float], gap: float, low: float, high: float) -> NDArray[np.float64]:
+def spread_label_heights(heights: Sequence[float], gap: float, low: float, high: float) -> NDArray[np.float64]:
     """Return the heights of text labels moved as little as possible such that neighbours are at least ``gap`` apart.
 
     The labels keep their vertical order, and stay between ``low`` and ``high`` if there is room for all.
@@ -127,7 +127,7 @@ def move_apart(heights: Sequence[float], gap: float, low: float, high: float) ->
     return out
 
 
-def place_texts(axes: Any, series: Sequence[Series]) -> None:
+def write_point_labels(axes: Any, series: Sequence[Series]) -> None:
     """Write the texts of the data points in two columns, left and right of all points, with a thin line to each point.
 
     ``axes``: axes of matplotlib in which the curves ``series`` are already drawn. The range of the abscissa is extended
@@ -138,16 +138,16 @@ def place_texts(axes: Any, series: Sequence[Series]) -> None:
         return
     spread = [float(x) for s in series for x in s.x]
     ends = [(min(spread), points[0][1], ""), (max(spread), points[0][1], "")]
-    place, width, _ = _place_labels(axes, [*points, *ends])
+    place, width, _ = _label_positions_in_panel(axes, [*points, *ends])
     left = place[:-2, 0] < LEFT * width
     long = np.array([LETTER * len(text) + 2.0 * AWAY for *_, text in points])
     room = np.array([long.max(initial=0.0, where=left), long.max(initial=0.0, where=~left)])
-    _widen_axes(axes, place[-2:, 0] / width, room / width, np.array([True, False]))
-    place, width, height = _place_labels(axes, [*points, *ends])
+    _widen_abscissa_for_labels(axes, place[-2:, 0] / width, room / width, np.array([True, False]))
+    place, width, height = _label_positions_in_panel(axes, [*points, *ends])
     if axes.get_xscale() == "log":  # the abscissa now has more decades
         axes.xaxis.set_major_locator(LogLocator(numticks=max(3, int(width / TICK))))
     for side, column, align in ((left, place[-2, 0] - AWAY, "right"), (~left, place[-1, 0] + AWAY, "left")):
-        heights = move_apart(place[:-2][side, 1].tolist(), LINE, 0.5 * LINE, height - 0.5 * LINE)
+        heights = spread_label_heights(place[:-2][side, 1].tolist(), LINE, 0.5 * LINE, height - 0.5 * LINE)
         for at, up in zip(np.flatnonzero(side), heights, strict=True):
             x, y, text = points[at]
             axes.annotate(
@@ -165,7 +165,9 @@ def place_texts(axes: Any, series: Sequence[Series]) -> None:
             )
 
 
-def _place_labels(axes: Any, points: Sequence[tuple[float, float, str]]) -> tuple[NDArray[np.float64], float, float]:
+def _label_positions_in_panel(
+    axes: Any, points: Sequence[tuple[float, float, str]]
+) -> tuple[NDArray[np.float64], float, float]:
     """Return the positions (n, 2) of data points within a panel, and the panel's width and height [1/72 inch].
 
     ``axes``: axes of matplotlib. ``points``: abscissa, ordinate and text of each point. Positions are measured from the
@@ -176,7 +178,9 @@ def _place_labels(axes: Any, points: Sequence[tuple[float, float, str]]) -> tupl
     return scale * place, scale * box.width, scale * box.height
 
 
-def _widen_axes(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], left: NDArray[np.bool_]) -> None:
+def _widen_abscissa_for_labels(
+    axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], left: NDArray[np.bool_]
+) -> None:
     """Extend the range of the abscissa until labels on the left and on the right of the data have room.
 
     ``axes``: axes of matplotlib. ``at``: positions on the abscissa next to which labels are written. ``room``: width of the
@@ -195,7 +199,7 @@ def _widen_axes(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], l
 
 
 @contextmanager
-def own_style(name: str) -> Iterator[None]:
+def report_plot_style(name: str) -> Iterator[None]:
     """Apply the report's matplotlib settings inside a ``with`` block, independent of the user's own settings.
 
     ``name``: name of the figure, from which matplotlib derives the identifiers in the SVG.
@@ -206,7 +210,7 @@ def own_style(name: str) -> Iterator[None]:
         yield
 
 
-def narrow_figure(figure: Figure) -> Figure:
+def phone_figure(figure: Figure) -> Figure:
     """Return a copy of a figure for a phone, `PHONE` inches wide, with panels in one column and long labels wrapped."""
 
     def wrap_label(text: str, length: int) -> str:
@@ -265,10 +269,10 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
             raise ValueError(f"figure {figure.name!r}, panel {panel.title!r}: {faults}")
     columns = max(1, min(figure.columns, len(figure.panels), 3))
     rows = math.ceil(len(figure.panels) / columns)
-    with own_style(figure.name):
+    with report_plot_style(figure.name):
         canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
         svg = FigureCanvasSVG(canvas)
-        orders = _style_numbers(figure.panels)
+        orders = _style_number_of_curves(figure.panels)
         shared = len(figure.panels) > 1 and _same_labels(figure.panels)
         legends = 0
         narrow = figure.size is not None and figure.size[0] < NARROW
@@ -278,7 +282,7 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
             _draw_panel(axes, panel, order, steep=narrow or len(panel.names) > LEVEL_NAMES)
             if not shared:
                 steep = max(map(len, panel.names), default=0) if narrow or len(panel.names) > LEVEL_NAMES else 0
-                legends = max(legends, _legend_below(axes, 1 if narrow else 2 if columns > 1 else 3, STEEP * steep))
+                legends = max(legends, _draw_legend_below(axes, 1 if narrow else 2 if columns > 1 else 3, STEEP * steep))
         if shared:
             handles, labels = canvas.axes[0].get_legend_handles_labels()
             if labels:
@@ -290,11 +294,11 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
         if any(series.texts for panel in figure.panels for series in panel.series):
             canvas.draw_without_rendering()  # computes the positions of the axes, which the texts of the points need
             for axes, panel in zip(canvas.axes, figure.panels, strict=True):
-                place_texts(axes, panel.series)
+                write_point_labels(axes, panel.series)
         stream = io.StringIO()
         # not savefig, which would draw everything twice
         svg.print_svg(stream, metadata={"Date": None, "Creator": None, "Title": figure.title})
-    return _write_svg(stream.getvalue(), figure.name), canvas
+    return _svg_for_web_page(stream.getvalue(), figure.name), canvas
 
 
 def draw_map(item: PressureMap) -> str:
@@ -308,7 +312,7 @@ def draw_map(item: PressureMap) -> str:
     spans = [max(float(np.ptp(getattr(p, k))) for p in item.panels) for k in ("x", "y")]
     top = max(float(np.max(panel.values)) for panel in item.panels)
     levels = MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, top)
-    with own_style(item.name):
+    with report_plot_style(item.name):
         canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
         FigureCanvasSVG(canvas)
         filled: Any = None
@@ -330,15 +334,15 @@ def draw_map(item: PressureMap) -> str:
         stream = io.StringIO()
         metadata = {"Date": None, "Creator": None, "Title": item.title}
         canvas.savefig(stream, format="svg", metadata=metadata, dpi=200)
-    return _write_svg(stream.getvalue(), item.name)
+    return _svg_for_web_page(stream.getvalue(), item.name)
 
 
-def _write_svg(svg: str, name: str) -> str:
+def _svg_for_web_page(svg: str, name: str) -> str:
     """Return an SVG document for a web page: with identifiers unique to this figure, common fonts, and um written as µm.
 
     ``svg``: document that matplotlib wrote. ``name``: name of the figure. No file is written.
     """
-    return re.sub(r">[^<]+<", lambda text: micro_sign(text[0]), _prefix_identifiers(svg, name))
+    return re.sub(r">[^<]+<", lambda text: replace_um_by_micrometre(text[0]), _prefix_identifiers(svg, name))
 
 
 def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureMap) -> Any:
@@ -371,7 +375,7 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
     return filled
 
 
-def _style_numbers(panels: Sequence[Panel]) -> list[dict[str, int]]:
+def _style_number_of_curves(panels: Sequence[Panel]) -> list[dict[str, int]]:
     """Return, for each panel, a number for the label of each curve, which determines its colour, marker and line style.
 
     A label that occurs in several panels has the same number in all of them.
@@ -410,7 +414,7 @@ def _draw_panel(axes: Any, panel: Panel, order: dict[str, int], *, steep: bool =
     for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
         finite = values[name][np.isfinite(values[name])]
         if name in panel.log and np.any(finite > 0.0):
-            _scale_log(axes, axis, name, finite[finite > 0.0])
+            _make_axis_logarithmic(axes, axis, name, finite[finite > 0.0])
         else:
             formatter = ScalarFormatter(useOffset=False)
             formatter.set_powerlimits((-4, 6))
@@ -430,7 +434,7 @@ def _draw_panel(axes: Any, panel: Panel, order: dict[str, int], *, steep: bool =
         axes.set_ylim(len(panel.row_names) + 0.6, 0.4)
         axes.grid(visible=False, axis="y")
     if panel.zero and "y" not in panel.log:
-        _include_zero(axes, values["y"])
+        _extend_ordinate_to_zero(axes, values["y"])
     if not np.any(np.isfinite(values["y"])):
         axes.text(0.5, 0.5, "no data", transform=axes.transAxes, ha="center", va="center", color=_FRAME)
 
@@ -487,25 +491,25 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
     )
 
 
-def _scale_log(axes: Any, axis: Any, name: str, positive: Any) -> None:
+def _make_axis_logarithmic(axes: Any, axis: Any, name: str, values: Any) -> None:
     """Make an axis logarithmic; ranges below two decades have labels at 1, 2 and 5, and long ranges at powers of ten.
 
-    ``axes``: axes of matplotlib. ``axis``: its axis called ``name``, "x" or "y". ``positive``: the positive data along this
+    ``axes``: axes of matplotlib. ``axis``: its axis called ``name``, "x" or "y". ``values``: the positive data along this
     axis.
     """
     getattr(axes, f"set_{name}scale")("log", nonpositive="mask")
-    low, high = float(np.min(positive)), float(np.max(positive))
+    low, high = float(np.min(values)), float(np.max(values))
     decades = math.log10(high / low)
     plain = low >= 1e-3 and high < 1e4
     if decades < 2.0:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     else:
         axis.set_major_locator(LogLocator(numticks=8))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}" if plain else _power_label(value)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}" if plain else _power_of_ten_label(value)))
     axis.set_minor_formatter(NullFormatter())
 
 
-def _power_label(value: float) -> str:
+def _power_of_ten_label(value: float) -> str:
     """Return a number as a label of the form ``5·10⁻³``, in plain characters that any font contains."""
     exponent = math.floor(math.log10(value) + 1e-9)
     mantissa = f"{value / 10.0**exponent:g}"
@@ -513,7 +517,7 @@ def _power_label(value: float) -> str:
     return power if mantissa == "1" else f"{mantissa}·{power}"
 
 
-def _include_zero(axes: Any, y: Any) -> None:
+def _extend_ordinate_to_zero(axes: Any, y: Any) -> None:
     """Extend the range of the ordinate to zero; if there are values on both sides of zero, draw a line there instead.
 
     ``axes``: axes of matplotlib. ``y``: ordinates of all data in the panel.
@@ -527,7 +531,7 @@ def _include_zero(axes: Any, y: Any) -> None:
         axes.set_ylim(bottom=0.0)
 
 
-def _legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:
+def _draw_legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:
     """Draw the legend of a panel below its abscissa; return its number of rows, 0 without a legend.
 
     ``axes``: axes of matplotlib. ``columns``: largest number of columns of the legend. ``lower``: additional distance from

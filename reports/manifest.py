@@ -31,7 +31,7 @@ def write_manifest(folder: Path, origin: Mapping[str, Any]) -> None:
     (folder / FILE).write_text(text + "\n", encoding="utf-8", newline="\n")
 
 
-def page_text(path: Path) -> str:
+def read_report_file(path: Path) -> str:
     """Return the text of one file in a report's folder, which must not be larger than `LARGEST`.
 
     Raises OSError if the file is missing, and ValueError, which describes the file, if it is no regular file or is too
@@ -44,7 +44,7 @@ def page_text(path: Path) -> str:
     return path.read_text(encoding="utf-8")
 
 
-def parse_manifest(text: str) -> Any:
+def parse_json(text: str) -> Any:
     """Return the data in a JSON text; raise ValueError if the text is not JSON or is nested too deeply."""
     try:
         return json.loads(text)
@@ -52,7 +52,7 @@ def parse_manifest(text: str) -> Any:
         raise ValueError("JSON with brackets that are nested too deeply") from None
 
 
-def all_texts(found: object) -> bool:
+def is_mapping_of_texts(found: object) -> bool:
     """Return whether a part of a manifest, as read from its JSON, is a mapping whose values are all texts."""
     return isinstance(found, dict) and all(isinstance(value, str) for value in found.values())
 
@@ -62,7 +62,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 
     Raises OSError if there is no manifest, and ValueError if it is damaged.
     """
-    found = parse_manifest(page_text(folder / FILE))
-    if not isinstance(found, dict) or not all(all_texts(found.get(key)) for key in ("inputs", "files")):
+    found = parse_json(read_report_file(folder / FILE))
+    if not isinstance(found, dict) or not all(is_mapping_of_texts(found.get(key)) for key in ("inputs", "files")):
         raise ValueError(f"a damaged manifest {FILE}")
     return found

@@ -75,7 +75,7 @@ def draw_in_child(module: str, picture: object, path: str | Path) -> None:
     raise CannotDraw(words[-1])
 
 
-def set_view(plotter: Any, focus: Array, sight: Array, up: Array, height: float, lights: Lights) -> None:
+def set_camera_and_lights(plotter: Any, focus: Array, sight: Array, up: Array, height: float, lights: Lights) -> None:
     """Set the camera (parallel projection), the lights and the anti-aliasing of a pyvista plotter.
 
     Parameters
@@ -106,7 +106,7 @@ def set_view(plotter: Any, focus: Array, sight: Array, up: Array, height: float,
     plotter.enable_anti_aliasing("ssaa")
 
 
-def drawing_fault() -> str:
+def reason_drawing_fails() -> str:
     """Draw a test picture, for some seconds, and return the reason if this machine cannot draw; empty if it can."""
     with tempfile.TemporaryDirectory() as folder:
         try:
@@ -116,7 +116,7 @@ def drawing_fault() -> str:
     return ""
 
 
-def _draw_sphere(path: str) -> None:
+def _draw_test_picture(path: str) -> None:
     """Write a PNG file with a picture of a sphere, to test whether this machine can draw."""
     import pyvista
 
@@ -127,4 +127,4 @@ def _draw_sphere(path: str) -> None:
 
 
 if __name__ == "__main__":
-    _draw_sphere(pickle.load(sys.stdin.buffer)[1])
+    _draw_test_picture(pickle.load(sys.stdin.buffer)[1])

@@ -13,9 +13,16 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from rollbench.meshes.files import temporary_name
+from rollbench.meshes.files import temporary_path
 from rollbench.reports import field3d, figures, scene3d, sketch, view
-from rollbench.reports.cells import cell_view, filled_table, is_number, micro_sign, typeset_text, write_csv
+from rollbench.reports.cells import (
+    cell_text_and_classes,
+    filled_columns_and_empty_headings,
+    is_number,
+    replace_um_by_micrometre,
+    with_typographic_signs,
+    write_csv,
+)
 from rollbench.reports.content import (
     FieldPicture,
     Figure,
@@ -74,14 +81,14 @@ class _Writer:
     #: Entries of the search index, collected page by page.
     entries: list[dict[str, str]] = field(default_factory=list)
 
-    def linked(self, text: str) -> Markup:
+    def with_links(self, text: str) -> Markup:
         """Return a text as HTML, in which references such as "table NAME" or "figure NAME" are links."""
 
         def link_reference(found: re.Match[str]) -> str:
             place = self.places.get(found[2])
             return found[0] if place is None else f'{found[1]} <a href="{place}">{found[2]}</a>'
 
-        return Markup(_NAMED.sub(link_reference, str(escape(typeset_text(text)))))
+        return Markup(_NAMED.sub(link_reference, str(escape(with_typographic_signs(text)))))
 
 
 def load_templates() -> Environment:
@@ -103,8 +110,10 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
         Function that is called with each line of progress.
     """
     environment = load_templates()
-    writer = _Writer(folder, say, _item_places(report))
-    environment.filters.update(typeset=typeset_text, linked=writer.linked, place=lambda name: writer.places.get(name, ""))
+    writer = _Writer(folder, say, _link_targets(report))
+    environment.filters.update(
+        typeset=with_typographic_signs, linked=writer.with_links, place=lambda name: writer.places.get(name, "")
+    )
     pages = [_render_page(page, number, len(report.pages), writer) for number, page in enumerate(report.pages, 1)]
     common = {"report": report, "pages": pages, "marker": Markup(MARKER)}
     turns = zip(pages, [None, *pages[:-1]], [*pages[1:], None], strict=True)
@@ -124,18 +133,18 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
         write_manifest(folder, report.origin)
 
 
-def _item_places(report: Report) -> dict[str, str]:
+def _link_targets(report: Report) -> dict[str, str]:
     """Return the link target (``PAGE.html#ANCHOR``) of each section, table and figure of a report, by its name."""
     found = {}
     for page in report.pages:
         for section in page.sections:
             found[section.name] = f"{page.name}.html#section-{section.name}"
             named = (item for item in section.items if not isinstance(item, Text))
-            found |= {item.name: f"{page.name}.html#{_item_kind(item)}-{item.name}" for item in named}
+            found |= {item.name: f"{page.name}.html#{_anchor_kind(item)}-{item.name}" for item in named}
     return found
 
 
-def _item_kind(item: Item) -> str:
+def _anchor_kind(item: Item) -> str:
     """Return "table" or "figure", the word with which the HTML anchor of this item of a section begins."""
     return "table" if isinstance(item, Table) else "figure"
 
@@ -153,17 +162,17 @@ def _render_page(page: Page, number: int, total: int, writer: _Writer) -> dict[s
     """
     writer.say(f"report: [{number}/{total}] {page.title}")
     file = f"{page.name}.html"
-    sections = [_section_data(section, file, writer) for section in page.sections]
-    writer.entries.insert(0, _contents_entry(page.title, file, "page", page.conclusion))
-    heading, rest = page_headline(page.conclusion, page.title)
+    sections = [_render_section(section, file, writer) for section in page.sections]
+    writer.entries.insert(0, _search_index_entry(page.title, file, "page", page.conclusion))
+    heading, rest = split_headline(page.conclusion, page.title)
     for one in sections:
         shown = "" if one["conclusion"] == page.conclusion else one["conclusion"]
-        one["heading"], one["conclusion"] = page_headline(shown, one["title"])
+        one["heading"], one["conclusion"] = split_headline(shown, one["title"])
     data = {"name": page.name, "title": page.title, "heading": heading, "conclusion": rest}
     return data | {"file": file, "sections": sections, "statement": page.conclusion}
 
 
-def page_headline(conclusion: str, title: str) -> tuple[str, str]:
+def split_headline(conclusion: str, title: str) -> tuple[str, str]:
     """Split the conclusion of a page or section into a heading and the remaining sentences; return both.
 
     The heading is the first sentence of the conclusion. If that is empty or too long, the heading is the title.
@@ -181,30 +190,35 @@ def page_headline(conclusion: str, title: str) -> tuple[str, str]:
     return first, f"{rest[0]}." if rest else ""
 
 
-def _section_data(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
+def _render_section(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
     """Write the figures and tables of one section to files, and return the section's data for the template of its page.
 
     ``file``: file name of the page. Entries of the search index are added to ``writer``.
     """
     items = [_render_item(item, file, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
-    writer.entries.append(_contents_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words)))
+    writer.entries.append(_search_index_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words)))
     for item in items:
         if item["kind"] != "text":
             record = item[item["kind"]]
             under = f"{item['kind']} {record.name}, {section.title}"
             writer.entries.append(
-                _contents_entry(record.title, f"{file}#{item['kind']}-{record.name}", under, _searchable_text(record))
+                _search_index_entry(record.title, f"{file}#{item['kind']}-{record.name}", under, _searchable_text(record))
             )
     return {"name": section.name, "title": section.title, "conclusion": section.conclusion, "items": items}
 
 
-def _contents_entry(title: str, place: str, under: str, text: str) -> dict[str, str]:
+def _search_index_entry(title: str, link_target: str, location: str, text: str) -> dict[str, str]:
     """Return one entry of the search index; its keys are t (title), h (link target), s (location) and x (searched text).
 
-    ``place``: link target. ``under``: location in words, such as "table NAME, SECTION".
+    ``link_target``: link target. ``location``: location in words, such as "table NAME, SECTION".
     """
-    return {"t": micro_sign(title), "h": place, "s": under, "x": micro_sign(re.sub(r"\s+", " ", text))[:KNOWN]}
+    return {
+        "t": replace_um_by_micrometre(title),
+        "h": link_target,
+        "s": location,
+        "x": replace_um_by_micrometre(re.sub(r"\s+", " ", text))[:KNOWN],
+    }
 
 
 def _searchable_text(record: Any) -> str:
@@ -226,7 +240,7 @@ def _render_summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
     wide, narrow = figures.draw_figure(summary.figure), figures.draw_figure(summary.narrow)
     _write_text(writer.folder / "figures" / f"{summary.figure.name}.svg", wide)
     writer.entries.insert(
-        0, _contents_entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits)))
+        0, _search_index_entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits)))
     )
     items = [_render_item(item, "index.html", writer) for item in summary.items]
     return {"record": summary, "items": items, "wide": inline_svg(wide), "narrow": inline_svg(narrow)}
@@ -240,7 +254,7 @@ def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
     if isinstance(item, Text):
         return {"kind": "text", "text": item}
     if isinstance(item, Table):
-        return table_view(item, writer.folder)
+        return table_template_data(item, writer.folder)
     view: dict[str, Any] = {"kind": "figure", "figure": item}
     view |= dict.fromkeys(("file", "drawing", "narrow", "image", "missing", "turned"))
     name = f"figures/{item.name}"
@@ -249,7 +263,7 @@ def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
         if isinstance(item, Sketch):
             svg = sketch.draw_sketch(item)
         elif isinstance(item, Figure):
-            svg, narrow = figures.draw_figure(item), figures.draw_figure(figures.narrow_figure(item))
+            svg, narrow = figures.draw_figure(item), figures.draw_figure(figures.phone_figure(item))
         else:
             svg, narrow = figures.draw_map(item), figures.draw_map(replace(item, columns=1, width=figures.PHONE))
         if narrow:
@@ -260,18 +274,18 @@ def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
     return view | _render_picture(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
 
 
-def _render_picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Writer) -> dict[str, Any]:
+def _render_picture(item: LoadedScrew | FieldPicture, name: str, back_link: str, writer: _Writer) -> dict[str, Any]:
     """Write a 3D picture to the file ``name``, and return its data for the template.
 
-    ``back``: link from the picture's own 3D page to the report. ``writer``: has the folder of the report. If the picture
-    cannot be drawn, the data contain the reason instead.
+    ``back_link``: link from the picture's own 3D page to the report. ``writer``: has the folder of the report. If the
+    picture cannot be drawn, the data contain the reason instead.
     """
     path = writer.folder / name
     try:
         if isinstance(item, LoadedScrew):
             scene3d.draw_loaded_screw(item, path)
         else:
-            field3d.draw_field(item, path)
+            field3d.draw_field_picture(item, path)
     except RuntimeError as error:
         path.unlink(missing_ok=True)
         writer.say(f"WARNING: the report lacks the picture {item.name!r}. {error}")
@@ -279,7 +293,7 @@ def _render_picture(item: LoadedScrew | FieldPicture, name: str, back: str, writ
     turned = None
     if isinstance(item, LoadedScrew) and item.view is not None:
         turned = f"view-{item.name}.html"
-        _write_text(writer.folder / turned, view.view_page(item.view, back))
+        _write_text(writer.folder / turned, view.viewer_page_html(item.view, back_link))
     return {"file": name, "image": name, "turned": turned}
 
 
@@ -294,14 +308,14 @@ def inline_svg(svg: str) -> Markup:
     return Markup(colour.sub(lambda c: f"var(--{theme[c[0].lower()]}, {c[0]})" if c[0].lower() in theme else c[0], element))
 
 
-def table_view(table: Table, folder: Path) -> dict[str, Any]:
+def table_template_data(table: Table, folder: Path) -> dict[str, Any]:
     """Write the CSV file of a table, and return the table's data for the template.
 
     ``folder``: folder of the report. The data omit empty columns and say whether the table is folded, because it is long,
     or set in a narrower font.
     """
     write_csv(table, folder / "tables" / f"{table.name}.csv")
-    shown, empty = filled_table(table)
+    shown, empty = filled_columns_and_empty_headings(table)
     shown = [c for c in shown if c.key != HOW and c.key not in table.csv_only]
     numbers = [is_number(column, table) for column in shown]
     heads: Sequence[dict[str, str]] = [
@@ -309,7 +323,7 @@ def table_view(table: Table, folder: Path) -> dict[str, Any]:
         for c, number in zip(shown, numbers, strict=True)
     ]
     cells = [
-        [cell_view(c, row.get(c.key), number=number) for c, number in zip(shown, numbers, strict=True)]
+        [cell_text_and_classes(c, row.get(c.key), number=number) for c, number in zip(shown, numbers, strict=True)]
         for row in table.rows
     ]
     for row, record in zip(cells, table.rows, strict=True):
@@ -369,12 +383,12 @@ def replace_folder(out: Path, make: Callable[[Path], None]) -> Path:
     """Replace the folder of a report by a new one that ``make`` fills; return its path.
 
     If ``make`` fails, the old folder is unchanged. Raises ValueError if the folder contains files of other origin (see
-    `check_target`) or cannot be replaced.
+    `check_report_folder`) or cannot be replaced.
     """
     out = Path(out).resolve()
-    check_target(out)
+    check_report_folder(out)
     out.parent.mkdir(parents=True, exist_ok=True)
-    fresh = temporary_name(out, "new")
+    fresh = temporary_path(out, "new")
     try:
         fresh.mkdir()
         make(fresh)
@@ -384,7 +398,7 @@ def replace_folder(out: Path, make: Callable[[Path], None]) -> Path:
     return out
 
 
-def check_target(out: Path) -> None:
+def check_report_folder(out: Path) -> None:
     """Raise ValueError if the folder ``out`` contains anything but an earlier report, which a new one may replace."""
     if not out.exists():
         return
@@ -398,11 +412,11 @@ def check_target(out: Path) -> None:
         top = entry.relative_to(out).parts
         folder = len(top) == 1 and top[0] in _FOLDERS and entry.is_dir()
         file = len(top) == 2 and entry.is_file() and entry.suffix in _FOLDERS.get(top[0], ())
-        if not (folder or file or (len(top) == 1 and _is_page(entry))):
+        if not (folder or file or (len(top) == 1 and _is_report_file(entry))):
             raise ValueError(f"{entry} belongs to no rollbench report and would be deleted; move it to another directory")
 
 
-def _is_page(entry: Path) -> bool:
+def _is_report_file(entry: Path) -> bool:
     """Return whether a file belongs to a report: page, search index, manifest, or the PDF of releases up to 0.14."""
     if not entry.is_file():
         return False

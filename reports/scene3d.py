@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
-from rollbench.meshes.helix import ball_layout, reduced_lead
+from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.helix import ball_layout, lead_per_radian
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import LoadedScrew
-from rollbench.reports.offscreen import draw_in_child, set_view
+from rollbench.reports.offscreen import draw_in_child, set_camera_and_lights
 
 #: Width and height of a picture [pixels].
 SIZE = (1600, 900)
@@ -101,20 +101,20 @@ class _Grooves:
         return np.fmax(land, self.track_radius + depth)
 
 
-def _groove_profiles(scene: Scene) -> _Grooves:
+def _drawn_grooves(scene: Scene) -> _Grooves:
     """Return the grooves of a scene, for drawing, as gothic arches that touch the balls at a contact angle of 45°."""
     track, radius = scene.track, scene.screw.groove_radius
     phases = track.phase + 2.0 * np.pi * np.arange(track.starts) / track.starts
-    offset = (radius - ball_radius(scene)) * np.sqrt(0.5)
-    return _Grooves(track.pitch_radius, radius, offset, reduced_lead(track), phases, track.lead, scene.nut.position)
+    offset = (radius - drawn_ball_radius(scene)) * np.sqrt(0.5)
+    return _Grooves(track.pitch_radius, radius, offset, lead_per_radian(track), phases, track.lead, scene.nut.position)
 
 
-def ball_radius(scene: Scene) -> float:
+def drawn_ball_radius(scene: Scene) -> float:
     """Return the radius [m] with which all balls are drawn: that of the largest ball of the scene."""
-    return float(specimen(scene, ball_layout(scene)).ball_radius.max())
+    return float(draw_specimen(scene, ball_layout(scene)).ball_radius.max())
 
 
-def _surface_grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float) -> tuple[Array, Array]:
+def _grooved_cylinder_grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float) -> tuple[Array, Array]:
     """Return azimuths [rad] and axial positions [m] of a grid on a grooved cylinder, each (rows, columns).
 
     The grid lines follow the helix, so that groove edges are sharp. ``phi``: azimuths of the rows [rad]. ``ends``: axial
@@ -127,7 +127,7 @@ def _surface_grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step
     return np.broadcast_to(phi[:, None], z.shape), z
 
 
-def _pyvista_surface(grid: Grid) -> Any:
+def _pyvista_mesh_of_surface(grid: Grid) -> Any:
     """Return a surface as a triangle mesh of pyvista, in mm.
 
     ``grid``: radius [m], azimuth [rad] and axial position [m] of its points.
@@ -144,24 +144,24 @@ def to_cartesian(grid: Grid) -> tuple[Array, Array, Array]:
     return radius * np.cos(phi), radius * np.sin(phi), z
 
 
-def _shaft_surfaces(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> list[Grid]:
+def _screw_surfaces_near_nut(scene: Scene, coarsening: float = 1.0, length_beyond_nut: float = 0.8) -> list[Grid]:
     """Return the surfaces of the part of the screw near the nut: the grooved surface, both end faces, and the bore.
 
     Parameters
     ----------
     scene
         Geometry of screw and nut.
-    coarse
+    coarsening
         Step of the grid, as a multiple of the step used in a picture.
-    reach
+    length_beyond_nut
         Length that is drawn on each side of the nut's centre, in nut lengths.
     """
-    grooves, half = _groove_profiles(scene), reach * scene.nut.length
+    grooves, half = _drawn_grooves(scene), length_beyond_nut * scene.nut.length
     low = max(0.0, scene.nut.position - half)
     high = min(max(scene.screw.length, low + 0.1 * half), scene.nut.position + half)
     back = _VIEW + np.pi
-    around = np.linspace(back, back + 2.0 * np.pi, round(360 / coarse) + 1)
-    phi, z = _surface_grid(grooves, around, (low, high), 0.06 * coarse * ball_radius(scene))
+    around = np.linspace(back, back + 2.0 * np.pi, round(360 / coarsening) + 1)
+    phi, z = _grooved_cylinder_grid(grooves, around, (low, high), 0.06 * coarsening * drawn_ball_radius(scene))
     radius = grooves.surface(phi, z, scene.screw.outer_diameter / 2.0)
     grids, inner = [(radius, phi, z)], scene.screw.bore / 2.0
     for column in (0, -1):
@@ -174,16 +174,16 @@ def _shaft_surfaces(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> li
     return grids
 
 
-def _nut_surfaces(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[Grid]]:
+def _opened_nut_surfaces(scene: Scene, coarsening: float = 1.0) -> tuple[list[Grid], list[Grid]]:
     """Return the surfaces of the half of the nut that lies behind the screw, and its two cut faces.
 
-    ``coarse``: step of the grid, as a multiple of the step used in a picture.
+    ``coarsening``: step of the grid, as a multiple of the step used in a picture.
     """
-    grooves = _groove_profiles(scene)
+    grooves = _drawn_grooves(scene)
     bore = 2.0 * scene.track.pitch_radius - scene.screw.outer_diameter / 2.0
     ends = (scene.nut.position - 0.5 * scene.nut.length, scene.nut.position + 0.5 * scene.nut.length)
-    around = np.linspace(_VIEW + 0.5 * np.pi, _VIEW + 1.5 * np.pi, round(180 / coarse) + 1)
-    phi, z = _surface_grid(grooves, around, ends, 0.06 * coarse * ball_radius(scene))
+    around = np.linspace(_VIEW + 0.5 * np.pi, _VIEW + 1.5 * np.pi, round(180 / coarsening) + 1)
+    phi, z = _grooved_cylinder_grid(grooves, around, ends, 0.06 * coarsening * drawn_ball_radius(scene))
     inner = np.minimum(grooves.surface(phi, z, bore), 0.98 * scene.nut.outer_diameter / 2.0)
     outer = np.full_like(inner, scene.nut.outer_diameter / 2.0)
     share = np.linspace(0.0, 1.0, 8)
@@ -200,7 +200,7 @@ def _nut_surfaces(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[G
     return body, [radial_face((0, everywhere)), radial_face((-1, everywhere))]
 
 
-def viewer_axes() -> tuple[Array, Array]:
+def viewer_and_upward_vectors() -> tuple[Array, Array]:
     """Return two unit vectors normal to the screw's axis: one towards the viewer, and one upwards in the picture."""
     cosine, sine = np.cos(_VIEW), np.sin(_VIEW)
     return np.array([cosine, sine, 0.0]), np.array([sine, -cosine, 0.0])
@@ -208,22 +208,22 @@ def viewer_axes() -> tuple[Array, Array]:
 
 def view_direction() -> Array:
     """Return the unit vector from the nut to the viewer: from the open side, slightly above and to the right."""
-    outward, upward = viewer_axes()
+    outward, upward = viewer_and_upward_vectors()
     eye: Array = outward + 0.22 * upward + 0.34 * np.array([0.0, 0.0, 1.0])
     return eye / float(np.linalg.norm(eye))
 
 
-def scene_grids(scene: Scene, coarse: float, reach: float) -> dict[str, list[Grid]]:
+def surfaces_by_colour(scene: Scene, coarsening: float, reach: float) -> dict[str, list[Grid]]:
     """Return the surfaces of the screw, of the opened nut and of the nut's cut faces, by their colour.
 
-    ``coarse``: step of the grid, as a multiple of the step used in a picture. ``reach``: length of screw that is drawn on
-    each side of the nut's centre, in nut lengths.
+    ``coarsening``: step of the grid, as a multiple of the step used in a picture. ``reach``: length of screw that is drawn
+    on each side of the nut's centre, in nut lengths.
     """
-    body, cuts = _nut_surfaces(scene, coarse)
-    return {STEEL: _shaft_surfaces(scene, coarse, reach), _NUT: body, _CUT: cuts}
+    body, cuts = _opened_nut_surfaces(scene, coarsening)
+    return {STEEL: _screw_surfaces_near_nut(scene, coarsening, reach), _NUT: body, _CUT: cuts}
 
 
-def _render_picture(picture: LoadedScrew, path: str) -> None:
+def _write_loaded_screw_picture(picture: LoadedScrew, path: str) -> None:
     """Draw a loaded screw and write the PNG file ``path``; runs in the child process."""
     import pyvista
 
@@ -233,22 +233,22 @@ def _render_picture(picture: LoadedScrew, path: str) -> None:
     steel = {"smooth_shading": True, "ambient": 0.3, "diffuse": 0.7, "specular": 0.35, "specular_power": 25}
     # In a parallel projection, a shift along the line of sight does not change the image of a body. The screw is moved
     # back by the length of an arrow, so that it does not hide the arrows of the forces that it exerts.
-    behind = -1e3 * _ARROW * ball_radius(picture.scene) * view_direction()
-    for grid in _shaft_surfaces(picture.scene):
-        plotter.add_mesh(_pyvista_surface(grid).translate(behind), color=STEEL, **steel)
-    body, cuts = _nut_surfaces(picture.scene)
+    behind = -1e3 * _ARROW * drawn_ball_radius(picture.scene) * view_direction()
+    for grid in _screw_surfaces_near_nut(picture.scene):
+        plotter.add_mesh(_pyvista_mesh_of_surface(grid).translate(behind), color=STEEL, **steel)
+    body, cuts = _opened_nut_surfaces(picture.scene)
     for grid in body:
-        plotter.add_mesh(_pyvista_surface(grid), color=_NUT, **steel)
+        plotter.add_mesh(_pyvista_mesh_of_surface(grid), color=_NUT, **steel)
     for grid in cuts:
-        plotter.add_mesh(_pyvista_surface(grid), color=_CUT, ambient=0.6, diffuse=0.4)
-    _add_balls(plotter, picture)
-    _add_forces(plotter, picture)
-    _set_view(plotter, picture)
+        plotter.add_mesh(_pyvista_mesh_of_surface(grid), color=_CUT, ambient=0.6, diffuse=0.4)
+    _draw_balls(plotter, picture)
+    _draw_contact_forces(plotter, picture)
+    _set_camera_and_axes(plotter, picture)
     plotter.screenshot(path)
     plotter.close()
 
 
-def _round_scale(low: float, high: float) -> tuple[float, float, int]:
+def _rounded_colour_limits(low: float, high: float) -> tuple[float, float, int]:
     """Return round limits of a colour scale that contains ``low`` and ``high``, and the number of evenly spaced labels."""
     if high - low < 1e-3 * high:
         low, high = 0.9 * low, 1.1 * high
@@ -259,7 +259,7 @@ def _round_scale(low: float, high: float) -> tuple[float, float, int]:
     return float(first * step), float(last * step), int(last - first) + 1
 
 
-def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
+def _draw_balls(plotter: Any, picture: LoadedScrew) -> None:
     """Draw the balls with colours by their largest contact load, unloaded balls white, and the colour scale.
 
     ``plotter``: plotter of pyvista, to which they are added. ``picture``: geometry and loads.
@@ -268,7 +268,7 @@ def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
 
     centres = 1e3 * ball_layout(picture.scene).centre
     loads = picture.load.max(axis=1)
-    ball = pyvista.Sphere(radius=ball_radius(picture.scene) * 1e3, theta_resolution=40, phi_resolution=40)
+    ball = pyvista.Sphere(radius=drawn_ball_radius(picture.scene) * 1e3, theta_resolution=40, phi_resolution=40)
     finish = {"smooth_shading": True, "ambient": 0.3, "diffuse": 0.7, "specular": 0.5, "specular_power": 30}
     idle = ~(loads > 0.0)
     if np.any(idle):
@@ -280,7 +280,7 @@ def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
         return
     cloud = pyvista.PolyData(centres[~idle])
     cloud["load"] = loads[~idle]
-    low, high, labels = _round_scale(float(loads[~idle].min()), float(loads[~idle].max()))
+    low, high, labels = _rounded_colour_limits(float(loads[~idle].min()), float(loads[~idle].max()))
     plotter.add_mesh(
         cloud.glyph(geom=ball, scale=False, orient=False),
         scalars="load",
@@ -302,7 +302,7 @@ def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
     )
 
 
-def _load_arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
+def _contact_force_arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
     """Yield the arrows of the contact forces on the balls with their colour: first from the screw, then from the nut.
 
     The arrows are a mesh of pyvista, in mm. They end at the contacts, and their lengths are proportional to the forces.
@@ -313,7 +313,7 @@ def _load_arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
     points = 1e3 * picture.contact_points
     forces = picture.contact_forces
     size = np.linalg.norm(forces, axis=1)
-    longest = _ARROW * ball_radius(picture.scene) * 1e3
+    longest = _ARROW * drawn_ball_radius(picture.scene) * 1e3
     facing = points[:, :2] @ np.array([np.cos(_VIEW), np.sin(_VIEW)]) > -0.02 * picture.scene.track.pitch_radius * 1e3
     inside = np.hypot(points[:, 0], points[:, 1]) < picture.scene.track.pitch_radius * 1e3
     for group, colour in ((inside, _SCREW_SIDE), (~inside, _NUT_SIDE)):
@@ -326,7 +326,7 @@ def _load_arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
         yield arrows.glyph(orient="force", scale="force", geom=arrow), colour
 
 
-def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
+def _draw_contact_forces(plotter: Any, picture: LoadedScrew) -> None:
     """Draw the arrows of the contact forces on the balls, and the legend of their colours.
 
     ``plotter``: plotter of pyvista, to which they are added. ``picture``: geometry and contact forces.
@@ -334,7 +334,7 @@ def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
     size = np.linalg.norm(picture.contact_forces, axis=1)
     if not np.any(size > 0.0):
         return
-    for mesh, colour in _load_arrows(picture):
+    for mesh, colour in _contact_force_arrows(picture):
         plotter.add_mesh(mesh, color=colour, ambient=0.45, diffuse=0.55, smooth_shading=True)
     for text, colour, height in (
         ("Forces on the balls:", "black", 96),
@@ -344,18 +344,18 @@ def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
         plotter.add_text(text, position=(40, height), font_size=10, color=colour, font="arial")
 
 
-def _set_view(plotter: Any, picture: LoadedScrew) -> None:
+def _set_camera_and_axes(plotter: Any, picture: LoadedScrew) -> None:
     """Set the camera and the lights of the plotter, and draw the directions of the axes x, y, z."""
-    outward, upward = viewer_axes()
+    outward, upward = viewer_and_upward_vectors()
     extent = 1e3 * max(picture.scene.nut.outer_diameter, 1.6 * picture.scene.nut.length * SIZE[1] / SIZE[0])
     focus = np.array([0.0, 0.0, picture.scene.nut.position * 1e3]) - 0.05 * extent * upward
     above = outward + 1.4 * upward - np.array([0.0, 0.0, 0.6])
     beside = outward - 0.3 * upward + np.array([0.0, 0.0, 2.5])
-    set_view(
+    set_camera_and_lights(
         plotter, focus, view_direction(), upward, 1.32 * extent, ((above, 0.75), (view_direction(), 0.3), (beside, 0.3))
     )
     plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", line_width=4, color="black", viewport=(0.0, 0.72, 0.16, 1.0))
 
 
 if __name__ == "__main__":
-    _render_picture(*pickle.load(sys.stdin.buffer))
+    _write_loaded_screw_picture(*pickle.load(sys.stdin.buffer))

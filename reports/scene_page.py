@@ -1,8 +1,8 @@
 """Write the results of one scene as a self-contained HTML page with checksums, and read such a page.
 
 The page contains the scene file, the results as JSON, and a manifest: the SHA-256 checksums of both, of the page itself,
-and of every file that was used. `read_page` extracts them. The checksums show whether something was changed, but not who
-wrote the page.
+and of every file that was used. `read_page_data` extracts them. The checksums show whether something was changed, but not
+who wrote the page.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from typing import Any
 from markupsafe import Markup
 
 from rollbench.reports import figures, scene3d, sketch
-from rollbench.reports.cells import format_cell, typeset_text
+from rollbench.reports.cells import format_cell, with_typographic_signs
 from rollbench.reports.content import Figure, LoadedScrew, Section, Sketch, Table, View
-from rollbench.reports.manifest import all_texts, parse_manifest, sha256
+from rollbench.reports.manifest import is_mapping_of_texts, parse_json, sha256
 from rollbench.reports.pages import inline_svg, load_templates
-from rollbench.reports.view import MARKER, view_fragment
+from rollbench.reports.view import MARKER, viewer_elements_html
 
 #: HTML identifiers of the script elements of the page that contain data.
 BLOCKS = ("manifest", "scene", "results")
@@ -85,48 +85,52 @@ def results_hash(results: Mapping[str, Any]) -> str:
 def render_page(page: ScenePage) -> str:
     """Return the page of a scene as HTML, with its manifest; raise ValueError if the data of a figure are inconsistent."""
     environment = load_templates()
-    environment.finalize = lambda value: value if isinstance(value, Markup) else typeset_text(str(value))
+    environment.finalize = lambda value: value if isinstance(value, Markup) else with_typographic_signs(str(value))
     environment.globals["cell"] = format_cell
-    environment.globals["drawn"] = _draw_item
-    picture, missing = _embed_picture(page.picture)
+    environment.globals["drawn"] = _svg_of_item
+    picture, missing = _picture_as_base64(page.picture)
     html = environment.get_template("scene.html.j2").render(
         page=page,
         picture=picture,
         missing=missing,
-        viewer=Markup("" if page.view is None else view_fragment(page.view)),
+        viewer=Markup("" if page.view is None else viewer_elements_html(page.view)),
         marker=Markup(MARKER),
-        scene_json=_embedded_json(page.scene_text),
-        results_json=_embedded_json(page.results),
+        scene_json=_json_for_script(page.scene_text),
+        results_json=_json_for_script(page.results),
     )
-    return html.replace(_data_block("manifest"), _data_block("manifest", str(_embedded_json(page_manifest(page, html)))), 1)
+    return html.replace(
+        _json_script_element("manifest"),
+        _json_script_element("manifest", str(_json_for_script(page_manifest(page, html)))),
+        1,
+    )
 
 
-def _data_block(name: str, content: str = "") -> str:
+def _json_script_element(name: str, content: str = "") -> str:
     """Return the HTML script element with the identifier ``name`` that contains the JSON text ``content``.
 
-    The page's data are read back from these elements, see `read_page`.
+    The page's data are read back from these elements, see `read_page_data`.
     """
     return f'<script type="application/json" id="{name}">{content}</script>'
 
 
-def without_manifest(html: str) -> str:
+def html_without_manifest(html: str) -> str:
     """Return the HTML of a scene's page with an empty manifest: the text of which its checksum was computed."""
-    pattern = re.escape(_data_block("manifest", "@")).replace("@", ".*?")
-    return re.sub(pattern, lambda _: _data_block("manifest"), html, count=1, flags=re.DOTALL)
+    pattern = re.escape(_json_script_element("manifest", "@")).replace("@", ".*?")
+    return re.sub(pattern, lambda _: _json_script_element("manifest"), html, count=1, flags=re.DOTALL)
 
 
-def _embedded_json(data: Any) -> Markup:
+def _json_for_script(data: Any) -> Markup:
     """Return data as JSON for an HTML script element; <, > and & are escaped, so that no text can end the element."""
     text = json.dumps(data, sort_keys=True)
     return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
 
 
-def _draw_item(item: Figure | Sketch) -> Markup:
+def _svg_of_item(item: Figure | Sketch) -> Markup:
     """Return a figure or sketch as an SVG element for the HTML page."""
     return Markup(inline_svg(sketch.draw_sketch(item) if isinstance(item, Sketch) else figures.draw_figure(item)))
 
 
-def _embed_picture(item: LoadedScrew | None) -> tuple[str, str]:
+def _picture_as_base64(item: LoadedScrew | None) -> tuple[str, str]:
     """Draw the 3D picture of a page, and return it as a base64 text; a second text states the reason if it cannot be drawn.
 
     One of the two texts is empty. Both are empty if ``item`` is None, for a page without a picture.
@@ -142,7 +146,7 @@ def _embed_picture(item: LoadedScrew | None) -> tuple[str, str]:
         return base64.b64encode(path.read_bytes()).decode("ascii"), ""
 
 
-def read_page(html: str) -> dict[str, Any]:
+def read_page_data(html: str) -> dict[str, Any]:
     """Return the manifest, the scene file's text and the results from the HTML of a scene's page, by these names.
 
     Raises ValueError if one of them is missing or damaged.
@@ -153,11 +157,13 @@ def read_page(html: str) -> dict[str, Any]:
         if found is None:
             raise ValueError(f"a page without the data block {name!r}")
         try:
-            out[name] = parse_manifest(found[1])
+            out[name] = parse_json(found[1])
         except ValueError as error:
             raise ValueError(f"a page with a damaged data block {name!r} ({error})") from None
     manifest, texts = out["manifest"], isinstance(out["scene"], str)
-    whole = isinstance(manifest, dict) and all(all_texts(manifest.get(key, {})) for key in ("files", "provenance"))
+    whole = isinstance(manifest, dict) and all(
+        is_mapping_of_texts(manifest.get(key, {})) for key in ("files", "provenance")
+    )
     if not (whole and texts and isinstance(out["results"], dict)):
         raise ValueError("a page with a damaged manifest")
     return out

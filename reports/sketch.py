@@ -11,7 +11,7 @@ from html import escape
 
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.solid import dimensions_of_3d_parts
 from rollbench.reports.content import Sketch
 
 #: Colours of the drawing. A web page replaces those in `figures.THEME` by colours of the page; the others remain.
@@ -76,7 +76,7 @@ def draw_sketch(sketch: Sketch) -> str:
         *_draw_shaft(scene, scale),
         *_draw_nut(scene, scale),
         *_draw_balls(scene, scale),
-        *_draw_acting_loads(scene, scale, below),
+        *_draw_supports_and_loads(scene, scale, below),
     ]
     height = below + 12.0 + 2.6 * TEXT
     head = (
@@ -89,7 +89,7 @@ def draw_sketch(sketch: Sketch) -> str:
 
 def _drawing_scale(scene: Scene) -> _Scale:
     """Return the scale at which a screw or bearing fits into the drawing."""
-    low, high = drawn_faces(scene)
+    low, high = nut_face_positions(scene)
     room = BEYOND * (high - low)
     ends = max(low - room, 0.0), min(high + room, scene.screw.length)
     tallest = max(scene.nut.outer_diameter, scene.nut.flange.diameter if scene.nut.flange else 0.0)
@@ -99,7 +99,7 @@ def _drawing_scale(scene: Scene) -> _Scale:
     return _Scale(*ends, scene.screw.length, left, per_metre, 2.2 * TEXT + 30.0 + TALL / 2.0)
 
 
-def drawn_faces(scene: Scene) -> tuple[float, float]:
+def nut_face_positions(scene: Scene) -> tuple[float, float]:
     """Return the axial positions of the nut's left and right face [m]."""
     return scene.nut.position - scene.nut.length / 2.0, scene.nut.position + scene.nut.length / 2.0
 
@@ -136,7 +136,7 @@ def _draw_nut(scene: Scene, scale: _Scale) -> Iterator[str]:
 
     ``scale``: conversion from positions on the shaft to pixels.
     """
-    ends = drawn_faces(scene)
+    ends = nut_face_positions(scene)
     low, high = map(scale.x, ends)
     held, outside = _fixed_nut_faces(scene, *ends)
     inner, outer = scene.track.pitch_radius, scene.nut.outer_diameter / 2.0
@@ -182,7 +182,7 @@ def _draw_balls(scene: Scene, scale: _Scale) -> Iterator[str]:
         yield f'<circle {where} fill="{BALL}" stroke="{INK}" stroke-width="0.6"{pale}/>'
 
 
-def _draw_acting_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[str]:
+def _draw_supports_and_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[str]:
     """Yield the SVG elements of supports and loads with their labels, and of the shaft's dimension line.
 
     ``scale``: conversion from positions on the shaft to pixels. ``below``: ordinate below all parts [pixels], from which
@@ -190,21 +190,21 @@ def _draw_acting_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[st
     """
     edge = scale.y(-scene.screw.outer_diameter / 2.0)
     x0, x1 = scale.x(0.0), scale.x(scene.screw.length)
-    low, high = drawn_faces(scene)
+    low, high = nut_face_positions(scene)
     for support in scene.supports:
         x, hidden = scale.x(support.at), low <= support.at <= high
         if not hidden:
             yield f'<path d="M {x:.1f} {edge:.1f} l -7 12 h 14 z" fill="{FRAME}" stroke="{INK}" stroke-width="0.8"/>'
-        for n, word in enumerate(_support_texts(support.fixed)):
+        for n, word in enumerate(_support_labels(support.fixed)):
             down = n * 1.2 * TEXT
             if hidden:
                 yield _text_element(scale.x(high) + 30.0, scale.middle + 4.0 + down, f"shaft: {word}", "start")
             else:
-                yield _text_element(_clamp_text_position(x, word), edge + 25.0 + down, word)
+                yield _text_element(_text_abscissa_within_drawing(x, word), edge + 25.0 + down, word)
     above = scale.y(scene.screw.outer_diameter / 2.0)
     count: dict[float, int] = {}
     for load in scene.loads:
-        at, words, (lateral, _, axial) = load.at, _load_text(load.force, load.moment), load.force
+        at, words, (lateral, _, axial) = load.at, _load_label(load.force, load.moment), load.force
         n = count[at] = count.get(at, -1) + 1
         hidden = low <= at <= high
         x, top = (scale.x(low) - 22.0, scale.middle) if hidden else (scale.x(at), above)
@@ -219,7 +219,7 @@ def _draw_acting_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[st
             yield _text_element(x - 40.0, scale.middle + 4.0 + n * 1.2 * TEXT, words, "end", FORCE)
         else:
             up = 40.0 if lateral else 10.0
-            yield _text_element(_clamp_text_position(x, words), above - up - n * 1.2 * TEXT, words, colour=FORCE)
+            yield _text_element(_text_abscissa_within_drawing(x, words), above - up - n * 1.2 * TEXT, words, colour=FORCE)
     shaft = "screw" if scene.track.lead else "inner ring"
     words = f"{shaft} {1e3 * scene.screw.length:.4g} mm, Ø {1e3 * scene.screw.outer_diameter:.4g}"
     yield from _dimension_line(x0, x1, below + 2.0 * TEXT, words)
@@ -231,7 +231,7 @@ def _fixed_nut_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple[
     A face is given by its axial position, inner and outer radius [m]. ``low``, ``high``: axial positions of the nut's faces
     [m].
     """
-    solid = solid_dimensions(scene)
+    solid = dimensions_of_3d_parts(scene)
     if solid.nut_held.startswith("outer surface"):
         return [], True
     if scene.nut.flange and solid.nut_held.startswith("flange face"):
@@ -240,7 +240,7 @@ def _fixed_nut_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple[
     return [(face, *solid.held_radii) for face in faces], False
 
 
-def _support_texts(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
+def _support_labels(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
     """Yield the labels of a support: its fixed degrees of freedom, and its prescribed displacements and rotations.
 
     ``fixed``: pairs of degree of freedom (ux to rz) and prescribed value [m, rad]; 0 means fixed.
@@ -254,7 +254,7 @@ def _support_texts(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
             yield f"{freedom} = {1e3 * value:.4g} mrad" if turned else f"{freedom} = {value / MICRO:.4g} µm"
 
 
-def _load_text(force: tuple[float, float, float], moment: tuple[float, float, float]) -> str:
+def _load_label(force: tuple[float, float, float], moment: tuple[float, float, float]) -> str:
     """Return the label of a load, with those components of its force [N] and moment [N m] that are not zero."""
     forces = [
         f"F{axis} {value / KILO:.4g} kN" if abs(value) >= KILO else f"F{axis} {value:.4g} N"
@@ -264,7 +264,7 @@ def _load_text(force: tuple[float, float, float], moment: tuple[float, float, fl
     return ", ".join([*forces, *(f"M{axis} {value:.4g} N m" for axis, value in zip("xyz", moment, strict=True) if value)])
 
 
-def _clamp_text_position(x: float, words: str) -> float:
+def _text_abscissa_within_drawing(x: float, words: str) -> float:
     """Return the abscissa [pixels] next to ``x`` at which the centred text ``words`` lies completely within the drawing."""
     half = 0.27 * TEXT * len(words)
     return min(max(x, half + 2.0), WIDTH - half - 2.0)

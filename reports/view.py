@@ -32,18 +32,18 @@ NUT, RING = 0.8, 0.5
 MM = 1e3
 
 
-def view_page(view: View, back: str = "") -> str:
+def viewer_page_html(view: View, back_link: str = "") -> str:
     """Return the HTML page that shows a solved scene in 3D.
 
-    ``view``: data of the scene. ``back``: target of a link back to the report; empty: no link.
+    ``view``: data of the scene. ``back_link``: target of a link back to the report; empty: no link.
     """
-    link = f' <a href="{escape(back)}">back</a>' if back else ""
+    link = f' <a href="{escape(back_link)}">back</a>' if back_link else ""
     filled = {
         "TITLE": escape(view.title),
         "SUBTITLE": escape(view.subtitle) + link,
         "MARKER": MARKER,
-        "RESULTS": view_block("results", view.results),
-        "VIEWER": view_fragment(view),
+        "RESULTS": json_script_element("results", view.results),
+        "VIEWER": viewer_elements_html(view),
     }
     html = _viewer_file("page.html")
     for name, text in filled.items():
@@ -51,19 +51,20 @@ def view_page(view: View, back: str = "") -> str:
     return html
 
 
-def view_fragment(view: View) -> str:
+def viewer_elements_html(view: View) -> str:
     """Return the 3D viewer of a solved scene as HTML elements, to be inserted into a page.
 
     The page must contain the results as JSON in the script element ``results``.
     """
     surfaces: dict[str, int] = {}
-    cases = [_case_data(case, surfaces) for case in view.cases]
-    data = {"cases": cases, "surfaces": [json.loads(text) for text in surfaces], "flanks": SIDES, **_view_sight()}
+    cases = [_load_case_data(case, surfaces) for case in view.cases]
+    data = {"cases": cases, "surfaces": [json.loads(text) for text in surfaces], "flanks": SIDES, **_viewer_unit_vectors()}
     scripts = "".join(f"<script>{_viewer_file(name)}</script>" for name in ("three.min.js", "view.js"))
-    return f"<style>{_viewer_file('view.css')}</style>{_viewer_file('view.html')}{view_block('view-data', data)}{scripts}"
+    style, page = _viewer_file("view.css"), _viewer_file("view.html")
+    return f"<style>{style}</style>{page}{json_script_element('view-data', data)}{scripts}"
 
 
-def view_block(name: str, data: Any) -> str:
+def json_script_element(name: str, data: Any) -> str:
     """Return an HTML script element that contains data as JSON.
 
     ``name``: HTML identifier of the element. The characters <, > and & are escaped, so that no text can end the element.
@@ -79,34 +80,34 @@ def _viewer_file(name: str) -> str:
     return resources.files("rollbench.reports").joinpath("viewer", name).read_text(encoding="utf-8")
 
 
-def _view_sight() -> dict[str, list[float]]:
+def _viewer_unit_vectors() -> dict[str, list[float]]:
     """Return the unit vectors towards the reader (``sight``) and upwards (``up``), for the script of the 3D viewer."""
-    return {"sight": scene3d.view_direction().tolist(), "up": scene3d.viewer_axes()[1].tolist()}
+    return {"sight": scene3d.view_direction().tolist(), "up": scene3d.viewer_and_upward_vectors()[1].tolist()}
 
 
-def _case_data(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
+def _load_case_data(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
     """Return the data of one load case for the script of the 3D viewer.
 
     ``surfaces``: number of each surface drawn so far, by its JSON text. New surfaces are added to it, and load cases share
     equal ones.
     """
-    drawn = [s for one in case.sets for s in _case_surfaces(one, case.shaft is not None)]
+    drawn = [s for one in case.sets for s in _surfaces_of_set(one, case.shaft is not None)]
     if case.shaft is not None:
-        drawn += _plain_shaft(case.shaft)
+        drawn += _shaft_between_sets(case.shaft)
     numbers = [surfaces.setdefault(json.dumps(one), len(surfaces)) for one in drawn]
-    return {"name": case.name, "surfaces": numbers, "sets": [_set_data(one) for one in case.sets]}
+    return {"name": case.name, "surfaces": numbers, "sets": [_viewer_data_of_set(one) for one in case.sets]}
 
 
-def _case_surfaces(one: SetView, shared: bool) -> list[dict[str, Any]]:
+def _surfaces_of_set(one: SetView, shared: bool) -> list[dict[str, Any]]:
     """Return the surfaces of one nut or bearing row, and of the part of the shaft in it, for the 3D viewer.
 
     ``shared``: whether the shaft carries several nuts or bearing rows; the parts of the shaft between them are then drawn
-    by `_plain_shaft`.
+    by `_shaft_between_sets`.
     """
     if isinstance(one.parts, RollerRow):
-        return [_cone_surface(one.parts, one.position, _cone_apex(one.thrust))]
+        return [_cone_surface(one.parts, one.position, _apex_direction(one.thrust))]
     reach = RING if shared and not one.parts.track.lead else NUT
-    found = scene3d.scene_grids(one.parts, COARSE, reach)
+    found = scene3d.surfaces_by_colour(one.parts, COARSE, reach)
     return [_pack_grid(grid, tint) for tint, grids in found.items() for grid in grids]
 
 
@@ -123,13 +124,13 @@ def _pack_grid(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
     return {"tint": tint, "rows": len(points), "low": low.tolist(), "step": step.tolist(), "points": text}
 
 
-def _plain_shaft(shaft: Assembly) -> list[dict[str, Any]]:
+def _shaft_between_sets(shaft: Assembly) -> list[dict[str, Any]]:
     """Return the parts of a shaft between its nuts and bearings, for the 3D viewer.
 
     Each part is a body of revolution, given by its outline of radius and axial position [mm].
     """
     under = [
-        _shaft_stretch(s, s.parts, shaft.screw.length)
+        _drawn_shaft_range(s, s.parts, shaft.screw.length)
         for s in shaft.sets
         if isinstance(s.parts, Scene) and s.carrier is None
     ]
@@ -152,24 +153,24 @@ def _plain_shaft(shaft: Assembly) -> list[dict[str, Any]]:
     return found
 
 
-def _shaft_stretch(s: RollingSet, parts: Scene, length: float) -> tuple[float, float]:
+def _drawn_shaft_range(rolling_set: RollingSet, parts: Scene, length: float) -> tuple[float, float]:
     """Return the axial positions [m] between which the shaft is drawn together with a nut or bearing row.
 
-    ``s``: the nut or bearing row. ``parts``: its geometry. ``length``: length of the shaft [m].
+    ``rolling_set``: the nut or bearing row. ``parts``: its geometry. ``length``: length of the shaft [m].
     """
     half = (NUT if parts.track.lead else RING) * parts.nut.length
-    return max(0.0, s.position - half), min(length, s.position + half)
+    return max(0.0, rolling_set.position - half), min(length, rolling_set.position + half)
 
 
-def _set_data(one: SetView) -> dict[str, Any]:
+def _viewer_data_of_set(one: SetView) -> dict[str, Any]:
     """Return the data of one nut or bearing row for the 3D viewer: lengths in mm, reductions of clearance in um."""
     head = {"name": one.name, "kind": one.kind, "expected": one.expected}
     if isinstance(one.parts, RollerRow):
-        return head | _roller_surfaces(one.parts, one.position, _cone_apex(one.thrust))
+        return head | _rollers_of_row(one.parts, one.position, _apex_direction(one.thrust))
     out = head | {
         "centre": [0.0, 0.0, MM * one.position],
         "size": MM * max(one.parts.nut.outer_diameter, one.parts.nut.length),
-        "radius": MM * scene3d.ball_radius(one.parts),
+        "radius": MM * scene3d.drawn_ball_radius(one.parts),
         "places": (MM * ball_layout(one.parts).centre).round(4).tolist(),
     }
     if one.points is not None and one.forces is not None:
@@ -185,7 +186,7 @@ def _set_data(one: SetView) -> dict[str, Any]:
     return out
 
 
-def _cone_apex(thrust: str) -> float:
+def _apex_direction(thrust: str) -> float:
     """Return the direction along z in which the apex of tapered rollers lies: 1 if they carry thrust in +z, else -1.
 
     ``thrust``: direction of the axial load that the row can carry, "+z" or "-z".
@@ -205,7 +206,7 @@ def _cone_surface(row: RollerRow, position: float, sign: float) -> dict[str, Any
     return {"tint": scene3d.STEEL, "outline": [[0.0, z0], [r0, z0], [r1, z1], [0.0, z1]]}
 
 
-def _roller_surfaces(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
+def _rollers_of_row(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
     """Return the positions [mm] and axes of all rollers of a row, and the outline of one roller [mm], for the 3D viewer.
 
     ``position``: axial position of the row [m]. ``sign``: direction along z in which the apex of the rollers lies, 1 or -1.

@@ -24,9 +24,9 @@ def begin() -> None:
         link = TESTS.parent / build["dev-mode-dirs"][0] / package
         if not link.exists():
             link.symlink_to(os.path.relpath(TESTS.parent / folder, link.parent))
-    from rollbench.meshes.processes import one_thread
+    from rollbench.meshes.processes import limit_to_one_thread
 
-    one_thread()
+    limit_to_one_thread()
 
 
 begin()

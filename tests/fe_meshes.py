@@ -10,8 +10,8 @@ from skfem import Basis, ElementVector, Functional, LinearForm
 from skfem.helpers import dot, eye, sym_grad, trace
 
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import CurvedMap, elasticity, nodal_share_form, stiffness_quadrature
-from rollbench.meshes.fem import _SKFEM, MESHES, mesh_of, scaled_jacobians
+from rollbench.hifi.elements.forms import CurvedMap, elasticity_form, nodal_share_form, stiffness_quadrature
+from rollbench.meshes.fem import _SKFEM, MESHES, build_mesh, scaled_jacobians
 
 KINDS = ["P1", "P2", "Q1", "Q2"]
 #: Nodes of the elements on the unit cell, in gmsh's order.
@@ -106,15 +106,15 @@ def renumbered(number, values):
 
 def stiffness(points, cells, kind, young, poisson):
     """Stiffness matrix (3n, 3n), numbered like the points, all of which must have a cell."""
-    mesh, number = mesh_of(points, cells, kind)
+    mesh, number = build_mesh(points, cells, kind)
     order = freedoms(number)
-    return forms.assemble(elasticity(young, poisson), mesh)[order][:, order].tocsc()
+    return forms.assemble_constant_form(elasticity_form(young, poisson), mesh)[order][:, order].tocsc()
 
 
 def strain_stress(points, cells, kind, u, young, poisson, at=None):
     """Strain and stress (cells, q, 6) in the order xx, yy, zz, yz, xz, xy, engineering shears, at quadrature points or at
     reference points (q, 3)."""
-    mesh, number = mesh_of(points, cells, kind)
+    mesh, number = build_mesh(points, cells, kind)
     values = np.zeros((mesh.doflocs.shape[1], 3))
     values[number[number >= 0]] = np.reshape(u, (-1, 3))[number >= 0]
     basis = space(mesh) if at is None else space(mesh, quadrature=(np.asarray(at).T, np.ones(len(at))))
@@ -127,7 +127,7 @@ def strain_stress(points, cells, kind, u, young, poisson, at=None):
 
 def nodal_volumes(points, cells, kind, intorder=None):
     """Integrals of the shape functions (n,)."""
-    mesh, number = mesh_of(points, cells, kind)
+    mesh, number = build_mesh(points, cells, kind)
     options = {} if intorder is None else {"quadrature": None, "intorder": intorder}
     basis = Basis(mesh, mesh.elem(), **{"quadrature": stiffness_quadrature(mesh), **options})
     return renumbered(number, nodal_share_form().assemble(basis))
@@ -139,12 +139,12 @@ def volume(points, cells, kind):
 
 def nodal_areas(points, cells, kind, faces):
     """Consistent nodal areas (n,) of faces (k, corners or more)."""
-    mesh, number = mesh_of(points, cells, kind, {"own": faces})
+    mesh, number = build_mesh(points, cells, kind, {"own": faces})
     return renumbered(number, forms.nodal_areas(mesh, "own"))
 
 
 def jacobians(points, cells, kind):
-    return scaled_jacobians(mesh_of(points, cells, kind)[0])
+    return scaled_jacobians(build_mesh(points, cells, kind)[0])
 
 
 def one(basis):

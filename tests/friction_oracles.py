@@ -5,13 +5,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import ellipe
 
-from rollbench.lowfi.friction.contact.equilibrium import SettledCell
+from rollbench.lowfi.friction.contact.equilibrium import ContactLoadSolution
 from rollbench.lowfi.friction.contact.laws import Contacts
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.screw import motion
-from rollbench.lowfi.friction.screw.chain import PATIENCE, solve_joint
+from rollbench.lowfi.friction.screw.chain import PATIENCE, solve_loads_and_motion
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.motion import Cell, bare_cell, screw_rows, settle_load
+from rollbench.lowfi.friction.screw.motion import (
+    BallsBetweenGrooves,
+    balls_without_friction,
+    screw_displacement_maps,
+    solve_screw_contact_loads,
+)
 from rollbench.meshes.arrays import Array
 
 
@@ -74,52 +79,52 @@ def pure_spin_moment(at: Contacts) -> Array:
     return np.asarray(0.375 * at.strength * at.a * ellipe(1.0 - (at.b / at.a) ** 2))
 
 
-def ball_cell(groove: ScrewGroove, deviation: Array, oversize: float, free: str, force: Array) -> Cell:
+def ball_cell(groove: ScrewGroove, deviation: Array, oversize: float, free: str, force: Array) -> BallsBetweenGrooves:
     """One ball at azimuth 0: deviations (4,) of its groove angles [rad], oversize of its radius [m], free, force (m,)."""
     angle = np.asarray(groove.contact_angle + deviation, dtype=float)[None, :]
-    rows, pull = screw_rows(groove, np.zeros(1), free), np.asarray(force, dtype=float)
-    return bare_cell(groove, angle, np.full((1, 4), float(oversize)), rows, pull)
+    rows, pull = screw_displacement_maps(groove, np.zeros(1), free), np.asarray(force, dtype=float)
+    return balls_without_friction(groove, angle, np.full((1, 4), float(oversize)), rows, pull)
 
 
 @dataclass(frozen=True)
 class CoupledBall:
     """Loads and motion that agree. change: last change of the friction fed back [N]; converged: also the parts are."""
 
-    load: SettledCell
+    load: ContactLoadSolution
     motion: motion.BallMotion
     change: float
     rounds: int
     converged: bool
 
 
-def coupled_ball(cell: Cell, coupling: motion.Coupling = "ball and screw", fast: bool = True) -> CoupledBall:
+def coupled_ball(cell: BallsBetweenGrooves, coupling: motion.Coupling = "ball and screw", fast: bool = True) -> CoupledBall:
     """Loads and motion of the one ball of a cell in agreement, with rest and slip exact; see ``coupled_chain``.
 
     Failure is data: see ``converged``.
     """
-    load = settle_load(cell)
+    load = solve_screw_contact_loads(cell)
     if coupling == "ball":
-        cell = motion.hold_screw(cell, load)
-        load = settle_load(cell, (load.ball, np.zeros(0)))
+        cell = motion.with_fixed_screw(cell, load)
+        load = solve_screw_contact_loads(cell, (load.ball, np.zeros(0)))
     groove, mixer, bare = cell.groove, motion.AndersonMixer(), (load.ball, load.inner)
     push, drag, start = cell.push, cell.drag, None
     rounds, change, good = 0, np.inf, False
     while True:
-        moved = motion.ball_motion(groove, load.force[0], load.angle[0], start=start, fast=fast)
-        new_push, new_drag = motion.forces_of_friction(cell, moved.wrench[None], np.zeros((1, 2)), coupling)
+        moved = motion.solve_ball_motion(groove, load.force[0], load.angle[0], start=start, fast=fast)
+        new_push, new_drag = motion.friction_on_balls_and_screw(cell, moved.wrench[None], np.zeros((1, 2)), coupling)
         x, g = np.append(push, drag), np.append(new_push, new_drag)
         change = float(np.max(np.abs(g - x)))
         good = load.converged and moved.motion.status != "failed"
         rounds += 1
         if change <= motion.AGREED * float(np.sum(load.force)) or rounds == motion.ROUNDS:
             break
-        joint = solve_joint(cell, np.full(1, np.inf), bare, None, fast) if rounds == PATIENCE else None
+        joint = solve_loads_and_motion(cell, np.full(1, np.inf), bare, None, fast) if rounds == PATIENCE else None
         if joint is not None and joint.done:
             push, drag = joint.push, joint.drag
-            load = settle_load(replace(cell, push=push, drag=drag), (joint.ball, joint.screw))
+            load = solve_screw_contact_loads(replace(cell, push=push, drag=drag), (joint.ball, joint.screw))
         else:
-            x = mixer.next(x, g)
+            x = mixer.next_iterate(x, g)
             push, drag = x[:2].reshape(1, 2), x[2:]
-            load = settle_load(replace(cell, push=push, drag=drag), (load.ball, load.inner))
+            load = solve_screw_contact_loads(replace(cell, push=push, drag=drag), (load.ball, load.inner))
         start = moved.motion.q
     return CoupledBall(load, moved, change, rounds, good and change <= motion.AGREED * float(np.sum(load.force)))

@@ -53,7 +53,7 @@ def main() -> None:
         loads["scene"] = text
         for level in LEVELS:
             if str(level) not in loads:
-                (run,) = compute_runs(Task((scene_file.scene_of_text(text, f"{name}.toml"),), level))
+                (run,) = compute_runs(Task((scene_file.scene_from_text(text, f"{name}.toml"),), level))
                 loads[str(level)] = [[float(f"{x:.6g}") for x in row] for row in run.load.tolist()]
                 print(f"{name}, level {level}: {run.status}", flush=True)
                 write(path, data)

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.catalogue import scene_text
+from rollbench.compare.scenes.catalogue import shipped_scene_text
 
 #: Cases of the shipped scene two-balls: as it is, pushed harder, and a static check of looser balls.
 CASES = """
@@ -24,7 +24,7 @@ name = "loose"
 share = 0
 oversize = "2 um"
 """
-TEXT = scene_text("two-balls") + "\n[friction]\ncoefficient = 0.1\n" + CASES
+TEXT = shipped_scene_text("two-balls") + "\n[friction]\ncoefficient = 0.1\n" + CASES
 
 
 def case(name: str, force: str = "", **keys: object) -> str:

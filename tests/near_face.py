@@ -12,28 +12,28 @@ import numpy as np
 from rollbench.compare.reference.estimate import LIP_FILE
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.reference.tasks import needed_sides, settings_of
+from rollbench.compare.reference.tasks import flanks_to_mesh, mesh_settings
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.survey import SEED, scene_text
 from rollbench.hifi.bodies.patch import condense_patch
-from rollbench.hifi.condensation import nut_response
+from rollbench.hifi.condensation import condense_nut
 from rollbench.hifi.meshing.part_meshes import (
     Sockets,
     choose_patch_lines,
     choose_socket_size,
     contacts_on_body,
-    mesh_carrier_patch,
+    mesh_load_transfer_patch,
     mesh_patch,
     patch_normals,
 )
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import build_body
-from rollbench.meshes.helix import ball_layout, reduced_lead
+from rollbench.meshes.grooved_body import mesh_grooved_body
+from rollbench.meshes.helix import ball_layout, lead_per_radian
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.sockets import local_points
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.sockets import points_in_reference_socket
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 #: Scenes by number of the survey (None: lin-case1), distances of the last ball from the face in ball radii, levels.
 CASES = ((None, (1.02, 1.1, 1.2, 1.35, 1.6, 2.0), (1, 2, 3, 4)), (6, (1.1, 1.3), (1,)), (89, (1.02, 1.2), (1,)))
@@ -49,21 +49,21 @@ def scene_of(number: int | None) -> Scene:
     """Scene of a case."""
     if number is None:
         return catalogue.scene("lin-case1")
-    return scene_file.scene_of_text(scene_text(SEED, number), f"survey-{SEED}-{number}.toml")
+    return scene_file.scene_from_text(scene_text(SEED, number), f"survey-{SEED}-{number}.toml")
 
 
 def settings(scene: Scene, level: int | None) -> Settings:
     """Mesh settings of a level, or of the bodies that judge."""
     if level is not None:
-        return settings_of([scene], level)
+        return mesh_settings([scene], level)
     r = scene.balls.radius
-    return replace(settings_of([scene], 3), fine=FINE * r, coarse=COARSE * r, cuts=CUTS, modes=MODES)
+    return replace(mesh_settings([scene], 3), fine=FINE * r, coarse=COARSE * r, cuts=CUTS, modes=MODES)
 
 
 def lip(scene: Scene, distance: float, choices: Settings) -> float:
     """Compliance [m/N] by which the nut's last contact, so many ball radii from its free face and pressed towards it,
     exceeds one in the middle: the mean motion under Hertz's pressure on its own patch."""
-    r, rg = scene.balls.radius, reduced_lead(scene.track)
+    r, rg = scene.balls.radius, lead_per_radian(scene.track)
     away, step = (HALF - distance) * r / rg, float(np.diff(np.sort(scene.balls.azimuths)).min())
     behind = step * (1.0 if rg > 0.0 else -1.0)
     azimuths = (-step, 0.0, step, away - 2.0 * behind, away - behind, away)
@@ -73,8 +73,8 @@ def lip(scene: Scene, distance: float, choices: Settings) -> float:
         nut=replace(scene.nut, length=2.0 * HALF * r),
         solid=replace(scene.solid, nut_held="left face"),
     )
-    m, layout, dims, nut = GrooveMap.of(near), ball_layout(near), solid_dimensions(near), near.nut
-    sides = tuple(s for s in needed_sides(scene) if s >= 2)
+    m, layout, dims, nut = GrooveMap.of(near), ball_layout(near), dimensions_of_3d_parts(near), near.nut
+    sides = tuple(s for s in flanks_to_mesh(scene) if s >= 2)
     size = choose_socket_size(near, m, layout, (0, 1, 2, 3), dims, choices)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
     zone = choose_patch_lines(choices, widths, size.depth)[1]
@@ -83,15 +83,15 @@ def lip(scene: Scene, distance: float, choices: Settings) -> float:
     spec = BodySpec(
         dims.land, nut.outer_diameter / 2.0, *ends, False, places, size, choices.fine, choices.coarse, dims.groove_ends
     )
-    body, e, patches = build_body(m, spec), nut.material, {}
+    body, e, patches = mesh_grooved_body(m, spec), nut.material, {}
     for side in sides:
-        place, socket = partial(local_points, m, size, side), body.sockets[side]
+        place, socket = partial(points_in_reference_socket, m, size, side), body.sockets[side]
         fits = Sockets(socket, socket, size, zone, widths)
-        mesh, carrier = mesh_patch(fits, socket, place, choices), mesh_carrier_patch(fits, socket, place, choices)
+        mesh, carrier = mesh_patch(fits, socket, place, choices), mesh_load_transfer_patch(fits, socket, place, choices)
         normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
         patches[side] = condense_patch(mesh, normals, e.youngs_modulus, e.poissons_ratio, carrier)
-    found, patch = nut_response(e, body, layout, sides, patches, choices, dims), patches[PRESSED]
-    flat = patch.points - local_points(m, size, PRESSED, np.zeros((1, 3)))
+    found, patch = condense_nut(e, body, layout, sides, patches, choices, dims), patches[PRESSED]
+    flat = patch.points - points_in_reference_socket(m, size, PRESSED, np.zeros((1, 3)))
     axes = np.linalg.svd(flat - flat.mean(axis=0), full_matrices=False)[2][:2]
     force = patch.areas * np.sqrt(np.maximum(1.0 - ((flat @ axes.T / choices.semi) ** 2).sum(axis=1), 0.0))
     counts = [found.modes[s].shape[1] for s in sides]

@@ -11,11 +11,11 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from rollbench.compare.cases.external.evidence import scene_name
-from rollbench.compare.cases.external.page import FIXATION_FILE, scenes_by_fixation
+from rollbench.compare.cases.external.evidence import scene_name_of_catalogue_size
+from rollbench.compare.cases.external.page import FIXATION_FILE, scenes_by_nut_fixation
 from rollbench.compare.models.model_form import axial_contact_force
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.reference.tasks import needed_sides, settings_of
+from rollbench.compare.reference.tasks import flanks_to_mesh, mesh_settings
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
@@ -34,7 +34,7 @@ def with_section(scene: Scene) -> Scene:
 
 def solved(scene: Scene, first: Scene, level: int, cells: float, cache: Path) -> dict[str, object]:
     """Contact loads [N] by loaded side and rigidity [N/m] of a scene in 3D, on the meshes' settings of ``first``."""
-    scene, sides, settings = with_section(scene), needed_sides(first), settings_of([first], level)
+    scene, sides, settings = with_section(scene), flanks_to_mesh(first), mesh_settings([first], level)
     settings = replace(settings, cell=cells * settings.cell)
     found = solve_reference(prepare(scene, sides, settings, print, cache=Cache(cache)), scene)
     moved = float(np.interp(scene.nut.position, found.stations, found.centreline[:, 2]))
@@ -52,8 +52,8 @@ def main() -> None:
     rows = json.loads(path.read_text(encoding="utf-8")) if path.exists() else []
     with TemporaryDirectory() as cache:
         for size, level, cells in CASES:
-            shipped = catalogue.scene(scene_name(size))
-            scenes = scenes_by_fixation(shipped)
+            shipped = catalogue.scene(scene_name_of_catalogue_size(size))
+            scenes = scenes_by_nut_fixation(shipped)
             known = {row["held"] for row in rows if (row["scene"], row["level"]) == (shipped.name, level)}
             for held in [x for x in scenes if x not in known]:
                 print(shipped.name, held, flush=True)

@@ -9,17 +9,17 @@ from tests.helpers import small_screw
 
 from rollbench.hifi.bodies.patch import (
     PatchLines,
-    build_patch,
-    build_tet_patch,
     condense_patch,
+    fit_tetrahedral_patch,
     graded_boundaries,
     growing_boundaries,
+    mesh_hexahedral_patch,
 )
 from rollbench.hifi.meshing.part_meshes import ball_socket_and_map
-from rollbench.meshes.fem import mesh_of
+from rollbench.meshes.fem import build_mesh
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.sockets import SocketMesh, SocketSize, local_points
-from rollbench.meshes.tet_patch import build_tets, source_box
+from rollbench.meshes.sockets import SocketMesh, SocketSize, points_in_reference_socket
+from rollbench.meshes.tet_patch import mesh_patch_with_tetrahedra, patch_as_in_thesis
 
 E, NU = 210e9, 0.28
 MAP = GrooveMap.of(small_screw(6))
@@ -51,7 +51,7 @@ def holed_cube():
     nodes, triangles = np.unique(faces[inside[faces].all(axis=1)], return_inverse=True)
     triangles = triangles.reshape(-1, 6)
     assert len(triangles) == 5 * 8
-    mesh, number = mesh_of(points, cells, "P2", {"floor": floor})
+    mesh, number = build_mesh(points, cells, "P2", {"floor": floor})
     return mesh, number[nodes], SocketMesh(xi[nodes], triangles, np.zeros(len(triangles), dtype=np.int64), {})
 
 
@@ -68,7 +68,7 @@ def flat(xi):
 
 def places(side):
     """Maps into groove and ball at a side, and the ball's centre in each."""
-    groove = partial(local_points, MAP, SIZE, side)
+    groove = partial(points_in_reference_socket, MAP, SIZE, side)
     return {
         "groove": (groove, np.array([MAP.R, 0.0, 0.0])),
         "ball": (ball_socket_and_map(MAP, SIZE, side, ZONE)[1], np.zeros(3)),
@@ -77,13 +77,19 @@ def places(side):
 
 @cache
 def tets(fine, way="straight"):
-    return build_tets(source_box(WIDTH, SIZE.depth, ZONE, fine), None if way == "none" else socket(turned=way == "turned"))
+    return mesh_patch_with_tetrahedra(
+        patch_as_in_thesis(WIDTH, SIZE.depth, ZONE, fine), None if way == "none" else socket(turned=way == "turned")
+    )
 
 
 def patch(kind, where="groove", side=0, fine=0.16e-3):
     """Patch mesh and the directions of its contact forces."""
     place, centre = places(side)[where]
-    mesh = build_patch(lines(2.0), ZONE, place, socket()) if kind == "Q2" else build_tet_patch(tets(fine), place, socket())
+    mesh = (
+        mesh_hexahedral_patch(lines(2.0), ZONE, place, socket())
+        if kind == "Q2"
+        else fit_tetrahedral_patch(tets(fine), place, socket())
+    )
     arms = mesh.points[mesh.contact] - centre
     return mesh, arms / np.linalg.norm(arms, axis=1)[:, None]
 

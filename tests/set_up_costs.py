@@ -17,28 +17,32 @@ import pytest
 
 from rollbench.compare import __version__
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.reference.tasks import needed_sides, settings_of
-from rollbench.compare.running import machine
+from rollbench.compare.reference.tasks import flanks_to_mesh, mesh_settings
+from rollbench.compare.running import machine_description
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.run_times import SET_UP_COSTS, today
 from rollbench.compare.studies.survey import SEED, scene_text
 from rollbench.hifi import condensation, linear_algebra, setup
 from rollbench.hifi.bodies import patch
-from rollbench.hifi.condensation import condense_side, condense_side_arguments, turn_to_right_flank
+from rollbench.hifi.condensation import (
+    collect_flank_condensation_arguments,
+    condense_patches_of_flank,
+    turn_patches_to_right_flank,
+)
 from rollbench.hifi.elements import forms
 from rollbench.hifi.meshing.part_meshes import mesh_parts
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.shaft import section as cell
-from rollbench.hifi.shaft.section import helical_stiffness
+from rollbench.hifi.shaft.section import stiffness_of_grooved_shaft
 from rollbench.meshes import ball_body, grooved_body
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.processes import one_thread
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.processes import limit_to_one_thread
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 #: What a stage spends its time on: names of functions and the modules that call them; the dense algebra is a part of the
 #: elimination.
@@ -61,7 +65,7 @@ BETWEEN = (0.95, 1.05)
 def scene_of(name: str) -> Scene:
     """The new screw is case 1 with another nut."""
     if name == "flanged":
-        return scene_file.scene_of_text(scene_text(SEED, FLANGED), f"survey-{SEED}-{FLANGED}.toml")
+        return scene_file.scene_from_text(scene_text(SEED, FLANGED), f"survey-{SEED}-{FLANGED}.toml")
     if name != "new screw":
         return catalogue.scene(name)
     scene = catalogue.scene("lin-case1")
@@ -92,7 +96,7 @@ def timed(spent: dict[str, float]) -> Iterator[None]:
 def stages_of(name: str, level: int) -> dict[str, Any]:
     """Processor time [s] of every stage of a cold set-up and its loads in one process of one thread, by kind of work."""
     scene, spent, stages = scene_of(name), defaultdict[str, float](float), {}
-    wanted = needed_sides(scene)
+    wanted = flanks_to_mesh(scene)
     before = {"all": process_time()}
 
     def heard(text: str) -> None:
@@ -102,7 +106,7 @@ def stages_of(name: str, level: int) -> dict[str, Any]:
         before.update(total)
 
     with timed(spent):
-        whole = setup.prepare(scene, wanted, settings_of([scene], level), heard, cache=Cache(None))
+        whole = setup.prepare(scene, wanted, mesh_settings([scene], level), heard, cache=Cache(None))
         found = solve_reference(whole, scene)
     heard("contact loads:")
     return {"scene": name, "level": level, "contacts": int((found.load > 0.0).sum()), "stages": stages}
@@ -112,8 +116,8 @@ def ways_of(name: str) -> list[dict[str, Any]]:
     """Cheaper shafts and patches of a scene on level 1: processor time that they save [s], largest change of a load [% of
     the mean load]."""
     scene = scene_of(name)
-    choices, wanted, raw, A_s, spent = settings_of([scene], 1), needed_sides(scene), [], [], []
-    kept, finished = condensation.local_compliance, setup._correct_screw_stiffness
+    choices, wanted, raw, A_s, spent = mesh_settings([scene], 1), flanks_to_mesh(scene), [], [], []
+    kept, finished = condensation.local_contact_compliance, setup._correct_screw_stiffness
 
     def watched(*given: Any) -> Array:
         A_s.append(kept(*given))
@@ -121,10 +125,12 @@ def ways_of(name: str) -> list[dict[str, Any]]:
         return A_s[-1]
 
     begun: list[float] = []
-    fine = condensation.fine_compliance
+    fine = condensation.contact_compliance_in_fine_piece
     with pytest.MonkeyPatch.context() as put:
-        put.setattr(condensation, "fine_compliance", lambda *given: begun.append(process_time()) or fine(*given))
-        put.setattr(condensation, "local_compliance", watched)  # of groove and ball of one side after the other
+        put.setattr(
+            condensation, "contact_compliance_in_fine_piece", lambda *given: begun.append(process_time()) or fine(*given)
+        )
+        put.setattr(condensation, "local_contact_compliance", watched)  # of groove and ball of one side after the other
         put.setattr(setup, "_correct_screw_stiffness", lambda *given: raw.append(given) or finished(*given))
         base = setup.prepare(scene, wanted, choices, cache=Cache(None))
     load = solve_reference(base, scene).load
@@ -137,11 +143,11 @@ def ways_of(name: str) -> list[dict[str, Any]]:
     def with_own(side: int, value: Array) -> setup.Setup:
         patches = {**base.patches, side: replace(base.patches[side], local=value)}
         if len(wanted) == 4:
-            patches[side + 1] = turn_to_right_flank(patches[side])
+            patches[side + 1] = turn_patches_to_right_flank(patches[side])
         return replace(base, patches=patches)
 
     one, other = (s for s in wanted if len(wanted) == 2 or s % 2 == 0)
-    like = A_s[1] if one % 2 == other % 2 else turn_to_right_flank(replace(base.patches[one], local=A_s[1])).local
+    like = A_s[1] if one % 2 == other % 2 else turn_patches_to_right_flank(replace(base.patches[one], local=A_s[1])).local
     out = [row("one ball's patch for screw and nut", with_own(other, base.patches[other].local - A_s[3] + like), spent[3])]
     between = np.mean([_own_of(scene, share, choices, wanted) for share in BETWEEN], axis=0)
     out.append(row("screw's patch from a library", with_own(one, between), spent[0] + spent[1]))
@@ -154,21 +160,21 @@ def _own_of(scene: Scene, share: float, choices: Settings, wanted: tuple[int, ..
     track = replace(scene.track, pitch_radius=share * scene.track.pitch_radius)
     screw, nut = (replace(x, outer_diameter=x.outer_diameter + away) for x in (scene.screw, scene.nut))
     near = replace(scene, track=track, screw=screw, nut=nut)
-    m, layout, dims = GrooveMap.of(near), ball_layout(near), solid_dimensions(near)
+    m, layout, dims = GrooveMap.of(near), ball_layout(near), dimensions_of_3d_parts(near)
     meshes = mesh_parts(near, m, layout, dims, wanted, choices)
-    return condense_side(*condense_side_arguments(near, m, dims, meshes, wanted[0], choices)).local
+    return condense_patches_of_flank(*collect_flank_condensation_arguments(near, m, dims, meshes, wanted[0], choices)).local
 
 
 def _shafts(scene: Scene, base: setup.Setup, raw: Any, choices: Settings, row: Callable[..., Any]) -> list[dict[str, Any]]:
     """What other meshes, and another length, of the shafts do that say what a cut does."""
     screw, _, *rest = raw
     m, e, bore = base.map, scene.screw.material, scene.screw.bore / 2.0
-    section = helical_stiffness(m, scene.screw.outer_diameter / 2.0, bore, e)
+    section = stiffness_of_grooved_shaft(m, scene.screw.outer_diameter / 2.0, bore, e)
 
     def shafts(cells: float, lengths: Sequence[float]) -> tuple[setup.Setup, float]:
         begin, radii = process_time(), (scene.screw.outer_diameter / 2.0, base.dims.hole)
         meshed = [cell.meshed_shaft_flexibility(m, *radii, e, cells * choices.cell, length) for length in lengths]
-        spent, found = process_time() - begin, cell.homogenise(m, bore, e, section, meshed)
+        spent, found = process_time() - begin, cell.compute_equivalent_beam(m, bore, e, section, meshed)
         return replace(base, screw=setup._correct_screw_stiffness(screw, found, *rest)), spent
 
     whole = cell.shaft_lengths(m)
@@ -184,7 +190,12 @@ def _shafts(scene: Scene, base: setup.Setup, raw: Any, choices: Settings, row: C
 
 
 if __name__ == "__main__":
-    one_thread()
-    found = {"version": __version__, "machine": machine(), "date": today(), "jobs": [stages_of(*job) for job in JOBS]}
+    limit_to_one_thread()
+    found = {
+        "version": __version__,
+        "machine": machine_description(),
+        "date": today(),
+        "jobs": [stages_of(*job) for job in JOBS],
+    }
     found["ways"] = [row for name in ("new screw", "flanged") for row in ways_of(name)]
     (shipped_store() / SET_UP_COSTS).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

@@ -5,14 +5,14 @@ from pathlib import Path
 from tests.load_cases import TEXT
 
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.template import template
+from rollbench.compare.scenes.template import commented_template
 from rollbench.meshes.axis import Assembly
 
 SCENES = Path(__file__).parent / "scenes"
 
 
 def axis_names():
-    return tuple(name for name in catalogue.scene_names() if isinstance(catalogue.shipped(name), Assembly))
+    return tuple(name for name in catalogue.scene_names() if isinstance(catalogue.shipped_scene(name), Assembly))
 
 
 def own_text(name):
@@ -24,8 +24,8 @@ def text(name):
     """Text of a scene: of tests, commented, with load cases, or shipped."""
     if (SCENES / f"{name}.toml").exists():
         return own_text(name)
-    others = {"support-bearings": lambda: template(name), "load cases": lambda: TEXT}
-    return others.get(name, lambda: catalogue.scene_text(name))()
+    others = {"support-bearings": lambda: commented_template(name), "load cases": lambda: TEXT}
+    return others.get(name, lambda: catalogue.shipped_scene_text(name))()
 
 
 def changed(name, *changes):

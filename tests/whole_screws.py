@@ -7,7 +7,7 @@ from tests.helpers import FLANK_ERRORS, small_screw, solved
 
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
 from rollbench.lowfi.friction.whole.state import friction_state
-from rollbench.meshes.helix import layout_at
+from rollbench.meshes.helix import ball_layout_at_positions
 from rollbench.meshes.parts import Balls, Friction, Material, Motion, Nut, Scene, Screw, Track
 
 MU, TURN = Friction(0.1, 0.1, feedback=False), Motion(10.0)
@@ -44,7 +44,7 @@ def single(force, angle, groove):
 def contacts_in(groove, force, angle, azimuth):
     """Contacts of N balls in a groove with its Hertz constants; force, angle (N, 4), azimuth (N,)."""
     h, cube = groove.constants, np.cbrt(np.maximum(force, 1e-9 * force.max()))
-    layout = layout_at(scene_of(groove).track, azimuth, groove.ratio * azimuth)
+    layout = ball_layout_at_positions(scene_of(groove).track, azimuth, groove.ratio * azimuth)
     size, across = np.full(azimuth.size, groove.ball_radius), np.ones(force.shape, dtype=bool)
     return StaticContacts(size, force, angle, h.C_a * cube, h.C_b * cube, across, layout)
 

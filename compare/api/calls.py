@@ -20,17 +20,17 @@ from rollbench.compare.results.data import (
     Survey,
     Sweep,
     ensemble_from_json,
-    friction_from_json,
-    mesh_study_of,
+    friction_record_from_json,
+    mesh_study_from_json,
     survey_from_json,
     sweep_from_json,
 )
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
-from rollbench.compare.scenes.scene_file import each_case, scene_or_assembly
+from rollbench.compare.scenes.scene_file import scene_or_assembly_or_raise, scenes_of_load_cases
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.processes import held_to_one_thread
+from rollbench.meshes.processes import limited_to_one_thread
 
 if TYPE_CHECKING:
     from rollbench.compare.models.registry import Options
@@ -103,12 +103,12 @@ def new(size: str = "", *, kind: str = "ball screw") -> Described:
     >>> rollbench.new("40x10").track.lead
     0.01
     """
-    from rollbench.compare.scenes.template import text_of
+    from rollbench.compare.scenes.template import new_scene_text
 
-    return scene_file.parse_scene(text_of(kind, size), size or kind)
+    return scene_file.parse_scene(new_scene_text(kind, size), size or kind)
 
 
-@held_to_one_thread()
+@limited_to_one_thread()
 def solve(
     scene: Described | str | Path,
     model: str = "",
@@ -203,17 +203,17 @@ def solve_described(
         If the model does not cover the scene.
     """
     from rollbench.compare.models.answers import Answers, tangent_stiffness_at, tangent_stiffness_at_nut
-    from rollbench.compare.models.load_cases import cycle_results, solve_any
+    from rollbench.compare.models.load_cases import compute_cycle_results, solve_with_results
     from rollbench.compare.models.registry import default_model
-    from rollbench.compare.results.solved import make_result
+    from rollbench.compare.results.solved import result_from_solutions
 
     solved, tangents, at_nut = [], [], []
-    for scene in each_case(described, origin or described.name):
+    for scene in scenes_of_load_cases(described, origin or described.name):
         with name_file_in_refusals(scene.name, origin or scene.name):
             chosen, tangent = model or default_model(scene), None
             if isinstance(scene, Assembly) and stiffness_at is not None:
                 scene = replace(scene, stiffness_at=stiffness_at)
-            one = solve_any(scene, chosen, options)
+            one = solve_with_results(scene, chosen, options)
             if isinstance(scene, Scene) and stiffness_at is not None and one.answers is not None:
                 tangent = tangent_stiffness_at(scene, stiffness_at, chosen, options)
             K = one.answers.at_nut if isinstance(one.answers, Answers) else None
@@ -223,11 +223,11 @@ def solve_described(
             tangents.append(tangent)
             at_nut.append(K)
     if not isinstance(described, DutyCycle):
-        return make_result(solved, tangents, at_nut)
-    return make_result(solved, tangents, at_nut, described, cycle_results(described, solved))
+        return result_from_solutions(solved, tangents, at_nut)
+    return result_from_solutions(solved, tangents, at_nut, described, compute_cycle_results(described, solved))
 
 
-@held_to_one_thread()
+@limited_to_one_thread()
 def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, member: int = 0) -> LoadCurve:
     """Solve a scene under a range of loads: displacement and stiffness as functions of the load, and the backlash.
 
@@ -270,14 +270,14 @@ def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, me
 
 
 def load_curve_of(described: Described, loads: str, model: str, options: Options, origin: str = "") -> LoadCurve:
-    """Compute displacement and stiffness over load for a scene that has already been read; see `load_curve`.
+    """Compute displacement and stiffness over load for a scene that has already been read; see `compute_load_curve`.
 
     Parameters
     ----------
     described
         The scene; of several load cases only the first is solved.
     loads
-        Range of loads, as for `load_curve`.
+        Range of loads, as for `compute_load_curve`.
     model
         Name of the model; if empty, the default model of the scene.
     options
@@ -295,15 +295,15 @@ def load_curve_of(described: Described, loads: str, model: str, options: Options
     rollbench.InputError
         If the text of ``loads`` is no valid range, or if the model does not cover the scene.
     """
-    from rollbench.compare.results.load_curve import load_curve, read_load_range
+    from rollbench.compare.results.load_curve import compute_load_curve, read_load_range
 
     course = read_load_range(loads)
-    scene: Scene | Assembly = each_case(described, origin or described.name)[0]
+    scene: Scene | Assembly = scenes_of_load_cases(described, origin or described.name)[0]
     with name_file_in_refusals(scene.name, origin or scene.name):
-        return load_curve(scene, course, model, options)
+        return compute_load_curve(scene, course, model, options)
 
 
-@held_to_one_thread()
+@limited_to_one_thread()
 def side_by_side(
     scenes: Sequence[Described | str | Path], *, model: str = "", member: int = 0, stiffness_at: float | None = None
 ) -> SideBySide:
@@ -376,17 +376,17 @@ def side_by_side_described(
         If there are fewer than two scenes, or the model does not cover one.
     """
     from rollbench.compare.models.registry import Options
-    from rollbench.compare.results.side_by_side import side_by_side_of
+    from rollbench.compare.results.side_by_side import compare_results_side_by_side
 
     if len(described) < 2:
         raise ArgumentError("scenes", f"{len(described)} scene(s)", "at least two scenes", "use `solve` for one scene")
     options, names = Options(member=member), [x.name for x in described]
     pairs = zip(described, origins, strict=True)
     found = [solve_described(x, model, options, stiffness_at, origin, stiffness=True) for x, origin in pairs]
-    return side_by_side_of(found, names if len(set(names)) == len(names) else origins)
+    return compare_results_side_by_side(found, names if len(set(names)) == len(names) else origins)
 
 
-@held_to_one_thread()
+@limited_to_one_thread()
 def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: str = "") -> Friction:
     """Compute the motion of the rolling bodies, power loss, friction torque and efficiency of a scene.
 
@@ -426,10 +426,10 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     from rollbench.compare.studies.friction.solve import friction_for_library
 
     data = friction_for_library(_described(scene), tuple(mu), model)
-    return friction_from_json(data)
+    return friction_record_from_json(data)
 
 
-@held_to_one_thread()
+@limited_to_one_thread()
 def ensemble(
     scene: Described | str | Path, members: int, model: str = "", *, seed: int | None = None, workers: int | None = None
 ) -> Ensemble:
@@ -470,7 +470,7 @@ def ensemble(
     return ensemble_from_json(ensemble_for_library(_described(scene), model, members, seed, workers, LOG.info))
 
 
-@held_to_one_thread()
+@limited_to_one_thread()
 def compare_models(
     scene: Described | str | Path,
     models: Sequence[str] = (),
@@ -512,30 +512,30 @@ def compare_models(
     >>> {name: round(comparison.errors[name], 1) for name in ("refined", "mei")}
     {'refined': 0.2, 'mei': 19.1}
     """
-    from rollbench.compare.models.comparison import compared_models
+    from rollbench.compare.models.comparison import models_by_name
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.reference.levels import LEVELS
-    from rollbench.compare.results.comparison import make_comparison, start_comparison
-    from rollbench.meshes.cache import default_root
+    from rollbench.compare.results.comparison import make_comparison, prepare_comparison
+    from rollbench.meshes.cache import default_cache_folder
 
     if reference is not None and levels is not None:
         raise ArgumentError("reference", str(reference), "a reference file or `levels`, not both", "leave one of them out")
     described = _described(scene)
-    found = start_comparison(
+    found = prepare_comparison(
         [described],
         [_origin(scene, described)],
-        compared_models(tuple(models)),
-        Engine(cache=default_root()),
+        models_by_name(tuple(models)),
+        Engine(cache=default_cache_folder()),
         LOG.info,
         store=Path(store),
         levels=None if levels is None else range(1, levels + 1),
         otherwise=range(1, len(LEVELS) + 1),
         reference=None if reference is None else Path(reference),
     )
-    return make_comparison(described, list(found.each()), found.warnings)
+    return make_comparison(described, list(found.compare_each_set()), found.warnings)
 
 
-@held_to_one_thread()
+@limited_to_one_thread()
 def check(
     scene: Described | str | Path,
     *,
@@ -600,8 +600,8 @@ def check(
     """
     from rollbench.compare.gate.user import gate_request
     from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.results.verdict import judge_request
-    from rollbench.meshes.cache import default_root
+    from rollbench.compare.results.verdict import judge_scenes
+    from rollbench.meshes.cache import default_cache_folder
 
     described = _described(scene)
     request = gate_request(
@@ -616,10 +616,10 @@ def check(
         store=Path(store),
         compute=compute,
     )
-    return judge_request([described], [_origin(scene, described)], request, Engine(cache=default_root()), LOG.info)
+    return judge_scenes([described], [_origin(scene, described)], request, Engine(cache=default_cache_folder()), LOG.info)
 
 
-@held_to_one_thread()
+@limited_to_one_thread()
 def mesh_study(
     scene: Described | str | Path,
     *,
@@ -665,13 +665,13 @@ def mesh_study(
 
     described = _described(scene)
     if isinstance(described, Assembly) and roller.has_rollers(described):
-        return mesh_study_of(*roller.roller_study_for_library(described, levels, LOG.info, Path(store)))
-    target = scene_or_assembly(described, described.name)
+        return mesh_study_from_json(*roller.roller_study_for_library(described, levels, LOG.info, Path(store)))
+    target = scene_or_assembly_or_raise(described, described.name)
     found = mesh_study_for_library(target, levels, LOG.info, spread=spread, store=Path(store))
-    return mesh_study_of(*found)
+    return mesh_study_from_json(*found)
 
 
-@held_to_one_thread()
+@limited_to_one_thread()
 def sweep(
     scene: str | Path,
     vary: Sequence[str],
@@ -730,7 +730,7 @@ def sweep(
     return sweep_from_json(data, Path(out))
 
 
-@held_to_one_thread()
+@limited_to_one_thread()
 def table(
     scene: str | Path,
     over: Sequence[str] = (),
@@ -777,14 +777,14 @@ def table(
     """
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.studies.table import check_request, solve_table
-    from rollbench.meshes.cache import default_root
+    from rollbench.meshes.cache import default_cache_folder
 
     return solve_table(
-        check_request(str(scene), over, quantities, model, stiffness_at), Engine(cache=default_root()), LOG.info
+        check_request(str(scene), over, quantities, model, stiffness_at), Engine(cache=default_cache_folder()), LOG.info
     )
 
 
-@held_to_one_thread()
+@limited_to_one_thread()
 def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7.0, workers: int | None = None) -> Survey:
     """Compare models with stored loads of the 3D reference on up to 240 randomly drawn ball screws.
 
@@ -817,9 +817,11 @@ def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7
     >>> {name: round(error, 1) for name, error in found.median.items()}
     {'lin-printed-hertz': 15.2, 'refined': 0.4, 'lin': 2.6}
     """
-    from rollbench.compare.studies.survey_models import run_models
+    from rollbench.compare.studies.survey_models import compare_models_on_drawn_screws
 
-    return survey_from_json(run_models([model] if isinstance(model, str) else model, count, workers, max_error, LOG.info))
+    return survey_from_json(
+        compare_models_on_drawn_screws([model] if isinstance(model, str) else model, count, workers, max_error, LOG.info)
+    )
 
 
 def _described(scene: Described | str | Path) -> Described:

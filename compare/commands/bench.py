@@ -12,12 +12,12 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, app
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, cell, print_answer, ruled_table
+from rollbench.compare.running import show_progress_message
+from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
 
 if TYPE_CHECKING:
     from rollbench.compare.sections.reference_time import TimePoint
-    from rollbench.compare.studies.run_times import Job
+    from rollbench.compare.studies.run_times import RunTimeRow
 
 #: Scene whose models are timed unless the user names others.
 FIRST = "lin-case1"
@@ -60,92 +60,99 @@ def bench(
         if store is None:
             advice = "add `store` with a folder for the runs"
             raise ArgumentError("drawn", "this option without a folder", "only together with `store`", advice)
-        return print_answer(run_drawn(store), as_json)
+        return print_command_output(measure_drawn_screws(store), as_json)
     if source is not None and (names or long):
         raise ArgumentError("source", f"{source} with names or --long", "only without names and `long`", "leave them out")
     if store is not None and names:
         advice = "leave the names out: a report shows times of all scenes from one run"
         raise ArgumentError("store", f"{store} with names of scenes", "only without names", advice)
-    answer = run_bench(names or (), store, long=long) if source is None else run_source(source, store)
-    return print_answer(answer, as_json)
+    answer = (
+        measure_default_times(names or (), store, long=long) if source is None else measure_publication_times(source, store)
+    )
+    return print_command_output(answer, as_json)
 
 
-def run_source(source: str, store: Path | None) -> Answer:
+def measure_publication_times(source: str, store: Path | None) -> CommandOutput:
     """Measure the computing times that the page of a publication shows, and return a table of them.
 
     ``store``: folder in which they are stored; None: not stored. Raises InputError for a publication without times.
     """
-    from rollbench.compare.case import every_case
+    from rollbench.compare.case import all_cases
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference.store import shipped_store
-    from rollbench.compare.studies.run_times import Job, save_times
+    from rollbench.compare.studies.run_times import RunTimeRow, save_times
 
-    timed = {case.name: case for case in every_case() if (case.folder / "times.py").is_file()}
+    timed = {case.name: case for case in all_cases() if (case.folder / "times.py").is_file()}
     if source not in timed:
         raise ArgumentError("source", f'"{source}"', ", ".join(timed), "choose a publication whose page shows times")
     study = Study(None if store is None else (store, shipped_store()))
-    kept = timed[source].import_object("times:measure_run_times")(study, on_terminal)
+    kept = timed[source].import_object("times:measure_run_times")(study, show_progress_message)
     if store is not None:
         save_times(store, kept, source)
     note = "new process, empty caches; a further load case {:.3g} s"
     jobs = [
-        Job(f"{scene}: {way}", t.cold, None, None, t.memory, None, note.format(t.warm))
+        RunTimeRow(f"{scene}: {way}", t.cold, None, None, t.memory, None, note.format(t.warm))
         for (scene, way), t in kept.times.items()
     ]
     for one in kept.levels:
         further = note.format(one.load_case or 0.0)
-        jobs.append(Job(f"{one.scene}: 3D level {one.level}", one.process, None, None, one.memory, None, further))
-    return Answer([asdict(job) for job in jobs], _tables_of_times(jobs))
+        jobs.append(RunTimeRow(f"{one.scene}: 3D level {one.level}", one.process, None, None, one.memory, None, further))
+    return CommandOutput([asdict(job) for job in jobs], _tables_of_times(jobs))
 
 
-def run_drawn(store: Path) -> Answer:
+def measure_drawn_screws(store: Path) -> CommandOutput:
     """Solve 24 randomly drawn screws on two mesh levels, and return errors and times of the levels and of the models.
 
     ``store``: folder of the runs. Raises InputError if a file cannot be written.
     """
     from rollbench.compare.studies import survey
-    from rollbench.compare.studies.run_times import Job
-    from rollbench.compare.studies.survey_models import levels_and_models, measure_levels
+    from rollbench.compare.studies.run_times import RunTimeRow
+    from rollbench.compare.studies.survey_models import errors_and_times_of_models, time_mesh_levels_on_screws
 
-    runs = measure_levels(store, on_terminal).runs
+    runs = time_mesh_levels_on_screws(store, show_progress_message).runs
     jobs = [
-        Job(
+        RunTimeRow(
             f"{s.name} on {s.seconds.size} random screws" + (f", errors by {s.judged_by}" if s.judged_by else ""),
             float(median(s.seconds)),
             error_percent=float(median(s.errors)) if s.errors.size else None,
             note=f"medians, processor time of one core; a further load case {median(s.further):.3g} s",
         )
-        for s in levels_and_models(runs, survey.known_screws())
+        for s in errors_and_times_of_models(runs, survey.records_of_known_screws())
     ]
-    return Answer([asdict(job) for job in jobs], _tables_of_times(jobs))
+    return CommandOutput([asdict(job) for job in jobs], _tables_of_times(jobs))
 
 
-def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer:
+def measure_default_times(names: Sequence[str], store: Path | None, *, long: bool) -> CommandOutput:
     """Measure computing times of models, and of commands and threads unless ``long``; return a table of them.
 
     ``names``: scenes; if empty, the default scenes. ``store``: folder in which the times are stored; None: not stored.
     ``long``: also time the levels of the 3D reference. Raises InputError for a scene without a 3D reference.
     """
     from rollbench.compare.sections.reference_time import measure_commands
-    from rollbench.compare.studies.run_times import TYPED, save_times, time_threads
+    from rollbench.compare.studies.run_times import TYPED, save_times, time_ensemble_with_threads
 
-    jobs = [*time_models(names, store if long else None, long=long)]
+    jobs = [*measure_model_times(names, store if long else None, long=long)]
     if not long:
-        kept = measure_commands(on_terminal)
+        kept = measure_commands(show_progress_message)
         if store is not None:
             save_times(store, kept, TYPED)
-        jobs += [*(command.job for command in kept.typed), *time_threads()]
-    return Answer([asdict(job) for job in jobs], _tables_of_times(jobs))
+        jobs += [*(command.job for command in kept.typed), *time_ensemble_with_threads()]
+    return CommandOutput([asdict(job) for job in jobs], _tables_of_times(jobs))
 
 
-def time_models(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[Job]:
+def measure_model_times(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[RunTimeRow]:
     """Measure the computing times of the models of scenes and, if ``long``, of the levels of the 3D reference.
 
     ``store``: folder in which the times are stored; None: not stored. Raises InputError for a scene without a 3D reference.
     """
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference.store import shipped_store
-    from rollbench.compare.sections.reference_time import compared_scenes, measure_run_times, measuring_run, time_points
+    from rollbench.compare.sections.reference_time import (
+        compared_scenes,
+        error_and_time_points,
+        measure_run_times,
+        run_times_to_show,
+    )
     from rollbench.compare.studies.run_times import save_times
 
     study = Study(None if store is None else (store, shipped_store()))
@@ -154,32 +161,32 @@ def time_models(names: Sequence[str], store: Path | None, *, long: bool) -> Iter
         if name not in known:
             raise ArgumentError("names", name, ", ".join(known), "choose scenes that have a 3D reference")
     wanted = names or (tuple(known) if long else (FIRST,))
-    kept = measure_run_times(study, wanted, on_terminal, levels=long)
+    kept = measure_run_times(study, wanted, show_progress_message, levels=long)
     if store is not None:
         save_times(store, kept)
-    study.computed[measuring_run, on_terminal] = kept
+    study.computed[run_times_to_show, show_progress_message] = kept
     for name in wanted:
-        yield from timed_jobs_of_scene(name, time_points(name, known[name], study, on_terminal))
+        yield from timed_jobs_of_scene(name, error_and_time_points(name, known[name], study, show_progress_message))
 
 
-def timed_jobs_of_scene(scene: str, points: Sequence[TimePoint]) -> Iterator[Job]:
+def timed_jobs_of_scene(scene: str, points: Sequence[TimePoint]) -> Iterator[RunTimeRow]:
     """Yield the measured computing times of a scene by models and mesh levels, with their errors.
 
     ``scene``: name of the scene. ``points``: errors and times of all models and mesh levels; those without a time are left
     out.
     """
-    from rollbench.compare.studies.run_times import Job
+    from rollbench.compare.studies.run_times import RunTimeRow
 
     for p in points:
         if p.cold is not None:
             warm = "" if p.warm is None else f"; a further solve {p.warm:.3g} s"
             note = f"new process, empty caches{warm}; RMS error {p.rms:.2f} %"
-            yield Job(f"{scene}: {p.label}", p.cold, None, p.unknowns, p.memory, p.error, note)
+            yield RunTimeRow(f"{scene}: {p.label}", p.cold, None, p.unknowns, p.memory, p.error, note)
 
 
-def _tables_of_times(jobs: Sequence[Job]) -> Iterator[object]:
+def _tables_of_times(jobs: Sequence[RunTimeRow]) -> Iterator[object]:
     """Yield the table of all measured computing times for the terminal."""
     forms = {"seconds": ".3g", "error_percent": ".2f", "ratio": ".3g", "unknowns": "d", "peak_MB": ".0f"}
-    rows = ([job.job, *(cell(getattr(job, name), form) for name, form in forms.items()), job.note] for job in jobs)
+    rows = ([job.job, *(format_cell(getattr(job, name), form) for name, form in forms.items()), job.note] for job in jobs)
     headings = ("job", "seconds", "error %", "ratio", "unknowns", "peak MB", "what is included")
     yield ruled_table("bench", headings, rows, ("job", "what is included"))

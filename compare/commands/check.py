@@ -18,24 +18,24 @@ from rollbench.compare.commands.terminal import (
     Word,
     app,
     cache_folder,
-    model_name_of,
+    model_or_program_name,
 )
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, cell, print_answer, ruled_table, text_width
+from rollbench.compare.running import show_progress_message
+from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table, text_width
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from rollbench.compare.gate.gate import GateRow
-    from rollbench.compare.gate.publish import Change, Outcome
+    from rollbench.compare.gate.gate import GateCheck
+    from rollbench.compare.gate.publish import Outcome, VerdictChange
     from rollbench.compare.gate.user import GateRequest
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference.jobs import Engine
 
 
 @dataclass(frozen=True)
-class Files:
+class VerdictFiles:
     """Files to which verdicts are written, and an earlier file of verdicts (the baseline) that they are compared with."""
 
     junit: Path | None = None
@@ -43,13 +43,13 @@ class Files:
     csv: Path | None = None
     baseline: Path | None = None
 
-    def changed(self, outcomes: Sequence[Outcome]) -> list[Change]:
+    def changed(self, outcomes: Sequence[Outcome]) -> list[VerdictChange]:
         """Return the verdicts that differ from those in the baseline file; InputError if the file cannot be read."""
         from rollbench.compare.gate.publish import changes_against_file
 
         return [] if self.baseline is None else changes_against_file(self.baseline, outcomes)
 
-    def since(self, changed: Sequence[Change]) -> list[str]:
+    def baseline_change_lines(self, changed: Sequence[VerdictChange]) -> list[str]:
         """Return the changes since the baseline as lines of text; no lines if no baseline was stated."""
         if self.baseline is None:
             return []
@@ -59,13 +59,13 @@ class Files:
 
     def write(self, outcomes: Sequence[Outcome], notes: Sequence[str]) -> list[str]:
         """Write the verdicts to all requested files, and return a line that names each file."""
-        from rollbench.compare.gate.publish import publish
+        from rollbench.compare.gate.publish import write_verdicts
 
-        written = publish(outcomes, notes, junit_file=self.junit, markdown_file=self.markdown, csv_file=self.csv)
+        written = write_verdicts(outcomes, notes, junit_file=self.junit, markdown_file=self.markdown, csv_file=self.csv)
         return [f"wrote {path}" for path in written]
 
 
-def run_check(names: Sequence[str], request: GateRequest, engine: Engine, files: Files) -> Answer:
+def judge_and_report(names: Sequence[str], request: GateRequest, engine: Engine, files: VerdictFiles) -> CommandOutput:
     """Judge scenes against their references, and return the verdicts; the exit code is that of the worst verdict.
 
     ``names``: names or files of the scenes. ``request``: values to judge, limits and reference. ``engine``: computes
@@ -73,80 +73,80 @@ def run_check(names: Sequence[str], request: GateRequest, engine: Engine, files:
     """
     from rollbench.compare.gate.publish import outcome_of_verdict
     from rollbench.compare.gate.verdict import CODES
-    from rollbench.compare.results.base import as_text
-    from rollbench.compare.results.verdict import judge_request
+    from rollbench.compare.results.base import format_table_as_text
+    from rollbench.compare.results.verdict import judge_scenes
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import each_case
+    from rollbench.compare.scenes.scene_file import scenes_of_load_cases
 
     described = [catalogue.any_scene(name) for name in names]
     taken: dict[str, str] = {}
     for one, name in zip(described, names, strict=True):
-        for scene in each_case(one, name):
+        for scene in scenes_of_load_cases(one, name):
             if scene.name in taken:
                 advice = "rename one of the scenes or load cases"
                 raise InputError(name, "name", scene.name, "a name that no other scene of the command has", advice)
             taken[scene.name] = name
-    found = judge_request(described, names, request, engine, on_terminal)
+    found = judge_scenes(described, names, request, engine, show_progress_message)
     verdicts, left = found.judged, found.not_judged
     outcomes = [outcome_of_verdict(v) for v in verdicts]
     changed = files.changed(outcomes)
     above = [f"WARNING: {warning}" for warning in found.warnings]
     below = [f"not judged, because the file or the reference has no value: {', '.join(left)}"] if left else []
-    below += files.since(changed)
+    below += files.baseline_change_lines(changed)
     written = files.write(outcomes, [*above, *below])
     data: dict[str, Any] = found.to_dict()
     data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
     worst = [f"worst load case of {x['scene']}: {x['case']}, {x['verdict']}" for x in data.get("worst_cases", ())]
-    table = as_text(found.table(), text_width(), found.headings)
+    table = format_table_as_text(found.table(), text_width(), found.headings)
     parts = [found.answer, *above, "", table, "", *worst, *below, *found.advice, *written]
-    return Answer(data, parts, CODES[data["verdict"]])
+    return CommandOutput(data, parts, CODES[data["verdict"]])
 
 
-def run_gate(study: Study, max_error: float) -> list[GateRow]:
+def check_shipped_data(study: Study, max_error: float) -> list[GateCheck]:
     """Run all checks of the data shipped with rollbench, and return a row for each.
 
     ``max_error``: largest permitted error of contact loads [%].
     """
     from rollbench.compare.gate.gate import (
-        band_rows,
-        closed_form_rows,
-        printed_rows,
-        reference_rows,
-        solver_rows,
-        source_rows,
+        check_closed_forms,
+        check_default_model,
+        check_external_bands,
+        check_lin_model,
+        check_printed_entries,
+        check_solvers,
     )
-    from rollbench.compare.studies.rolling.rows import rolling_rows
+    from rollbench.compare.studies.rolling.rows import gate_rows_of_rolling_balls
 
     return [
-        *printed_rows(study, max_error),
-        *closed_form_rows(study, max_error),
-        *solver_rows(study, max_error),
-        *reference_rows(study, max_error),
-        *source_rows(study, max_error),
-        *rolling_rows(study, max_error),
-        *band_rows(study),
+        *check_printed_entries(study, max_error),
+        *check_closed_forms(study, max_error),
+        *check_solvers(study, max_error),
+        *check_default_model(study, max_error),
+        *check_lin_model(study, max_error),
+        *gate_rows_of_rolling_balls(study, max_error),
+        *check_external_bands(study),
     ]
 
 
-def run_shipped(max_error: float | None, files: Files, *, verbose: bool = False) -> Answer:
+def report_shipped_data_checks(max_error: float | None, files: VerdictFiles, *, verbose: bool = False) -> CommandOutput:
     """Check the data shipped with rollbench, and return the result of each check; exit code 1 if one fails.
 
     ``max_error``: limit in per cent; None: 7. ``verbose``: also list the checks that pass.
     """
     from rollbench.compare.gate.publish import outcome_of_check
-    from rollbench.compare.gate.user import fraction_warnings
+    from rollbench.compare.gate.user import fraction_limit_warnings
     from rollbench.compare.gate.verdict import LIMIT, Limits
     from rollbench.compare.models.study import Study
-    from rollbench.compare.results.base import with_schema
+    from rollbench.compare.results.base import add_schema_version
 
     limit = LIMIT if max_error is None else max_error
-    rows = run_gate(Study(members=0), limit)  # no random specimens are solved: no check is about random errors
+    rows = check_shipped_data(Study(members=0), limit)  # no random specimens are solved: no check is about random errors
     bad = [row for row in rows if not row.passed]
     outcomes = [outcome_of_check(row) for row in rows]
     changed = files.changed(outcomes)
-    written = [*files.since(changed), *files.write(outcomes, files.since(changed))]
-    warnings = [*fraction_warnings(Limits(limit))]
-    data = with_schema(
+    written = [*files.baseline_change_lines(changed), *files.write(outcomes, files.baseline_change_lines(changed))]
+    warnings = [*fraction_limit_warnings(Limits(limit))]
+    data = add_schema_version(
         {"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows], "warnings": warnings}
     )
     data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
@@ -156,10 +156,12 @@ def run_shipped(max_error: float | None, files: Files, *, verbose: bool = False)
     shown = [row for row in rows if verbose or row.verdict != "ok"]
     more = [] if verbose else ["--verbose, --csv or --json also list the checks that pass"]
     above = [f"WARNING: {warning}" for warning in warnings]
-    return Answer(data, [line, *above, *([gate_table(shown)] if shown else []), *more, *written], 1 if bad else 0)
+    return CommandOutput(
+        data, [line, *above, *([shipped_checks_table(shown)] if shown else []), *more, *written], 1 if bad else 0
+    )
 
 
-def gate_table(rows: Sequence[GateRow]) -> Table:
+def shipped_checks_table(rows: Sequence[GateCheck]) -> Table:
     """Return the checks of the shipped data as a table, failed checks first.
 
     Enough digits are printed to show that a value is beyond its limit.
@@ -169,8 +171,8 @@ def gate_table(rows: Sequence[GateRow]) -> Table:
             row.verdict,
             row.name + (f" ({row.detail})" if row.detail and not row.passed else ""),
             row.kind,
-            *(cell(x, ".6g") for x in (row.value, row.reference)),
-            *(cell(x, ".3g") for x in (row.error_percent, row.limit_percent)),
+            *(format_cell(x, ".6g") for x in (row.value, row.reference)),
+            *(format_cell(x, ".3g") for x in (row.error_percent, row.limit_percent)),
         )
         for row in sorted(rows, key=lambda row: row.passed)
     )
@@ -274,21 +276,21 @@ def check(
     verbose
         Without scenes: also list the checks that pass.
     """
-    model = model_name_of(program, model)
+    model = model_or_program_name(program, model)
     if printed:
         given: dict[str, object] = {"scenes": scenes, "model": model, "loads": loads, "values": values}
         given |= {"max_error": max_error, "limits": limit, "strict": strict, "reference": reference, "levels": levels}
         given |= {"stored": stored, "no_compute": no_compute, "junit": junit, "markdown": markdown, "csv": csv}
         advice = "leave it out, because printed numbers have limits of their own"
-        refuse_given(given | {"baseline": baseline}, "only without --printed", advice)
-        from rollbench.compare.commands.printed import run_printed
+        refuse_given_arguments(given | {"baseline": baseline}, "only without --printed", advice)
+        from rollbench.compare.commands.printed import judge_printed_numbers
 
-        return print_answer(run_printed(source or (), only or ()), as_json)
-    refuse_given({"source": source, "only": only}, "only with --printed", "add --printed")
+        return print_command_output(judge_printed_numbers(source or (), only or ()), as_json)
+    refuse_given_arguments({"source": source, "only": only}, "only with --printed", "add --printed")
     from rollbench.compare.gate.user import gate_request
     from rollbench.compare.reference.jobs import Engine
 
-    files = Files(junit, markdown, csv, baseline)
+    files = VerdictFiles(junit, markdown, csv, baseline)
     request = gate_request(
         model=model,
         loads=loads,
@@ -303,14 +305,14 @@ def check(
         compute=not no_compute,
     )
     if scenes:
-        return print_answer(run_check(scenes, request, Engine(cache=cache_folder()), files), as_json)
+        return print_command_output(judge_and_report(scenes, request, Engine(cache=cache_folder()), files), as_json)
     given = {"model": model, "loads": loads, "values": values, "limits": limit}
     given |= {"reference": reference, "strict": strict, "levels": levels, "stored": stored, "no_compute": no_compute}
-    refuse_given(given, "only together with a scene", "state the scenes to judge")
-    return print_answer(run_shipped(max_error, files, verbose=verbose), as_json)
+    refuse_given_arguments(given, "only together with a scene", "state the scenes to judge")
+    return print_command_output(report_shipped_data_checks(max_error, files, verbose=verbose), as_json)
 
 
-def refuse_given(given: Mapping[str, object], allowed: str, advice: str) -> None:
+def refuse_given_arguments(given: Mapping[str, object], allowed: str, advice: str) -> None:
     """Raise ArgumentError for the first argument in ``given`` that has a value, because none of them may be used.
 
     ``allowed`` and ``advice`` are the texts of the error.

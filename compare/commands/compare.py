@@ -15,12 +15,20 @@ from rollbench.compare.commands.terminal import (
     ProgramOptions,
     Verbose,
     app,
-    engine_of,
-    model_name_of,
+    engine_from_options,
+    model_or_program_name,
 )
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.running import need_packages, on_terminal
-from rollbench.compare.text.printing import Answer, aligned_table, cell, plain_table, print_answer, ruled_table, text_width
+from rollbench.compare.running import check_packages, show_progress_message
+from rollbench.compare.text.printing import (
+    CommandOutput,
+    format_cell,
+    plain_table,
+    print_command_output,
+    ruled_table,
+    table_of_records,
+    text_width,
+)
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -28,11 +36,11 @@ if TYPE_CHECKING:
     from rollbench.compare.models.comparison import Referenced
     from rollbench.compare.reference.estimate import Reference
     from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.results.compared import Compared, ComparedLoads
+    from rollbench.compare.results.compared import ComparedLoads, SetComparison
     from rollbench.compare.results.comparison import ByCase
     from rollbench.compare.scenes.duty_cycle import DutyCycle
     from rollbench.compare.scenes.friction_kinds.common import KindScene
-    from rollbench.compare.studies.rolling.rows import RollingRow
+    from rollbench.compare.studies.rolling.rows import RollingComparisonRow
     from rollbench.meshes.parts import Scene
     from rollbench.reports.content import Figure
 
@@ -41,7 +49,7 @@ if TYPE_CHECKING:
 NOT_SETTLED = 5
 
 
-def exit_code(references: Iterable[Reference]) -> int:
+def exit_code_of_references(references: Iterable[Reference]) -> int:
     """Return the exit code for references: `NOT_SETTLED` if loads did not converge with mesh refinement, otherwise 0."""
     return NOT_SETTLED if any(reference.unsettled for reference in references) else 0
 
@@ -64,7 +72,7 @@ def parse_levels(text: str) -> tuple[int, ...]:
     return tuple(sorted({names[word] for word in words}))
 
 
-def run_compare(
+def compare_and_report(
     names: Sequence[str],
     models: Sequence[str],
     levels: tuple[int, ...] | None,
@@ -75,7 +83,7 @@ def run_compare(
     balls: bool = False,
     verbose: bool = False,
     reference: Path | None = None,
-) -> Answer:
+) -> CommandOutput:
     """Compare models with the reference of every scene, after missing runs of the reference are computed.
 
     The result has verdict, table and files for the terminal, and JSON with the results of all models and coarser meshes.
@@ -85,74 +93,84 @@ def run_compare(
     uncertainty. ``reference``: file of the user that replaces the 3D reference. Raises Refusal if no run of a scene
     converged.
     """
-    from rollbench.compare.models.comparison import RULE, compared_models, comparison_rows, finest_bodies
-    from rollbench.compare.results.base import as_text, with_schema
-    from rollbench.compare.results.compared import answer_rows, answers_json, comparison_verdict
-    from rollbench.compare.results.comparison import duty_cycles, model_label, start_comparison, together_json
+    from rollbench.compare.models.comparison import RULE, comparison_rows, models_by_name, path_of_condensed_bodies
+    from rollbench.compare.results.base import add_schema_version, format_table_as_text
+    from rollbench.compare.results.compared import comparison_json, comparison_verdict_sentence, model_and_reference_rows
+    from rollbench.compare.results.comparison import (
+        cycle_summaries_json,
+        distinct_duty_cycles,
+        prepare_comparison,
+        set_keys,
+    )
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.duty_cycle import cases_by_name
-    from rollbench.compare.scenes.scene_file import each_case
+    from rollbench.compare.scenes.duty_cycle import load_cases_by_scene_name
+    from rollbench.compare.scenes.scene_file import scenes_of_load_cases
 
-    chosen = compared_models(tuple(models))
+    chosen = models_by_name(tuple(models))
     described = [catalogue.any_scene(name) for name in names]
     for name, beside in (("levels", levels is not None), ("fresh", fresh)) if reference is not None else ():
         if beside:
             given, advice = "this option with `reference`", "leave one of them out: the file replaces the 3D reference"
             raise ArgumentError(name, given, "only without `reference`", advice)
     how: dict[str, Any] = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
-    found = start_comparison(described, names, chosen, engine, on_terminal, **how)
-    origins = [(x, name) for one, name in zip(described, names, strict=True) for x in each_case(one, name)]
-    cases, warnings, stores, own = cases_by_name(described), found.warnings, found.stores, found.own
+    found = prepare_comparison(described, names, chosen, engine, show_progress_message, **how)
+    origins = [(x, name) for one, name in zip(described, names, strict=True) for x in scenes_of_load_cases(one, name)]
+    cases, warnings, stores, own = load_cases_by_scene_name(described), found.warnings, found.stores, found.own
 
     def heading(one: Referenced) -> dict[str, Any]:
-        return model_label(one) | (cases[one.described].keys if one.described in cases else {})
+        return set_keys(one) | (cases[one.described].keys if one.described in cases else {})
 
     def parts() -> Iterator[Any]:
         comparisons, warned = [], [f"WARNING: {warning}" for warning in warnings]
-        for one, whole in found.each():
+        for one, whole in found.compare_each_set():
             comparisons.append(((one.described, one.set), whole))
             yield from (
-                f"{one.found.scene}: {comparison_verdict(whole, one.found)}",
+                f"{one.found.scene}: {comparison_verdict_sentence(whole, one.found)}",
                 *filter(None, [whole.total.beside]),
                 *warned,
                 "",
             )
             warned = []
-            headings, answers = answer_rows(whole)
-            yield from (as_text(answers, text_width(), headings), "", models_table(whole.models, whole.itself), "")
+            headings, answers = model_and_reference_rows(whole)
+            yield from (
+                format_table_as_text(answers, text_width(), headings),
+                "",
+                model_errors_table(whole.models, whole.itself),
+                "",
+            )
             if verbose:
                 yield from (whole.total.text, f"rule of rollbench check: {RULE}")
-                yield from (*start_lines(whole), *older_times(whole.models, whole.itself))
+                yield from (*displacement_origin_lines(whole), *stored_times_lines(whole.models, whole.itself))
             if balls:
                 yield from (contact_loads_table(one.scene, whole.models, one.found), "")
-            bodies = finest_bodies(one.scene, one.found, stores) if one.of is None else None
+            bodies = path_of_condensed_bodies(one.scene, one.found, stores) if one.of is None else None
             if bodies is not None:
                 name = next(name for scene, name in origins if scene is one.scene)
                 command = f"rollbench solve {shlex.quote(name)} --condensed {shlex.quote(str(bodies))}"
                 yield f"preload, 6 x 6 stiffness and friction with the 3D bodies: {command}"
-            yield write_files(one.scene, whole.models, one.found, store)
+            yield write_contact_loads(one.scene, whole.models, one.found, store)
             if not verbose:
                 yield "--verbose also shows: causes of the uncertainty, rule of rollbench check, times of stored runs"
-        yield from (line for cycle in duty_cycles(cases) for line in together_lines(cycle, dict(comparisons)))
+        yield from (line for cycle in distinct_duty_cycles(cases) for line in duty_cycle_lines(cycle, dict(comparisons)))
 
     def data() -> dict[str, Any]:
-        pairs = list(found.each())
+        pairs = list(found.compare_each_set())
         listed = [
             row.as_json() | heading(one)
             for one, whole in pairs
             for b in whole.models
             for row in comparison_rows(one.scene, b.answer, one.found)
         ]
-        answers = [(one, answers_json(whole, one.found) | heading(one)) for one, whole in pairs]
-        out = with_schema({"scenes": [x for one, x in answers if one.described not in cases], "rows": listed})
+        answers = [(one, comparison_json(whole, one.found) | heading(one)) for one, whole in pairs]
+        out = add_schema_version({"scenes": [x for one, x in answers if one.described not in cases], "rows": listed})
         out |= {"warnings": warnings} if own else {}
         if not cases:
             return out
         by_name = {(one.described, one.set): whole for one, whole in pairs}
-        summaries = [row for cycle in duty_cycles(cases) for row in together_json(cycle, by_name)]
+        summaries = [row for cycle in distinct_duty_cycles(cases) for row in cycle_summaries_json(cycle, by_name)]
         return out | {"summary": summaries, "cases": [x for one, x in answers if one.described in cases]}
 
-    return Answer(data, parts(), exit_code(one.found for sets in found.references for one in sets))
+    return CommandOutput(data, parts(), exit_code_of_references(one.found for sets in found.references for one in sets))
 
 
 def contact_loads_table(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> Any:
@@ -160,21 +178,23 @@ def contact_loads_table(scene: Scene, models: Sequence[ComparedLoads], reference
 
     ``models``: loads of models and coarser meshes.
     """
-    listed = [{k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_rows(scene, models, reference)]
-    return aligned_table(listed, ".2f", f"{scene.name}: contact loads / N")
+    listed = [
+        {k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_load_rows(scene, models, reference)
+    ]
+    return table_of_records(listed, ".2f", f"{scene.name}: contact loads / N")
 
 
-def together_lines(cycle: DutyCycle, each: ByCase) -> list[str]:
+def duty_cycle_lines(cycle: DutyCycle, each: ByCase) -> list[str]:
     """Return lines for the terminal with the largest error and the life of each nut or bearing over a duty cycle.
 
     ``each``: comparisons, by the name of the load case and the name of the nut or bearing.
     """
-    from rollbench.compare.results.comparison import together_json
+    from rollbench.compare.results.comparison import cycle_summaries_json
 
-    return [line for data in together_json(cycle, each) for line in ("", _answer_line(data))]
+    return [line for data in cycle_summaries_json(cycle, each) for line in ("", _duty_cycle_sentence(data))]
 
 
-def _answer_line(data: dict[str, Any]) -> str:
+def _duty_cycle_sentence(data: dict[str, Any]) -> str:
     """Return a sentence on a model's largest error and its life over a duty cycle.
 
     ``data``: JSON summary of the comparison over all load cases, for one nut or bearing.
@@ -241,21 +261,21 @@ def compare(
         each contact, or a ball and grooved bars).
     """
     wanted = None if levels is None else parse_levels(levels)
-    command = model_name_of(program)
+    command = model_or_program_name(program)
     means_nothing = {"model": model is not None, "model_command": command != ""}
     means_nothing |= {"balls": balls, "verbose": verbose, "reference": reference is not None}
-    if rolling := rolling_scenes(scenes, bodies, means_nothing):
-        answer = run_rolling_compare(rolling, wanted, store, engine_of(where), fresh=fresh, bodies=bodies)
+    if rolling := scenes_of_friction_or_none(scenes, bodies, means_nothing):
+        answer = compare_rolling_and_report(rolling, wanted, store, engine_from_options(where), fresh=fresh, bodies=bodies)
     else:
         models = [*(model or ()), *filter(None, [command])]
         how: dict[str, Any] = {"fresh": fresh, "balls": balls, "verbose": verbose, "reference": reference}
-        answer = run_compare(scenes, models, wanted, store, engine_of(where), **how)
-    return print_answer(answer, as_json)
+        answer = compare_and_report(scenes, models, wanted, store, engine_from_options(where), **how)
+    return print_command_output(answer, as_json)
 
 
-def run_rolling_compare(
+def compare_rolling_and_report(
     scenes: Sequence[KindScene], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
-) -> Answer:
+) -> CommandOutput:
     """Compare the low-order models of friction with the 3D model of rolling contact, and return a table for each scene.
 
     ``levels``: mesh levels of the 3D model; None: all. ``store``: folder of its stored runs. ``fresh``: compute stored runs
@@ -265,17 +285,17 @@ def run_rolling_compare(
 
     rows = rolling_comparison(scenes, levels, store, engine, fresh=fresh, bodies=bodies)
     shown = dict.fromkeys(row.scene for row in rows)
-    tables = (rolling_table(name, [row for row in rows if row.scene == name]) for name in shown)
-    return Answer({"rows": [without_infinity(row.as_json()) for row in rows]}, tables)
+    tables = (rolling_comparison_table(name, [row for row in rows if row.scene == name]) for name in shown)
+    return CommandOutput({"rows": [without_infinity(row.as_json()) for row in rows]}, tables)
 
 
-def rolling_scenes(names: Sequence[str], bodies: str, means_nothing: Mapping[str, bool]) -> list[KindScene]:
+def scenes_of_friction_or_none(names: Sequence[str], bodies: str, unused_arguments: Mapping[str, bool]) -> list[KindScene]:
     """Return the scenes if all of them are scenes of friction; an empty list if all are whole screws and bearings.
 
     ``names``: names or files of the scenes. ``bodies``: bodies of the 3D model, "half-space" or "finite".
-    ``means_nothing``: arguments that have no effect on scenes of friction, each with whether it was used. Raises InputError
-    for a mix of both sorts of scene, an unknown value of ``bodies``, finite bodies with whole screws, and for such an
-    argument.
+    ``unused_arguments``: arguments that have no effect on scenes of friction, each with whether it was used. Raises
+    InputError for a mix of both sorts of scene, an unknown value of ``bodies``, finite bodies with whole screws, and for
+    such an argument.
     """
     from rollbench.compare.reference.levels import FINITE, HALF_SPACE
     from rollbench.compare.scenes import catalogue
@@ -294,8 +314,8 @@ def rolling_scenes(names: Sequence[str], bodies: str, means_nothing: Mapping[str
             advice = "leave it out: the 3D reference of screws and bearings always has finite bodies"
             raise ArgumentError("bodies", bodies, "only for scenes of friction", advice)
         return []
-    need_packages("scikit-fem")
-    for argument in (name for name, given in means_nothing.items() if given):
+    check_packages("scikit-fem")
+    for argument in (name for name, given in unused_arguments.items() if given):
         advice = "leave it out: it would change nothing"
         raise ArgumentError(argument, "this option for scenes of friction", "only for whole screws and bearings", advice)
     return rolling
@@ -305,61 +325,63 @@ def rolling_scenes(names: Sequence[str], bodies: str, means_nothing: Mapping[str
 MODEL_COLUMNS = ("model", "max err %", "at", "RMS %", "gate %", "max N", "mean N", "MPa", "uz um", "s")
 
 
-def start_lines(whole: Compared) -> list[str]:
+def displacement_origin_lines(comparison: SetComparison) -> list[str]:
     """Return a line that states from which position displacements are measured; no line if it is the nominal position.
 
-    ``whole``: the comparison.
+    ``comparison``: the comparison.
     """
-    if not whole.start:
+    if not comparison.start:
         return []
     return [
         f"displacements of models and reference are measured from the position without loads, which is "
-        f"{1e6 * whole.start:.3g} um from the nominal position by the model {whole.judged_model.title}"
+        f"{1e6 * comparison.start:.3g} um from the nominal position by the model {comparison.judged_model.title}"
     ]
 
 
-def _error_cells(b: ComparedLoads) -> list[str]:
+def _model_table_cells(compared_loads: ComparedLoads) -> list[str]:
     """Return the cells of the table of models for one model or the reference, in the order of `MODEL_COLUMNS`."""
     import numpy as np
 
     from rollbench.compare.measure import mean_load
 
-    e, loads = b.error, b.answer.load[b.answer.load > 0.0]
+    e, loads = compared_loads.error, compared_loads.answer.load[compared_loads.answer.load > 0.0]
     at = "" if e is None else f"{e.ball} {e.side}".strip()
-    errors = () if e is None else (f"{e.max_percent:.2f}", at, f"{e.rms_percent:.2f}", f"{b.by_gate:.2f}")
+    errors = () if e is None else (f"{e.max_percent:.2f}", at, f"{e.rms_percent:.2f}", f"{compared_loads.by_gate:.2f}")
     return [
-        b.title,
+        compared_loads.title,
         *(errors or [""] * 4),
         f"{loads.max(initial=0.0):.1f}",
-        f"{mean_load(loads, b.contacts):.1f}",
-        f"{1e-6 * b.pressure:.0f}",
-        f"{1e6 * b.displacement:.3f}" if np.isfinite(b.displacement) else "–",
-        "" if not b.answer.seconds or b.answer.measured else f"{b.answer.seconds:.{0 if b.answer.seconds >= 10.0 else 2}f}",
+        f"{mean_load(loads, compared_loads.contacts):.1f}",
+        f"{1e-6 * compared_loads.pressure:.0f}",
+        f"{1e6 * compared_loads.displacement:.3f}" if np.isfinite(compared_loads.displacement) else "–",
+        ""
+        if not compared_loads.answer.seconds or compared_loads.answer.measured
+        else f"{compared_loads.answer.seconds:.{0 if compared_loads.answer.seconds >= 10.0 else 2}f}",
     ]
 
 
-def models_table(models: Sequence[ComparedLoads], itself: ComparedLoads) -> RenderableType:
+def model_errors_table(models: Sequence[ComparedLoads], reference: ComparedLoads) -> RenderableType:
     """Return the table of models and coarser meshes with their errors; the reference is in the first row.
 
-    ``models``: loads and errors of models and coarser meshes. ``itself``: loads of the reference.
+    ``models``: loads and errors of models and coarser meshes. ``reference``: loads of the reference.
     """
-    return plain_table(MODEL_COLUMNS, map(_error_cells, (itself, *models)), MODEL_COLUMNS[:1])
+    return plain_table(MODEL_COLUMNS, map(_model_table_cells, (reference, *models)), MODEL_COLUMNS[:1])
 
 
-def older_times(models: Sequence[ComparedLoads], itself: ComparedLoads) -> list[str]:
+def stored_times_lines(models: Sequence[ComparedLoads], reference: ComparedLoads) -> list[str]:
     """Return lines with the computing times of stored runs, and with which version and computer they were measured.
 
-    ``models``: results of models and coarser meshes. ``itself``: results of the reference. The table of models has only
+    ``models``: results of models and coarser meshes. ``reference``: results of the reference. The table of models has only
     times that were measured now.
     """
     by_stamp: dict[str, list[str]] = {}
-    for b in (itself, *models):
+    for b in (reference, *models):
         if b.answer.seconds and b.answer.measured:
             by_stamp.setdefault(b.answer.measured, []).append(f"{b.title} {b.answer.seconds:.0f} s")
     return [f"stored times, measured with {stamp}: {', '.join(times)}" for stamp, times in by_stamp.items()]
 
 
-def contact_rows(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> list[dict[str, Any]]:
+def contact_load_rows(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> list[dict[str, Any]]:
     """Return a row for each loaded contact: load of the reference, its uncertainty, and loads of the models [N].
 
     ``models``: loads of models and coarser meshes, (n, 4) [N] each.
@@ -385,7 +407,7 @@ def load_figure(name: str, models: Sequence[ComparedLoads], reference: Reference
     """
     from rollbench.compare.models.registry import is_model
     from rollbench.compare.results.compared import OURS
-    from rollbench.compare.sections.curves import load_curve, load_panel
+    from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel
     from rollbench.meshes.parts import SIDES
     from rollbench.reports.content import Figure
 
@@ -393,20 +415,20 @@ def load_figure(name: str, models: Sequence[ComparedLoads], reference: Reference
     for s in (0, 1):
         if not (reference.load[:, s] > 0.0).any():
             continue
-        series = [load_curve(reference.label, reference, s, emphasis=True, bar=reference.uncertainty)]
-        series += [load_curve(b.title, b.answer, s, "line") for b in models if b.label == OURS or is_model(b.label)]
-        panels.append(load_panel(f"screw's flank {SIDES[s]}", *series))
+        series = [contact_load_curve(reference.label, reference, s, emphasis=True, uncertainty=reference.uncertainty)]
+        series += [contact_load_curve(b.title, b.answer, s, "line") for b in models if b.label == OURS or is_model(b.label)]
+        panels.append(contact_load_panel(f"screw's flank {SIDES[s]}", *series))
     return Figure(name, "Contact loads: prediction and reference", panels)
 
 
-def write_files(scene: Scene, models: Sequence[ComparedLoads], reference: Reference, store: Path) -> str:
+def write_contact_loads(scene: Scene, models: Sequence[ComparedLoads], reference: Reference, store: Path) -> str:
     """Write the loads of all contacts (CSV) and their figure (SVG) to the folder ``store``.
 
     ``models``: loads of models and coarser meshes. Returns a line that names both files.
     """
     from rollbench.compare.files import write_csv, write_figure
 
-    rows = contact_rows(scene, models, reference)
+    rows = contact_load_rows(scene, models, reference)
     stem = store / f"{scene.name}-compare"
     write_csv(Path(f"{stem}.csv"), rows)
     figure = write_figure(Path(f"{stem}.svg"), load_figure("compare-loads", models, reference))
@@ -428,7 +450,7 @@ ROLLING_COLUMNS = (
 )
 
 
-def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
+def rolling_comparison_table(name: str, rows: Sequence[RollingComparisonRow]) -> Any:
     """Return the table that compares the low-order model of rolling contact with the 3D model and with printed values.
 
     ``name``: name of the scene. ``rows``: values of one quantity each by all models.
@@ -439,7 +461,7 @@ def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
     title = f"{name}{state}: low-order model against the 3D model of rolling"
     known = [without_infinity({key: getattr(r, key) for key, *_ in ROLLING_COLUMNS}) for r in rows]
     cells = (
-        [f"{r.quantity} [{r.unit}]", *(cell(x[key], form) for key, _, form in ROLLING_COLUMNS)]
+        [f"{r.quantity} [{r.unit}]", *(format_cell(x[key], form) for key, _, form in ROLLING_COLUMNS)]
         for r, x in zip(rows, known, strict=True)
     )
     table = ruled_table(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])

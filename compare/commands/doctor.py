@@ -15,8 +15,8 @@ from typing import Literal
 
 from rollbench.compare import __version__
 from rollbench.compare.commands.terminal import Flag, Json, app
-from rollbench.compare.running import available_GB, cores, gmsh_fault, gmsh_remedy
-from rollbench.compare.text.printing import Answer, guard_standard_output, print_answer
+from rollbench.compare.running import available_GB, gmsh_fault, gmsh_install_advice, usable_cores
+from rollbench.compare.text.printing import CommandOutput, guard_standard_output, print_command_output
 
 State = Literal["ok", "missing", "optional"]
 
@@ -42,7 +42,7 @@ PROGRAMS = {
 
 
 @dataclass(frozen=True)
-class Check:
+class MachineCheck:
     """Result of one check of the computer, such as whether a package is installed.
 
     state: "ok", "missing", or "optional" if it is missing but not needed. found: what was found. cost: effect if it is
@@ -60,7 +60,7 @@ class Check:
         return f"{self.state:8}  " + "; ".join(filter(None, (f"{self.name}: {self.found}", self.cost, self.advice)))
 
 
-def run_doctor(store: Path) -> Answer:
+def check_machine(store: Path) -> CommandOutput:
     """Check the computer and return the results; exit code 1 if something is missing that is not optional.
 
     ``store``: folder of stored runs of the 3D reference.
@@ -79,29 +79,31 @@ def run_doctor(store: Path) -> Answer:
     data = {"rollbench": __version__, "complete": not lacking, "checks": rows, "licences": LICENCES}
     end = f"{len(lacking)} missing" if lacking else "nothing is missing"
     parts = [f"rollbench {__version__}", *(check.line() for check in checks), end, LICENCES]
-    return Answer(data, parts, 1 if lacking else 0)
+    return CommandOutput(data, parts, 1 if lacking else 0)
 
 
-def _report_finding(name: str, found: str, lack: str, cost: str, advice: str, without: State = "missing") -> Check:
-    """Return the result of a check: "ok" with the text ``found``, or, if ``lack`` is not empty, the state ``without``.
+def _result_of_check(
+    name: str, found: str, fault: str, effect: str, advice: str, state_if_faulty: State = "missing"
+) -> MachineCheck:
+    """Return the result of a check: "ok" with the text ``found``, or ``state_if_faulty`` if ``fault`` is not empty.
 
-    ``name``: name of the check. ``lack``: what is missing or wrong; empty: nothing. ``cost``: effect of this. ``advice``:
-    remedy.
+    ``name``: name of the check. ``fault``: what is missing or wrong; empty: nothing. ``effect``: effect of this.
+    ``advice``: remedy.
     """
-    return Check(name, without, lack, cost, advice) if lack else Check(name, "ok", found)
+    return MachineCheck(name, state_if_faulty, fault, effect, advice) if fault else MachineCheck(name, "ok", found)
 
 
-def _check_python() -> Iterator[Check]:
+def _check_python() -> Iterator[MachineCheck]:
     """Yield the check of the version of Python."""
     present, least = platform.python_version(), ".".join(map(str, PYTHON))
     old = tuple(map(int, platform.python_version_tuple()[:2])) < PYTHON
     lack = present if old else ""
-    yield _report_finding(
+    yield _result_of_check(
         "Python", f"{present}, at least {least}", lack, "not supported", f"install Python {least} or newer"
     )
 
 
-def check_requirements() -> dict[str, str]:
+def oldest_package_versions() -> dict[str, str]:
     """Return the oldest supported version of each package that rollbench and its extras need, by name of the package.
 
     The dictionary is empty if rollbench itself is not installed.
@@ -116,13 +118,13 @@ def check_requirements() -> dict[str, str]:
     return {bound[1]: bound[2] for bound in bounds if bound and (bound[3] is None or EXTRA.get(bound[1]) == bound[3])}
 
 
-def _check_packages() -> Iterator[Check]:
+def _check_packages() -> Iterator[MachineCheck]:
     """Yield a check of each Python package that rollbench and its extras need."""
-    from rollbench.meshes.libraries import EXTRA, ONLY_FOR, import_fault, installed_version, pip_command
+    from rollbench.meshes.libraries import EXTRA, ONLY_FOR, installed_version, pip_command, reason_of_failed_import
 
-    needed = check_requirements()
+    needed = oldest_package_versions()
     if not needed:
-        yield Check(
+        yield MachineCheck(
             "rollbench", "missing", "not installed", "versions of packages are not known", "install it by pip install ."
         )
     for name, least in needed.items():
@@ -135,10 +137,10 @@ def _check_packages() -> Iterator[Check]:
                 advice, state = pip_command(name), "optional"
         elif _version_numbers(present) < _version_numbers(least):
             lack = f"{present}, older than {least}"
-        elif name != "gmsh" and (broken := import_fault(name)):  # gmsh: see `_check_graphics`
+        elif name != "gmsh" and (broken := reason_of_failed_import(name)):  # gmsh: see `_check_graphics`
             lack, advice = f"{present}, {broken}", f"pip install --force-reinstall {wanted}"
         cost = ONLY_FOR.get(name, "rollbench does not run")
-        yield _report_finding(name, f"{present}, at least {least}{licence}", lack, cost, advice, state)
+        yield _result_of_check(name, f"{present}, at least {least}{licence}", lack, cost, advice, state)
 
 
 def _version_numbers(version: str) -> tuple[int, ...]:
@@ -152,39 +154,41 @@ def _version_numbers(version: str) -> tuple[int, ...]:
     return tuple(int(number) for number in re.findall(r"\d+", re.split(r"[^\d.]", version)[0]))
 
 
-def _check_graphics() -> Iterator[Check]:
+def _check_graphics() -> Iterator[MachineCheck]:
     """Yield the checks whether gmsh can be loaded and whether 3D pictures can be drawn without a screen."""
     from rollbench.meshes.libraries import ONLY_FOR, PICTURES, apt_command, installed_version
     from rollbench.reports import offscreen
 
     if installed_version("gmsh"):
-        yield _report_finding("meshing", "gmsh loads", gmsh_fault(), ONLY_FOR["gmsh"], gmsh_remedy())
+        yield _result_of_check("meshing", "gmsh loads", gmsh_fault(), ONLY_FOR["gmsh"], gmsh_install_advice())
     if installed_version("pyvista"):
-        lack, cost = offscreen.drawing_fault(), ONLY_FOR["pyvista"]
-        yield _report_finding("off-screen rendering", "a picture was drawn", lack, cost, apt_command(PICTURES))
+        lack, cost = offscreen.reason_drawing_fails(), ONLY_FOR["pyvista"]
+        yield _result_of_check("off-screen rendering", "a picture was drawn", lack, cost, apt_command(PICTURES))
 
 
-def _check_programs() -> Iterator[Check]:
+def _check_programs() -> Iterator[MachineCheck]:
     """Yield a check of each of the optional other `PROGRAMS`."""
     for name, (commands, purpose, package) in PROGRAMS.items():
         path = next(filter(None, map(shutil.which, commands)), "")
         lack, advice = "" if path else "not found", f"apt-get install {package}"
-        yield _report_finding(name, path, lack, f"without it, no {purpose}", advice, "optional")
+        yield _result_of_check(name, path, lack, f"without it, no {purpose}", advice, "optional")
 
 
-def _check_folders(store: Path) -> Iterator[Check]:
+def _check_folders(store: Path) -> Iterator[MachineCheck]:
     """Yield the checks whether kernels, meshes and runs of the 3D reference can be stored."""
-    from rollbench.lowfi.jit import code_folder, is_machine_code_cached
-    from rollbench.meshes.cache import default_root
+    from rollbench.lowfi.jit import is_machine_code_cached, machine_code_folder
+    from rollbench.meshes.cache import default_cache_folder
 
-    folder, slow = code_folder(), "compiles for about 20 s"
+    folder, slow = machine_code_folder(), "compiles for about 20 s"
     kept = f"stored in {folder and folder.parent}" + ("" if is_machine_code_cached() else f"; the first use {slow}")
     lack = "" if folder else "not stored"
     advice = "name a folder by the environment variable ROLLBENCH_CACHE"
-    yield _report_finding("compiled kernels", kept, lack, f"every process {slow}", advice)
-    root = default_root()
+    yield _result_of_check("compiled kernels", kept, lack, f"every process {slow}", advice)
+    root = default_cache_folder()
     if root is None:
-        yield Check("cache of meshes", "optional", "switched off", "meshes are built every time", "unset ROLLBENCH_CACHE")
+        yield MachineCheck(
+            "cache of meshes", "optional", "switched off", "meshes are built every time", "unset ROLLBENCH_CACHE"
+        )
     else:
         advice = "name another folder by ROLLBENCH_CACHE"
         yield _check_folder("cache of meshes", root, "meshes are built every time", advice)
@@ -192,14 +196,14 @@ def _check_folders(store: Path) -> Iterator[Check]:
     yield _check_folder("store of references", store, "no run of the 3D reference can be stored", advice)
 
 
-def _check_folder(name: str, folder: Path, cost: str, advice: str) -> Check:
+def _check_folder(name: str, folder: Path, cost: str, advice: str) -> MachineCheck:
     """Return the check whether a folder can be written to and has at least `DISC_GB` of free space.
 
     ``name``: name of the check. ``cost``: effect if it cannot be used. ``advice``: remedy. A folder that does not exist is
     checked at its nearest existing parent.
     """
     from rollbench.compare.errors import InputError
-    from rollbench.compare.files import need_writable
+    from rollbench.compare.files import check_writable
 
     near = folder
     while not near.exists() and near != near.parent:
@@ -207,43 +211,43 @@ def _check_folder(name: str, folder: Path, cost: str, advice: str) -> Check:
     try:
         lack = "" if near.is_dir() else f"{near} is no folder"
         if not lack:
-            need_writable(near / "rollbench-probe")
+            check_writable(near / "rollbench-probe")
     except InputError as error:
         lack = f"{folder}: {error.value}"
     free = 0.0 if lack else 1e-9 * shutil.disk_usage(near).free
     if not lack and free < DISC_GB:
         lack, advice = f"{folder}: {free:.1f} GB free", f"free at least {DISC_GB:g} GB"
-    return _report_finding(name, f"{folder} can be written to, {free:.0f} GB free", lack, cost, advice)
+    return _result_of_check(name, f"{folder} can be written to, {free:.0f} GB free", lack, cost, advice)
 
 
-def _check_memory() -> Iterator[Check]:
+def _check_memory() -> Iterator[MachineCheck]:
     """Yield the number of processor cores, and the check whether enough memory is free for a 3D run."""
-    yield Check("cores", "ok", f"{cores()} of {os.cpu_count()} for this process")
+    yield MachineCheck("cores", "ok", f"{usable_cores()} of {os.cpu_count()} for this process")
     free = available_GB()
     if free is None:
-        yield Check("memory", "optional", "not known on this system", "3D runs start without a check of the memory")
+        yield MachineCheck("memory", "optional", "not known on this system", "3D runs start without a check of the memory")
         return
     room = f"{free:.1f} GB free; a 3D run of 64 contacts takes up to {ENOUGH_GB:g} GB"
     lack = f"{free:.1f} GB free" if free < ENOUGH_GB else ""
     cost = f"a 3D run of 64 contacts needs {ENOUGH_GB:g} GB"
-    yield _report_finding("memory", room, lack, cost, "close other programs, or use a computer with more memory")
+    yield _result_of_check("memory", room, lack, cost, "close other programs, or use a computer with more memory")
 
 
-def _check_shipped_runs() -> Iterator[Check]:
+def _check_shipped_runs() -> Iterator[MachineCheck]:
     """Yield the check whether the runs of the 3D reference that are shipped with rollbench are complete."""
-    from rollbench.compare.reference.estimate import reference
+    from rollbench.compare.reference.estimate import reference_of_scene
     from rollbench.compare.reference.store import PROGRAMS
     from rollbench.compare.scenes import catalogue
 
     names = catalogue.names_with_role("referenced")
-    held = [kept for name in names if (kept := reference(catalogue.scene(name))) is not None]
+    held = [kept for name in names if (kept := reference_of_scene(catalogue.scene(name))) is not None]
     programs = ", ".join(
         f"{program} {' and '.join(sorted({run.versions[program] for kept in held for run in kept.runs}))}"
         for program in PROGRAMS
     )
     lack = "" if len(held) == len(names) else f"for {len(held)} of {len(names)} scenes, computed by {programs}"
     found, cost = f"for all {len(names)} scenes, computed by {programs}", "the others are recomputed, which takes hours"
-    yield _report_finding("shipped references", found, lack, cost, "reinstall rollbench")
+    yield _result_of_check("shipped references", found, lack, cost, "reinstall rollbench")
 
 
 @app.command
@@ -258,7 +262,7 @@ def doctor(*, store: Path = Path("rollbench-reference"), as_json: Json = False) 
     store
         Folder of stored runs of the 3D reference.
     """
-    return print_answer(run_doctor(store), as_json)
+    return print_command_output(check_machine(store), as_json)
 
 
 @app.command
@@ -275,7 +279,7 @@ def completion(shell: Literal["bash", "zsh", "fish"], *, install: Flag = False) 
     text = app.generate_completion(prog_name="rollbench", shell=shell)
     if install:
         path = app.install_completion(shell=shell)
-        print_answer(Answer(parts=[f"wrote {path}; the completion works in a new shell"]))
+        print_command_output(CommandOutput(parts=[f"wrote {path}; the completion works in a new shell"]))
     else:
         with guard_standard_output():
             sys.stdout.write(f"{text}\n")

@@ -15,14 +15,21 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, Word, app, cache_folder
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.running import cores, need_gmsh, need_packages, need_reference, on_terminal, out_of_memory
-from rollbench.compare.text.printing import Answer, cell, print_answer, ruled_table
+from rollbench.compare.running import (
+    check_gmsh,
+    check_packages,
+    check_reference_programs,
+    out_of_memory_error,
+    show_progress_message,
+    usable_cores,
+)
+from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.estimate import Reference
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.reference.tasks import Solvable
-    from rollbench.compare.studies.crosscheck.results import ContactRow, CrossData
+    from rollbench.compare.studies.crosscheck.results import CalculixRunsOfScene, ContactLoadComparison
     from rollbench.meshes.arrays import Array
     from rollbench.meshes.parts import Scene
 
@@ -108,18 +115,18 @@ def export(
             allowed = "no part, `format`, `out`, `level`, `ball` or `deck`"
             raise ArgumentError("ross, modelica, rexs", given, allowed, "leave these options out")
         if rexs is not None:
-            return print_answer(run_rexs(scene, rexs, model))
-        return print_answer(run_table(scene, ross, modelica))
+            return print_command_output(write_axis_as_rexs(scene, rexs, model))
+        return print_command_output(write_stiffness_tables(scene, ross, modelica))
 
     if deck:
         if part or format or level != 1 or ball is not None:
             given = f"{deck} with an option for meshes"
             raise ArgumentError("deck", given, "no part, `format`, `level` or `ball` with a deck", "leave them out")
-        need_packages("scikit-fem")
+        check_packages("scikit-fem")
         from rollbench.compare.studies.export import write_deck
 
-        return print_answer(
-            Answer(parts=[write_deck(deck, unit, balls, b_over_h, growth, stiffness, catalogue.scene(scene), out)])
+        return print_command_output(
+            CommandOutput(parts=[write_deck(deck, unit, balls, b_over_h, growth, stiffness, catalogue.scene(scene), out)])
         )
     if (unit, balls, b_over_h, growth, stiffness) != ("mm", "", 1.5, 0.4, 2e8):
         given = "one of these options without --deck"
@@ -128,16 +135,20 @@ def export(
         if part or level != 1 or ball is not None:
             allowed = "no part, `level` or `ball` with this format"
             raise ArgumentError("format", "json with an option for meshes", allowed, "leave them out")
-        return print_answer(run_json(catalogue.scene(scene), out))
+        return print_command_output(write_scene_json(catalogue.scene(scene), out))
     if format == "step" or (not format and out is not None and out.suffix == ".step"):
         if part or level != 1 or ball is not None:
             allowed = "no part, `level` or `ball` with this format, which writes all parts"
             raise ArgumentError("format", "step with an option for meshes", allowed, "leave them out")
-        return print_answer(run_step(scene_file.scene_or_assembly(catalogue.any_scene(scene), scene), out))
-    return print_answer(run_export(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball))
+        return print_command_output(
+            write_step_bodies(scene_file.scene_or_assembly_or_raise(catalogue.any_scene(scene), scene), out)
+        )
+    return print_command_output(
+        write_part_mesh(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball)
+    )
 
 
-def run_json(scene: Scene, out: Path | None) -> Answer:
+def write_scene_json(scene: Scene, out: Path | None) -> CommandOutput:
     """Write a scene as the JSON file that an external program reads as a model; InputError if it cannot be written.
 
     ``out``: the file; None: ``<scene>.json``.
@@ -147,12 +158,12 @@ def run_json(scene: Scene, out: Path | None) -> Answer:
 
     out = out or Path(f"{scene.name}.json")
     replace_file(out, scene_json(scene))
-    return Answer(parts=[f"wrote {out}: the scene in SI units, its balls with their errors and Hertz constants"])
+    return CommandOutput(parts=[f"wrote {out}: the scene in SI units, its balls with their errors and Hertz constants"])
 
 
-def run_export(
+def write_part_mesh(
     scene: Scene, part: str, form: str, out: Path | None, level: int, *, cache: Path | None = None, ball: int | None = None
-) -> Answer:
+) -> CommandOutput:
     """Write the mesh of one part of a scene, with named groups for its surfaces; lengths are in m.
 
     The groups are flanks, lands, ends, sockets and contact zones.
@@ -167,10 +178,23 @@ def run_export(
     that cannot be computed (a screw supported or loaded beyond the low end of its 3D stretch), and a file that cannot be
     written.
     """
-    need_gmsh()
-    need_packages("scikit-fem")
-    from rollbench.compare.studies.export import BLOCK, BODIES, SOCKETS, exported_parts, part_mesh, result_fields
-    from rollbench.meshes.exchange.mesh_files import FORMATS, is_reduced, mesh_format, need_package, write_mesh
+    check_gmsh()
+    check_packages("scikit-fem")
+    from rollbench.compare.studies.export import (
+        BLOCK,
+        BODIES,
+        SOCKETS,
+        displacement_and_stress_of_part,
+        exported_parts,
+        part_mesh,
+    )
+    from rollbench.meshes.exchange.mesh_files import (
+        FORMATS,
+        check_packages_for_format,
+        loses_nodes_in_format,
+        mesh_format,
+        write_mesh,
+    )
 
     if part not in exported_parts(scene):
         raise ArgumentError("part", part, ", ".join(exported_parts(scene)), "choose one of these")
@@ -182,7 +206,7 @@ def run_export(
         out = out.with_name(f"{out.name}.{form or 'vtu'}")
     try:
         form = mesh_format(out, form)
-        need_package(form)
+        check_packages_for_format(form)
     except ValueError:
         allowed = ", ".join(f".{name}" for name in FORMATS)
         advice = "change the suffix, or add `format`"
@@ -199,39 +223,39 @@ def run_export(
     fields: dict[str, Array] = {}
     try:
         if ball is not None and part.startswith(("screw", "patch-S")):
-            from rollbench.hifi.fields import refuse_beyond_low_end
-            from rollbench.meshes.solid import solid_dimensions
+            from rollbench.hifi.fields import refuse_supports_beyond_low_end
+            from rollbench.meshes.solid import dimensions_of_3d_parts
 
-            refuse_beyond_low_end(scene, solid_dimensions(scene))
+            refuse_supports_beyond_low_end(scene, dimensions_of_3d_parts(scene))
         mesh = part_mesh(scene, part, level, cache)
         if ball is not None:
-            fields = result_fields(scene, part, level, ball - 1, cache)
+            fields = displacement_and_stress_of_part(scene, part, level, ball - 1, cache)
     except ValueError as error:
         advice = "change the keys of [solid] or the nut's length in the scene"
         raise Refusal(scene.name, part, str(error), advice) from error
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
-        write_mesh(out, mesh, fields, region=part, form=form)
+        write_mesh(out, mesh, fields, region=part, file_format=form)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
-    from rollbench.meshes.fem import kind_of
+    from rollbench.meshes.fem import element_type_of_mesh
 
-    nodes, cells = mesh.doflocs.shape[1], f"{mesh.nelements} {_LABELS[kind_of(mesh)]}"
+    nodes, cells = mesh.doflocs.shape[1], f"{mesh.nelements} {_LABELS[element_type_of_mesh(mesh)]}"
     lines.append(f"wrote {out}: {nodes} nodes, {cells}; lengths in m; groups: {', '.join(mesh.boundaries) or 'none'}")
-    if is_reduced(mesh, form):
+    if loses_nodes_in_format(mesh, form):
         lines.append(f".{form} files cannot contain 27-node hexahedra: 20-node hexahedra were written")
-    return Answer(parts=lines)
+    return CommandOutput(parts=lines)
 
 
-def run_rexs(typed: str, out: Path, model: str = "") -> Answer:
+def write_axis_as_rexs(typed: str, out: Path, model: str = "") -> CommandOutput:
     """Solve an axis, and write its shaft, loads, bearings and results to a REXS file.
 
     ``typed``: name or file of the scene. Raises InputError for another kind of scene, Refusal if there is no equilibrium or
     the REXS format cannot represent the scene.
     """
-    from rollbench.compare.files import need_writable, replace_file
-    from rollbench.compare.models.load_cases import SolvedAxis, solve_axis
+    from rollbench.compare.files import check_writable, replace_file
+    from rollbench.compare.models.load_cases import SolvedAxis, solve_axis_with_results
     from rollbench.compare.models.registry import Options, default_model
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.duty_cycle import DutyCycle
@@ -241,12 +265,12 @@ def run_rexs(typed: str, out: Path, model: str = "") -> Answer:
     described = catalogue.any_scene(typed)
     each = [case.scene for case in described.cases] if isinstance(described, DutyCycle) else [described]
     solved: list[SolvedAxis] = []
-    need_writable(out)
+    check_writable(out)
     for scene in each:
         if not isinstance(scene, Assembly):
             kind = getattr(scene, "kind", "a scene with a single nut or bearing")
             raise InputError(typed, "kind", kind, 'kind = "axis"', "write the bearings as [[sets]] of an axis")
-        solved.append(solve_axis(scene, model or default_model(scene), Options()))
+        solved.append(solve_axis_with_results(scene, model or default_model(scene), Options()))
         if not solved[-1].result.converged:
             advice = "correct the scene; rollbench solve shows the reason"
             raise Refusal(scene.name, "loads", str(solved[-1].result.status), advice)
@@ -255,10 +279,10 @@ def run_rexs(typed: str, out: Path, model: str = "") -> Answer:
     replace_file(out, text)
     cases = f"{len(solved)} load cases" if len(solved) > 1 else "its results as load case 1"
     lines = [f"not in REXS: {note}" for note in notes]
-    return Answer(parts=[*lines, f"wrote {out}: REXS 1.7, {cases}"], folded=True)
+    return CommandOutput(parts=[*lines, f"wrote {out}: REXS 1.7, {cases}"], folded=True)
 
 
-def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
+def write_stiffness_tables(scene: str, ross: Path | None, modelica: Path | None) -> CommandOutput:
     """Write the stiffness table of a JSON file as files for the programs ROSS and Modelica.
 
     ``scene``: JSON file that ``rollbench table`` wrote. Raises InputError for another file, and if rows of the table's grid
@@ -266,10 +290,10 @@ def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
     """
     from rollbench.compare.files import replace_file
     from rollbench.compare.studies.table_files import ROSS_DROPS, modelica_text, read_table, ross_text
-    from rollbench.compare.text.solved import failure_words
+    from rollbench.compare.text.solved import failure_lines
 
     table = read_table(scene)
-    lines = [f"left out: {line}" for line in failure_words(table)]
+    lines = [f"left out: {line}" for line in failure_lines(table)]
     if ross is not None:
         replace_file(ross, ross_text(table))
         lines.append(f"wrote {ross}. {ROSS_DROPS}")
@@ -278,27 +302,27 @@ def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
         replace_file(modelica, text)
         lines += [f"left out: {line}" for line in left[len(table.failures) :]]
         lines.append(f"wrote {modelica}: all terms, by the definition of the format; not tested with OpenModelica")
-    return Answer(parts=lines, folded=True)
+    return CommandOutput(parts=lines, folded=True)
 
 
 _LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
 
 
-def run_step(described: Solvable, out: Path | None) -> Answer:
+def write_step_bodies(described: Solvable, out: Path | None) -> CommandOutput:
     """Write the parts of a scene as STEP files, with lengths in mm.
 
     ``out``: file of the bodies, replaced if it exists; None: ``<scene>.step``. Raises InputError if gmsh is missing or a
     file cannot be written, Refusal for roller bearings (which have no groove) and for parts without wall thickness.
     """
-    need_gmsh()
-    need_packages("scikit-fem")
-    from rollbench.compare.studies.export import placed_sets
+    check_gmsh()
+    check_packages("scikit-fem")
+    from rollbench.compare.studies.export import nuts_and_bearings_on_shaft
     from rollbench.meshes.exchange.step_files import write_step
 
     out = Path(f"{described.name}.step") if out is None else out
     out = out.with_name(f"{out.name}.step") if out.suffix == "" else out
     try:
-        files = write_step(out, placed_sets(described))
+        files = write_step(out, nuts_and_bearings_on_shaft(described))
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
@@ -310,43 +334,50 @@ def run_step(described: Solvable, out: Path | None) -> Answer:
     for path in grooves:
         off = f"at most {1e6 * files[path]:.2g} um from the exact surfaces"
         lines.append(f"wrote {path}: flanks of the grooves as surfaces, {off}; lengths in mm")
-    return Answer({"files": [str(path) for path in files], "largest_distance_um": 1e6 * max(files.values())}, lines)
+    return CommandOutput({"files": [str(path) for path in files], "largest_distance_um": 1e6 * max(files.values())}, lines)
 
 
-def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None) -> Answer:
+def write_condensed_bodies(typed: str, out: Path | None, level: int, *, cache: Path | None) -> CommandOutput:
     """Mesh screw and nut, reduce them to the compliances of their contacts on all four flanks, and write these to a file.
 
     ``typed``: name or file of the scene; all its load cases are covered. The file is written completely or not at all.
     Raises InputError for a level out of range, a mesh that cannot be built, and a file that cannot be written.
     """
-    from rollbench.compare.files import need_writable, os_errors_as_input_errors
+    from rollbench.compare.files import check_writable, os_errors_as_input_errors
     from rollbench.compare.reference.levels import LEVELS
-    from rollbench.compare.reference.tasks import settings_of
+    from rollbench.compare.reference.tasks import mesh_settings
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import each_case, single_set_or_raise
+    from rollbench.compare.scenes.scene_file import scenes_of_load_cases, single_set_or_raise
 
     if level not in LEVELS:
         raise ArgumentError("level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")
     described = catalogue.any_scene(typed)
-    scenes = [single_set_or_raise(x, typed) for x in each_case(described, typed)]
+    scenes = [single_set_or_raise(x, typed) for x in scenes_of_load_cases(described, typed)]
     scene = scenes[0]
     out = out or Path(f"{described.name}-condensed.npz")
-    need_writable(out)
-    need_reference()
-    from rollbench.hifi.condensed import condensed_bodies
+    check_writable(out)
+    check_reference_programs()
+    from rollbench.hifi.condensed import collect_condensed_bodies
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
 
     try:
-        setup = prepare(scene, (0, 1, 2, 3), settings_of(scenes, level), on_terminal, cache=Cache(cache), processes=cores())
+        setup = prepare(
+            scene,
+            (0, 1, 2, 3),
+            mesh_settings(scenes, level),
+            show_progress_message,
+            cache=Cache(cache),
+            processes=usable_cores(),
+        )
     except MemoryError as error:
-        raise out_of_memory(error) from error
+        raise out_of_memory_error(error) from error
     except ValueError as error:
         raise Refusal(scene.name, "3D bodies", str(error), "change the keys that the reason names") from error
     with os_errors_as_input_errors(out):
-        condensed_bodies(setup, level).save(out)
+        collect_condensed_bodies(setup, level).save(out)
     command = f"rollbench solve {shlex.quote(typed)} --condensed {shlex.quote(str(out))}"
-    return Answer(parts=[f"wrote {out}; use it with: {command}"])
+    return CommandOutput(parts=[f"wrote {out}; use it with: {command}"])
 
 
 @app.command
@@ -363,12 +394,12 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
     level
         Mesh level, 1 (coarse) to 3.
     """
-    return print_answer(run_condense(scene, out, level, cache=cache_folder()))
+    return print_command_output(write_condensed_bodies(scene, out, level, cache=cache_folder()))
 
 
-def run_crosscheck(
+def compare_with_calculix(
     name: str, *, run: bool, fresh: bool, data: Path | None, work: Path, store: Path, engine: Engine
-) -> Answer:
+) -> CommandOutput:
     """Compare the contact loads of a scene by the 3D reference with those by CalculiX, and return tables and sentences.
 
     ``run``: solve decks without stored result with CalculiX. ``fresh``: solve all decks again. ``data``: folder of stored
@@ -377,7 +408,7 @@ def run_crosscheck(
     """
     from rollbench.compare.studies.crosscheck.results import (
         agreement_sentence,
-        contact_rows,
+        compare_contact_loads,
         load_results,
         save_results,
         shipped_results,
@@ -385,72 +416,78 @@ def run_crosscheck(
     from rollbench.compare.studies.crosscheck.study import (
         NUT_SCENE,
         compare_nut_compliance,
+        digest_of_shipped_scene,
         load_nut,
-        run_study,
         save_nut,
-        scene_key,
-        studied_scene,
+        scene_compared_with_calculix,
+        solve_decks_of_scene,
     )
 
-    scene, folder = studied_scene(name), data or shipped_results()
+    scene, folder = scene_compared_with_calculix(name), data or shipped_results()
     written = []
     if run:
-        need_gmsh()
+        check_gmsh()
         kept = None if fresh else load_results(folder, scene.name)
-        stored_runs = kept.runs if kept is not None and kept.key == scene_key(scene.name) else ()
-        written.append(f"wrote {save_results(folder, run_study(scene, work, on_terminal, stored_runs))}")
+        stored_runs = kept.runs if kept is not None and kept.key == digest_of_shipped_scene(scene.name) else ()
+        written.append(
+            f"wrote {save_results(folder, solve_decks_of_scene(scene, work, show_progress_message, stored_runs))}"
+        )
         if scene.name == NUT_SCENE and (fresh or load_nut(folder) is None):
-            written.append(f"wrote {save_nut(folder, compare_nut_compliance(scene, work, key=scene_key(scene.name)))}")
-    found = stored_crosscheck_results(folder, scene)
-    ours = _reference_of_scene(scene, store, engine)
-    rows = contact_rows(found, ours)
+            written.append(
+                f"wrote {save_nut(folder, compare_nut_compliance(scene, work, key=digest_of_shipped_scene(scene.name)))}"
+            )
+    found = stored_calculix_results(folder, scene)
+    ours = _find_or_compute_reference(scene, store, engine)
+    rows = compare_contact_loads(found, ours)
     agreed = agreement_sentence(scene.name, rows)
     alone = load_nut(folder)
-    sentence = [alone.sentence()] if alone is not None and alone.key == scene_key(scene.name) else []
+    sentence = (
+        [alone.sentence_on_agreement()] if alone is not None and alone.key == digest_of_shipped_scene(scene.name) else []
+    )
     answer = {"scene": scene.name, "agreement": agreed, "contacts": [r.cells() for r in rows]}
-    return Answer(answer, [*written, _loads_table(scene, rows), agreed, *sentence])
+    return CommandOutput(answer, [*written, _loads_table(scene, rows), agreed, *sentence])
 
 
-def stored_crosscheck_results(folder: Path, scene: Scene) -> CrossData:
+def stored_calculix_results(folder: Path, scene: Scene) -> CalculixRunsOfScene:
     """Return the stored results of CalculiX for a scene.
 
     Raises InputError if there are none, or if they belong to another scene of the same name.
     """
     from rollbench.compare.studies.crosscheck.results import load_results
-    from rollbench.compare.studies.crosscheck.study import STUDIES, scene_key
+    from rollbench.compare.studies.crosscheck.study import STUDIES, digest_of_shipped_scene
 
     found = load_results(folder, scene.name)
     if found is None:
         allowed, advice = ", ".join(STUDIES), "solve the scene with CalculiX by `run=True`"
         raise InputError(scene.name, "crosscheck", "a scene without stored results", allowed, advice)
-    if found.key != scene_key(scene.name):
+    if found.key != digest_of_shipped_scene(scene.name):
         wanted = "results of the present scene", "solve the scene again by `run=True`"
         raise InputError(scene.name, "crosscheck", "results of another scene with this name", *wanted)
     return found
 
 
-def _reference_of_scene(scene: Scene, store: Path, engine: Engine) -> Reference:
+def _find_or_compute_reference(scene: Scene, store: Path, engine: Engine) -> Reference:
     """Return the 3D reference of a scene, computed if no run is stored.
 
     ``store``: folder of stored runs. ``engine``: engine that computes missing runs. Raises InputError if no run converged.
     """
-    from rollbench.compare.reference.estimate import reference
-    from rollbench.compare.reference.jobs import ensure, plan
+    from rollbench.compare.reference.estimate import reference_of_scene
+    from rollbench.compare.reference.jobs import ensure, plan_tasks
     from rollbench.compare.reference.levels import LEVELS
     from rollbench.compare.reference.store import shipped_store
 
     stores = (store, shipped_store())
-    found = reference(scene, stores)
+    found = reference_of_scene(scene, stores)
     if found is None:
-        ensure(plan([scene], tuple(LEVELS)), store, engine, on_terminal, stores)
-        found = reference(scene, stores)
+        ensure(plan_tasks([scene], tuple(LEVELS)), store, engine, show_progress_message, stores)
+        found = reference_of_scene(scene, stores)
     if found is None:
         wanted = "a scene whose contact problem has a solution", f"read the status of the runs in the folder {store}"
         raise InputError(scene.name, "3D reference", "no converged run", *wanted)
     return found
 
 
-def _loads_table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
+def _loads_table(scene: Scene, rows: Sequence[ContactLoadComparison]) -> Any:
     """Return the table that compares the loads of every contact by CalculiX and by the 3D reference.
 
     ``rows``: loads, errors and uncertainties of one contact each.
@@ -458,7 +495,7 @@ def _loads_table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
     from rollbench.compare.studies.crosscheck.results import COLUMNS
 
     heads = {c.key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for c in COLUMNS}
-    texts = ([cell(row.cells().get(c.key), c.format) for c in COLUMNS] for row in rows)
+    texts = ([format_cell(row.cells().get(c.key), c.format) for c in COLUMNS] for row in rows)
     title = f"{scene.name}: contact loads, those by CalculiX extrapolated to zero cell size (--json lists every mesh)"
     return ruled_table(title, heads.values(), texts, [heads["side"]])
 
@@ -494,5 +531,5 @@ def crosscheck(
     from rollbench.compare.reference.jobs import Engine
 
     where = Engine(cache=cache_folder())
-    found = run_crosscheck(scene, run=run, fresh=fresh, data=data, work=work, store=store, engine=where)
-    return print_answer(found, as_json)
+    found = compare_with_calculix(scene, run=run, fresh=fresh, data=data, work=work, store=store, engine=where)
+    return print_command_output(found, as_json)

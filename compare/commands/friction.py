@@ -9,14 +9,14 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, Verbose, Word, app
 from rollbench.compare.errors import one_line
-from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, listed_table, print_answer, text_width
+from rollbench.compare.running import show_progress_message
+from rollbench.compare.text.printing import CommandOutput, print_command_output, selected_columns_table, text_width
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from rollbench.compare.studies.friction.answer import FrictionAnswer
-    from rollbench.compare.studies.friction.whole import Choices
+    from rollbench.compare.studies.friction.whole import FrictionChoices
 
 
 @app.command
@@ -64,59 +64,67 @@ def friction(
         Also print further quantities and explanations, the assumptions, neglected effects, the force balance and data of
         the solver.
     """
-    from rollbench.compare.studies.friction.whole import Choices
+    from rollbench.compare.studies.friction.whole import FrictionChoices
 
-    choices = Choices(model, tuple(mu or ()), member, condensed)
-    found = run_friction(scene, choices, balls=balls, details=verbose, time_limit=time_limit, strict=strict)
-    return print_answer(found, as_json)
+    choices = FrictionChoices(model, tuple(mu or ()), member, condensed)
+    found = solve_and_report_friction(scene, choices, balls=balls, details=verbose, time_limit=time_limit, strict=strict)
+    return print_command_output(found, as_json)
 
 
-def run_friction(
+def solve_and_report_friction(
     name: str,
-    choices: Choices,
+    choices: FrictionChoices,
     *,
     balls: bool = False,
     details: bool = False,
     time_limit: float | None = None,
     strict: bool = False,
-) -> Answer:
+) -> CommandOutput:
     """Compute the friction in a scene of any kind, and return what is printed; InputError if the scene cannot be used.
 
-    ``balls``, ``details``: see `friction_table`. ``time_limit``: in s. The exit code is 1 if the computation did not
-    converge or reached the time limit, and, with ``strict``, if there is a warning.
+    ``balls``, ``details``: see `friction_terminal_parts`. ``time_limit``: in s. The exit code is 1 if the computation did
+    not converge or reached the time limit, and, with ``strict``, if there is a warning.
     """
-    from rollbench.compare.results.base import with_schema
-    from rollbench.compare.running import checked, watched
-    from rollbench.compare.studies.friction.solve import answer_json, solve_friction
+    from rollbench.compare.results.base import add_schema_version
+    from rollbench.compare.running import checked_time_limit, watch_running_time
+    from rollbench.compare.studies.friction.solve import answer_json, solve_friction_of_named_scene
 
-    with watched(f"{one_line(name)}, friction", checked(time_limit)):
-        found = solve_friction(name, choices, lambda line: on_terminal(f"rollbench: {line}"))
+    with watch_running_time(f"{one_line(name)}, friction", checked_time_limit(time_limit)):
+        found = solve_friction_of_named_scene(name, choices, lambda line: show_progress_message(f"rollbench: {line}"))
     code = 1 if not found.converged or (strict and found.warning) else 0
-    return Answer(with_schema(answer_json(found)), friction_table(found, balls=balls, details=details), code, folded=True)
+    return CommandOutput(
+        add_schema_version(answer_json(found)),
+        friction_terminal_parts(found, balls=balls, details=details),
+        code,
+        folded=True,
+    )
 
 
-def friction_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
+def friction_terminal_parts(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
     """Return the texts and tables in which the terminal shows the friction of a scene.
 
     ``balls``: also the table of all balls. ``details``: also explanations, force balance, solver, assumptions and neglected
     effects, instead of a line that names the option which shows them.
     """
-    from rollbench.compare.results.base import as_text
+    from rollbench.compare.results.base import format_table_as_text
     from rollbench.compare.results.rows import friction_rows
     from rollbench.compare.studies.friction.answer import BEHIND
-    from rollbench.compare.text.solved import closing_lines
+    from rollbench.compare.text.solved import warning_and_note_lines
 
     data = answer.data
     drawn = "" if data.get("member") is None else f", specimen {data['member']} of its random errors"
     parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"]]
     parts += [*filter(None, [answer.warning])]
     if rows := friction_rows(data):
-        parts += ["", as_text(rows, text_width()), ""]
+        parts += ["", format_table_as_text(rows, text_width()), ""]
     if lines := [f"{label:<10}{text}" for label, text in answer.lines if details or not (rows or label in BEHIND)]:
         parts += ["", *lines, ""]
     for title, columns, body in [*answer.tables, *(answer.ball_tables if balls else ())]:
-        parts += [listed_table(title, columns, body), ""]
+        parts += [selected_columns_table(title, columns, body), ""]
     if answer.ball_tables and not balls:
         parts.append("--balls also shows motion, loads and losses of every ball")
     warnings = [w for w in data.get("warnings", ()) if w.brief != w]  # without those that are printed above
-    return [*parts, *closing_lines(warnings, (), data.get("assumed", ()), data.get("left_out", ()), details=details)]
+    return [
+        *parts,
+        *warning_and_note_lines(warnings, (), data.get("assumed", ()), data.get("left_out", ()), details=details),
+    ]

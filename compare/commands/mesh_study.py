@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.terminal import ComputeOptions, Flag, Json, app, engine_of
-from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, aligned_table, print_answer
+from rollbench.compare.commands.terminal import ComputeOptions, Flag, Json, app, engine_from_options
+from rollbench.compare.running import show_progress_message
+from rollbench.compare.text.printing import CommandOutput, print_command_output, table_of_records
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import Engine
@@ -57,20 +57,26 @@ def mesh_study(
         Bodies of the 3D model for scenes of friction: half-space, or finite (the meshes of the static reference around
         each contact, or a ball and grooved bars).
     """
-    from rollbench.compare.commands.compare import rolling_scenes
+    from rollbench.compare.commands.compare import scenes_of_friction_or_none
 
-    if all_rollers(scenes, {"spread": spread, "source_mesh": source_mesh, "bodies": bodies != "half-space"}, where):
-        answer = run_roller_study(scenes, levels, store, fresh=fresh)
-    elif rolling := rolling_scenes(scenes, bodies, {"spread": spread}):
-        answer = run_rolling_study(rolling, levels, store, engine_of(where), source=source_mesh, fresh=fresh, bodies=bodies)
+    if are_all_roller_scenes(
+        scenes, {"spread": spread, "source_mesh": source_mesh, "bodies": bodies != "half-space"}, where
+    ):
+        answer = study_single_rollers(scenes, levels, store, fresh=fresh)
+    elif rolling := scenes_of_friction_or_none(scenes, bodies, {"spread": spread}):
+        answer = study_rolling_contact(
+            rolling, levels, store, engine_from_options(where), source=source_mesh, fresh=fresh, bodies=bodies
+        )
     else:
-        answer = run_mesh_study(scenes, levels, store, engine_of(where), spread=spread, source=source_mesh, fresh=fresh)
-    return print_answer(answer, as_json)
+        answer = study_mesh_levels(
+            scenes, levels, store, engine_from_options(where), spread=spread, source=source_mesh, fresh=fresh
+        )
+    return print_command_output(answer, as_json)
 
 
-def run_rolling_study(
+def study_rolling_contact(
     scenes: Sequence[KindScene], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
-) -> Answer:
+) -> CommandOutput:
     """Compute missing runs of the 3D model of rolling contact, and return a table of mesh levels for each scene.
 
     ``levels``: number of the finest level. ``source``: also use the element size of Lin's thesis. ``fresh``: compute
@@ -82,66 +88,68 @@ def run_rolling_study(
     parts: list[Any] = []
     for name in dict.fromkeys(row["scene"] for row in rows):
         of_scene = [{k: v for k, v in row.items() if k != "scene"} for row in rows if row["scene"] == name]
-        parts += [f"mesh study of {name}", "", aligned_table(of_scene, ".6g")]
-    return Answer(rows, parts)
+        parts += [f"mesh study of {name}", "", table_of_records(of_scene, ".6g")]
+    return CommandOutput(rows, parts)
 
 
-def run_mesh_study(
+def study_mesh_levels(
     names: Sequence[str], count: int | None, store: Path, engine: Engine, *, spread: bool, source: bool, fresh: bool = False
-) -> Answer:
+) -> CommandOutput:
     """Compute missing runs of the 3D reference on several mesh levels, and return the tables of the study.
 
     The tables are also written as CSV and SVG to the folder ``store``. ``count``: number of the finest level, see
     `chosen_levels`. ``spread``: also vary modelling choices. ``source``: also use the mesh of Lin's thesis. ``fresh``:
     compute stored runs again. Raises InputError for unknown levels, Refusal if no run of a scene converged.
     """
-    from rollbench.compare.commands.compare import exit_code
-    from rollbench.compare.files import why_no_figure, write_csv, write_figure
+    from rollbench.compare.commands.compare import exit_code_of_references
+    from rollbench.compare.files import reason_without_figure, write_csv, write_figure
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import each_case
-    from rollbench.compare.sections.curves import study_figure
+    from rollbench.compare.scenes.scene_file import scenes_of_load_cases
+    from rollbench.compare.sections.curves import mesh_convergence_figure
     from rollbench.compare.studies.mesh_study import (
         accuracy_sentence,
         chosen_levels,
-        compute_study,
-        level_rows,
-        table_of_reference,
-        terminal_rows,
+        compute_references_on_levels,
+        mesh_level_rows,
+        mesh_study_rows_for_terminal,
+        mesh_study_table_of_bearing,
     )
 
-    scenes: list[Solvable] = [x for name in names for x in each_case(catalogue.any_scene(name), name)]
+    scenes: list[Solvable] = [x for name in names for x in scenes_of_load_cases(catalogue.any_scene(name), name)]
     stores, levels = (store,) if fresh else (store, shipped_store()), chosen_levels(count)
-    references = compute_study(scenes, levels, stores, engine, on_terminal, spread=spread, source=source, fresh=fresh)
+    references = compute_references_on_levels(
+        scenes, levels, stores, engine, show_progress_message, spread=spread, source=source, fresh=fresh
+    )
     tables: dict[str, list[dict[str, Any]]] = {scene.name: [] for scene in scenes}
     parts: list[Any] = []
     for one in references:
-        table, stem = table_of_reference(one, stores, levels), store / f"{one.scene.name}-mesh-study"
+        table, stem = mesh_study_table_of_bearing(one, stores, levels), store / f"{one.scene.name}-mesh-study"
         rows = table if one.of is None else [{"set": one.of.name, **row} for row in table]
         tables[one.scene.name if one.of is None else one.of.assembly.name] += rows
         write_csv(Path(f"{stem}.csv"), rows)
-        figure = study_figure(one.scene.name, table, one.found)
+        figure = mesh_convergence_figure(one.scene.name, table, one.found)
         if figure is not None:
             write_figure(Path(f"{stem}.svg"), figure)
         parts += [
             f"mesh study of {one.found.scene}",
             "",
-            aligned_table(level_rows(one.found)),
+            table_of_records(mesh_level_rows(one.found)),
             "",
-            aligned_table(terminal_rows(table)),
+            table_of_records(mesh_study_rows_for_terminal(table)),
             "",
         ]
         parts += [accuracy_sentence(one.found), *filter(None, [one.found.unsettled])]
-        parts.append(f"every contact: {stem}.csv and {why_no_figure() or '.svg'}")
-    return Answer(tables, parts, exit_code(one.found for one in references))
+        parts.append(f"every contact: {stem}.csv and {reason_without_figure() or '.svg'}")
+    return CommandOutput(tables, parts, exit_code_of_references(one.found for one in references))
 
 
-def all_rollers(names: Sequence[str], means_nothing: Mapping[str, bool], where: ComputeOptions | None) -> bool:
-    """Return whether all scenes have tapered roller bearings, for which `run_roller_study` is used.
+def are_all_roller_scenes(names: Sequence[str], unused_arguments: Mapping[str, bool], where: ComputeOptions | None) -> bool:
+    """Return whether all scenes have tapered roller bearings, for which `study_single_rollers` is used.
 
-    ``names``: names or files of the scenes. ``means_nothing``: options that have no effect on rollers, each with whether it
-    was used. ``where``: options for parallel runs, which have no effect either. Raises InputError if only some scenes have
-    rollers, or if one of these options was used with rollers.
+    ``names``: names or files of the scenes. ``unused_arguments``: options that have no effect on rollers, each with whether
+    it was used. ``where``: options for parallel runs, which have no effect either. Raises InputError if only some scenes
+    have rollers, or if one of these options was used with rollers.
     """
     from rollbench.compare.errors import ArgumentError
     from rollbench.compare.scenes import catalogue
@@ -152,31 +160,33 @@ def all_rollers(names: Sequence[str], means_nothing: Mapping[str, bool], where: 
         allowed = "either scenes with tapered rollers, or scenes without"
         raise ArgumentError("scenes", " ".join(names), allowed, "study them in separate runs")
     for argument in (
-        name for name, given in ({**means_nothing, "backend": where is not None}).items() if given and any(have)
+        name for name, given in ({**unused_arguments, "backend": where is not None}).items() if given and any(have)
     ):
         given, allowed = "this option for scenes with tapered rollers", "only for screws and ball bearings"
         raise ArgumentError(argument, given, allowed, "leave it out: it would change nothing")
     return any(have)
 
 
-def run_roller_study(names: Sequence[str], count: int | None, store: Path, *, fresh: bool) -> Answer:
+def study_single_rollers(names: Sequence[str], count: int | None, store: Path, *, fresh: bool) -> CommandOutput:
     """Compute missing runs of single tapered rollers in 3D, and return the tables for each kind of roller.
 
     ``count``: number of the finest mesh level; None: 3. ``fresh``: compute stored runs again. Raises InputError as
-    `compare.studies.roller.study_rollers`.
+    `compare.studies.roller.compute_runs_of_roller_kinds`.
     """
     from rollbench.compare.files import write_csv
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import each_case
+    from rollbench.compare.scenes.scene_file import scenes_of_load_cases
     from rollbench.compare.studies import roller
     from rollbench.meshes.axis import Assembly
 
     found: dict[str, list[dict[str, Any]]] = {}
     parts: list[Any] = []
-    for scene in [x for name in names for x in each_case(catalogue.any_scene(name), name)]:
+    for scene in [x for name in names for x in scenes_of_load_cases(catalogue.any_scene(name), name)]:
         assert isinstance(scene, Assembly)
-        for one, runs in roller.study_rollers(scene, count, (store, shipped_store()), on_terminal, fresh=fresh):
+        for one, runs in roller.compute_runs_of_roller_kinds(
+            scene, count, (store, shipped_store()), show_progress_message, fresh=fresh
+        ):
             said = roller.study_json(one, runs)
             found.setdefault(scene.name, []).append(said)
             stem = store / f"{scene.name}-{one.sets[0]}-roller".replace(" ", "-")
@@ -185,9 +195,13 @@ def run_roller_study(names: Sequence[str], count: int | None, store: Path, *, fr
             parts += [
                 f"mesh study of {scene.name}: a roller of {', '.join(one.sets)}",
                 "",
-                aligned_table(said["levels"]),
+                table_of_records(said["levels"]),
                 "",
             ]
-            parts += [aligned_table(roller.terminal_rows(said["quantities"])), "", roller.low_order_sentence(one, runs)]
+            parts += [
+                table_of_records(roller.roller_rows_for_terminal(said["quantities"])),
+                "",
+                roller.low_order_sentence(one, runs),
+            ]
             parts.append(f"along the roller: {stem}-profile.csv")
-    return Answer(found, parts)
+    return CommandOutput(found, parts)

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Word, app
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.text.printing import Answer, print_answer, print_json
+from rollbench.compare.text.printing import CommandOutput, print_command_output, print_json
 
 
 @app.command
@@ -45,36 +45,36 @@ def new(
         repeated.
     """
     from rollbench.compare import files
-    from rollbench.compare.files import write_new
+    from rollbench.compare.files import write_new_file
     from rollbench.compare.scenes.duty_cycle import WHOLE
-    from rollbench.compare.scenes.template import AXES, BEARINGS, text_of
+    from rollbench.compare.scenes.template import AXES, BEARINGS, new_scene_text
 
     if rexs is not None:
         if kind or like:
             allowed = "no `kind` or `like` with `rexs`"
             raise ArgumentError("rexs", f"{rexs} with another option", allowed, "leave them out")
-        print_answer(new_of_rexs(file, rexs, shaft, set or []))
+        print_command_output(write_scene_from_rexs(file, rexs, shaft, set or []))
         return
     if shaft or set:
         advice = "add `rexs` with the name of the file"
         raise ArgumentError("shaft, set", "one of these options without a REXS file", "only with `rexs`", advice)
-    schema_line = f"#:schema {files.place('scene.schema.json').as_uri()}\n"  # lets editors complete and check keys
-    write_new(file, schema_line + text_of(kind, like))
+    schema_line = f"#:schema {files.shipped_path('scene.schema.json').as_uri()}\n"  # lets editors complete and check keys
+    write_new_file(file, schema_line + new_scene_text(kind, like))
     command = "solve" if (kind or "ball screw").replace("-", " ") in (*WHOLE, *AXES, *BEARINGS) else "friction"
-    print_answer(Answer(parts=[f"wrote {file}; solve it with: rollbench {command} {quote(str(file))}"]))
+    print_command_output(CommandOutput(parts=[f"wrote {file}; solve it with: rollbench {command} {quote(str(file))}"]))
 
 
-def new_of_rexs(file: Path, rexs: Path, shaft: str, given: list[str]) -> Answer:
+def write_scene_from_rexs(file: Path, rexs: Path, shaft: str, given: list[str]) -> CommandOutput:
     """Convert a REXS file to a scene file.
 
     ``shaft``: name or id of the shaft. ``given``: texts KEY=VALUE with values that the REXS file lacks. Raises InputError
     if values are missing, or if the scene is not valid.
     """
-    from rollbench.compare.files import write_new
+    from rollbench.compare.files import write_new_file
     from rollbench.compare.scenes import scene_file
-    from rollbench.compare.scenes.from_rexs import tables_of
-    from rollbench.meshes.scene_text import given_keys as filled
-    from rollbench.meshes.scene_text import to_toml
+    from rollbench.compare.scenes.from_rexs import scene_tables_from_rexs
+    from rollbench.meshes.scene_text import toml_of_tables
+    from rollbench.meshes.scene_text import without_empty_values as filled
 
     pairs = {}
     for text in given:
@@ -83,18 +83,18 @@ def new_of_rexs(file: Path, rexs: Path, shaft: str, given: list[str]) -> Answer:
             allowed = 'KEY=VALUE, such as "left.rollers.ring_depth=5 mm"'
             raise ArgumentError("set", text, allowed, "write key and value with = between them")
         pairs[key.strip()] = value.strip()
-    tables, notes = tables_of(rexs, shaft, pairs)
-    text = to_toml(filled(**tables))
+    tables, notes = scene_tables_from_rexs(rexs, shaft, pairs)
+    text = toml_of_tables(filled(**tables))
     scene_file.parse_scene(text, str(file))
-    write_new(file, text)
+    write_new_file(file, text)
     lines = [f"not converted: {note}" for note in notes]
     lines.append(f"wrote {file}; solve it with: rollbench solve {quote(str(file))}")
-    return Answer(parts=lines, folded=True)
+    return CommandOutput(parts=lines, folded=True)
 
 
 @app.command
 def schema() -> None:
     """Print the JSON Schema of scene files of all kinds."""
-    from rollbench.compare.scenes.friction_kinds.table import json_schema
+    from rollbench.compare.scenes.friction_kinds.table import scene_json_schema
 
-    print_json(json_schema())
+    print_json(scene_json_schema())

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.commands.terminal import Flag, Json, Names, Word, app
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.text.printing import Answer, cell, print_answer, ruled_table
+from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
 
 if TYPE_CHECKING:
     from rollbench.compare.evidence import Evidence
     from rollbench.compare.models.study import Study
 
 
-def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None = None) -> Answer:
+def judge_printed_numbers(sources: Sequence[str], only: Sequence[str], write: Path | None = None) -> CommandOutput:
     """Judge the numbers and claims that publications print; exit code 1 if a verdict differs from the expected one.
 
     ``sources``: names of publications; if empty, all. ``only``: names of printed tables and entries ("table:key"); if
@@ -26,35 +26,35 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
     from rollbench.compare.files import replace_file
     from rollbench.compare.models.study import Study
 
-    rows = choose_entries(Study(), sources, only)
+    rows = judged_entries(Study(), sources, only)
     if write is not None:
         verdicts = {row.printed.name: row.verdict for row in rows}
         replace_file(write, json.dumps(verdicts, indent=0) + "\n")
     changed = [row.change for row in rows if row.change]
-    return Answer(printed_entries_json(rows, changed), printed_entries_table(rows, changed), 1 if changed else 0)
+    return CommandOutput(printed_entries_json(rows, changed), printed_entries_table(rows, changed), 1 if changed else 0)
 
 
-def choose_entries(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
+def judged_entries(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
     """Return the chosen printed numbers and claims with their computed values, in the order of the tables.
 
     ``study`` stores the computed values. ``sources``: names of publications; if empty, all. ``only``: names of printed
     tables and entries ("table:key"); if empty, all of these publications. Raises InputError for an unknown name.
     """
-    from rollbench.compare.case import every_case
-    from rollbench.compare.evidence import computations, evidence
+    from rollbench.compare.case import all_cases
+    from rollbench.compare.evidence import all_computations, evidence
     from rollbench.compare.printed import load_table
 
-    cases = [case.name for case in every_case() if case.title]
-    _check_known("source", sources, cases)
-    tables = [name for name, one in sorted(computations().items()) if not sources or one.case.name in sources]
+    cases = [case.name for case in all_cases() if case.title]
+    _refuse_unknown_names("source", sources, cases)
+    tables = [name for name, one in sorted(all_computations().items()) if not sources or one.case.name in sources]
     names = {row.name for table in tables for row in load_table(table)} if any(":" in word for word in only) else set()
-    _check_known("only", only, [*tables, *sorted(names)])
+    _refuse_unknown_names("only", only, [*tables, *sorted(names)])
     asked = only or tables
     found = evidence(study, *(name for name in tables if any(word.partition(":")[0] == name for word in asked)))
     return [one for one in found if one.printed.table in asked or one.printed.name in asked]
 
 
-def _check_known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
+def _refuse_unknown_names(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
     """Raise ArgumentError, with similar names, for the first name in ``given`` that is not in ``names``.
 
     ``argument``: name of the argument that is refused.
@@ -74,25 +74,25 @@ def printed_entries_json(rows: Sequence[Evidence], changed: Sequence[str]) -> di
     ``rows``: printed numbers and claims with their verdicts. ``changed``: texts on verdicts that differ from the expected
     ones.
     """
-    from rollbench.compare.evidence import counts, misprints, numbers_left_out
+    from rollbench.compare.evidence import count_entries_by_verdict, misprint_rows, uncompared_number_rows
 
     return {
-        "counts": counts(rows),
+        "counts": count_entries_by_verdict(rows),
         "entries": [entry_json(row) for row in rows],
-        "misprints": misprints(),
-        "left_out": numbers_left_out(),
+        "misprints": misprint_rows(),
+        "left_out": uncompared_number_rows(),
         "changed_verdicts": list(changed),
     }
 
 
 def entry_json(e: Evidence) -> dict[str, Any]:
     """Return one printed number or claim as JSON: printed and computed values, error, verdict and reason."""
-    from rollbench.compare.evidence import source
+    from rollbench.compare.evidence import publication_title_of
 
     p = e.printed
     return {
         "entry": p.name,
-        "source": source(p),
+        "source": publication_title_of(p),
         "place": p.place,
         "quantity": p.label,
         "printed": p.claim or p.printed,
@@ -117,25 +117,33 @@ def printed_entries_table(rows: Sequence[Evidence], changed: Sequence[str]) -> l
     """
     from rich.table import Table
 
-    from rollbench.compare.evidence import APART, counts, misprints, numbers_left_out, trust
+    from rollbench.compare.evidence import (
+        APART,
+        count_entries_by_verdict,
+        misprint_rows,
+        reproduction_sentence,
+        uncompared_number_rows,
+    )
     from rollbench.compare.printed import VERDICTS
 
     headings = [name + (" (not judged)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
-    table = ruled_table("printed entries by verdict", headings, (map(str, row.values()) for row in counts(rows)))
+    table = ruled_table(
+        "printed entries by verdict", headings, (map(str, row.values()) for row in count_entries_by_verdict(rows))
+    )
     entries = Table(title="entries", title_justify="left")
     for heading in ("entry", "printed", "as printed", "right", "3D", "error %", "verdict", "reason"):
         entries.add_column(heading, overflow="fold")
     for one in rows:
         data = entry_json(one)
-        numbers = (cell(data[k], ".5g") for k in ("as_printed", "right", "reference_3d", "error_percent"))
+        numbers = (format_cell(data[k], ".5g") for k in ("as_printed", "right", "reference_3d", "error_percent"))
         entries.add_row(one.printed.name, f"{data['printed']} {data['unit']}".rstrip(), *numbers, one.verdict, one.reason)
-    lines = [trust(row) for row in counts(rows)]
-    left_out = f"{len(numbers_left_out())} groups of numbers that are not compared"
-    lines.append(f"--json also lists: {len(misprints())} misprints, each with a command and a test; {left_out}")
+    lines = [reproduction_sentence(row) for row in count_entries_by_verdict(rows)]
+    left_out = f"{len(uncompared_number_rows())} groups of numbers that are not compared"
+    lines.append(f"--json also lists: {len(misprint_rows())} misprints, each with a command and a test; {left_out}")
     return [table, *lines, entries, *(f"changed: {line}" for line in changed)]
 
 
-def trace_table(table: str = "") -> Answer:
+def computation_trace(table: str = "") -> CommandOutput:
     """Return a table that shows how every printed number of one table, or of all tables, is computed.
 
     It has the number as printed, the scenes from which it is computed or the reason for none, the computing function and
@@ -152,7 +160,7 @@ def trace_table(table: str = "") -> Answer:
     for t in entries:
         test = t.test.removeprefix("tests/sources/")
         shown.add_row(t.table, t.key, t.printed, t.cls, ", ".join(t.scenes) or t.no_scene, t.computation, test or "–")
-    return Answer([asdict(trace) for trace in entries], [shown])
+    return CommandOutput([asdict(trace) for trace in entries], [shown])
 
 
 @app.command
@@ -166,16 +174,16 @@ def audit(*, only: Names = None, write: Path | None = None, as_json: Json = Fals
     write
         File to which the verdicts are written.
     """
-    return print_answer(run_printed((), only or (), write), as_json)
+    return print_command_output(judge_printed_numbers((), only or (), write), as_json)
 
 
-def list_shipped() -> Answer:
+def list_shipped() -> CommandOutput:
     """Return the lists of scenes, models and printed tables that are shipped with rollbench."""
-    data = _shipped_json()
-    return Answer(data, _shipped_lines(data))
+    data = _shipped_contents_json()
+    return CommandOutput(data, _shipped_contents_lines(data))
 
 
-def _shipped_json() -> dict[str, dict[str, Any]]:
+def _shipped_contents_json() -> dict[str, dict[str, Any]]:
     """Return scenes (by kind) and models with their titles, and printed tables with the number of their rows."""
     from rollbench.compare import printed
     from rollbench.compare.models.registry import AXIS_MODELS, MODELS
@@ -187,16 +195,16 @@ def _shipped_json() -> dict[str, dict[str, Any]]:
     of_users = {name: origin_of_model(name) for name in installed_models() if name not in MODELS}
     return {
         "scenes": {
-            k: {n: t for n, t in titles.items() if catalogue.kind_of_shipped(n) == k} for k in (*WHOLE, AXIS, *KINDS)
+            k: {n: t for n, t in titles.items() if catalogue.kind_of_shipped_scene(n) == k} for k in (*WHOLE, AXIS, *KINDS)
         },
         "models": {model.name: model.about for model in MODELS.values()},
         **({"models of other packages": of_users} if of_users else {}),
         "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},
-        "printed_tables": {name: len(printed.load_table(name)) for name in printed.tables()},
+        "printed_tables": {name: len(printed.load_table(name)) for name in printed.printed_table_names()},
     }
 
 
-def _shipped_lines(data: Mapping[str, Any]) -> Iterator[str]:
+def _shipped_contents_lines(data: Mapping[str, Any]) -> Iterator[str]:
     """Yield the lines in which the terminal shows shipped scenes, models and printed tables."""
     groups = {f"scenes, {kind}": titles for kind, titles in data["scenes"].items()}
     groups |= {group: entries for group, entries in data.items() if group != "scenes"}
@@ -220,6 +228,6 @@ def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> No
         List the numbers and claims of this printed table only, as --trace does.
     """
     if trace or table:
-        print_answer(trace_table(table), as_json)
+        print_command_output(computation_trace(table), as_json)
     else:
-        print_answer(list_shipped(), as_json)
+        print_command_output(list_shipped(), as_json)

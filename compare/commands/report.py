@@ -10,9 +10,9 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import ComputeOptions, Flag, Names, Word, app, engine_of
+from rollbench.compare.commands.terminal import ComputeOptions, Flag, Names, Word, app, engine_from_options
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.text.printing import Answer, print_answer
+from rollbench.compare.text.printing import CommandOutput, print_command_output
 
 #: Environment variables that are set if a browser window can be shown.
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
@@ -75,33 +75,35 @@ def report(
         Show the page in the browser.
     """
     if scene:
-        from rollbench.compare.running import need_packages
+        from rollbench.compare.running import check_packages
         from rollbench.meshes.libraries import PAGES
 
-        need_packages(*PAGES)  # the next line imports some of them
-        from rollbench.compare.report.report import require_single_scene
-        from rollbench.compare.report.verify import run_pages
+        check_packages(*PAGES)  # the next line imports some of them
+        from rollbench.compare.report.report import check_scene_arguments
+        from rollbench.compare.report.verify import write_and_compare_pages
 
-        require_single_scene(scene, against=against, reference=reference)
+        check_scene_arguments(scene, against=against, reference=reference)
         given: dict[str, Any] = {"only": only, "source": source, "quick": quick, "stored": stored, "fresh": fresh}
         given["scheduler"] = where and where.scheduler
         for name, value in given.items():
             if value:
                 raise ArgumentError(name, str(value), "only for a report without a scene", "leave it out")
-        return show_written_report(
-            print_answer(run_pages(scene, out, store, against, reference)), out / "index.html", open_page
+        return open_written_page(
+            print_command_output(write_and_compare_pages(scene, out, store, against, reference)),
+            out / "index.html",
+            open_page,
         )
     if reference is not None:
         raise ArgumentError("reference", str(reference), "only together with a scene", "state the scene of these loads")
-    from rollbench.compare.report.report import make_report
+    from rollbench.compare.report.report import write_validation_report
 
     kinds: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
     kinds |= {"source": source or "", "against": against}
-    answer = make_report(only or (), out, store=store, engine=engine_of(where, 2), **kinds)
-    return show_written_report(print_answer(answer), out / "index.html", open_page)
+    answer = write_validation_report(only or (), out, store=store, engine=engine_from_options(where, 2), **kinds)
+    return open_written_page(print_command_output(answer), out / "index.html", open_page)
 
 
-def show_written_report(code: int, page: Path, wanted: bool) -> int:
+def open_written_page(code: int, page: Path, wanted: bool) -> int:
     """Show a page in the browser if ``wanted``, and return the exit code ``code`` unchanged.
 
     If this is wanted and the computer has no browser or no screen, a line says so.
@@ -109,7 +111,9 @@ def show_written_report(code: int, page: Path, wanted: bool) -> int:
     if wanted:
         screen = os.name == "nt" or sys.platform == "darwin" or any(map(os.environ.get, SCREENS))
         if not (screen and webbrowser.open(page.resolve().as_uri())):
-            print_answer(Answer(parts=["no browser was found on this computer: open the page in any other browser"]))
+            print_command_output(
+                CommandOutput(parts=["no browser was found on this computer: open the page in any other browser"])
+            )
     return code
 
 
@@ -147,7 +151,7 @@ def view(
     """
     from rollbench.compare.api.calls import solve_described
     from rollbench.compare.errors import Refusal
-    from rollbench.compare.files import need_writable, replace_file
+    from rollbench.compare.files import check_writable, replace_file
     from rollbench.compare.models.registry import Options
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
@@ -155,15 +159,15 @@ def view(
 
     if out.is_file() and MARKER not in out.read_text(encoding="utf-8", errors="replace"):
         raise ArgumentError("out", f"the existing file {out}", "a new file or an earlier page", "choose another name")
-    need_writable(out)
+    check_writable(out)
     found = solve_described(catalogue.any_scene(scene), model, Options(member=member), origin=scene)
     try:
         html = found.view_page((store, shipped_store()))
     except ValueError:
         raise Refusal(scene, "scene", found.reason or str(found.status), "correct the scene as the reason says") from None
     replace_file(out, html)
-    code = print_answer(Answer(parts=[*found._notes, f"page: {out}"], code=int(not found.converged)))
-    return show_written_report(code, out, open_page)
+    code = print_command_output(CommandOutput(parts=[*found._notes, f"page: {out}"], code=int(not found.converged)))
+    return open_written_page(code, out, open_page)
 
 
 @app.command
@@ -180,10 +184,10 @@ def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int
     store
         Folder of stored runs of the reference, used in addition to the shipped runs.
     """
-    from rollbench.compare.running import need_packages
+    from rollbench.compare.running import check_packages
     from rollbench.meshes.libraries import PAGES
 
-    need_packages(*PAGES)  # the next line imports some of them
-    from rollbench.compare.report.verify import run_verify
+    check_packages(*PAGES)  # the next line imports some of them
+    from rollbench.compare.report.verify import verify_hashes
 
-    return print_answer(run_verify(report, store))
+    return print_command_output(verify_hashes(report, store))

@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Json, ProgramOptions, Verbose, Word, app, model_name_of
+from rollbench.compare.commands.terminal import Flag, Json, ProgramOptions, Verbose, Word, app, model_or_program_name
 from rollbench.compare.errors import ArgumentError, one_line
-from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, print_answer, ruled_table
+from rollbench.compare.running import show_progress_message
+from rollbench.compare.text.printing import CommandOutput, print_command_output, ruled_table
 
 if TYPE_CHECKING:
     from rollbench.compare.models.load_cases import Solved, SolvedAxis
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.results.load_curve import LoadCurve
-    from rollbench.compare.studies.members.members import Members
+    from rollbench.compare.studies.members.members import EnsembleSummary
     from rollbench.lowfi.statics.result import StaticResult
     from rollbench.lowfi.statics.tangent import Tangent
     from rollbench.meshes.arrays import Array
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Choices:
+class SolveOptions:
     """Command-line options for the solution of one scene; their names are those of the arguments of `solve`.
 
     everything: compute all terms of the model, needed or not. member: number of the specimen. condensed: file with
@@ -55,46 +55,46 @@ class Choices:
     verbose: bool = False
 
 
-def run_solve(name: str, choices: Choices) -> Answer:
+def solve_and_report(name: str, choices: SolveOptions) -> CommandOutput:
     """Solve one scene, with all its load cases, and return what is printed; exit code 1 if a load case did not converge.
 
     Raises InputError.
     """
     from rollbench.compare.api.calls import solve_described
     from rollbench.compare.models.registry import Options, default_model
-    from rollbench.compare.running import checked, watched
+    from rollbench.compare.running import checked_time_limit, watch_running_time
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import each_case
-    from rollbench.compare.text.solved import case_table, stiffness_lines
+    from rollbench.compare.scenes.scene_file import scenes_of_load_cases
+    from rollbench.compare.text.solved import solved_case_parts, tangent_stiffness_parts
 
     described = catalogue.any_scene(name)
-    scenes: Sequence[Scene | Assembly] = each_case(described, name)
-    model, station = _check_choices(choices)
+    scenes: Sequence[Scene | Assembly] = scenes_of_load_cases(described, name)
+    model, station = _check_options(choices)
     model = model or default_model(scenes[0])
-    _check_parts(scenes[0], choices, station)
+    _check_options_for_scene(scenes[0], choices, station)
     options = Options(choices.everything, choices.member, condensed=choices.condensed)
     at = station if choices.stiffness_at else None
-    with watched(f"{described.name}, model {one_line(model)}", checked(choices.time_limit)):
+    with watch_running_time(f"{described.name}, model {one_line(model)}", checked_time_limit(choices.time_limit)):
         found = solve_described(described, model, options, at, name)
     solved, names = found.solved, [*found.cases]
-    of_cases = [_options_of_case(choices, case) for case in names] or [choices]
+    of_cases = [_options_of_load_case(choices, case) for case in names] or [choices]
     written: list[str] = []
     for one, tangent, files in zip(solved, found.tangents, of_cases, strict=True):
-        written += _write_files(one, tangent, files)
+        written += _write_stiffness_matrix(one, tangent, files)
     if choices.loads_csv is not None:
-        written += _write_loads(choices.loads_csv, solved, names)
+        written += _write_contact_loads(choices.loads_csv, solved, names)
     shown = {"balls": choices.balls, "details": choices.verbose, "stiffness": bool(choices.stiffness_at)}
     if found.cycle is None or found.together is None:
         tangent = found.tangents[0]
-        lines = [*case_table(solved[0], **shown), *([] if tangent is None else stiffness_lines(tangent))]
+        lines = [*solved_case_parts(solved[0], **shown), *([] if tangent is None else tangent_stiffness_parts(tangent))]
     else:
-        from rollbench.compare.text.solved import cases_table
+        from rollbench.compare.text.solved import duty_cycle_parts
 
-        lines = cases_table(found.cycle, solved, found.together, found.tangents, **shown)
-    return Answer(found.to_dict, [*lines, *written], exit_code(solved, choices), folded=True)
+        lines = duty_cycle_parts(found.cycle, solved, found.together, found.tangents, **shown)
+    return CommandOutput(found.to_dict, [*lines, *written], exit_code_of_solutions(solved, choices), folded=True)
 
 
-def _options_of_case(choices: Choices, name: str) -> Choices:
+def _options_of_load_case(choices: SolveOptions, name: str) -> SolveOptions:
     """Return the options for one load case.
 
     ``name``: name of the case, which is added to the file name for the stiffness matrix, so that each case has its own
@@ -107,15 +107,15 @@ def _options_of_case(choices: Choices, name: str) -> Choices:
     return replace(choices, matrix=named(choices.matrix))
 
 
-def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
+def _write_contact_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
     """Write the ball contact loads of all converged load cases to a CSV file; return a line that names the file.
 
     ``names``: names of the load cases; empty for a single one.
     """
     from rollbench.compare.files import write_csv
     from rollbench.compare.models.load_cases import Solved
-    from rollbench.compare.models.loads_file import loads_csv
-    from rollbench.compare.quantities import count_of
+    from rollbench.compare.models.loads_file import load_rows_for_csv
+    from rollbench.compare.quantities import count_with_noun
 
     rows = []
     for one, name in zip(solved, names or [""], strict=True):
@@ -126,15 +126,15 @@ def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Seque
         else:
             sets = [({"set": str(k)}, s.balls) for k, s in enumerate(one.result.sets, 1) if s.balls is not None]
         for of_set, balls in sets if one.result.converged else ():
-            rows += [head | of_set | row for row in loads_csv(balls.load, balls.azimuth, balls.z)]
+            rows += [head | of_set | row for row in load_rows_for_csv(balls.load, balls.azimuth, balls.z)]
     if not rows:
         return []
     write_csv(path, rows)
     check = f"rollbench check SCENE --loads {shlex.quote(str(path))}"
-    return [f"wrote {path}: {count_of(len(rows), 'contact load')}; compare them with the 3D reference by: {check}"]
+    return [f"wrote {path}: {count_with_noun(len(rows), 'contact load')}; compare them with the 3D reference by: {check}"]
 
 
-def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> None:
+def _check_options_for_scene(scene: Scene | Assembly, choices: SolveOptions, station: float) -> None:
     """Raise InputError if options do not suit the scene.
 
     ``station``: axial position of the requested stiffness [m], which must lie on the screw or shaft. Some options exist for
@@ -160,14 +160,14 @@ def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> N
         raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f"state an axial position on the {body}")
 
 
-def exit_code(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
+def exit_code_of_solutions(solved: Sequence[Solved | SolvedAxis], choices: SolveOptions) -> int:
     """Return exit code 1 if a load case did not converge or, with the option ``strict``, has a warning; otherwise 0."""
-    from rollbench.lowfi.warned import warning_line
+    from rollbench.lowfi.warned import join_brief_warnings
 
-    return int(any(one.answers is None or (choices.strict and warning_line(one.result.warnings)) for one in solved))
+    return int(any(one.answers is None or (choices.strict and join_brief_warnings(one.result.warnings)) for one in solved))
 
 
-def _check_choices(choices: Choices) -> tuple[str, float]:
+def _check_options(choices: SolveOptions) -> tuple[str, float]:
     """Check the options; return the model's name (empty: the default) and the axial position of the stiffness [m].
 
     Raises InputError if options exclude each other, or if a file cannot be written.
@@ -185,11 +185,11 @@ def _check_choices(choices: Choices) -> tuple[str, float]:
         if not choices.stiffness_at:
             advice = "add `stiffness_at` with an axial position"
             raise ArgumentError("matrix", str(choices.matrix), "only with `stiffness_at`", advice)
-        check_matrix(choices.matrix)
+        check_matrix_file(choices.matrix)
     if choices.loads_csv is not None:
-        from rollbench.compare.files import need_writable
+        from rollbench.compare.files import check_writable
 
-        need_writable(choices.loads_csv)
+        check_writable(choices.loads_csv)
     if not choices.stiffness_at:
         return model, 0.0
     try:
@@ -199,7 +199,7 @@ def _check_choices(choices: Choices) -> tuple[str, float]:
         raise ArgumentError("stiffness_at", choices.stiffness_at, "a length with its unit", advice) from None
 
 
-def _write_files(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Choices) -> list[str]:
+def _write_stiffness_matrix(one: Solved | SolvedAxis, tangent: Tangent | None, choices: SolveOptions) -> list[str]:
     """Write the stiffness matrix to the file that the user asked for; return a line that names the file, if any.
 
     ``one``: solution of a load case. ``tangent``: its stiffness at the requested axial position. Raises InputError if a
@@ -217,7 +217,7 @@ def _write_files(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Cho
         allowed = "only if the shaft has no fixed degree of freedom there, whose stiffness would be infinite"
         raise ArgumentError("matrix", str(path), allowed, advice)
     if path is not None and K is not None:
-        write_stiffness(path, K, f"tangent stiffness of {one.scene.name}, model {one.result.model}, {where}")
+        write_matrix_file(path, K, f"tangent stiffness of {one.scene.name}, model {one.result.model}, {where}")
         lines.append(f"wrote {path}: the symmetric stiffness matrix in N, m and rad")
     return lines
 
@@ -311,7 +311,7 @@ def solve(
     verbose
         Also print further quantities, the assumptions, neglected effects, the force balance and data of the solver.
     """
-    model = model_name_of(program, model)
+    model = model_or_program_name(program, model)
     if program is not None and time_limit is not None:
         advice = "use `model_seconds`, which limits each run of the program"
         raise ArgumentError("time_limit", f"{time_limit:g} with a program", "only without a program", advice)
@@ -323,8 +323,8 @@ def solve(
         for name in (k for k, v in alone.items() if v is not None):
             given = f"this option for {len(scenes)} scenes"
             raise ArgumentError(name, given, "only for one scene", "leave it out, or solve one scene at a time")
-        choices = Choices(model, member=member, stiffness_at=stiffness_at, time_limit=time_limit, strict=strict)
-        return print_answer(run_side_by_side(scenes, choices), as_json)
+        choices = SolveOptions(model, member=member, stiffness_at=stiffness_at, time_limit=time_limit, strict=strict)
+        return print_command_output(solve_side_by_side(scenes, choices), as_json)
     (scene,) = scenes
     if members is not None:
         from rollbench.compare.reference.jobs import Engine
@@ -334,88 +334,92 @@ def solve(
             advice = "leave them out, or solve one specimen by `member=K`"
             raise ArgumentError(named, "one of these options with --members", "only without --members", advice)
         how = Engine(workers=workers)
-        return print_answer(
-            run_ensemble_command(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json
+        return print_command_output(
+            solve_specimens(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json
         )
     if seed is not None or workers is not None or (csv is not None and not curve):
         given = "one of these options without --members"
         raise ArgumentError("csv, seed, workers", given, "only with --members", "add --members N")
-    choices = Choices(
+    choices = SolveOptions(
         model, everything, member, condensed, balls, stiffness_at, matrix, loads_csv, time_limit, strict, verbose
     )
-    return print_answer(run_curve(scene, curve, choices, csv) if curve else run_solve(scene, choices), as_json)
+    return print_command_output(
+        solve_load_curve(scene, curve, choices, csv) if curve else solve_and_report(scene, choices), as_json
+    )
 
 
-def run_side_by_side(names: Sequence[str], choices: Choices) -> Answer:
+def solve_side_by_side(names: Sequence[str], choices: SolveOptions) -> CommandOutput:
     """Solve several scenes and return their results side by side; exit code 1 if one did not converge.
 
     Raises InputError.
     """
     from rollbench.compare.api.calls import side_by_side_described
-    from rollbench.compare.running import checked, watched
+    from rollbench.compare.running import checked_time_limit, watch_running_time
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import each_case
-    from rollbench.compare.text.solved import side_by_side_lines
-    from rollbench.lowfi.warned import warning_line
+    from rollbench.compare.scenes.scene_file import scenes_of_load_cases
+    from rollbench.compare.text.solved import side_by_side_parts
+    from rollbench.lowfi.warned import join_brief_warnings
 
     described = [catalogue.any_scene(name) for name in names]
-    model, station = _check_choices(choices)
+    model, station = _check_options(choices)
     for one, name in zip(described, names, strict=True):
-        _check_parts(each_case(one, name)[0], choices, station)
+        _check_options_for_scene(scenes_of_load_cases(one, name)[0], choices, station)
     at = station if choices.stiffness_at else None
-    with watched(f"{len(names)} scenes, model {one_line(model)}", checked(choices.time_limit)):
+    with watch_running_time(f"{len(names)} scenes, model {one_line(model)}", checked_time_limit(choices.time_limit)):
         found = side_by_side_described(described, names, model, choices.member, at)
-    warned = choices.strict and any(warning_line(one.warnings) for one in found.scenes)
-    return Answer(found.to_dict, side_by_side_lines(found), int(not found.converged or warned), folded=True)
+    warned = choices.strict and any(join_brief_warnings(one.warnings) for one in found.scenes)
+    return CommandOutput(found.to_dict, side_by_side_parts(found), int(not found.converged or warned), folded=True)
 
 
-def run_curve(name: str, text: str, choices: Choices, csv_out: Path | None) -> Answer:
+def solve_load_curve(name: str, text: str, choices: SolveOptions, csv_out: Path | None) -> CommandOutput:
     """Solve a scene over a range of loads and return its load curve; exit code 1 if a load has no equilibrium.
 
     ``text``: the range, such as ``"-3kN:3kN:41:x"``. Of several load cases only the first is solved. Raises InputError.
     """
     from rollbench.compare.api.calls import load_curve_of
     from rollbench.compare.models.registry import Options
-    from rollbench.compare.running import checked, watched
+    from rollbench.compare.running import checked_time_limit, watch_running_time
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.text.solved import curve_lines
+    from rollbench.compare.text.solved import load_curve_parts
 
     if choices.stiffness_at or choices.matrix or choices.loads_csv or choices.balls:
         refused, given = "stiffness_at, matrix, loads_csv, balls", "one of these options with --curve"
         raise ArgumentError(refused, given, "only without --curve", "leave them out: they are for a single load")
-    model, _ = _check_choices(choices)
+    model, _ = _check_options(choices)
     if csv_out is not None:
-        from rollbench.compare.files import need_writable
+        from rollbench.compare.files import check_writable
 
-        need_writable(csv_out)
+        check_writable(csv_out)
     options = Options(choices.everything, choices.member, condensed=choices.condensed)
-    with watched(f"{name}, load curve", checked(choices.time_limit)):
+    with watch_running_time(f"{name}, load curve", checked_time_limit(choices.time_limit)):
         found = load_curve_of(catalogue.any_scene(name), text, model, options, name)
-    lines = curve_lines(found, details=choices.verbose)
+    lines = load_curve_parts(found, details=choices.verbose)
     if csv_out is not None:
-        lines += write_curve(csv_out, found)
-    return Answer(found.to_dict, lines, int(not found.converged or (choices.strict and bool(found.above))), folded=True)
+        lines += write_load_curve(csv_out, found)
+    return CommandOutput(
+        found.to_dict, lines, int(not found.converged or (choices.strict and bool(found.above))), folded=True
+    )
 
 
-def run_ensemble_command(
+def solve_specimens(
     name: str, model: str, count: int, *, csv_out: Path | None, seed: int | None, engine: Engine, balls: bool = False
-) -> Answer:
+) -> CommandOutput:
     """Solve many specimens of a scene with random errors and return their statistics; exit code 1 if none converged.
 
     ``csv_out``: file to which a row is written as soon as a specimen is solved. ``balls``: also show the range of the load
     of every ball. Raises InputError.
     """
-    from rollbench.compare.results.base import with_schema
+    from rollbench.compare.results.base import add_schema_version
     from rollbench.compare.scenes import catalogue
 
     described = catalogue.any_scene(name)
-    from rollbench.compare.studies.members.members import ensemble_json, solve_ensemble
+    from rollbench.compare.studies.members.members import ensemble_json, solve_specimens_of_load_cases
 
-    each, cases = solve_ensemble(described, name, model, count, seed, engine, on_terminal, csv_out)
-    shown = [x for batch in each for x in ensemble_table(batch, balls=balls)]
+    each, cases = solve_specimens_of_load_cases(described, name, model, count, seed, engine, show_progress_message, csv_out)
+    shown = [x for batch in each for x in ensemble_terminal_parts(batch, balls=balls)]
     shown += [f"wrote {csv_out}: one row for each specimen"] * bool(csv_out)
-    data = with_schema(ensemble_json(described, each, cases))
-    return Answer(data, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
+    data = add_schema_version(ensemble_json(described, each, cases))
+    return CommandOutput(data, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
 
 
 def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
@@ -435,7 +439,7 @@ def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str
     return ruled_table(title, heads, table, ("",))
 
 
-def ensemble_table(members: Members, *, balls: bool = False) -> list[Any]:
+def ensemble_terminal_parts(members: EnsembleSummary, *, balls: bool = False) -> list[Any]:
     """Return the statistics of all specimens for the terminal and, if ``balls``, the range of the load of every ball."""
     from rollbench.compare.studies.members.ensemble import KEPT, OF_SET, WHOLE
     from rollbench.compare.studies.members.members import members_json
@@ -458,10 +462,15 @@ def ensemble_table(members: Members, *, balls: bool = False) -> list[Any]:
     )
     stiff = "tangent rigidity: at the equilibrium, for the position that the scene states" if several else of_nut
     parts += [*tables, f"life: equivalent loads by ISO/TS 16281, with raceways of equal strength; {stiff}"]
-    return [*parts, _bands_table(data, members.bands.width) if balls else "range of the load of every ball: add --balls"]
+    return [
+        *parts,
+        _contact_load_quantiles_table(data, members.bands.width)
+        if balls
+        else "range of the load of every ball: add --balls",
+    ]
 
 
-def _bands_table(data: dict[str, Any], width: float) -> Any:
+def _contact_load_quantiles_table(data: dict[str, Any], width: float) -> Any:
     """Return the table with quantiles of every contact load over the specimens.
 
     ``data``: JSON results of the specimens. ``width``: sampling error of the quantiles [N].
@@ -477,24 +486,24 @@ def _bands_table(data: dict[str, Any], width: float) -> Any:
 GRID, MATRIX_NAME = 1, "KNUT"
 
 
-def check_matrix(path: Path) -> None:
+def check_matrix_file(path: Path) -> None:
     """Raise InputError if the suffix of a file for a stiffness matrix is unknown, or if the file cannot be written."""
-    from rollbench.compare.files import need_writable
+    from rollbench.compare.files import check_writable
 
     if path.suffix.lower() not in (".mtx", ".dmig"):
         allowed = "a name that ends in .mtx (Matrix Market) or .dmig (Nastran)"
         raise ArgumentError("matrix", str(path), allowed, "change the suffix of the file")
-    need_writable(path)
+    check_writable(path)
 
 
-def write_stiffness(path: Path, matrix: Array, words: str) -> None:
+def write_matrix_file(path: Path, matrix: Array, comment_text: str) -> None:
     """Write a stiffness matrix (6, 6) [N, m, rad] in the format that the suffix of the file names, .mtx or .dmig.
 
-    ``words``: comment in the file.
+    ``comment_text``: comment in the file.
     """
     from rollbench.compare.files import replace_file
 
-    comment = re.sub(r"[^ -~]", "?", f"rollbench: {words}; ux uy uz rx ry rz; N, m, rad")
+    comment = re.sub(r"[^ -~]", "?", f"rollbench: {comment_text}; ux uy uz rx ry rz; N, m, rad")
     replace_file(path, matrix_market_text(matrix, comment) if path.suffix.lower() == ".mtx" else dmig_text(matrix, comment))
 
 
@@ -524,21 +533,21 @@ def dmig_text(matrix: Array, comment: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_curve(path: Path, curve: LoadCurve) -> list[str]:
+def write_load_curve(path: Path, curve: LoadCurve) -> list[str]:
     """Write the points of a load curve (CSV) and its figure (SVG), and return a line that names both files.
 
     InputError if a file cannot be written.
     """
     from rollbench.compare.files import write_csv, write_figure
-    from rollbench.compare.quantities import as_json
+    from rollbench.compare.quantities import record_as_json
 
-    rows = [as_json(point) or {} for point in curve.points]
+    rows = [record_as_json(point) or {} for point in curve.points]
     write_csv(path, rows)
-    picture = write_figure(path.with_suffix(".svg"), curve_figure(curve, rows))
+    picture = write_figure(path.with_suffix(".svg"), load_curve_figure(curve, rows))
     return [f"wrote {path} and {picture}"]
 
 
-def curve_figure(curve: LoadCurve, rows: list[dict[str, Any]]) -> Figure:
+def load_curve_figure(curve: LoadCurve, rows: list[dict[str, Any]]) -> Figure:
     """Return the figure of a load curve, with a panel over the load for each quantity that has values.
 
     ``rows``: points of the curve as JSON values.

@@ -14,15 +14,15 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.terminal import Json, Names, ProgramOptions, app, model_name_of
+from rollbench.compare.commands.terminal import Json, Names, ProgramOptions, app, model_or_program_name
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, aligned_table, cell, print_answer, ruled_table
+from rollbench.compare.running import show_progress_message
+from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table, table_of_records
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rollbench.compare.studies.extremes import Attempt
+    from rollbench.compare.studies.extremes import FormulationOutcome
 
 
 @app.command
@@ -59,54 +59,59 @@ def survey(
     workers
         Number of screws solved in parallel. Default: 1.
     """
-    command = model_name_of(program)
+    command = model_or_program_name(program)
     models = [*(model or ()), *filter(None, [command])]
     if screw is not None:
         if models:
             advice = "leave the model out: this option only writes the randomly drawn screw"
             raise ArgumentError("screw", f"{screw} with a model", "only without a model", advice)
-        return print_answer(run_screw(screw, out), as_json)
+        return print_command_output(write_drawn_screw(screw, out), as_json)
     if not models:
         raise ArgumentError("model", "nothing", "a model, or `model_command`", "state the model to be judged")
-    return print_answer(run_survey(models, count, max_error, out, workers), as_json)
+    return print_command_output(judge_models_on_screws(models, count, max_error, out, workers), as_json)
 
 
-def run_survey(models: Sequence[str], count: int, max_error: float, out: Path, workers: int | None) -> Answer:
+def judge_models_on_screws(
+    models: Sequence[str], count: int, max_error: float, out: Path, workers: int | None
+) -> CommandOutput:
     """Judge models on the first ``count`` random screws, write table and figure, and return statistics of the errors.
 
     ``max_error``: limit of the error in per cent. ``out``: folder of the written files. ``workers``: number of screws
-    solved in parallel. The exit code is 1 if a model fails on a screw. Raises InputError as `run_models`.
+    solved in parallel. The exit code is 1 if a model fails on a screw. Raises InputError as
+    `compare_models_on_drawn_screws`.
     """
-    from rollbench.compare.files import need_writable, write_csv, write_figure
-    from rollbench.compare.models.programs import title_of
-    from rollbench.compare.studies.survey_models import run_models, survey_figure
+    from rollbench.compare.files import check_writable, write_csv, write_figure
+    from rollbench.compare.models.programs import model_title
+    from rollbench.compare.studies.survey_models import compare_models_on_drawn_screws, survey_figure
 
-    stem = re.sub(r"[^\w.]+", "-", f"survey-{'-'.join(map(title_of, models))}")
+    stem = re.sub(r"[^\w.]+", "-", f"survey-{'-'.join(map(model_title, models))}")
     table, drawing = out / f"{stem}.csv", out / f"{stem}.svg"
     for path in (table, drawing):
-        need_writable(path)
-    data = run_models(models, count, workers, max_error, on_terminal)
-    write_csv(table, [{"model": title_of(name)} | dict(row) for name, rows in data["models"].items() for row in rows])
+        check_writable(path)
+    data = compare_models_on_drawn_screws(models, count, workers, max_error, show_progress_message)
+    write_csv(table, [{"model": model_title(name)} | dict(row) for name, rows in data["models"].items() for row in rows])
     drawn = (
         write_figure(drawing, survey_figure(data))
         if any("verdict" in r for r in data["models"][models[0]])
         else "no figure"
     )
     bad = sum(data["without_answer"].values())
-    return Answer(data, [*_survey_tables(data, models), f"wrote {table} (every screw) and {drawn}"], 1 if bad else 0)
+    return CommandOutput(
+        data, [*_survey_terminal_parts(data, models), f"wrote {table} (every screw) and {drawn}"], 1 if bad else 0
+    )
 
 
-def _survey_tables(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
+def _survey_terminal_parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
     """Yield the sentences and tables on the errors of the models over all screws, for the terminal.
 
     ``data``: JSON results of the models on every screw. ``models``: names of the judged models.
     """
-    from rollbench.compare.models.programs import title_of
+    from rollbench.compare.models.programs import model_title
     from rollbench.compare.studies.survey_models import WORST, median_errors_by_kind
 
     missing = "" if data["screws"] == data["of"] else f", out of {data['of']}"
     for name in models:
-        rows, title = data["models"][name], title_of(name)
+        rows, title = data["models"][name], model_title(name)
         answered = sorted((r for r in rows if "verdict" in r), key=lambda r: -float(r["largest_percent"]))
         if answered:
             sizes, bars, times = ([r[k] for r in answered] for k in ("largest_percent", "uncertainty_percent", "seconds"))
@@ -129,82 +134,86 @@ def _survey_tables(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[A
             yield f"no result for {len(numbers)} of {len(rows)} screws, the first is number {numbers[0]}: {reason}"
     yield f"screws with a stored reference: {data['screws']}{missing}"
     title = "absolute errors over the screws / %; errors of loads in per cent of the mean load"
-    yield aligned_table(data["summary"], ".2f", title)
-    yield aligned_table(
+    yield table_of_records(data["summary"], ".2f", title)
+    yield table_of_records(
         median_errors_by_kind(data["models"]),
         ".2f",
         "median error of the worst contact load by kind of screw / % of the mean load",
     )
 
 
-def run_screw(number: int, out: Path) -> Answer:
+def write_drawn_screw(number: int, out: Path) -> CommandOutput:
     """Write a randomly drawn screw as a scene file, and its reference loads as a CSV file, to the folder ``out``.
 
-    ``number``: number of the screw. Raises InputError as `write_screw`.
+    ``number``: number of the screw. Raises InputError as `write_scene_and_reference_files`.
     """
-    from rollbench.compare.studies.survey_models import write_screw
+    from rollbench.compare.studies.survey_models import write_scene_and_reference_files
 
-    text, loads = write_screw(number, out)
+    text, loads = write_scene_and_reference_files(number, out)
     command = f"rollbench check {shlex.quote(str(text))} --reference {shlex.quote(str(loads))} --model MODEL"
-    return Answer({"files": [str(text), str(loads)]}, [f"wrote {text} and {loads}; judge a model on them by: {command}"])
+    return CommandOutput(
+        {"files": [str(text), str(loads)]}, [f"wrote {text} and {loads}; judge a model on them by: {command}"]
+    )
 
 
-def run_stability() -> Answer:
+def solve_extreme_scenes() -> CommandOutput:
     """Solve the extreme scenes with all solvers, and return the outcomes; exit code 1 if rollbench's solver fails."""
-    from rollbench.compare.studies.extremes import solve_cases, unexpected_attempts
+    from rollbench.compare.studies.extremes import solve_all_hard_cases, unexpected_attempts
 
-    rows = solve_cases(lambda done, total, case: on_terminal(f"[{done}/{total}] {case}"))
+    rows = solve_all_hard_cases(lambda done, total, case: show_progress_message(f"[{done}/{total}] {case}"))
     bad = unexpected_attempts(rows)
     data = {"failures": len(bad), "rows": [asdict(r) for r in rows]}
-    return Answer(data, _stability_tables(rows, bad), 1 if bad else 0)
+    return CommandOutput(data, _stability_tables(rows, bad), 1 if bad else 0)
 
 
-def _stability_tables(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[RenderableType]:
+def _stability_tables(
+    rows: Sequence[FormulationOutcome], failures: Sequence[FormulationOutcome]
+) -> Iterator[RenderableType]:
     """Yield the table of outcomes by case and solver, the counts of each solver, and a line for each failure.
 
-    ``rows``: outcomes of every solver on every case. ``bad``: those that are not as expected.
+    ``rows``: outcomes of every solver on every case. ``failures``: those that are not as expected.
     """
-    from rollbench.compare.studies.extremes import FORMULATIONS, count_outcomes, rows_by_case
+    from rollbench.compare.studies.extremes import FORMULATIONS, count_outcomes, stability_table_rows
 
     words = ("case", *FORMULATIONS)
     lines = (
-        [*(str(line[f]) for f in words), cell(line["residual"], ".1e"), cell(line["difference"], ".0e")]
-        for line in rows_by_case(rows)
+        [*(str(line[f]) for f in words), format_cell(line["residual"], ".1e"), format_cell(line["difference"], ".0e")]
+        for line in stability_table_rows(rows)
     )
     yield ruled_table("stability: cases by formulations", (*words, "residual", "difference %"), lines, words)
     for name, (solved, tried, total) in count_outcomes(rows).items():
         yield f"{name}: solved {solved} of {tried} attempted cases, out of {total}"
-    for row in bad:
+    for row in failures:
         yield f"FAILED: {row.case}: {row.status}; expected outcome: {row.expected}"
 
 
-def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answer:
+def solve_drawn_screws(count: int, folder: Path, workers: int, keep: Path | None) -> CommandOutput:
     """Solve the first ``count`` randomly drawn screws with the 3D reference, and return errors of the models and failures.
 
     ``folder``: folder of the runs. ``keep``: file for the results that the report reads; None: not written. The exit code
     is 1 if a screw has no result. Raises InputError for a count out of range, a folder with other contents, and a file that
     cannot be written.
     """
-    from rollbench.compare.files import need_writable, replace_file
+    from rollbench.compare.files import check_writable, replace_file
     from rollbench.compare.studies import survey
     from rollbench.compare.studies.survey import SCENES, SEED
 
     if not 1 <= count <= SCENES:
         raise ArgumentError("survey", str(count), f"1 to {SCENES}", "choose a number in that range")
     if keep is not None:
-        need_writable(keep)
-    records = survey.run_survey(SEED, count, folder, workers, on_terminal, keep)
-    bad = survey.unsolved_records(records)
+        check_writable(keep)
+    records = survey.solve_screws_of_survey(SEED, count, folder, workers, show_progress_message, keep)
+    bad = survey.records_without_converged_loads(records)
     if keep is not None:
         from rollbench.compare.studies.survey_models import LOADS, store_loads
 
         replace_file(keep, survey.survey_json(SEED, records))
         store_loads(keep.with_name(LOADS), folder / "runs", count)
-    found = survey.summary_rows(records)
-    parts: list[Any] = [aligned_table(found)] if found else []
+    found = survey.error_summary_of_all_models(records)
+    parts: list[Any] = [table_of_records(found)] if found else []
     parts.append(f"{len(records) - len(bad)} of {len(records)} scenes have a result")
     parts += [f"scene {r['number']}: {r['status']}" for r in bad]
-    return Answer({"scenes": records, "without_answer": len(bad)}, parts, 1 if bad else 0)
+    return CommandOutput({"scenes": records, "without_answer": len(bad)}, parts, 1 if bad else 0)
 
 
 @app.command
@@ -235,8 +244,10 @@ def stability(
         survey reads. Screws that this file already has are not solved again.
     """
     if survey is not None:
-        return print_answer(run_drawn(survey, out or Path("rollbench-survey"), workers or 1, keep), as_json)
+        return print_command_output(
+            solve_drawn_screws(survey, out or Path("rollbench-survey"), workers or 1, keep), as_json
+        )
     if (out, workers, keep) != (None, None, None):
         given = "one of these options without --survey"
         raise ArgumentError("out, workers, keep", given, "only with --survey", "add --survey COUNT")
-    return print_answer(run_stability(), as_json)
+    return print_command_output(solve_extreme_scenes(), as_json)

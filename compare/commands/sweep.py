@@ -11,13 +11,21 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import ComputeOptions, Json, ProgramOptions, Word, app, engine_of, model_name_of
-from rollbench.compare.running import on_terminal
-from rollbench.compare.text.printing import Answer, cell, print_answer, ruled_table
+from rollbench.compare.commands.terminal import (
+    ComputeOptions,
+    Json,
+    ProgramOptions,
+    Word,
+    app,
+    engine_from_options,
+    model_or_program_name,
+)
+from rollbench.compare.running import show_progress_message
+from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.studies.sweep.keys import Vary
+    from rollbench.compare.studies.sweep.keys import VariedKey
     from rollbench.compare.studies.sweep.run import Sweep
 
 
@@ -67,26 +75,26 @@ def sweep(
     from rollbench.compare.studies.sweep.run import make_sweep
 
     names = [name.strip() for name in outputs.split(",") if name.strip()]
-    model = model_name_of(program, model)
+    model = model_or_program_name(program, model)
     what = make_sweep(scene, vary, samples, method, seed, model, names)
-    return print_answer(run_sweep(what, out, engine_of(where)), as_json)
+    return print_command_output(solve_and_report_sweep(what, out, engine_from_options(where)), as_json)
 
 
-def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
+def solve_and_report_sweep(sweep: Sweep, out: Path, engine: Engine) -> CommandOutput:
     """Solve all samples that are not stored yet, and write and return the summary; exit code 1 if no sample converged.
 
     ``sweep``: scene, varied parameters and design of the samples. ``out``: folder of samples and summary. ``engine``:
     solves the samples. Raises InputError as `run_samples`.
     """
-    from rollbench.compare.files import why_no_figure
+    from rollbench.compare.files import reason_without_figure
     from rollbench.compare.studies.sweep.run import solve_sweep
 
-    found = solve_sweep(sweep, out, engine, on_terminal)
-    written = f"wrote to {out}: samples.csv, summary.json and {why_no_figure() or 'figures (SVG)'}"
-    return Answer(found, [*sweep_tables(sweep.keys, found), written], 0 if found["converged"] else 1)
+    found = solve_sweep(sweep, out, engine, show_progress_message)
+    written = f"wrote to {out}: samples.csv, summary.json and {reason_without_figure() or 'figures (SVG)'}"
+    return CommandOutput(found, [*sweep_terminal_parts(sweep.keys, found), written], 0 if found["converged"] else 1)
 
 
-def sweep_tables(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
+def sweep_terminal_parts(keys: Sequence[VariedKey], found: Mapping[str, Any]) -> list[Any]:
     """Return the texts and tables in which the terminal shows a sweep.
 
     These are counts, statistics of all outputs, effects and Sobol indices of the largest load, and the samples with the
@@ -97,15 +105,15 @@ def sweep_tables(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
     parts: list[Any] = [f"{found['solved']} samples, {found['converged']} converged"]
     parts += [f"failed: {row['samples']} samples: {row['reason']}" for row in found["failures"][:5]]
     names = ("mean", "standard_error", "standard_deviation", "smallest", "quantile_0.05", "quantile_0.95", "largest")
-    rows = ([OUTPUTS[name], *(cell(x and x[n], ".5g") for n in names)] for name, x in found["outputs"].items())
+    rows = ([OUTPUTS[name], *(format_cell(x and x[n], ".5g") for n in names)] for name, x in found["outputs"].items())
     parts.append(ruled_table("outputs", ["", *(n.replace("_", " ") for n in names)], rows))
-    parts.append(_effects_table(keys, found))
+    parts.append(_parameter_effects_table(keys, found))
     worst = ([str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found["worst"])
     headings = ["sample", OUTPUTS[MAIN], "at", *(v.name for v in keys)]
     return [*parts, ruled_table("samples with the largest loads", headings, worst)]
 
 
-def _effects_table(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
+def _parameter_effects_table(keys: Sequence[VariedKey], found: Mapping[str, Any]) -> Any:
     """Return the table of the effect of each parameter on the largest load, with first-order and total Sobol indices.
 
     ``keys``: varied parameters. ``found``: summary of the sweep.
@@ -119,13 +127,13 @@ def _effects_table(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
     for vary in keys:
         means = [g["mean"] for g in found["main_effects"][vary.key]]
         cells = [f"{min(means):.5g}", f"{max(means):.5g}"] if means else ["–", "–"]
-        cells += [_interval_text(indices[vary.key], kind) if indices is not None else "–" for kind in ("first", "total")]
+        cells += [_sobol_index_text(indices[vary.key], kind) if indices is not None else "–" for kind in ("first", "total")]
         rows.append([vary.label, *cells])
     headings = ("parameter", "smallest mean / N", "largest mean / N", "first-order index", "total index")
     return ruled_table(title, headings, rows)
 
 
-def _interval_text(row: Mapping[str, float], kind: str) -> str:
+def _sobol_index_text(row: Mapping[str, float], kind: str) -> str:
     """Return a Sobol index with its confidence interval as text.
 
     ``row``: indices of one parameter with the ends of their intervals. ``kind``: "first" or "total".
@@ -169,10 +177,10 @@ def table(
         File of the table: .csv, .json, .parquet (needs pyarrow) or .nc (needs xarray). A figure of the same name is
         written as SVG.
     """
-    from rollbench.compare.files import need_writable, write_figure
+    from rollbench.compare.files import check_writable, write_figure
     from rollbench.compare.studies.table import check_request, solve_table
     from rollbench.compare.studies.table_files import check_format, table_figure, write_table
-    from rollbench.compare.text.solved import table_parts
+    from rollbench.compare.text.solved import parameter_table_parts
 
     texts: list[str] = []
     for text in over or ():
@@ -184,12 +192,12 @@ def table(
     asked = check_request(scene, texts, names, model, stiffness_at)
     if out is not None:
         check_format(out)
-        need_writable(out)
-    found = solve_table(asked, engine_of(where), on_terminal)
-    parts = table_parts(found)
+        check_writable(out)
+    found = solve_table(asked, engine_from_options(where), show_progress_message)
+    parts = parameter_table_parts(found)
     if out is not None:
         write_table(out, found)
         drawn = table_figure(found)
         picture = "no figure" if drawn is None else write_figure(out.with_suffix(".svg"), drawn)
         parts.append(f"wrote {out}: {len(found.rows)} rows; {picture}")
-    return print_answer(Answer(found.to_dict(), parts, 0 if found.converged else 1, folded=True), as_json)
+    return print_command_output(CommandOutput(found.to_dict(), parts, 0 if found.converged else 1, folded=True), as_json)

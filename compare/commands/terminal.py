@@ -56,7 +56,7 @@ class ProgramOptions:
     ] = None
 
 
-def model_name_of(program: ProgramOptions | None, model: str = "") -> str:
+def model_or_program_name(program: ProgramOptions | None, model: str = "") -> str:
     """Return the name of the model, which is either ``model`` or made from the command of an external program.
 
     InputError if both are used, or if a time limit is stated without a command.
@@ -91,23 +91,23 @@ class ComputeOptions:
     tls_key: Annotated[Path | None, Parameter(help="Key of the client certificate.")] = None
 
 
-def engine_of(where: ComputeOptions | None, here: int | None = None) -> Engine:
+def engine_from_options(where: ComputeOptions | None, local_workers: int | None = None) -> Engine:
     """Return the engine that computes runs where the user's options ask for it.
 
-    ``where``: options; None: this computer. ``here``: number of parallel runs on this computer, unless the options state
-    it. Raises InputError for certificates that cannot be used.
+    ``where``: options; None: this computer. ``local_workers``: number of parallel runs on this computer, unless the options
+    state it. Raises InputError for certificates that cannot be used.
     """
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.reference.parallel import use_tls
 
     where = where or ComputeOptions()
     use_tls(*(None if file is None else str(file) for file in (where.tls_ca, where.tls_cert, where.tls_key)))
-    workers = here if where.workers is None and where.scheduler is None else where.workers
+    workers = local_workers if where.workers is None and where.scheduler is None else where.workers
     return Engine(where.backend, where.scheduler, workers, cache_folder(), where.wait_workers)
 
 
 def cache_folder() -> Path | None:
     """Return the folder in which meshes and condensed bodies are cached; None if the cache is switched off."""
-    from rollbench.meshes.cache import default_root
+    from rollbench.meshes.cache import default_cache_folder
 
-    return default_root()
+    return default_cache_folder()

@@ -12,26 +12,26 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.evidence import Evidence, computations_by_table, evidence
+from rollbench.compare.evidence import Evidence, computations_with_function, evidence
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.comparison import REFERENCED, gate_points, known_exceedances
+from rollbench.compare.models.comparison import REFERENCED, contact_load_errors, known_exceedances
 from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.estimate import uncertainty_percent
+from rollbench.compare.reference.estimate import largest_uncertainty_percent
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.as_source import solve_with_fallback_start
+from rollbench.lowfi.as_source import solve_from_guess_or_load_steps
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.statics.contacts import drawn_hertz, error_free_hertz
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Errors, Ingredients, Load, Scene, Support
 from rollbench.meshes.section import screw_section
 
 
-def hertz_sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, float, float]]:
+def compare_sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, float, float]]:
     """Compute the contact of the scene's ball with a flat of the same material, by the program and by Hertz (1881).
 
     Parameters
@@ -63,7 +63,7 @@ def hertz_sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, flo
     ]
 
 
-def ball_load_of_rigid_screw(scene: Scene) -> tuple[float, float]:
+def compare_rigid_screw_load(scene: Scene) -> tuple[float, float]:
     """Compute the ball load of an error-free rigid screw under its axial load [N].
 
     Returns the load by the solver, then the load in closed form.
@@ -98,7 +98,7 @@ def ball_load_of_rigid_screw(scene: Scene) -> tuple[float, float]:
     return float(solve_static(rigid).load[:, 0].mean()), ball(s)[0]
 
 
-def cantilever_deflection(scene: Scene) -> tuple[float, float]:
+def compare_cantilever_deflection(scene: Scene) -> tuple[float, float]:
     """Compute the tip deflection of the scene's shaft as a cantilever under a lateral force of 1 N [m].
 
     Returns the deflection by the solver, then the deflection in closed form.
@@ -118,7 +118,7 @@ def cantilever_deflection(scene: Scene) -> tuple[float, float]:
     return float(result.centreline[-1, 0]), length**3 / (3.0 * section.EI) + length / section.kGA
 
 
-def load_of_two_opposite_balls(scene: Scene) -> tuple[float, float]:
+def compare_two_ball_load(scene: Scene) -> tuple[float, float]:
     """Compute the load of each of two opposite balls under an axial load F of 100 N [N].
 
     Returns the load by the solver, then the load in closed form.
@@ -139,7 +139,7 @@ def load_of_two_opposite_balls(scene: Scene) -> tuple[float, float]:
     return float(result.load[0, 0]), 100.0 / (2.0 * sin(gamma))
 
 
-def preload_by_oversize(scene: Scene, oversize: float) -> tuple[float, float]:
+def compare_oversize_preload(scene: Scene, oversize: float) -> tuple[float, float]:
     """Compute the preload on a screw contact due to oversized balls [N]: by the solver, then in closed form.
 
     The screw is rigid and carries no external load. By symmetry a ball moves only radially, by x. Its approach to each
@@ -153,7 +153,7 @@ def preload_by_oversize(scene: Scene, oversize: float) -> tuple[float, float]:
         loads=(),
         ingredients=Ingredients(screw="rigid"),
     )
-    constants = drawn_hertz(squeezed, specimen(squeezed, ball_layout(squeezed))).C[0]
+    constants = drawn_hertz(squeezed, draw_specimen(squeezed, ball_layout(squeezed))).C[0]
     beta = scene.track.contact_angle
     screw, nut = (body.groove_radius - scene.balls.radius for body in (scene.screw, scene.nut))
 
@@ -182,7 +182,7 @@ EXACT = 1e-6
 
 
 @dataclass(frozen=True)
-class GateRow:
+class GateCheck:
     """Result of one check of the gate: a computed number against a reference, or a printed claim in words.
 
     Numbers are None for a claim.
@@ -225,116 +225,122 @@ class GateRow:
         return asdict(self) | {"verdict": self.verdict}
 
 
-def number_row(name: str, kind: str, value: float, reference: float, limit: float) -> GateRow:
+def check_of_number(name: str, kind: str, value: float, reference: float, limit: float) -> GateCheck:
     """Return the check of a computed number against a reference value; ``kind``: of reference; ``limit``: of error [%]."""
     error = float(error_percent(value, reference))
-    return GateRow(name, kind, value, reference, error, limit, abs(error) <= limit)
+    return GateCheck(name, kind, value, reference, error, limit, abs(error) <= limit)
 
 
-def error_row(
-    name: str, kind: str, error: float | None, limit: float, passed: bool, detail: str = "", bar: float | None = None
-) -> GateRow:
+def check_of_error(
+    name: str,
+    kind: str,
+    error: float | None,
+    limit: float,
+    passed: bool,
+    detail: str = "",
+    uncertainty: float | None = None,
+) -> GateCheck:
     """Return a check for which only the error is known, not the values.
 
     ``name``: what is checked; ``kind``: kind of the reference; ``passed``: result; ``detail``: explanation; ``error``,
-    ``limit``, ``bar``: error, its limit and the reference's uncertainty [%].
+    ``limit``, ``uncertainty``: error, its limit and the reference's uncertainty [%].
     """
-    return GateRow(name, kind, None, None, error, limit, passed, detail, bar)
+    return GateCheck(name, kind, None, None, error, limit, passed, detail, uncertainty)
 
 
-def evidence_row(entry: Evidence, max_error: float) -> GateRow:
+def check_of_printed_entry(entry: Evidence, max_error: float) -> GateCheck:
     """Return the check of a printed number or claim of a publication against the computed value.
 
     The limit of the error is the tolerance of the printed number, at most ``max_error`` [%].
     """
     p = entry.printed
     if p.value is None:
-        return GateRow(
+        return GateCheck(
             f"{p.place}: {p.claim}", f"claim, {p.cls}", None, None, None, None, entry.agrees is not False, entry.words
         )
     label = f"{p.place}: {p.label}"
     kind = f"printed, {p.cls}" if p.cls != "input" else "input, used by its scene"
     if p.value == 0.0:  # an error in per cent of 0 is not defined: judged by the printed tolerance
-        return GateRow(label, kind, entry.compared, 0.0, None, None, entry.agrees is True)
+        return GateCheck(label, kind, entry.compared, 0.0, None, None, entry.agrees is True)
     error = entry.error_percent
     limit = min(max_error, abs(float(error_percent(p.value + p.tolerance, p.value))))
     passed = bool(entry.agrees) and error is not None and abs(error) <= max_error
-    return GateRow(label, kind, entry.compared, p.value, error, limit, passed)
+    return GateCheck(label, kind, entry.compared, p.value, error, limit, passed)
 
 
-def printed_rows(study: Study, max_error: float) -> list[GateRow]:
+def check_printed_entries(study: Study, max_error: float) -> list[GateCheck]:
     """Check every printed number or claim of class hard, as-printed or input for which the program computes a value.
 
     ``max_error``: upper limit of the error [%].
     """
     gated = [e for e in evidence(study) if e.printed.cls in ("hard", "as-printed", "input") and e.agrees is not None]
-    return [evidence_row(e, max_error) for e in gated]
+    return [check_of_printed_entry(e, max_error) for e in gated]
 
 
-def band_rows(study: Study) -> list[GateRow]:
+def check_external_bands(study: Study) -> list[GateCheck]:
     """Check every number and claim with a tolerance band that other programs, makers or textbooks publish.
 
     The limit of the error is the distance from the printed number to the end of the band on the computed value's side.
     """
-    tables = [name for name, one in computations_by_table().items() if one.case.name == "external"]
-    return [band_row(e) for e in evidence(study, *tables) if e.printed.cls == "band"]
+    tables = [name for name, one in computations_with_function().items() if one.case.name == "external"]
+    return [check_of_band(e) for e in evidence(study, *tables) if e.printed.cls == "band"]
 
 
-def band_row(found: Evidence) -> GateRow:
+def check_of_band(found: Evidence) -> GateCheck:
     """Return the check of a printed number or claim that has a tolerance band; ``found``: it with the computed value."""
     p, value = found.printed, found.compared
     label, passed = f"{p.place}: {p.claim or p.label}", found.agrees is True
     if p.value is None or value is None or p.low is None or p.high is None:
-        return GateRow(label, "external, band", None, None, None, None, passed, found.words)
+        return GateCheck(label, "external, band", None, None, None, None, passed, found.words)
     limit = abs(float(error_percent(p.high if value >= p.value else p.low, p.value)))
-    return GateRow(label, "external, band", value, p.value, found.error_percent, limit, passed, found.words)
+    return GateCheck(label, "external, band", value, p.value, found.error_percent, limit, passed, found.words)
 
 
-def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
+def check_closed_forms(study: Study, max_error: float) -> list[GateCheck]:
     """Check solutions of the screw of Lin's thesis (scene lin-case1) against closed forms; ``max_error``: limit [%]."""
     scene = study.scene("lin-case1")
     limit = min(EXACT, max_error)
     rows = [
-        number_row(f"{name} [{unit}]", "closed form", value, reference, limit)
-        for name, unit, value, reference in hertz_sphere_on_flat(scene, 225.0)
+        check_of_number(f"{name} [{unit}]", "closed form", value, reference, limit)
+        for name, unit, value, reference in compare_sphere_on_flat(scene, 225.0)
     ]
     for name, (value, reference) in (
-        ("rigid screw, axial load: load of every ball [N]", ball_load_of_rigid_screw(scene)),
-        ("shaft as a cantilever: tip deflection [m]", cantilever_deflection(scene)),
-        ("two opposite balls, no lead: load [N]", load_of_two_opposite_balls(scene)),
-        ("7 um oversize, no load, rigid screw: load of a screw contact [N]", preload_by_oversize(scene, 7e-6)),
+        ("rigid screw, axial load: load of every ball [N]", compare_rigid_screw_load(scene)),
+        ("shaft as a cantilever: tip deflection [m]", compare_cantilever_deflection(scene)),
+        ("two opposite balls, no lead: load [N]", compare_two_ball_load(scene)),
+        ("7 um oversize, no load, rigid screw: load of a screw contact [N]", compare_oversize_preload(scene, 7e-6)),
     ):
-        rows.append(number_row(name, "closed form", value, reference, limit))
+        rows.append(check_of_number(name, "closed form", value, reference, limit))
     return rows
 
 
-def solver_rows(study: Study, max_error: float) -> list[GateRow]:
+def check_solvers(study: Study, max_error: float) -> list[GateCheck]:
     """Check the equilibrium of every shipped scene's solution, and the agreement of both solvers of the beam model.
 
     Limit of the errors: `EXACT`, at most ``max_error`` [%].
     """
     rows = []
     limit = min(EXACT, max_error)
-    for name in catalogue.single_set_names():
+    for name in catalogue.names_of_single_set_scenes():
         result = study.solve(name)
         e = result.equilibrium
         worst = max(e.force_residual, e.moment_residual) if e is not None else float("inf")
         percent = float(error_percent(worst, 0.0, 1.0))
         passed, label = result.converged and percent <= limit, f"{name}: balance of the screw"
-        rows.append(GateRow(label, "balance", worst, 0.0, percent, limit, passed, result.status))
+        rows.append(GateCheck(label, "balance", worst, 0.0, percent, limit, passed, result.status))
     for name in ("lin-case1", "lin-case3-offset"):
-        by_source = solve_with_fallback_start(study.scene(name), "arc")
+        by_source = solve_from_guess_or_load_steps(study.scene(name), "arc")
         e2 = load_error(study.solve(name).load, by_source.load)
         passed, label = (
             by_source.converged and e2.max_percent <= limit,
             f"{name}: energy solver against Lin's Newton method",
         )
         words = f"worst at ball {e2.ball} {e2.side}; {by_source.status}"
-        rows.append(error_row(f"{label}, same equations", "two solvers", e2.max_percent, limit, passed, words))
+        rows.append(check_of_error(f"{label}, same equations", "two solvers", e2.max_percent, limit, passed, words))
     return rows
 
 
-def reference_rows(study: Study, max_error: float) -> list[GateRow]:
+def check_default_model(study: Study, max_error: float) -> list[GateCheck]:
     """Check the default model against the stored 3D references of case studies and of screws not used in development.
 
     Two limits apply to each scene. The error of the worst contact, in per cent of its reference load (of the mean load for
@@ -342,48 +348,48 @@ def reference_rows(study: Study, max_error: float) -> list[GateRow]:
     that in ``WIDER``. The uncertainty of the reference is subtracted from each error; for the second limit at most the
     limit itself, so that a coarse reference cannot excuse every error.
     """
-    rows: list[GateRow] = []
+    rows: list[GateCheck] = []
     for name in (*REFERENCED, *UNSEEN):
         reference, kind = study.reference(name), "3D reference"
         if reference is None:
             text = "no run of the 3D reference is stored: run rollbench mesh-study"
-            rows.append(error_row(f"{name}: 3D reference", kind, None, max_error, False, text))
+            rows.append(check_of_error(f"{name}: 3D reference", kind, None, max_error, False, text))
             continue
         load = study.solve(name, DEFAULT).load
-        bar = uncertainty_percent(reference)
-        points = gate_points(name, reference, max_error, load)
+        bar = largest_uncertainty_percent(reference)
+        points = contact_load_errors(name, reference, max_error, load)
         over = [p for p in points if p.exceeds]
         for p in over:
             share, label = p.uncertainty_percent, f"{p.scene}: ball {p.ball} {p.side} against the 3D reference"
             text = f"reference's uncertainty {share:.2f} %"
-            rows.append(error_row(label, kind, p.error_percent, max_error, False, text, share))
+            rows.append(check_of_error(label, kind, p.error_percent, max_error, False, text, share))
         if not over:
             top = max(points, key=lambda p: abs(p.error_percent))
             label = f"{name}: worst contact (ball {top.ball} {top.side}) against the 3D reference"
-            rows.append(error_row(label, kind, top.error_percent, max_error, True, "", top.uncertainty_percent))
+            rows.append(check_of_error(label, kind, top.error_percent, max_error, True, "", top.uncertainty_percent))
         e = load_error(load, reference.load, reference.contacts)
         limit, cause = WIDER.get(name, (TIGHT, ""))
         tight = min(limit, max_error)
         label = f"{name}: largest error of the mean load (ball {e.ball} {e.side})"
         text = "; ".join(filter(None, (f"reference's uncertainty {bar:.2f} %", cause)))
         passed = e.max_percent - min(bar, tight) <= tight
-        rows.append(error_row(label, "3D reference, tight", e.max_percent, tight, passed, text, bar))
+        rows.append(check_of_error(label, "3D reference, tight", e.max_percent, tight, passed, text, bar))
     return rows
 
 
-def source_rows(study: Study, max_error: float) -> list[GateRow]:
+def check_lin_model(study: Study, max_error: float) -> list[GateCheck]:
     """Check Lin's model on every scene with a 3D reference, and report its worst contact.
 
     Errors of this model beyond the limit ``max_error`` [%] do not fail the gate: the contacts with such errors are listed
     in ``known_exceedances.toml`` with their cause. A check fails only if this list is wrong.
     """
-    rows: list[GateRow] = []
+    rows: list[GateCheck] = []
     known = {(x.scene, x.ball, x.side) for x in known_exceedances()}
     for name in REFERENCED:
         reference = study.reference(name)
         if reference is None:
             continue
-        points = gate_points(name, reference, max_error, study.solve(name, "lin").load)
+        points = contact_load_errors(name, reference, max_error, study.solve(name, "lin").load)
         over = {(p.scene, p.ball, p.side) for p in points if p.exceeds}
         top = max(points, key=lambda p: abs(p.error_percent))
         named = {k for k in known if k[0] == name}
@@ -395,5 +401,5 @@ def source_rows(study: Study, max_error: float) -> list[GateRow]:
             f"ball {top.ball} {top.side})"
         )
         error, words = top.error_percent, "; ".join(wrong[:3])
-        rows.append(GateRow(label, "source's model", None, None, error, max_error, not wrong, words, gated=False))
+        rows.append(GateCheck(label, "source's model", None, None, error, max_error, not wrong, words, gated=False))
     return rows

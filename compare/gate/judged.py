@@ -15,22 +15,22 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import axial_place_without_loads, load_answers
-from rollbench.compare.models.comparison import Loads, from_run, uncertainties_of
+from rollbench.compare.models.answers import rate_contact_loads, unloaded_axial_displacement
+from rollbench.compare.models.comparison import Loads, grid_uncertainties, loads_from_run
 from rollbench.compare.models.loading import solve_scaled
 from rollbench.compare.models.loads_file import CsvTable, decimal_comma_advice
 from rollbench.compare.models.model_form import axial_contact_force
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
-from rollbench.compare.quantities import split_unit, unit_of
+from rollbench.compare.quantities import name_and_unit_of_key, words_and_unit_of_key
 from rollbench.compare.reference.convergence import grid_convergence
 from rollbench.compare.reference.estimate import Reference
 from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.units import COMMA, UnitError, dimension_words, has_comma, parse_quantity
+from rollbench.meshes.units import COMMA, UnitError, dimension_description, has_comma_in_number, parse_quantity
 
 #: Options of the default model's solutions that give the unloaded position and the contacts for friction.
 INTERPRETED = Options(discretisation=False, engine="interpreted")
@@ -54,12 +54,12 @@ class JudgedQuantity:
     @property
     def unit(self) -> str:
         """Unit in which values of the quantity are shown."""
-        return split_unit(self.key)[1]
+        return words_and_unit_of_key(self.key)[1]
 
     @property
     def factor(self) -> float:
         """Factor by which a value in SI units is multiplied to obtain it in the shown unit; 1 for a life."""
-        unit = unit_of(self.key)[1]
+        unit = name_and_unit_of_key(self.key)[1]
         return 1.0 if unit is None else unit.factor
 
 
@@ -76,7 +76,7 @@ OF_WHOLE = (DISPLACEMENT, RIGIDITY, TORQUE, LIFE)
 QUANTITIES = {q.name: q for q in (*OF_CONTACTS.values(), *OF_WHOLE)}
 
 
-def parse_limits(texts: Sequence[str]) -> dict[str, float]:
+def parse_error_limits(texts: Sequence[str]) -> dict[str, float]:
     """Parse the user's error limits for quantities other than contact loads.
 
     Parameters
@@ -109,18 +109,19 @@ def parse_limits(texts: Sequence[str]) -> dict[str, float]:
         except ValueError:
             value = float("nan")
         if name not in QUANTITIES or name in out or not 0.0 < value < float("inf"):
-            raise ArgumentError("limits", f'"{text}"', allowed, COMMA if has_comma(number) else advice)
+            raise ArgumentError("limits", f'"{text}"', allowed, COMMA if has_comma_in_number(number) else advice)
         out[name] = value
     return out
 
 
-def error_limit_of(quantity: JudgedQuantity, given: Mapping[str, float], of_loads: float) -> float:
+def error_limit_of(quantity: JudgedQuantity, stated_limits: Mapping[str, float], limit_of_loads: float) -> float:
     """Return the error limit of a quantity [%; deg for angles].
 
-    It is the limit in ``given`` (limits that the user states, by name of the quantity) if the quantity has one there;
-    otherwise the default, which for most quantities is a multiple of the limit ``of_loads`` of the contact loads [%].
+    It is the limit in ``stated_limits`` (limits that the user states, by name of the quantity) if the quantity has one
+    there; otherwise the default, which for most quantities is a multiple of the limit ``limit_of_loads`` of the contact
+    loads [%].
     """
-    return given.get(quantity.name, quantity.times * of_loads if quantity.limit is None else quantity.limit)
+    return stated_limits.get(quantity.name, quantity.times * limit_of_loads if quantity.limit is None else quantity.limit)
 
 
 def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Array) -> Array:
@@ -128,22 +129,24 @@ def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Arr
 
     ``quantity``: `PRESSURE` for the pressure, else the approach; ``load``: contact loads (n, 4) [N].
     """
-    h = own_hertz(scene, specimen(scene, ball_layout(scene)))
+    h = own_hertz(scene, draw_specimen(scene, ball_layout(scene)))
     return h.pressure(load) if quantity is PRESSURE else np.asarray(h.C * np.cbrt(load) ** 2)
 
 
-def uncertainty_from_loads(of: Callable[[Array], Array | float | None], load: Array, bar: Array) -> Array | float | None:
+def uncertainty_from_loads(
+    quantity_of_loads: Callable[[Array], Array | float | None], load: Array, uncertainty: Array
+) -> Array | float | None:
     """Return the uncertainty of a quantity that follows from the uncertainty of the contact loads.
 
     All loads are raised together, then lowered together, by their uncertainty.
 
     Parameters
     ----------
-    of
+    quantity_of_loads
         Function that computes the quantity from the loads; monotone in each load.
     load
         Contact loads, (n, 4) [N].
-    bar
+    uncertainty
         Uncertainty of the loads, (n, 4) [N].
 
     Returns
@@ -151,8 +154,8 @@ def uncertainty_from_loads(of: Callable[[Array], Array | float | None], load: Ar
     Array, float or None
         Larger of the two changes of the quantity; None if the quantity has no value.
     """
-    bars = np.where(load > 0.0, bar, 0.0)
-    value, *ends = (of(x) for x in (load, load + bars, np.maximum(load - bars, 0.0)))
+    bars = np.where(load > 0.0, uncertainty, 0.0)
+    value, *ends = (quantity_of_loads(x) for x in (load, load + bars, np.maximum(load - bars, 0.0)))
     if value is None or any(end is None for end in ends):
         return None
     return np.max([np.abs(end - value) for end in ends], axis=0)  # type: ignore[operator, no-any-return]
@@ -165,7 +168,7 @@ def contact_quantity_of_reference(scene: Scene, reference: Reference, quantity: 
     """
     given = reference.further.get(quantity.name)
     if quantity is ANGLE:
-        bars = np.zeros_like(reference.load) if reference.stated else uncertainties_of(reference, lambda run: run.angle)
+        bars = np.zeros_like(reference.load) if reference.stated else grid_uncertainties(reference, lambda run: run.angle)
         return np.radians(reference.best.angle), np.radians(bars)
     bar = uncertainty_from_loads(
         lambda load: hertz_approach_or_pressure(scene, quantity, load), reference.load, reference.uncertainty
@@ -186,7 +189,7 @@ class WholeScrewQuantities:
 
         The 3D reference has no run of the unloaded screw.
         """
-        return axial_place_without_loads(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
+        return unloaded_axial_displacement(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
 
     def value_of(self, quantity: JudgedQuantity, answer: Loads, station: float | None = None) -> float | None:
         """Return a quantity in SI units (a life in million revolutions) from the results of a model or a 3D run.
@@ -196,10 +199,10 @@ class WholeScrewQuantities:
         """
         angle = np.radians(answer.angle)
         if quantity is LIFE:
-            life = load_answers(self.scene, answer.load, angle).life
+            life = rate_contact_loads(self.scene, answer.load, angle).life
             return None if life is None else life.revolutions
         if quantity is TORQUE:
-            return self._torque(answer.load, angle)
+            return self._friction_torque(answer.load, angle)
         at = self.scene.nut.position if station is None else station
         if not answer.stations.size:
             return None
@@ -216,7 +219,7 @@ class WholeScrewQuantities:
 
         ``station``: axial position of a displacement [m]; None: the nut's centre. A life is in million revolutions.
         """
-        answers = [from_run(run, "") for run in ref.runs]
+        answers = [loads_from_run(run, "") for run in ref.runs]
         if quantity in (TORQUE, LIFE):
             best = answers[-1]
             bar = uncertainty_from_loads(
@@ -233,10 +236,10 @@ class WholeScrewQuantities:
         if quantity is TORQUE:
             return "the scene has no [friction]" if self.scene.friction is None else "the friction model finds none"
         if quantity is LIFE:
-            return load_answers(self.scene, ref.load, np.radians(ref.best.angle)).words or "no contact carries load"
+            return rate_contact_loads(self.scene, ref.load, np.radians(ref.best.angle)).words or "no contact carries load"
         return f"{ref.label} contains none" if ref.stated else "the screw does not move in the direction of its load"
 
-    def note_on(self, quantity: JudgedQuantity) -> str:
+    def computation_note(self, quantity: JudgedQuantity) -> str:
         """Return a note on how the reference's value of a quantity is computed; empty if there is nothing to note."""
         if quantity in (TORQUE, LIFE):
             return BY_FORMULA
@@ -246,7 +249,7 @@ class WholeScrewQuantities:
             else ""
         )
 
-    def _torque(self, load: Array, angle: Array) -> float | None:
+    def _friction_torque(self, load: Array, angle: Array) -> float | None:
         """Compute the friction torque [N m] of the screw; None without coefficients of friction or without equilibrium.
 
         ``load``: contact loads (n, 4) [N]; ``angle``: contact angles (n, 4) [rad]. Angles that are nan are replaced by
@@ -302,7 +305,7 @@ class GivenValue:
         return self.quantity.name + (f" at {self.where}" if self.where else "")
 
 
-def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], tuple[str, ...]]:
+def read_given_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], tuple[str, ...]]:
     """Read from a CSV file the values of the whole screw that the gate judges.
 
     Parameters
@@ -357,18 +360,23 @@ def _value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma
     text = f"{number.replace(',', '.') if decimal_comma else number} {unit}"
     try:
         value = (
-            _life_in_revolutions(text.split(" ")[0], unit)
+            _life_in_million_revolutions(text.split(" ")[0], unit)
             if quantity is LIFE
             else parse_quantity(text, DIMENSIONS[quantity])
         )
     except UnitError as error:
-        allowed, advice = dimension_words(DIMENSIONS[quantity]), decimal_comma_advice(error.advice, f"{number},{unit}")
+        allowed, advice = (
+            dimension_description(DIMENSIONS[quantity]),
+            decimal_comma_advice(error.advice, f"{number},{unit}"),
+        )
         raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
     except ValueError:
         allowed, advice = f"a number and one of: {', '.join(LIVES)}", decimal_comma_advice(VALUE_EXAMPLE, text)
         raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
     where = cells.get(WHERE, "")
-    force, station = (_number_in_si(where.replace(",", ".") if decimal_comma else where, of) for of in ("force", "length"))
+    force, station = (
+        _load_or_length_in_si(where.replace(",", ".") if decimal_comma else where, of) for of in ("force", "length")
+    )
     if where and force is None and (station is None or quantity is not DISPLACEMENT):
         position = ", or an axial position such as 400 mm" if quantity is DISPLACEMENT else ""
         allowed = f"an axial load such as 5 kN{position}"
@@ -377,7 +385,7 @@ def _value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma
     return GivenValue(quantity, value, force, station, where, cells.get("set", ""))
 
 
-def _life_in_revolutions(number: str, unit: str) -> float:
+def _life_in_million_revolutions(number: str, unit: str) -> float:
     """Return a life, written as a number and a unit, in million revolutions; ValueError if either is not valid."""
     value = float(number) * LIVES.get(unit.lower(), float("nan"))
     if not 0.0 < value < float("inf"):
@@ -385,13 +393,13 @@ def _life_in_revolutions(number: str, unit: str) -> float:
     return value
 
 
-def _number_in_si(where: str, dimension: str) -> float | None:
+def _load_or_length_in_si(text: str, dimension: str) -> float | None:
     """Parse a load or position such as ``5 kN`` and return it in SI units; None if its unit is not of the dimension.
 
     ``dimension``: "force" or "length". Loads that are not positive also give None.
     """
     try:
-        value = parse_quantity(where, dimension)
+        value = parse_quantity(text, dimension)
     except UnitError:
         return None
     return value if value > 0.0 or dimension == "length" else None

@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.etree import ElementTree
 
 from rollbench.compare.errors import InputError, one_line
-from rollbench.compare.files import replace_file, why_no_figure, write_figure
-from rollbench.compare.gate.verdict import Verdict, judged_subject
-from rollbench.compare.models.loads_file import read_table
+from rollbench.compare.files import reason_without_figure, replace_file, write_figure
+from rollbench.compare.gate.verdict import Verdict, subject_text
+from rollbench.compare.models.loads_file import read_csv_text
 from rollbench.reports.cells import escape_formula
 
 if TYPE_CHECKING:
-    from rollbench.compare.gate.gate import GateRow
+    from rollbench.compare.gate.gate import GateCheck
     from rollbench.reports.content import Figure
 
 
@@ -77,7 +77,7 @@ class Outcome:
     @property
     def cells(self) -> tuple[str, ...]:
         """Texts of the cells of the row, in the order of HEADINGS; a unit other than per cent follows the number."""
-        numbers = (cell_text(x, self.unit) for x in (self.error, self.uncertainty, self.limit))
+        numbers = (number_cell_text(x, self.unit) for x in (self.error, self.uncertainty, self.limit))
         ball = "" if self.ball is None else str(self.ball)
         cells = (self.word, self.scene, self.judged, self.quantity, *numbers, ball, self.flank, self.note)
         return tuple(one_line(cell, 2000) for cell in cells)
@@ -87,7 +87,7 @@ class Outcome:
         return "; ".join(f"{head}: {cell}" for head, cell in zip(HEADINGS[1:], self.cells[1:], strict=True) if cell)
 
 
-def cell_text(value: float | None, unit: str) -> str:
+def number_cell_text(value: float | None, unit: str) -> str:
     """Return a number as text with four digits for a table cell, with its unit unless that is per cent; "" for None."""
     return "" if value is None else f"{value:.4g}{'' if unit == '%' else f' {unit}'}"
 
@@ -99,7 +99,7 @@ def outcome_of_verdict(v: Verdict) -> Outcome:
     return Outcome(v.word == "pass", v.word, v.subject, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near)
 
 
-def outcome_of_check(row: GateRow) -> Outcome:
+def outcome_of_check(row: GateCheck) -> Outcome:
     """Return the row to be published for a check of the gate on the shipped scenes."""
     numbers = (row.error_percent, row.uncertainty_percent, row.limit_percent)
     return Outcome(row.passed, row.verdict, row.name, "", row.kind, *numbers, note=row.detail)
@@ -143,10 +143,10 @@ def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str
     lines = [f"### rollbench check: {head}", *(f"- {_escape_markup(note)}" for note in notes), ""]
     lines += [_table_line(HEADINGS), _table_line(["---"] * len(HEADINGS))]
     lines += [_table_line(o.cells) for o in sorted(outcomes, key=lambda o: o.good)]
-    return "\n".join([*lines, *_load_chart_lines(worst_outcome(outcomes))]) + "\n"
+    return "\n".join([*lines, *_load_chart_lines(outcome_with_worst_ball(outcomes))]) + "\n"
 
 
-def worst_outcome(outcomes: Sequence[Outcome]) -> Outcome | None:
+def outcome_with_worst_ball(outcomes: Sequence[Outcome]) -> Outcome | None:
     """Return the row whose ball is drawn: the largest error among rows that did not pass, else among all rows.
 
     None if no row has loads of the balls around it.
@@ -216,7 +216,7 @@ def verdicts_csv(outcomes: Sequence[Outcome]) -> str:
     return text.getvalue()
 
 
-def publish(
+def write_verdicts(
     outcomes: Sequence[Outcome],
     notes: Sequence[str] = (),
     *,
@@ -257,8 +257,8 @@ def publish(
         if file is not None:
             replace_file(file, text_of(outcomes, notes))
             written.append(file)
-    shown = worst_outcome(outcomes)
-    if markdown_file is not None and shown is not None and not why_no_figure():
+    shown = outcome_with_worst_ball(outcomes)
+    if markdown_file is not None and shown is not None and not reason_without_figure():
         written.append(markdown_file.with_suffix(".svg"))
         write_figure(written[-1], worst_ball_figure(shown))
     summaries = [named[name] for name in SUMMARIES if named.get(name)] if markdown_file is not None else []
@@ -299,7 +299,7 @@ class RoundedVerdict(NamedTuple):
         return "" if self.error is None else f"{abs(self.error):.2f}{'' if self.unit == '%' else f' {self.unit}'}"
 
 
-class Change(NamedTuple):
+class VerdictChange(NamedTuple):
     """Change of one verdict since an earlier file of verdicts."""
 
     #: Name of the scene or check.
@@ -314,7 +314,9 @@ class Change(NamedTuple):
     def as_json(self) -> dict[str, Any]:
         """Return the change as a dictionary for JSON: scene, quantity, verdict and error before and after, limit."""
         rows = self.before, self.after
-        limits = [cell_text(row.limit, row.unit) for row in reversed(rows) if row is not None and row.limit is not None]
+        limits = [
+            number_cell_text(row.limit, row.unit) for row in reversed(rows) if row is not None and row.limit is not None
+        ]
         return {
             "scene": self.scene,
             "quantity": self.quantity,
@@ -339,7 +341,7 @@ class Change(NamedTuple):
         return f"{head} {sizes}{unit}{f', limit {limit}' if limit else ''}{words}"
 
 
-def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[Change]:
+def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[VerdictChange]:
     """Return the verdicts that differ from those of an earlier file in verdict or error, are new, or were removed.
 
     Parameters
@@ -359,12 +361,16 @@ def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[Change
     InputError
         If the file cannot be read.
     """
-    before, after = _read_earlier_verdicts(path), dict(map(_labelled_verdict, outcomes))
+    before, after = _read_earlier_verdicts(path), dict(map(_key_and_rounded_verdict, outcomes))
     pairs = {label: (before.get(label), after.get(label)) for label in (*before, *after)}
-    return [Change(*label, old, new) for label, (old, new) in pairs.items() if _compared_part(old) != _compared_part(new)]
+    return [
+        VerdictChange(*label, old, new)
+        for label, (old, new) in pairs.items()
+        if _verdict_and_error_text(old) != _verdict_and_error_text(new)
+    ]
 
 
-def _compared_part(row: RoundedVerdict | None) -> tuple[str, str] | None:
+def _verdict_and_error_text(row: RoundedVerdict | None) -> tuple[str, str] | None:
     """Return the verdict and the error with two decimals, by which a row is compared with an earlier one."""
     return None if row is None else (row.verdict, row.size)
 
@@ -375,7 +381,7 @@ def _rounded_verdict(verdict: str, error: float | None, limit: float | None, uni
     return RoundedVerdict(verdict, error, limit, unit)
 
 
-def _labelled_verdict(o: Outcome) -> tuple[Label, RoundedVerdict]:
+def _key_and_rounded_verdict(o: Outcome) -> tuple[Label, RoundedVerdict]:
     """Return the key (scene, quantity) and the rounded verdict of the present row ``o``."""
     return (one_line(o.scene, 2000), one_line(o.quantity, 2000)), _rounded_verdict(o.word, o.error, o.limit, o.unit)
 
@@ -385,7 +391,7 @@ def _read_earlier_verdicts(path: Path) -> dict[Label, RoundedVerdict]:
 
     Raises InputError for a file that does not contain verdicts.
     """
-    text = read_table(path)
+    text = read_csv_text(path)
     try:
         return dict(
             map(_verdict_from_json, _verdicts_in_json(json.loads(text)))
@@ -411,7 +417,7 @@ def _verdicts_in_csv(text: str) -> Iterator[tuple[Label, RoundedVerdict]]:
 
 
 def _number_and_unit(cell: str) -> tuple[float | None, str]:
-    """Split a table cell written by `cell_text` into its number (None if the cell is empty) and its unit."""
+    """Split a table cell written by `number_cell_text` into its number (None if the cell is empty) and its unit."""
     number, _, unit = cell.partition(" ")
     return float(number) if number else None, unit
 
@@ -430,7 +436,7 @@ def _verdict_from_json(row: Mapping[str, Any]) -> tuple[Label, RoundedVerdict]:
         label, verdict = (row["name"], row["kind"]), row["verdict"]
     else:
         case = f"case {row['case']}" if "case" in row else None
-        label, verdict = (judged_subject(row["scene"], case, row.get("set")), row["quantity"]), row["word"]
+        label, verdict = (subject_text(row["scene"], case, row.get("set")), row["quantity"]), row["word"]
     endings = [key.removeprefix("limit_") for key in row if key.startswith("limit_") and row[key] is not None]
     unit = next(iter(endings), "percent")
     error, limit = row.get(f"error_{unit}"), row.get(f"limit_{unit}")

@@ -13,7 +13,15 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.gate.judged import ANGLE, LIFE, OF_CONTACTS, GivenValue, error_limit_of, parse_limits, read_values
+from rollbench.compare.gate.judged import (
+    ANGLE,
+    LIFE,
+    OF_CONTACTS,
+    GivenValue,
+    error_limit_of,
+    parse_error_limits,
+    read_given_values,
+)
 from rollbench.compare.gate.verdict import (
     LARGEST,
     LIMIT,
@@ -21,32 +29,32 @@ from rollbench.compare.gate.verdict import (
     Limits,
     Verdict,
     contact_values_by_model,
-    contact_verdicts,
-    judge,
+    judge_contact_loads,
+    judge_contact_quantities,
+    judge_given_value,
     screw_values_by_model,
-    suspected_causes,
-    value_verdict,
+    suspected_cause_text,
 )
 from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models.comparison import (
     Referenced,
     SetOfAssembly,
-    compared_models,
-    from_result,
-    gate_points,
-    options_for,
+    comparison_options,
+    contact_load_errors,
+    loads_from_result,
+    models_by_name,
     solution_of_set,
     stored_references,
 )
-from rollbench.compare.models.loading import scaled
+from rollbench.compare.models.loading import scale_loads
 from rollbench.compare.models.loads_file import EVERY, GivenLoads, Only, decimal_comma_advice, read_loads
-from rollbench.compare.models.programs import title_of
-from rollbench.compare.models.registry import DEFAULT, known_model, run_model
+from rollbench.compare.models.programs import model_title
+from rollbench.compare.models.registry import DEFAULT, find_model, run_model
 from rollbench.compare.reference.estimate import GridParts, Reference
-from rollbench.compare.reference.jobs import Engine, ensure, plan
+from rollbench.compare.reference.jobs import Engine, ensure, plan_tasks
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import Run, load_run, shipped_store
-from rollbench.compare.reference.tasks import Solvable, groups
+from rollbench.compare.reference.tasks import Solvable, group_by_geometry
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -57,8 +65,8 @@ from rollbench.meshes.units import parse_quantity
 UNCERTAINTY, PROVENANCE = "uncertainty", "provenance"
 
 
-def read_reference(
-    path: Path, scene: Scene, only: Only = EVERY, contacts: int | None = None
+def read_reference_file(
+    path: Path, scene: Scene, row_filter: Only = EVERY, contacts: int | None = None
 ) -> tuple[Reference, tuple[str, ...]]:
     """Read a user's reference loads from a file with the columns of `loads_file`, for every ball and flank.
 
@@ -72,7 +80,7 @@ def read_reference(
         Path of the file.
     scene
         Scene with a single set of balls.
-    only
+    row_filter
         Filter for the rows of the file: accepted texts of the columns ``case`` and ``set``.
     contacts
         Number of contacts that carry load in the screw without errors; None: computed from the scene.
@@ -89,7 +97,7 @@ def read_reference(
     InputError
         If the file cannot be read or does not fit the scene.
     """
-    given = read_loads(path, scene.ball_count, scene, only)
+    given = read_loads(path, scene.ball_count, scene, row_filter)
     left = [side for side in SIDES if side not in given.flanks]
     if left:
         advice = "add the missing rows, with the load 0 for contacts that carry none"
@@ -106,7 +114,7 @@ def read_reference(
     further = {q.name: given.further[name] for name, q in OF_CONTACTS.items() if name in given.further}
     share = float(error_percent(bars.max(), 0.0, mean_load(given.load, contacts)))
     parts = GridParts(share)
-    run = run_of_loads(scene, given.load, angle)
+    run = run_record_of_loads(scene, given.load, angle)
     label = re.sub(r"\s+", " ", path.name)
     return Reference(scene.name, (run,), given.load, bars, parts, contacts, label, stated, further), given.unknown
 
@@ -116,7 +124,7 @@ def uncertainty_warning(ref: Reference, limit: float) -> str:
 
     ``limit``: error limit of contact loads [% of the contact's load; of the mean load for small loads].
     """
-    worst = max(gate_points(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
+    worst = max(contact_load_errors(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
     if worst.uncertainty_percent <= limit:
         return ""
     return (
@@ -159,7 +167,7 @@ def _stated_uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Arr
     return np.full(given.load.shape, size), f"uncertain by {note}{' of the mean load' if share else ''}"
 
 
-def run_of_loads(scene: Scene, load: Array, angle: Array) -> Run:
+def run_record_of_loads(scene: Scene, load: Array, angle: Array) -> Run:
     """Return a record of a 3D run, without mesh, displacements and times, with given contact loads and angles.
 
     ``load``: contact loads (n, 4) [N]; ``angle``: contact angles (n, 4) [deg]. Loads from a file can then be used wherever
@@ -290,7 +298,7 @@ def gate_request(
             raise ArgumentError(name, str(file), "only without `model`", advice)
     if stored is not None and not stored.is_dir():
         raise ArgumentError("stored", str(stored), "a folder with stored runs of the 3D reference", "check the path")
-    compared_models((model,) if model else (), "model")
+    models_by_name((model,) if model else (), "model")
     return GateRequest(
         (store if stored is None else stored, shipped_store()),
         model or DEFAULT,
@@ -299,7 +307,7 @@ def gate_request(
         levels,
         compute and stored is None and reference is None,
         values,
-        parse_limits(limits),
+        parse_error_limits(limits),
         reference,
         strict,
     )
@@ -359,11 +367,11 @@ def check_scenes(
     """
     warned: dict[str, None] = {}
     for scene in scenes:
-        for words in fraction_warnings(limits_for_scene(scene, request.max_error, request.limits)):
+        for words in fraction_limit_warnings(limits_for_scene(scene, request.max_error, request.limits)):
             warned.setdefault(words)
     read = [
         _read_user_files(scene, request, warned.setdefault, cases.get(scene.name))
-        for scene in _scenes_of_files(scenes, request, cases)
+        for scene in _scenes_with_user_files(scenes, request, cases)
     ]
     for words in warned:
         warn(words)
@@ -380,13 +388,13 @@ def check_scenes(
         reason = why.get(scene.name, NONE_STORED)
         if request.values is None or request.loads is not None:
             out += [v for one in each for v in _contact_verdicts_of_set(one, files, limits, request)]
-            judged = title_of(request.model) if request.loads is None else request.loads.name
+            judged = model_title(request.model) if request.loads is None else request.loads.name
             out += [] if each else [_not_covered_verdict(scene, judged, LARGEST, limits.largest, reason)]
         for value in files.values:
             beside = each if value.force is None else stored_references(files.at[value.force], request.stores)
             out.append(
                 _verdict_on_value(
-                    value, [x for x in beside if names_this_set(x, value.set)], scene, limits, request, reason
+                    value, [x for x in beside if is_name_of_set(x, value.set)], scene, limits, request, reason
                 )
             )
     return out
@@ -401,9 +409,11 @@ def _contact_verdicts_of_set(one: Referenced, files: UserFiles, limits: Limits, 
         return _with_set_name(_verdicts_on_model(one, request.model, limits, request.stores), one)
     given, judged = files.loads[0 if one.of is None else one.of.number], request.loads.name
     detail = "; ".join(filter(None, _notes_on_loads(given, one.found, limits)))
-    verdicts = judge(judged, given.load, one.found, limits, given.flanks, detail)
-    further = contact_verdicts(judged, ContactValues(given.load, given.further, given.flanks), one.scene, one.found, limits)
-    return _with_set_name(_with_stored_verdict(verdicts, given, one, limits, request) + further, one)
+    verdicts = judge_contact_loads(judged, given.load, one.found, limits, given.flanks, detail)
+    further = judge_contact_quantities(
+        judged, ContactValues(given.load, given.further, given.flanks), one.scene, one.found, limits
+    )
+    return _with_set_name(_add_stored_reference_verdict(verdicts, given, one, limits, request) + further, one)
 
 
 def _with_set_name(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
@@ -414,7 +424,7 @@ def _with_set_name(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
     return verdicts if one.of is None else [replace(v, scene=one.of.assembly.name, set=one.of.name) for v in verdicts]
 
 
-def _with_stored_verdict(
+def _add_stored_reference_verdict(
     verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, request: GateRequest
 ) -> list[Verdict]:
     """Return the verdicts, the first with the verdict against the stored 3D reference added to its explanation.
@@ -422,34 +432,39 @@ def _with_stored_verdict(
     It is added only if the user's own reference file was used for ``verdicts``. ``given``: the user's contact loads;
     ``one``: the set of balls with its reference.
     """
-    ours = stored_reference(one, request.stores) if one.found.stated else None
+    ours = stored_reference_of_set(one, request.stores) if one.found.stated else None
     if ours is None:
         return verdicts
-    other = judge("", given.load, ours, limits, given.flanks)[0]
+    other = judge_contact_loads("", given.load, ours, limits, given.flanks)[0]
     words = f"by the stored 3D reference: {other.compared()}, {other.word}"
     return [replace(verdicts[0], detail=f"{verdicts[0].detail}; {words}"), *verdicts[1:]]
 
 
 def _verdict_on_value(
-    value: GivenValue, each: Sequence[Referenced], scene: Solvable, limits: Limits, request: GateRequest, reason: str
+    value: GivenValue,
+    referenced_sets: Sequence[Referenced],
+    scene: Solvable,
+    limits: Limits,
+    request: GateRequest,
+    reason: str,
 ) -> Verdict:
     """Return the verdict on a user's value of the whole screw (such as its life or stiffness).
 
-    ``each``: the sets of balls to which the value belongs, with their references; if there is none, the verdict is "not
-    covered" for the given ``reason``. Of several sets of balls on one shaft, only the life of each set is judged.
+    ``referenced_sets``: the sets of balls to which the value belongs, with their references; if there is none, the verdict
+    is "not covered" for the given ``reason``. Of several sets of balls on one shaft, only the life of each set is judged.
     """
     assert request.values is not None
-    one = next(iter(each), None)
+    one = next(iter(referenced_sets), None)
     if one is None or (one.of is not None and value.quantity is not LIFE):
         limit = error_limit_of(value.quantity, limits.others, limits.largest)
         reason = reason if one is None else "with several sets of balls on one shaft, only the life of each set is judged"
         return _not_covered_verdict(scene, request.values.name, value.name, limit, reason)
-    return _with_set_name([value_verdict(request.values.name, value, one.scene, one.found, limits)], one)[0]
+    return _with_set_name([judge_given_value(request.values.name, value, one.scene, one.found, limits)], one)[0]
 
 
-def names_this_set(one: Referenced, word: str) -> bool:
-    """Return whether the text ``word`` is the number (from 1) or the name of a set of balls; true if there is one set."""
-    return one.of is None or word in _names_of_set(one.of.assembly, one.of.number)
+def is_name_of_set(referenced: Referenced, text: str) -> bool:
+    """Return whether the text ``text`` is the number (from 1) or the name of a set of balls; true if there is one set."""
+    return referenced.of is None or text in _names_of_set(referenced.of.assembly, referenced.of.number)
 
 
 def _names_of_set(assembly: Assembly, k: int) -> tuple[str, str]:
@@ -465,7 +480,9 @@ def _not_covered_verdict(scene: Solvable, judged: str, quantity: str, limit: flo
     return Verdict(scene.name, judged, quantity, "not covered", None, None, limit, detail=why)
 
 
-def _scenes_of_files(scenes: Sequence[Solvable], request: GateRequest, cases: Mapping[str, str]) -> Sequence[Solvable]:
+def _scenes_with_user_files(
+    scenes: Sequence[Solvable], request: GateRequest, cases: Mapping[str, str]
+) -> Sequence[Solvable]:
     """Return the scenes to which the user's files apply; an empty sequence if the request names no file.
 
     ``cases``: name of the load case by name of the scene.
@@ -495,10 +512,12 @@ def _read_user_files(scene: Solvable, request: GateRequest, warn: Callable[[str]
             loads.append(read_loads(request.loads, of.ball_count, of, only))
             _check_unknown_columns(request.loads, loads[-1].unknown, warn, strict=request.strict)
     if request.values is not None:
-        values, unknown = read_values(request.values, case)
+        values, unknown = read_given_values(request.values, case)
         _check_unknown_columns(request.values, unknown, warn, strict=request.strict)
-        _check_sets(scene, values, request.values)
-        at = {value.force: _scaled_to_load(scene, value, request.values) for value in values if value.force is not None}
+        _check_set_names(scene, values, request.values)
+        at = {
+            value.force: _scene_at_value_load(scene, value, request.values) for value in values if value.force is not None
+        }
     return UserFiles(tuple(loads), tuple(values), at, tuple(reference))
 
 
@@ -559,7 +578,7 @@ def references_from_file(
     out = []
     for k, (parts, only) in enumerate(sets_with_row_filter(scene, case)):
         of = None if isinstance(scene, Scene) else SetOfAssembly(scene, k)
-        reference, unknown = read_reference(path, parts, only, None if of is None else of.contacts)
+        reference, unknown = read_reference_file(path, parts, only, None if of is None else of.contacts)
         reference = reference if of is None else replace(reference, scene=f"{scene.name}, {of.name}")
         _check_unknown_columns(path, unknown, warn, strict=strict)
         if words := uncertainty_warning(reference, limits_for_scene(scene, limit).largest):
@@ -568,13 +587,16 @@ def references_from_file(
     return out
 
 
-def stored_reference(one: Referenced, stores: Sequence[Path]) -> Reference | None:
-    """Return the stored 3D reference of the set of balls ``one`` that has a user's reference; None if none is stored."""
-    references = stored_references(one.scene if one.of is None else one.of.assembly, stores)
-    return references[0 if one.of is None else one.of.number].found if references else None
+def stored_reference_of_set(referenced: Referenced, stores: Sequence[Path]) -> Reference | None:
+    """Return the stored 3D reference of the set of balls ``referenced`` that has a user's reference.
+
+    None if none is stored.
+    """
+    references = stored_references(referenced.scene if referenced.of is None else referenced.of.assembly, stores)
+    return references[0 if referenced.of is None else referenced.of.number].found if references else None
 
 
-def _check_sets(scene: Solvable, values: Sequence[GivenValue], path: Path) -> None:
+def _check_set_names(scene: Solvable, values: Sequence[GivenValue], path: Path) -> None:
     """Raise InputError if a value in the file ``path`` names no set of balls, or an unknown one.
 
     Values of a scene with one set of balls need no name.
@@ -588,7 +610,7 @@ def _check_sets(scene: Solvable, values: Sequence[GivenValue], path: Path) -> No
             raise InputError(str(path), "set", value.set or "nothing", ", ".join(known), advice)
 
 
-def _scaled_to_load(scene: Solvable, value: GivenValue, path: Path) -> Scene:
+def _scene_at_value_load(scene: Solvable, value: GivenValue, path: Path) -> Scene:
     """Return the scene with its loads scaled to the axial load at which a value in the file ``path`` is given.
 
     InputError if the scene has no axial load, or several sets of balls.
@@ -601,7 +623,7 @@ def _scaled_to_load(scene: Solvable, value: GivenValue, path: Path) -> Scene:
     if axial == 0.0:
         advice = "leave it empty: the loads of the scene are scaled to this load, and it has no axial load"
         raise InputError(str(path), "where", value.where, "an axial load only for a scene with an axial load", advice)
-    return scaled(scene, value.force / axial)
+    return scale_loads(scene, value.force / axial)
 
 
 def _check_unknown_columns(path: Path, headings: Sequence[str], warn: Callable[[str], None], *, strict: bool) -> None:
@@ -622,7 +644,7 @@ def _notes_on_loads(given: GivenLoads, reference: Reference, limits: Limits) -> 
     yield f"flanks not judged because the file has no loads on them: {', '.join(left)}" if left else ""
     if given.renumbered:
         yield f"{given.renumbered} balls are numbered differently in the file, and were matched by azimuth and z"
-    yield suspected_causes(given.load, reference.load, given.flanks, limits.largest)
+    yield suspected_cause_text(given.load, reference.load, given.flanks, limits.largest)
 
 
 def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
@@ -648,7 +670,7 @@ def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[s
     return Limits(limit if max_error is None else max_error, scene.gate.rms_error, others)
 
 
-def fraction_warnings(limits: Limits) -> Iterator[str]:
+def fraction_limit_warnings(limits: Limits) -> Iterator[str]:
     """Yield a warning for each limit that looks like a fraction, such as 0.07 % where 7 % may be meant."""
     for name, limit in {"loads": limits.largest, **limits.others}.items():
         if limit < SHARE and name != ANGLE.name:
@@ -660,28 +682,28 @@ def _verdicts_on_model(one: Referenced, name: str, limits: Limits, stores: Seque
 
     ``one``: the set of balls with its reference; ``name``: name of the model; ``stores``: folders with 3D runs.
     """
-    scene, ref, title = one.scene, one.found, title_of(name)
+    scene, ref, title = one.scene, one.found, model_title(name)
     if one.of is not None:
         answer = solution_of_set(one.of, name)
         result, status = (None, answer) if isinstance(answer, str) else (answer.result, "converged")
     else:
-        model = known_model(name)
+        model = find_model(name)
         if not model.suits(scene):
             advice = "choose another model; the command rollbench list shows which scenes each model can describe"
             raise ArgumentError("model", f'"{name}"', f"a model that can describe {scene.name}", advice)
-        solved = run_model(scene, name, options_for(model, scene, ref, stores))
+        solved = run_model(scene, name, comparison_options(model, scene, ref, stores))
         result, status = solved if solved.converged else None, solved.status
     if result is None:
         detail = f"the model computed no loads: {status}"
         return [Verdict(scene.name, title, LARGEST, "fail", None, None, limits.largest, levels=ref.levels, detail=detail)]
-    loads = from_result(result)
-    verdicts = judge(title, result.load, ref, limits) + contact_verdicts(
+    loads = loads_from_result(result)
+    verdicts = judge_contact_loads(title, result.load, ref, limits) + judge_contact_quantities(
         title, contact_values_by_model(scene, loads, limits.others), scene, ref, limits
     )
     if one.of is not None:
         return verdicts
     return verdicts + [
-        value_verdict(title, v, scene, ref, limits) for v in screw_values_by_model(scene, loads, limits.others)
+        judge_given_value(title, v, scene, ref, limits) for v in screw_values_by_model(scene, loads, limits.others)
     ]
 
 
@@ -693,10 +715,10 @@ def _compute_missing_runs(
     A scene that the 3D reference cannot represent does not stop the computation of the others.
     """
     why: dict[str, str] = {}
-    for group in groups(scenes):
+    for group in group_by_geometry(scenes):
         for levels, lacking in _missing_levels(group, request).items():
             try:
-                failed = ensure(plan(lacking, levels), request.stores[0], engine, step, request.stores[1:])
+                failed = ensure(plan_tasks(lacking, levels), request.stores[0], engine, step, request.stores[1:])
             except Refusal as error:
                 why |= {scene.name: str(error) for scene in lacking}
                 continue

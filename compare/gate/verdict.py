@@ -19,13 +19,13 @@ from rollbench.compare.gate.judged import (
     hertz_approach_or_pressure,
 )
 from rollbench.compare.measure import SMALL, LoadError, error_percent, load_error, loaded_contacts, mean_load
-from rollbench.compare.models.comparison import RULE, Loads, gate_points
-from rollbench.compare.quantities import split_unit
+from rollbench.compare.models.comparison import RULE, Loads, contact_load_errors
+from rollbench.compare.quantities import words_and_unit_of_key
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.quantity import Stated, record
-from rollbench.meshes.quantity import quantity as stated
+from rollbench.meshes.quantity import QuantityDescription, result_record
+from rollbench.meshes.quantity import quantity_field as stated
 
 Word = Literal["pass", "fail", "not converged", "undecided", "not covered"]
 
@@ -64,12 +64,12 @@ class Limits:
     others: Mapping[str, float] = field(default_factory=dict)
 
 
-def judged_subject(scene: str, case: str | None, set_: str | None) -> str:
+def subject_text(scene: str, case: str | None, set_: str | None) -> str:
     """Return the names of scene, load case and set of balls (``set_``) as one text, without those that are None."""
     return ", ".join(filter(None, (scene, case, set_)))
 
 
-@record
+@result_record
 class Verdict:
     """Verdict of the gate on one quantity of a scene, load case or set of balls, with the error and its limit."""
 
@@ -86,7 +86,7 @@ class Verdict:
         "error_percent",
         "error of the judged quantity, in the rule of the gate: of its own value, of the mean load for contacts below a "
         "tenth of it",
-        Stated(
+        QuantityDescription(
             "error_deg",
             "error of the contact angle that decides, of contacts that bear load in both",
             error="`uncertainty_deg` beside it",
@@ -97,7 +97,9 @@ class Verdict:
     uncertainty: float | None = stated("uncertainty_deg", "the reference's uncertainty of it, by discretisation")
     #: Limit of the error [unit].
     limit: float = stated(
-        "limit_percent", "limit of the scene or of the command line", Stated("limit_deg", "its limit, 1 deg unless given")
+        "limit_percent",
+        "limit of the scene or of the command line",
+        QuantityDescription("limit_deg", "its limit, 1 deg unless given"),
     )
     #: Number (from 1) of the ball of the decisive contact.
     ball: int | None = None
@@ -113,7 +115,7 @@ class Verdict:
     of_mean: LoadError | None = stated(
         "max_percent_of_mean",
         "error of the worst contact load in per cent of the mean load",
-        Stated("rms_percent_of_mean", "root mean square over all contacts, in per cent of the mean load"),
+        QuantityDescription("rms_percent_of_mean", "root mean square over all contacts, in per cent of the mean load"),
         default=None,
     )
     #: Name of the set of balls, if there are several.
@@ -145,7 +147,7 @@ class Verdict:
     @property
     def subject(self) -> str:
         """Names of the judged scene, load case and set of balls, as one text."""
-        return judged_subject(self.scene, self.case and f"case {self.case}", self.set)
+        return subject_text(self.scene, self.case and f"case {self.case}", self.set)
 
     def as_json(self) -> dict[str, Any]:
         """Return the verdict as a dictionary for JSON, in which the keys of numbers end with their unit.
@@ -190,7 +192,7 @@ class Verdict:
         if self.pair is None:
             return ""
         key, value, reference = self.pair
-        return f", {value:.4g} against {reference:.4g} {split_unit(key)[1]}"
+        return f", {value:.4g} against {reference:.4g} {words_and_unit_of_key(key)[1]}"
 
     def compared(self) -> str:
         """Return a text that compares error and uncertainty with the limit, such as ``1.4 % + 0.2 % <= 7 %``."""
@@ -203,7 +205,7 @@ class Verdict:
         return f"{error} - {u} > {limit}" if self.word == "fail" else f"{error} +- {u}, limit {limit}"
 
 
-def decide(error: float, uncertainty: float | None, limit: float) -> Word:
+def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> Word:
     """Return the verdict on an error, given the uncertainty of the reference and a limit: pass, fail or undecided.
 
     Parameters
@@ -252,7 +254,7 @@ def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Word
     ``points``: errors of all judged contacts; ``limit``: error limit in the unit of these errors. The decisive contact is
     the one furthest beyond the limit; if none exceeds it, the one nearest to the limit.
     """
-    each = [decide(p.error, p.bar, limit) for p in points]
+    each = [verdict_on_error(p.error, p.bar, limit) for p in points]
     worst = worst_verdict(each)
     sign = -1.0 if worst == "fail" else 1.0
     gravest = [p for p, kind in zip(points, each, strict=True) if kind == worst]
@@ -271,7 +273,7 @@ def verdict_without_reference(
     )
 
 
-def judge(
+def judge_contact_loads(
     judged: str, load: Array, reference: Reference, limits: Limits, flanks: Sequence[str] = SIDES, detail: str = ""
 ) -> list[Verdict]:
     """Judge the contact loads of a model or file against a reference: largest error and RMS error.
@@ -302,7 +304,7 @@ def judge(
         ContactError(
             p.error_percent, abs(p.uncertainty_percent) if np.isfinite(p.uncertainty_percent) else None, p.ball, p.side
         )
-        for p in gate_points(reference.scene, reference, limits.largest, load)
+        for p in contact_load_errors(reference.scene, reference, limits.largest, load)
         if p.side in flanks
     ]
     if not points:
@@ -318,14 +320,20 @@ def judge(
     words = "; ".join(filter(None, (detail, reference_notes(reference))))
     shared: dict[str, Any] = {"levels": reference.levels, "contacts": len(points), "detail": words}
     first = Verdict(reference.scene, judged, LARGEST, kind, at.error, at.bar, limits.largest, at.ball, at.side, **shared)
-    out = [replace(first, of_mean=of_mean, near=_balls_near(load, reference, at))]
+    out = [replace(first, of_mean=of_mean, near=_loads_of_neighbouring_balls(load, reference, at))]
     if limits.rms is not None:
         error, bar = of_mean.rms_percent, reference.parts.bar
-        out.append(Verdict(reference.scene, judged, RMS, decide(error, bar, limits.rms), error, bar, limits.rms, **shared))
+        out.append(
+            Verdict(
+                reference.scene, judged, RMS, verdict_on_error(error, bar, limits.rms), error, bar, limits.rms, **shared
+            )
+        )
     return out
 
 
-def _balls_near(load: Array, reference: Reference, at: ContactError) -> tuple[tuple[int, float, float, float], ...]:
+def _loads_of_neighbouring_balls(
+    load: Array, reference: Reference, at: ContactError
+) -> tuple[tuple[int, float, float, float], ...]:
     """Return the loads of the balls around the contact ``at``, on the same flank, up to `NEAR` balls on either side.
 
     Each entry is (number of the ball from 1, judged load, reference load, uncertainty of the reference load), loads in N.
@@ -345,7 +353,7 @@ def worst_verdict(words: Sequence[Word]) -> Word:
     return next((w for w in CODES if w in words), "pass")
 
 
-def suspected_causes(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
+def suspected_cause_text(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
     """Return the likely cause of errors beyond the limit: wrong unit, different numbering of balls, or swapped flanks.
 
     Parameters
@@ -433,7 +441,9 @@ def screw_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, floa
     return [GivenValue(q, value) for q, value in values if value is not None]
 
 
-def contact_verdicts(judged: str, given: ContactValues, scene: Scene, ref: Reference, limits: Limits) -> list[Verdict]:
+def judge_contact_quantities(
+    judged: str, given: ContactValues, scene: Scene, ref: Reference, limits: Limits
+) -> list[Verdict]:
     """Judge contact angles, approaches and pressures against the reference, each by its decisive contact.
 
     ``judged``: name of the model or file; ``given``: its values on all contacts; ``ref``: the reference. Quantities that
@@ -441,10 +451,10 @@ def contact_verdicts(judged: str, given: ContactValues, scene: Scene, ref: Refer
     """
     without = {"angle"} if not np.isfinite(ref.best.angle).any() else set()
     names = [name for name in OF_CONTACTS if name in given.further.keys() - without]
-    return [_contact_quantity_verdict(judged, given, name, scene, ref, limits) for name in names]
+    return [_judge_contact_quantity(judged, given, name, scene, ref, limits) for name in names]
 
 
-def _contact_quantity_verdict(
+def _judge_contact_quantity(
     judged: str, given: ContactValues, name: str, scene: Scene, ref: Reference, limits: Limits
 ) -> Verdict:
     """Judge one contact quantity (angle, approach or pressure) by its decisive contact.
@@ -487,7 +497,7 @@ def _contact_quantity_verdict(
     return Verdict(ref.scene, judged, q.name, kind, at.error, at.bar, limit, *where, unit=unit, pair=pair)
 
 
-def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
+def judge_given_value(judged: str, given: GivenValue, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
     """Judge a value of the whole screw (such as its life or stiffness) against that of the reference.
 
     ``judged``: name of the model or file that states the value ``given``; ``ref``: the reference. The error is in per cent
@@ -502,12 +512,12 @@ def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, 
         )
     error = float(error_percent(given.value, reference))
     share = None if bar is None else float(error_percent(bar, 0.0, reference))
-    detail = "; ".join(filter(None, (whole.note_on(q), reference_notes(ref))))
+    detail = "; ".join(filter(None, (whole.computation_note(q), reference_notes(ref))))
     pair = (q.key, q.factor * given.value, q.factor * reference)
-    kind = decide(error, share, limit)
+    kind = verdict_on_error(error, share, limit)
     return Verdict(ref.scene, judged, given.name, kind, error, share, limit, levels=ref.levels, detail=detail, pair=pair)
 
 
-def not_judged(verdicts: Sequence[Verdict]) -> list[str]:
+def quantities_without_verdict(verdicts: Sequence[Verdict]) -> list[str]:
     """Return the names of the quantities (`QUANTITIES`) on which none of the verdicts is."""
     return [name for name in QUANTITIES if not any(v.quantity.split(" at ")[0] == name for v in verdicts)]

@@ -20,13 +20,13 @@ from rollbench.compare.models.loading import (
     LiftOff,
     LoadPath,
     Preload,
+    assemblies_by_loaded_body,
     load_path_of_assembly,
     load_path_of_set,
     load_path_warnings,
-    loaded_bodies,
-    preload,
+    preload_from_unloaded,
 )
-from rollbench.compare.models.registry import MODELS, Options, key_of_error, read_condensed, run_model
+from rollbench.compare.models.registry import MODELS, Options, read_condensed_bodies, run_model, scene_key_of_error
 from rollbench.lowfi.bearings.tapered_roller import RibContact, rib_contact
 from rollbench.lowfi.bearings.torque import (
     VISCOUS,
@@ -46,26 +46,26 @@ from rollbench.lowfi.rating.contacts import (
     RollerContact,
     StaticSafety,
     Truncation,
-    ratings,
+    contact_of_highest_pressure,
+    dynamic_and_static_ratings,
+    most_truncated_ellipse,
+    roller_contact_of_highest_pressure,
     roller_safety,
     static_safety,
-    truncation,
-    worst_contact,
-    worst_roller,
 )
 from rollbench.lowfi.rating.iso_lives import ModifiedLife, modified_life
-from rollbench.lowfi.rating.life import Life, dynamic_rating, life
-from rollbench.lowfi.rating.rigidity import Rigidities, axial_force, rigidities
+from rollbench.lowfi.rating.life import Life, basic_rating_life, dynamic_rating
+from rollbench.lowfi.rating.rigidity import Rigidities, axial_force, three_axial_rigidities
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.one_arc import Clearance, clearance_of, distance_of_centres, is_one_arc
+from rollbench.meshes.one_arc import Clearance, distance_of_groove_centres, has_single_arc_grooves, internal_clearance
 from rollbench.meshes.parts import Lubricant, Motion, Scene, Support
-from rollbench.meshes.quantity import Stated, quantity, record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Share of the half play from which on a ring counts as being at the end of its play.
 AT_END = 0.9
@@ -86,50 +86,50 @@ def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> Clear
     Clearance or None
         Axial and radial play with the contact angle at the end of the play.
     """
-    found = clearance_of(parts) if thrust == "deep groove" else None
+    found = internal_clearance(parts) if thrust == "deep groove" else None
     return found if found is not None and found.axial > 0.0 else None
 
 
-def play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
+def axial_play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
     """Yield a warning for each deep-groove bearing row that the supports fix axially near one end of its axial play."""
-    shaft = _prescribed_axial_place(scene.supports)
+    shaft = _prescribed_shaft_displacement(scene.supports)
     if shaft is None:
         return
     if isinstance(scene, Scene):
         yield from _play_warning_of_row(scene, shaft)
         return
     for row in scene.sets:
-        outer = _outer_ring_place(scene, row)
+        outer = _prescribed_outer_ring_displacement(scene, row)
         if isinstance(row.parts, Scene) and row.carrier is None and row.thrust == "deep groove" and outer is not None:
-            yield from (w.prefixed(row.name) for w in _play_warning_of_row(row.parts, shaft - outer))
+            yield from (w.with_part_name(row.name) for w in _play_warning_of_row(row.parts, shaft - outer))
 
 
-def _play_warning_of_row(parts: Scene, place: float) -> Iterator[Warned]:
+def _play_warning_of_row(parts: Scene, displacement: float) -> Iterator[Warned]:
     """Yield a warning if a deep-groove row is fixed near one end of its axial play.
 
-    ``place``: prescribed axial displacement of the inner ring relative to the outer ring [m].
+    ``displacement``: prescribed axial displacement of the inner ring relative to the outer ring [m].
     """
     clearance = clearance_of_deep_groove(parts)
     if clearance is None:
         return
-    middle = -distance_of_centres(parts) * sin(parts.track.contact_angle)
-    if abs(place - middle) < AT_END * 0.5 * clearance.axial:
+    middle = -distance_of_groove_centres(parts) * sin(parts.track.contact_angle)
+    if abs(displacement - middle) < AT_END * 0.5 * clearance.axial:
         return
     yield Warned(
         "play",
         f"the support fixes uz near one end of the bearing's axial play of {1e6 * clearance.axial:.4g} um, where the "
         f"unloaded balls touch at a contact angle of {degrees(clearance.angle):.3g} deg; the ring can then move radially "
         "by less than its radial clearance; free uz, or fix it "
-        f"{1e6 * (middle - place):+.4g} um from there, in the middle of the play",
+        f"{1e6 * (middle - displacement):+.4g} um from there, in the middle of the play",
     )
 
 
-def _prescribed_axial_place(supports: tuple[Support, ...]) -> float | None:
+def _prescribed_shaft_displacement(supports: tuple[Support, ...]) -> float | None:
     """Return the axial displacement [m] that the supports prescribe for the shaft; None if no support fixes it axially."""
     return next((value for s in supports for name, value in s.fixed if name == "uz"), None)
 
 
-def _outer_ring_place(assembly: Assembly, row: RollingSet) -> float | None:
+def _prescribed_outer_ring_displacement(assembly: Assembly, row: RollingSet) -> float | None:
     """Return the prescribed axial displacement [m] of the outer ring of ``row``; None if its housing can move axially."""
     if row.housing is None:
         return row.offset
@@ -147,7 +147,7 @@ TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source
 WIDEST = 0.6
 
 
-@record
+@result_record
 class LoadAnswers:
     """Pressure, static safety, rating life and load ratings that follow from the contact loads of a row or nut.
 
@@ -155,22 +155,22 @@ class LoadAnswers:
     """
 
     #: Contact with the highest pressure.
-    worst: Contact | None = quantity("worst_contact")
+    worst: Contact | None = quantity_field("worst_contact")
     #: Static safety of this contact.
-    safety: StaticSafety | None = quantity("static_safety")
+    safety: StaticSafety | None = quantity_field("static_safety")
     #: How close contact ellipses come to the edges of their grooves.
-    reach: Truncation | None = quantity("truncation")
+    reach: Truncation | None = quantity_field("truncation")
     #: Basic rating life by the loads.
-    life: Life | None = quantity("life")
+    life: Life | None = quantity_field("life")
     #: Dynamic and static load ratings.
-    ratings: Ratings | None = quantity("ratings")
-    words: str = quantity("rating_refused", "why there is no rating", show=lambda words: words or None, default="")
+    ratings: Ratings | None = quantity_field("ratings")
+    words: str = quantity_field("rating_refused", "why there is no rating", show=lambda words: words or None, default="")
     #: Life modified for reliability, lubricant and contamination.
-    modified: ModifiedLife | None = quantity("modified_life", default=None)
-    reference: iso_lives.ReferenceLife | None = quantity("reference_life", default=None)
+    modified: ModifiedLife | None = quantity_field("modified_life", default=None)
+    reference: iso_lives.ReferenceLife | None = quantity_field("reference_life", default=None)
 
 
-@record
+@result_record
 class RollerAnswers:
     """Pressure, static safety, life and friction torque that follow from the line loads of a row of rollers.
 
@@ -178,18 +178,18 @@ class RollerAnswers:
     """
 
     #: Line contact with the highest pressure.
-    worst: RollerContact | None = quantity("worst_contact")
+    worst: RollerContact | None = quantity_field("worst_contact")
     #: Static safety of this contact.
-    safety: StaticSafety | None = quantity("static_safety")
+    safety: StaticSafety | None = quantity_field("static_safety")
     #: Contact of the most loaded roller with the rib of its ring.
-    rib: RibContact | None = quantity("rib_contact")
+    rib: RibContact | None = quantity_field("rib_contact")
     #: Basic rating life by the loads.
-    life: Life | None = quantity("life")
+    life: Life | None = quantity_field("life")
     #: Dynamic and static load ratings.
-    ratings: Ratings = quantity("ratings")
+    ratings: Ratings = quantity_field("ratings")
     #: Friction torque, running and from rest.
-    torque: RollerTorque | None = quantity("roller_torque")
-    reference: iso_lives.ReferenceLife | None = quantity("reference_life")
+    torque: RollerTorque | None = quantity_field("roller_torque")
+    reference: iso_lives.ReferenceLife | None = quantity_field("reference_life")
 
 
 @dataclass(frozen=True)
@@ -237,7 +237,9 @@ class Answers:
         return None if self.at_nut is None else self.at_nut.rigidity("uz")
 
 
-def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, pressure: Array | None = None) -> LoadAnswers:
+def rate_contact_loads(
+    scene: Scene, load: Array, angle: Array, member: int = 0, pressure: Array | None = None
+) -> LoadAnswers:
     """Compute pressure, static safety, rating life and load ratings from contact loads.
 
     Parameters
@@ -258,18 +260,18 @@ def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, press
     LoadAnswers
         Pressure, static safety, rating life and load ratings.
     """
-    drawn = specimen(scene, ball_layout(scene), member)
+    drawn = draw_specimen(scene, ball_layout(scene), member)
     words = ""
     rated_life: Life | None = None
     reach: Truncation | None = None
     rated: Ratings | None = None
     try:
-        reach = truncation(scene, drawn, load, angle)
-        rated = ratings(scene)
-        rated_life = life(scene, load)
+        reach = most_truncated_ellipse(scene, drawn, load, angle)
+        rated = dynamic_and_static_ratings(scene)
+        rated_life = basic_rating_life(scene, load)
     except ValueError as error:
         words = str(error)
-    worst = worst_contact(scene, drawn, load, angle, pressure)
+    worst = contact_of_highest_pressure(scene, drawn, load, angle, pressure)
     safety = None if worst is None else static_safety(scene, drawn, worst)
     modified, basic = modified_life(scene, rated_life), iso_lives.ball_reference_life(scene, rated_life)
     return LoadAnswers(worst, safety, reach, rated_life, rated, words, modified, basic)
@@ -304,7 +306,7 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Opti
     if step not in (*LADDER, "condensed"):
         allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
         raise ArgumentError("stiffness_at", f"the model {model}", f"only with a model of {allowed}", "choose another model")
-    condensed = read_condensed(scene, options) if step == "condensed" else None
+    condensed = read_condensed_bodies(scene, options) if step == "condensed" else None
     modelled = MODELS[model].scene(scene)
     try:
         return tangent_stiffness(
@@ -312,7 +314,7 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Opti
         )
     except ValueError as error:
         advice = "omit the stiffness; contact loads are computed without it"
-        raise Refusal(scene.name, key_of_error(error), str(error), advice) from error
+        raise Refusal(scene.name, scene_key_of_error(error), str(error), advice) from error
 
 
 def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent | None, str]:
@@ -335,9 +337,9 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tupl
         Why the elastic bodies cannot be built or the solution does not converge; else empty.
     """
     if model == "liu":
-        from rollbench.lowfi.statics.liu import row_of  # heavy import, needed for this model only
+        from rollbench.lowfi.statics.liu import nut_as_spring_row  # heavy import, needed for this model only
 
-        axial = row_of(scene, member=options.member).stiffness()
+        axial = nut_as_spring_row(scene, member=options.member).stiffness()
         along = np.full((6, 6), np.nan)
         along[2, 2] = np.nan if axial is None else axial
         return (None, "") if axial is None else (Tangent(scene.nut.position, along, "converged"), "")
@@ -350,14 +352,14 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tupl
     return (tangent, "") if tangent.status == "converged" else (None, tangent.status)
 
 
-def axial_place_without_loads(scene: Scene, bare: StaticResult) -> float:
+def unloaded_axial_displacement(scene: Scene, unloaded: StaticResult) -> float:
     """Return the screw's axial position at the nut's centre without loads [m], from which displacements are counted.
 
     Parameters
     ----------
     scene
         Scene with one nut or bearing row.
-    bare
+    unloaded
         Result for the same scene without loads.
 
     Returns
@@ -365,15 +367,15 @@ def axial_place_without_loads(scene: Scene, bare: StaticResult) -> float:
     float
         Displacement from the nominal position; zero if no contact fixes the unloaded screw.
     """
-    return float(displacement_without_loads(scene, bare)[2])
+    return float(displacement_without_loads(scene, unloaded)[2])
 
 
-def displacement_without_loads(scene: Scene, bare: StaticResult) -> Array:
+def displacement_without_loads(scene: Scene, unloaded: StaticResult) -> Array:
     """Return the unloaded screw's displacement at the nut's centre from its nominal position, (6,) [m, rad].
 
-    ``bare``: result of the scene without loads. Zero if no contact fixes the unloaded screw.
+    ``unloaded``: result of the scene without loads. Zero if no contact fixes the unloaded screw.
     """
-    return displacement_at_nut(scene, bare) if bare.converged and (bare.load > 0.0).any() else np.zeros(6)
+    return displacement_at_nut(scene, unloaded) if unloaded.converged and (unloaded.load > 0.0).any() else np.zeros(6)
 
 
 def displacement_at_nut(scene: Scene, result: StaticResult) -> Array:
@@ -381,7 +383,7 @@ def displacement_at_nut(scene: Scene, result: StaticResult) -> Array:
     return np.array([np.interp(scene.nut.position, result.centreline_z, u) for u in result.centreline.T])
 
 
-def all_answers(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
+def compute_all_results(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
     """Compute all results that follow from a converged solution; preload and lift-off load take further solutions.
 
     Parameters
@@ -401,29 +403,29 @@ def all_answers(scene: Scene, result: StaticResult, model: str, options: Options
         Stiffness, preload, lift-off load, friction, load path, and all results that follow from the contact loads.
     """
     bare = loading.solve_scaled(scene, 0.0, model, options)
-    held = preload(scene, bare) if bare.converged else None
+    held = preload_from_unloaded(scene, bare) if bare.converged else None
     force, moved = axial_force(result), displacement_at_nut(scene, result) - displacement_without_loads(scene, bare)
     try:
-        three = rigidities(scene, force, float(moved[2]))
+        three = three_axial_rigidities(scene, force, float(moved[2]))
     except ValueError:
         three = None
-    lift = loading.lift_off(scene, result, bare, model, options) if held is not None else None
-    friction, words = quick_friction(scene, result, options)
+    lift = loading.find_lift_off_load(scene, result, bare, model, options) if held is not None else None
+    friction, words = friction_without_compiling(scene, result, options)
     tangent, why = tangent_stiffness_at_nut(scene, model, options) if force != 0.0 else (None, "")
-    loads = load_answers(scene, result.load, result.contact_angle, result.member, result.pressure)
+    loads = rate_contact_loads(scene, result.load, result.contact_angle, result.member, result.pressure)
     path = load_path_of_set(scene, result, bare)
     step, stepped = scene.ingredients.load_step, None
     if model == "liu" and step is not None:
-        from rollbench.lowfi.statics.liu import row_of  # heavy import, needed for this model only
+        from rollbench.lowfi.statics.liu import nut_as_spring_row  # heavy import, needed for this model only
 
-        stepped = row_of(scene, member=options.member).stiffness(step)
+        stepped = nut_as_spring_row(scene, member=options.member).stiffness(step)
     shaft = shaft_limits(scene, result)
     on_ring = np.zeros(3) if result.equilibrium is None else result.equilibrium.contact_force
-    torque = row_torque(scene, "deep groove", result, on_ring, loads, scene.lubricant, scene.motion)
+    torque = bearing_friction_torque(scene, "deep groove", result, on_ring, loads, scene.lubricant, scene.motion)
     return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path, stepped, shaft, torque)
 
 
-def row_torque(
+def bearing_friction_torque(
     parts: Scene,
     thrust: str,
     balls: StaticResult,
@@ -456,7 +458,13 @@ def row_torque(
     """
     if parts.track.lead or loads.safety is None:
         return None
-    kind: Kind = "four-point" if not is_one_arc(parts) else "deep groove" if thrust == "deep groove" else "angular contact"
+    kind: Kind = (
+        "four-point"
+        if not has_single_arc_grooves(parts)
+        else "deep groove"
+        if thrust == "deep groove"
+        else "angular contact"
+    )
     inner, angle = balls.load[:, :2], balls.contact_angle[:, :2]
     along = float(np.sum(inner * np.sin(np.where(inner > 0.0, angle, 0.0))))
     pitch, viscous = 2.0 * parts.track.pitch_radius, None
@@ -469,7 +477,7 @@ def row_torque(
     return ball_torque(kind, parts.track.contact_angle, pitch, (along, radial, share), viscous)
 
 
-def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
+def friction_without_compiling(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
     """Return friction torques and efficiencies of a scene if no kernel must be compiled to compute them.
 
     Parameters
@@ -495,7 +503,7 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     return cached_friction_sums(scene, result, options)
 
 
-def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None) -> RollerAnswers:
+def rate_roller_loads(row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None) -> RollerAnswers:
     """Compute pressure, safety, life and friction torque from the line loads of a row of rollers.
 
     Parameters
@@ -514,13 +522,13 @@ def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubri
     RollerAnswers
         Pressure, static safety, rib contact, life, load ratings and friction torque.
     """
-    worst = worst_roller(row, line_loads)
+    worst = roller_contact_of_highest_pressure(row, line_loads)
     return RollerAnswers(
         worst,
         None if worst is None else roller_safety(worst),
         rib_contact(row, line_loads.mean(axis=1) * row.length),
-        roller_life.life(row, line_loads),
-        roller_life.ratings(row),
+        roller_life.basic_rating_life_of_row(row, line_loads),
+        roller_life.dynamic_and_static_ratings_of_row(row),
         roller_torque(row, line_loads, speed, lubricant),
         iso_lives.roller_reference_life(row, line_loads),
     )
@@ -614,17 +622,17 @@ class AxisAnswers:
     paths: tuple[LoadPath, ...] = ()
 
     @property
-    def by_pressure(self) -> list[int]:
+    def sets_by_pressure(self) -> list[int]:
         """Numbers (from 0) of the loaded nuts or rows, sorted by decreasing ratio of highest to allowed pressure."""
         found = [x.loads for x in self.sets]
         shares = {i: x.worst.pressure / x.safety.allowed for i, x in enumerate(found) if x.worst and x.safety}
         return sorted(shares, key=lambda i: -shares[i])
 
     @property
-    @Stated("worst_set", "set whose highest pressure is the largest share of its allowed pressure")
+    @QuantityDescription("worst_set", "set whose highest pressure is the largest share of its allowed pressure")
     def worst_set(self) -> int | None:
         """Number (from 1) of the nut or row with the largest ratio of highest to allowed pressure; None without load."""
-        return next((i + 1 for i in self.by_pressure), None)
+        return next((i + 1 for i in self.sets_by_pressure), None)
 
     @property
     def displacement(self) -> float | None:
@@ -632,7 +640,7 @@ class AxisAnswers:
         return None if self.motion is None else float(self.motion[2])
 
 
-def all_axis_answers(assembly: Assembly, result: AxisResult) -> AxisAnswers:
+def compute_axis_results(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     """Compute all results that follow from a converged solution of a shaft with several nuts or bearing rows.
 
     The shaft is solved once more without loads, and without the loads of each body if several bodies are loaded.
@@ -649,16 +657,16 @@ def all_axis_answers(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     AxisAnswers
         The results.
     """
-    bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
+    bare = run_model(loading.scale_loads(assembly, 0.0), result.model, Options(member=result.member))
     unloaded = bare.sets if bare.converged else [None] * len(result.sets)
-    sets = tuple(_answers_of_set(assembly, *pair, result.member) for pair in zip(result.sets, unloaded, strict=True))
+    sets = tuple(_results_of_set(assembly, *pair, result.member) for pair in zip(result.sets, unloaded, strict=True))
     moved = (
-        loading.displacement_of_interest(assembly, result) - loading.displacement_of_interest(assembly, bare)
+        loading.displacement_at_stated_position(assembly, result) - loading.displacement_at_stated_position(assembly, bare)
         if bare.converged
         else None
     )
     path = load_path_of_assembly(assembly, result, bare)
-    return AxisAnswers(sets, loading.axial_load(assembly), moved, path, _load_paths_by_body(assembly, result, path))
+    return AxisAnswers(sets, loading.sum_of_axial_loads(assembly), moved, path, _load_paths_by_body(assembly, result, path))
 
 
 def _load_paths_by_body(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
@@ -666,7 +674,7 @@ def _load_paths_by_body(assembly: Assembly, result: AxisResult, path: LoadPath |
 
     If only one body is loaded, return ``path``, the load path of all loads.
     """
-    bodies, options = loaded_bodies(assembly), Options(member=result.member)
+    bodies, options = assemblies_by_loaded_body(assembly), Options(member=result.member)
     if len(bodies) < 2:
         return () if path is None else (path,)
     without = {name: run_model(others, result.model, options) for name, (_, others) in bodies.items()}
@@ -674,7 +682,7 @@ def _load_paths_by_body(assembly: Assembly, result: AxisResult, path: LoadPath |
     return tuple(x for x in found if x is not None)
 
 
-def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisResult, AxisAnswers | None]:
+def solve_assembly_with_results(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisResult, AxisAnswers | None]:
     """Solve a shaft with several nuts or bearing rows, and compute all results and warnings.
 
     Parameters
@@ -701,18 +709,18 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
     result = run_model(assembly, model, Options(member=member))
     if not result.converged:
         return result, None
-    answers = all_axis_answers(assembly, result)
+    answers = compute_axis_results(assembly, result)
     warned = (
-        w.prefixed(x.name)
+        w.with_part_name(x.name)
         for x in answers.sets
         for w in validity_warnings(x.parts, x.loads, loading.absolute_axial_preload(x.preload))
     )
     held = (w for path in answers.paths for w in load_path_warnings(path))
-    further = (*warned, *held, *play_warnings(assembly))
+    further = (*warned, *held, *axial_play_warnings(assembly))
     return replace(result, warnings=(*result.warnings, *further)), answers
 
 
-def _answers_of_set(assembly: Assembly, s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
+def _results_of_set(assembly: Assembly, s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
     """Return the results of one nut or bearing row on a shaft.
 
     ``s``: solution of the row under the scene's loads; ``member``: number of the specimen with random errors; ``bare``:
@@ -722,11 +730,11 @@ def _answers_of_set(assembly: Assembly, s: SetResult, bare: SetResult | None, me
     if isinstance(parts, RollerRow):
         assert s.line_loads is not None, "a row of rollers has line loads"
         speed = assembly.motion.speed if assembly.motion is not None and assembly.motion.turns == "screw" else None
-        answers: LoadAnswers | RollerAnswers = roller_answers(parts, s.line_loads, speed, assembly.lubricant)
+        answers: LoadAnswers | RollerAnswers = rate_roller_loads(parts, s.line_loads, speed, assembly.lubricant)
     else:
         assert s.balls is not None, "a set of balls has contacts"
-        answers = load_answers(parts, s.balls.load, s.balls.contact_angle, member)
-        torque = row_torque(parts, s.of.thrust, s.balls, s.force, answers, assembly.lubricant, assembly.motion)
+        answers = rate_contact_loads(parts, s.balls.load, s.balls.contact_angle, member)
+        torque = bearing_friction_torque(parts, s.of.thrust, s.balls, s.force, answers, assembly.lubricant, assembly.motion)
     if bare is None:
         return SetAnswers(s.of.name, parts, answers, None, torque)
     loads = bare.loads[bare.loads > 0.0]

@@ -21,7 +21,7 @@ from rollbench.compare import files
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def _largest_lateral_displacement(scene: Scene) -> float:
     return 1e6 * float(np.hypot(across, up))
 
 
-def _preload(scene: Scene) -> float:
+def _relative_oversize(scene: Scene) -> float:
     """Return the preload of a scene as ball oversize over ball diameter [1e-3]."""
     return 1e3 * scene.errors.balls.oversize / (2.0 * scene.balls.radius)
 
@@ -59,7 +59,7 @@ def _nut_length_beyond_balls(scene: Scene) -> float:
     return min(float(half - np.abs(z).max()) / scene.balls.radius, 4.0)
 
 
-def _poisson(scene: Scene) -> float:
+def _poissons_ratio_farthest_from_steel(scene: Scene) -> float:
     """Return that Poisson's ratio of screw, nut and balls which differs most from 0.3, the value of steel."""
     ratios = (scene.screw.material, scene.nut.material, scene.balls.material)
     return max((m.poissons_ratio for m in ratios), key=lambda ratio: abs(ratio - 0.3))
@@ -75,12 +75,12 @@ DESCRIPTORS = (
         "wall of the nut over the pitch radius",
         "",
         0.1,
-        lambda s: (s.nut.outer_diameter / 2.0 - solid_dimensions(s).land) / s.track.pitch_radius,
+        lambda s: (s.nut.outer_diameter / 2.0 - dimensions_of_3d_parts(s).land) / s.track.pitch_radius,
     ),
     Descriptor("lead over the pitch diameter", "", 0.25, lambda s: s.track.lead / (2.0 * s.track.pitch_radius)),
     Descriptor("ball over the pitch diameter", "", 0.06, lambda s: s.balls.radius / s.track.pitch_radius),
     Descriptor("number of balls", "", 60.0, lambda s: float(s.ball_count)),
-    Descriptor("oversize over the ball's diameter", "1e-3", 1.0, _preload),
+    Descriptor("oversize over the ball's diameter", "1e-3", 1.0, _relative_oversize),
     Descriptor(
         "conformity, the tighter groove",
         "",
@@ -101,7 +101,7 @@ DESCRIPTORS = (
         0.5,
         lambda s: s.balls.material.youngs_modulus / s.screw.material.youngs_modulus,
     ),
-    Descriptor("Poisson's ratio, the one farthest from 0.3", "", 0.05, _poisson),
+    Descriptor("Poisson's ratio, the one farthest from 0.3", "", 0.05, _poissons_ratio_farthest_from_steel),
 )
 
 
@@ -148,7 +148,7 @@ KNOWN_SCREWS = 240
 
 
 @cache
-def survey_records() -> tuple[dict[str, Any], ...]:
+def records_of_drawn_screws() -> tuple[dict[str, Any], ...]:
     """Read the records of the first `KNOWN_SCREWS` randomly drawn screws; empty if their file cannot be used."""
     try:
         scenes = json.loads(files.text(f"references/{SURVEY}"))["scenes"]
@@ -160,7 +160,7 @@ def survey_records() -> tuple[dict[str, Any], ...]:
 @cache
 def descriptors_of_drawn_screws() -> tuple[dict[str, float], ...]:
     """Return the descriptors, by name, of each of the first `KNOWN_SCREWS` randomly drawn screws."""
-    return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in survey_records())
+    return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in records_of_drawn_screws())
 
 
 #: File with the descriptors of the compared shipped scenes, stored because reading all scenes would take longer.
@@ -191,7 +191,7 @@ def descriptors_of_shipped_scenes(*, ring: bool) -> tuple[dict[str, float], ...]
         return ()
 
 
-def compared_values(descriptor: Descriptor, *, ring: bool) -> list[float]:
+def descriptor_values_of_compared(descriptor: Descriptor, *, ring: bool) -> list[float]:
     """Return the values of a descriptor for all compared bearings if ``ring``, else for all compared screws."""
     return [
         place[descriptor.name]
@@ -199,7 +199,7 @@ def compared_values(descriptor: Descriptor, *, ring: bool) -> list[float]:
     ]
 
 
-def descriptors_in_range(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[DescriptorInRange, ...]:
+def descriptors_with_ranges(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[DescriptorInRange, ...]:
     """Return each descriptor of a scene with the range of the compared scenes of its kind (screws or bearings).
 
     Parameters
@@ -222,13 +222,13 @@ def descriptors_in_range(scene: Scene, among: Sequence[Scene] | None = None) -> 
     ring = scene.track.lead == 0.0
     out = []
     for d in DESCRIPTORS:
-        values = compared_values(d, ring=ring) if among is None else [d.value(s) for s in among]
+        values = descriptor_values_of_compared(d, ring=ring) if among is None else [d.value(s) for s in among]
         if values:
             out.append(DescriptorInRange(d, d.value(scene), min(values), max(values)))
     return tuple(out)
 
 
-def outside(scene: Scene) -> tuple[str, ...]:
+def descriptors_outside_range(scene: Scene) -> tuple[str, ...]:
     """Return a sentence for each descriptor of a scene that is outside the range of the compared scenes.
 
     Parameters
@@ -249,4 +249,4 @@ def outside(scene: Scene) -> tuple[str, ...]:
     """
     if not descriptors_of_shipped_scenes(ring=scene.track.lead == 0.0):
         return (f"the range of the compared scenes is not known; references/{PLACES} is missing or damaged",)
-    return tuple(place.text for place in descriptors_in_range(scene) if place.outside)
+    return tuple(place.text for place in descriptors_with_ranges(scene) if place.outside)

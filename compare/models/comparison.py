@@ -18,17 +18,17 @@ import numpy as np
 
 from rollbench.compare import files
 from rollbench.compare.errors import InputError
-from rollbench.compare.measure import error_percent, gate_scale, load_error
-from rollbench.compare.models.loading import scaled
-from rollbench.compare.models.registry import MODELS, Model, Options, known_model, run_model
-from rollbench.compare.printed import entry
+from rollbench.compare.measure import error_percent, load_error, scale_of_gate_errors
+from rollbench.compare.models.loading import scale_loads
+from rollbench.compare.models.registry import MODELS, Model, Options, find_model, run_model
+from rollbench.compare.printed import printed_entry
 from rollbench.compare.reference.convergence import pooled_grid_uncertainty
-from rollbench.compare.reference.estimate import FITTED, Reference, reference_from_runs, uncertainty_percent
+from rollbench.compare.reference.estimate import FITTED, Reference, largest_uncertainty_percent, reference_from_runs
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.store import Run, bodies_path, load_run, measuring_conditions, shipped_store
-from rollbench.compare.reference.tasks import Solvable, balls_of
+from rollbench.compare.reference.store import Run, load_run, measuring_conditions, path_of_bodies, shipped_store
+from rollbench.compare.reference.tasks import Solvable, ball_slices_by_set
 from rollbench.compare.scenes.catalogue import names_with_role
-from rollbench.lowfi.statics.nominal import nominal, nominal_contacts
+from rollbench.lowfi.statics.nominal import nominal_contacts, nominal_scene
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -37,7 +37,7 @@ from rollbench.meshes.parts import SIDES, Load, Scene
 #: Scenes whose runs of the 3D reference are part of the package.
 REFERENCED = names_with_role("referenced")
 
-#: Definition of the error that is compared with the limit (`measure.gate_scale`), as text.
+#: Definition of the error that is compared with the limit (`measure.scale_of_gate_errors`), as text.
 RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"
 
 #: For each scene of Lin's thesis, the keys of its printed errors (largest, RMS) and load ratio.
@@ -64,7 +64,7 @@ def suitable_models(scene: Scene | Assembly) -> list[Model]:
     return [m for m, fit in zip(MODELS.values(), fits, strict=True) if m.compared and fit]
 
 
-def compared_models(names: tuple[str, ...], argument: str = "models") -> list[Model]:
+def models_by_name(names: tuple[str, ...], argument: str = "models") -> list[Model]:
     """Return the records of the models that a user named.
 
     Parameters
@@ -84,10 +84,10 @@ def compared_models(names: tuple[str, ...], argument: str = "models") -> list[Mo
     ArgumentError
         If there is no model with one of the names.
     """
-    return [known_model(name, argument) for name in names]
+    return [find_model(name, argument) for name in names]
 
 
-def finest_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> Path | None:
+def path_of_condensed_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> Path | None:
     """Return the path of the file with the stiffness of screw and nut, condensed to the contacts, of the finest 3D run.
 
     ``stores``: folders with runs of the 3D reference; None: that of the package. None is returned if no folder has the
@@ -96,13 +96,13 @@ def finest_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | N
     if reference.stated:
         return None
     for store in (shipped_store(),) if stores is None else stores:
-        path = bodies_path(store, scene, reference.best)
+        path = path_of_bodies(store, scene, reference.best)
         if path.exists():
             return path
     return None
 
 
-def options_for(
+def comparison_options(
     model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None, engine: str = "auto"
 ) -> Options:
     """Return the solver options with which a low-order model is compared with the 3D reference.
@@ -134,7 +134,7 @@ def options_for(
     """
     if model.name != "condensed":
         return Options(discretisation=False, engine=engine)
-    path = finest_bodies(scene, reference, stores)
+    path = path_of_condensed_bodies(scene, reference, stores)
     if path is None:
         allowed = f"only with stored condensed bodies of the 3D reference at mesh level {reference.best.level}"
         advice = "run mesh-study with `fresh=True`, which computes and stores them"
@@ -178,7 +178,7 @@ class ComparisonRow:
         return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in asdict(self).items()}
 
 
-#: Function that returns a row of a comparison: `_row` with its scene and loads already bound.
+#: Function that returns a row of a comparison: `_comparison_row` with its scene and loads already bound.
 RowOf = Callable[..., ComparisonRow]
 
 
@@ -204,7 +204,7 @@ class Loads:
     pressure: Array | None = None
 
 
-def from_result(result: StaticResult, seconds: float | None = None) -> Loads:
+def loads_from_result(result: StaticResult, seconds: float | None = None) -> Loads:
     """Return the contact loads and displacements of a low-order model's result.
 
     Parameters
@@ -254,13 +254,13 @@ def solve_and_time(
     InputError
         If the model needs condensed bodies and no folder has them.
     """
-    options = options_for(model, scene, reference, stores, "interpreted")
+    options = comparison_options(model, scene, reference, stores, "interpreted")
     start = perf_counter()
     result = run_model(scene, model.name, options)
     return result, perf_counter() - start
 
 
-def from_run(run: Run, name: str) -> Loads:
+def loads_from_run(run: Run, name: str) -> Loads:
     """Return the contact loads and displacements of a stored run of the 3D reference.
 
     The computing time in the record includes meshing and condensing all parts.
@@ -281,16 +281,16 @@ def from_run(run: Run, name: str) -> Loads:
     return Loads(name, run.load, run.angle, line[:, 0], line[:, 1:], run.setup_seconds + run.solve_seconds, measured)
 
 
-def reference_answers(reference: Reference, source: Run | None) -> list[Loads]:
+def loads_of_reference_runs(reference: Reference, source_mesh_run: Run | None) -> list[Loads]:
     """Return the loads of the 3D reference on the mesh of Lin's thesis and on each mesh level, coarse to fine.
 
-    ``source``: run on the mesh of the thesis; None if there is none. The list is empty for a user's reference.
+    ``source_mesh_run``: run on the mesh of the thesis; None if there is none. The list is empty for a user's reference.
     """
     if reference.stated:
         return []
-    out = [from_run(run, f"3D level {run.level}") for run in reference.runs]
-    if source is not None:
-        out.insert(0, from_run(source, "3D source mesh"))
+    out = [loads_from_run(run, f"3D level {run.level}") for run in reference.runs]
+    if source_mesh_run is not None:
+        out.insert(0, loads_from_run(source_mesh_run, "3D source mesh"))
     return out
 
 
@@ -311,11 +311,11 @@ def comparison_rows(scene: Scene, answer: Loads, ref: Reference) -> list[Compari
     list of ComparisonRow
         A row for each quantity.
     """
-    row = partial(_row, scene, answer)
-    return [*_contact_rows(row, answer, ref), *_line_rows(row, answer, ref), *_summary_rows(row, scene, answer, ref)]
+    row = partial(_comparison_row, scene, answer)
+    return [*_contact_rows(row, answer, ref), *_centreline_rows(row, answer, ref), *_summary_rows(row, scene, answer, ref)]
 
 
-def _row(
+def _comparison_row(
     scene: Scene,
     answer: Loads,
     quantity: str,
@@ -336,7 +336,7 @@ def _row(
     return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *values, measured_with=time)
 
 
-def uncertainties_of(reference: Reference, take: Callable[[Run], Array]) -> Array:
+def grid_uncertainties(reference: Reference, quantities_of_run: Callable[[Run], Array]) -> Array:
     """Return the discretisation uncertainty of similar quantities of a 3D reference, such as all its contact angles.
 
     It is estimated with one order of convergence for all quantities.
@@ -345,7 +345,7 @@ def uncertainties_of(reference: Reference, take: Callable[[Run], Array]) -> Arra
     ----------
     reference
         The reference, with a run for each mesh level.
-    take
+    quantities_of_run
         Function that returns the quantities of a run, for example all contact angles, in any shape.
 
     Returns
@@ -353,7 +353,7 @@ def uncertainties_of(reference: Reference, take: Callable[[Run], Array]) -> Arra
     Array
         Uncertainty of each quantity; nan with one level, or where a level lacks the quantity.
     """
-    values = np.stack([take(run) for run in reference.runs])
+    values = np.stack([quantities_of_run(run) for run in reference.runs])
     bars = np.full(values.shape[1:], np.nan)
     known = np.isfinite(values).all(axis=0)
     if known.any():
@@ -369,9 +369,10 @@ def _finite_or_none(value: float) -> float | None:
 def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
     """Yield comparisons of load and contact angle for each contact that carries load by the model or the reference.
 
-    ``row``: function that makes a comparison record (`_row` with scene and model bound); ``answer``: results of the model.
+    ``row``: function that makes a comparison record (`_comparison_row` with scene and model bound); ``answer``: results of
+    the model.
     """
-    best, turns = reference.best, uncertainties_of(reference, lambda run: run.angle)
+    best, turns = reference.best, grid_uncertainties(reference, lambda run: run.angle)
     for i, s in np.ndindex(answer.load.shape):
         value, ref = float(answer.load[i, s]), float(reference.load[i, s])
         if value == 0.0 and ref == 0.0:
@@ -385,12 +386,12 @@ def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[C
             yield row("contact angle", "deg", (angle, ref_angle), error, off, (i + 1, SIDES[s]))
 
 
-def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
+def _centreline_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
     """Yield comparisons of the displacement of the screw's axis at the axial positions where the reference gives it.
 
-    ``row``: function that makes a comparison record (`_row` with scene and model bound); ``answer``: results of the model.
-    Errors are in per cent of the largest displacement in the same direction. There are no rows if the model gives the
-    displacement at one position only and the reference at several.
+    ``row``: function that makes a comparison record (`_comparison_row` with scene and model bound); ``answer``: results of
+    the model. Errors are in per cent of the largest displacement in the same direction. There are no rows if the model
+    gives the displacement at one position only and the reference at several.
     """
     line = reference.best.centreline
     if answer.stations.size < min(2, len(line)):
@@ -398,7 +399,7 @@ def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[Comp
     for k, axis in enumerate("xyz"):
         largest = float(np.abs(line[:, 1 + k]).max(initial=0.0))
         values = np.interp(line[:, 0], answer.stations, answer.line[:, k])
-        bars = uncertainties_of(reference, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
+        bars = grid_uncertainties(reference, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
         for z, value, ref, bar in zip(line[:, 0], values, line[:, 1 + k], bars, strict=True):
             name, off = f"centreline u{axis} at {1e3 * z:.4g} mm", float(error_percent(value, ref, largest))
             yield row(name, "um", (1e6 * float(value), 1e6 * float(ref)), _finite_or_none(bar), off)
@@ -407,16 +408,17 @@ def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[Comp
 def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
     """Yield comparisons of largest error, RMS error and load ratio, with printed values for the scenes of Lin's thesis.
 
-    ``row``: function that makes a comparison record (`_row` with scene and model bound); ``answer``: results of the model.
+    ``row``: function that makes a comparison record (`_comparison_row` with scene and model bound); ``answer``: results of
+    the model.
     """
     e = load_error(answer.load, reference.load, reference.contacts)
     keys = PRINTED.get(scene.name, ("", "", ""))
 
     def printed(key: str) -> float | None:
-        return entry("lin-2.4.1", key).value if key and answer.model.startswith("lin") else None
+        return printed_entry("lin-2.4.1", key).value if key and answer.model.startswith("lin") else None
 
     loaded = reference.load > 0.0
-    bar = uncertainty_percent(reference)
+    bar = largest_uncertainty_percent(reference)
     own_bar = float(error_percent(reference.uncertainty[loaded], 0.0, reference.load[loaded]).max())
     for name, value, uncertain, key in (
         (f"largest error, of the mean load (ball {e.ball} {e.side})", e.max_percent, bar, ""),
@@ -428,7 +430,7 @@ def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference)
     ratio, ref_ratio = load_ratio(answer.load), load_ratio(reference.load)
     off = float(error_percent(ratio, ref_ratio)) if np.isfinite([ratio, ref_ratio]).all() else None
     name = "largest over smallest load, SL"
-    yield row(name, "", (ratio, ref_ratio), ratio_uncertainty(reference), off, printed=printed(keys[2]))
+    yield row(name, "", (ratio, ref_ratio), load_ratio_uncertainty(reference), off, printed=printed(keys[2]))
 
 
 def load_ratio(load: Array) -> float:
@@ -440,7 +442,7 @@ def load_ratio(load: Array) -> float:
     return float(load[:, 0].max()) / smallest if smallest > 0.0 else float("inf")
 
 
-def ratio_uncertainty(reference: Reference) -> float | None:
+def load_ratio_uncertainty(reference: Reference) -> float | None:
     """Return the uncertainty, due to the mesh, of the ratio of largest to smallest load on the screw's left flank.
 
     None if the ratio is infinite.
@@ -471,7 +473,7 @@ class Exceedance:
 
 def known_exceedances() -> list[Exceedance]:
     """Read the shipped list of contacts on which the error of Lin's model exceeds the limit."""
-    return [Exceedance(**row) for row in files.shipped_table("references/known_exceedances.toml").get("row", [])]
+    return [Exceedance(**row) for row in files.read_shipped_toml("references/known_exceedances.toml").get("row", [])]
 
 
 @dataclass(frozen=True)
@@ -492,7 +494,7 @@ class GatePoint:
     exceeds: bool
 
 
-def gate_points(name: str, reference: Reference, max_error: float, load: Array) -> list[GatePoint]:
+def contact_load_errors(name: str, reference: Reference, max_error: float, load: Array) -> list[GatePoint]:
     """Return for each contact the error of its load by a model, and whether it exceeds the error limit.
 
     Contacts that are unloaded both by the model and in the reference are omitted.
@@ -513,7 +515,7 @@ def gate_points(name: str, reference: Reference, max_error: float, load: Array) 
     list of GatePoint
         One for each contact.
     """
-    scales = gate_scale(reference.load, reference.mean)
+    scales = scale_of_gate_errors(reference.load, reference.mean)
     points = []
     for i, s in zip(*np.nonzero((reference.load > 0.0) | (load > 0.0)), strict=True):
         scale = float(scales[i, s])
@@ -621,7 +623,7 @@ def references_from_runs(described: Solvable, runs: tuple[Run, ...]) -> list[Ref
             )
         ]
     out = []
-    for k, rows in enumerate(balls_of(described)):
+    for k, rows in enumerate(ball_slices_by_set(described)):
         of = SetOfAssembly(described, k)
         of_set = tuple(replace(r, load=r.load[rows], angle=r.angle[rows], frozen=r.frozen[rows]) for r in runs)
         reference = reference_from_runs(f"{described.name}, {of.name}", of.scene, of_set, contacts=of.contacts)
@@ -632,7 +634,7 @@ def references_from_runs(described: Solvable, runs: tuple[Run, ...]) -> list[Ref
 @lru_cache(maxsize=64)
 def _loaded_contact_counts(assembly: Assembly) -> tuple[int, ...]:
     """Return the number of loaded contacts of each set of balls by the model lin, without any errors but the preload."""
-    sets = tuple(replace(s, parts=nominal(s.parts)) if isinstance(s.parts, Scene) else s for s in assembly.sets)
+    sets = tuple(replace(s, parts=nominal_scene(s.parts)) if isinstance(s.parts, Scene) else s for s in assembly.sets)
     result = run_model(replace(assembly, sets=sets), "lin")
     return tuple(_loaded_contact_count(result, k) for k in range(len(sets)))
 
@@ -644,7 +646,7 @@ def _loaded_contact_count(result: AxisResult, k: int) -> int:
 
 
 @lru_cache(maxsize=16)
-def _solved_assembly(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, float]:
+def _solve_loaded_and_unloaded(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, float]:
     """Solve an assembly with and without its loads; the last results are cached.
 
     Returns the result under load, the result without loads, and the computing time of the first [s].
@@ -652,15 +654,15 @@ def _solved_assembly(assembly: Assembly, model: str) -> tuple[AxisResult, AxisRe
     start = perf_counter()
     result = run_model(assembly, model, Options(engine="interpreted"))
     seconds = perf_counter() - start
-    return result, run_model(scaled(assembly, 0.0), model, Options(engine="interpreted")), seconds
+    return result, run_model(scale_loads(assembly, 0.0), model, Options(engine="interpreted")), seconds
 
 
-def solution_of_set(of: SetOfAssembly, model: str) -> SetSolution | str:
+def solution_of_set(set_of_assembly: SetOfAssembly, model: str) -> SetSolution | str:
     """Return a model's solution for one of several sets of balls on a shaft, with and without the loads of the assembly.
 
     Parameters
     ----------
-    of
+    set_of_assembly
         The set of balls on its shaft.
     model
         Name of the model.
@@ -675,10 +677,10 @@ def solution_of_set(of: SetOfAssembly, model: str) -> SetSolution | str:
     InputError
         If the model covers only scenes with one set.
     """
-    result, bare, seconds = _solved_assembly(of.assembly, model)
+    result, bare, seconds = _solve_loaded_and_unloaded(set_of_assembly.assembly, model)
     if not result.converged:
         return result.status
-    loaded, idle = result.sets[of.number], bare.sets[of.number] if bare.converged else None
+    loaded, idle = result.sets[set_of_assembly.number], bare.sets[set_of_assembly.number] if bare.converged else None
     assert loaded.balls is not None
     assert isinstance(loaded.of.parts, Scene)
     balls = replace(loaded.balls, model=model)

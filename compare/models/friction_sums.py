@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import Any
 
 from rollbench.compare.models.registry import Options
-from rollbench.compare.quantities import number
-from rollbench.lowfi.friction.whole.torque import ONE_TURN, ScrewTorque, will_compile
+from rollbench.compare.quantities import json_number
+from rollbench.lowfi.friction.whole.torque import ONE_TURN, ScrewTorque, compiling_saves_time
 from rollbench.lowfi.jit import CONTACT, is_machine_code_cached
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.meshes.cache import kept
+from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.parts import Friction, Motion, Scene
 
 
@@ -21,41 +21,41 @@ def friction_sums_json(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
     ``t``: torques and efficiencies of the whole screw or bearing; ``drag``: drag torque without load [N m], None if it is
     not known. Values that are not defined, such as the efficiency of a bearing, are None.
     """
-    screw, ideal = t.translating, t.ratio != 0.0
+    screw, ideal = t.moves_axial_load, t.ratio != 0.0
     forward, backward = t.efficiency
     return {
-        "friction_torque_Nmm": number(1e3 * t.friction),
-        "friction_torque_on_screw_Nmm": number(-math.copysign(1e3 * t.friction, t.speed)),
-        "friction_torque_on_nut_Nmm": number(math.copysign(1e3 * t.friction, t.speed)),
-        "drag_torque_Nmm": None if drag is None else number(1e3 * drag),
-        "axial_load_N": number(t.load) if screw or not ideal else 0.0,
-        "driving_torque_on_screw_Nmm": number(1e3 * t.on_screw),
-        "driving_torque_on_nut_Nmm": number(-1e3 * t.on_screw),
-        "load_moves": motion_against_load(t),
-        "forward_torque_Nmm": number(1e3 * t.forward) if screw else None,
-        "backward_torque_Nmm": number(1e3 * t.backward) if screw else None,
-        "efficiency_forward_percent": percent(forward),
-        "efficiency_backward_percent": None if t.locking else percent(backward),
-        "self_locking": t.locking if screw else None,
+        "friction_torque_Nmm": json_number(1e3 * t.friction),
+        "friction_torque_on_screw_Nmm": json_number(-math.copysign(1e3 * t.friction, t.speed)),
+        "friction_torque_on_nut_Nmm": json_number(math.copysign(1e3 * t.friction, t.speed)),
+        "drag_torque_Nmm": None if drag is None else json_number(1e3 * drag),
+        "axial_load_N": json_number(t.load) if screw or not ideal else 0.0,
+        "driving_torque_on_screw_Nmm": json_number(1e3 * t.on_screw),
+        "driving_torque_on_nut_Nmm": json_number(-1e3 * t.on_screw),
+        "load_moves": direction_of_motion(t),
+        "forward_torque_Nmm": json_number(1e3 * t.forward) if screw else None,
+        "backward_torque_Nmm": json_number(1e3 * t.backward) if screw else None,
+        "efficiency_forward_percent": percent_or_none(forward),
+        "efficiency_backward_percent": None if t.is_self_locking else percent_or_none(backward),
+        "self_locking": t.is_self_locking if screw else None,
     }
 
 
-def motion_against_load(torque: ScrewTorque) -> str | None:
+def direction_of_motion(torque: ScrewTorque) -> str | None:
     """Return whether the axial motion of a screw or nut is ``with the load`` or ``against the load``, as text.
 
     None if no part moves axially.
     """
-    if not torque.translating:
+    if not torque.moves_axial_load:
         return None
     return "with the load" if torque.load * torque.ratio * torque.speed > 0.0 else "against the load"
 
 
-def percent(share: float) -> float | None:
+def percent_or_none(share: float) -> float | None:
     """Return a ratio (1: 100 %) in per cent as a JSON value; None if it is not finite."""
-    return number(100.0 * share)
+    return json_number(100.0 * share)
 
 
-@kept(ScrewTorque)
+@cached_on_disk(ScrewTorque)
 def _cached_torque(scene: Scene, result: StaticResult, friction: Friction, drive: Motion, member: int) -> ScrewTorque:
     """Return the friction torque and efficiencies of a screw or bearing under its contact loads; cached on disk.
 
@@ -63,7 +63,7 @@ def _cached_torque(scene: Scene, result: StaticResult, friction: Friction, drive
 
     ValueError if they cannot be computed (`lowfi.friction.whole.state.friction_state`), or only after compiling a kernel.
     """
-    if will_compile(scene, friction) and not is_machine_code_cached(CONTACT):
+    if compiling_saves_time(scene, friction) and not is_machine_code_cached(CONTACT):
         raise ValueError("the friction kernels are not compiled yet; run rollbench friction SCENE once")
     from rollbench.lowfi.friction.whole.state import friction_state
 
@@ -131,7 +131,7 @@ def torque(
             state = friction_state(scene, result, friction, motion or ONE_TURN, options.member)
         except ValueError:
             return None
-        if not state.settled:
+        if not state.all_balanced:
             return None
         total += 1e3 * state.torque.friction
     return total

@@ -14,35 +14,35 @@ from rollbench.compare.models.answers import (
     AxisAnswers,
     LoadAnswers,
     RollerAnswers,
-    all_answers,
-    play_warnings,
-    solve_sets,
+    axial_play_warnings,
+    compute_all_results,
+    solve_assembly_with_results,
     validity_warnings,
 )
 from rollbench.compare.models.loading import absolute_axial_preload, load_path_warnings
-from rollbench.compare.models.model_form import ModelForm, estimate
+from rollbench.compare.models.model_form import ModelForm, estimate_model_error
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.bearings.axis import TorqueBudget, acceleration_torque, reflected_inertia, screw_inertia
 from rollbench.lowfi.bearings.torque import BallTorque, Band, roller_torque
 from rollbench.lowfi.rating import iso_lives, roller_life
-from rollbench.lowfi.rating.catalogue_checks import overall_warnings
+from rollbench.lowfi.rating.catalogue_checks import warn_of_overall_friction_coefficient
 from rollbench.lowfi.rating.iso_lives import ModifiedLife, modified_life
 from rollbench.lowfi.rating.life import (
     SLOPE,
     EquivalentLife,
     Life,
     SystemLife,
+    basic_rating_life,
     equivalent_contact_loads,
-    equivalent_life,
-    life,
-    system_life,
+    life_by_equivalent_loads,
+    life_of_parts_in_series,
 )
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Load, Scene
-from rollbench.meshes.quantity import Stated, quantity, record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Default efficiency of a nut that accelerates a mass (Smith 4.3.1: typically 0.90 to 0.95).
 EFFICIENCY: Band = (0.90, 0.95)
@@ -52,30 +52,30 @@ NOT_RUNNING = "the running torque of a bearing needs the tables [lubricant] and 
 NutSums = Mapping[int, tuple[dict[str, Any] | None, str]]
 
 
-@record
+@result_record
 class SetDrive:
     """Torque of one nut or bearing row on the turning shaft; ranges are (low, high) [N m], None if not known."""
 
-    name: str = quantity("name", "name of the set")
-    running: Band | None = quantity(
+    name: str = quantity_field("name", "name of the set")
+    running: Band | None = quantity_field(
         "running_Nmm",
         "torque that turns the shaft in this set, without seals: of a nut what drives it against its load and the friction "
         "of its balls, of a bearing its friction; negative where the load drives",
         parts="[]",
     )
-    starting: Band | None = quantity("starting_Nmm", "the same from rest", parts="[]")
-    seals: float = quantity("seals_Nmm", "friction torque of its seals and wipers, as given", default=0.0)
-    words: str = quantity("words", "why it is not known", show=lambda words: words or None, default="")
+    starting: Band | None = quantity_field("starting_Nmm", "the same from rest", parts="[]")
+    seals: float = quantity_field("seals_Nmm", "friction torque of its seals and wipers, as given", default=0.0)
+    words: str = quantity_field("words", "why it is not known", show=lambda words: words or None, default="")
 
 
-@record
+@result_record
 class AxisDrive:
     """Torques (low, high) [N m] and moments of inertia [kg m^2] at the motor of a feed axis (Smith 4.10 to 4.15)."""
 
-    sets: tuple[SetDrive, ...] = quantity("sets")
-    seals: float = quantity("seals_Nmm", "friction torque of all seals and wipers, as given")
-    other: float = quantity("other_Nmm", "friction torque of all else, as given in [drive]")
-    running: Band | None = quantity(
+    sets: tuple[SetDrive, ...] = quantity_field("sets")
+    seals: float = quantity_field("seals_Nmm", "friction torque of all seals and wipers, as given")
+    other: float = quantity_field("other_Nmm", "friction torque of all else, as given in [drive]")
+    running: Band | None = quantity_field(
         "running_torque_Nmm",
         "torque of the motor at constant speed: all sets, seals and all else (Smith 4.10); null where one is not known",
         heading="motor torque, running",
@@ -83,7 +83,7 @@ class AxisDrive:
         error="empirical; that of the coefficient of friction",
         parts="[]",
     )
-    starting: Band | None = quantity(
+    starting: Band | None = quantity_field(
         "starting_torque_Nmm",
         "the same from rest",
         error="empirical; that of the coefficient of friction",
@@ -91,7 +91,7 @@ class AxisDrive:
         heading="motor torque from rest",
         form="g3",
     )
-    accelerating: Band | None = quantity(
+    accelerating: Band | None = quantity_field(
         "accelerating_torque_Nmm",
         "torque of the motor while it comes to speed: at constant speed and for the inertias, that of the mass over the "
         "efficiency of the nut (Smith 4.11); null without a time",
@@ -100,14 +100,16 @@ class AxisDrive:
         error="as at constant speed",
         parts="[]",
     )
-    shaft_inertia: float = quantity("shaft_inertia_kg_mm2", "moment of inertia of the shaft (Smith 4.14), without rings")
-    reflected_inertia: float = quantity(
+    shaft_inertia: float = quantity_field(
+        "shaft_inertia_kg_mm2", "moment of inertia of the shaft (Smith 4.14), without rings"
+    )
+    reflected_inertia: float = quantity_field(
         "reflected_inertia_kg_mm2", "moment of inertia that the moved mass adds, m (p/(2 pi))^2 (Smith 4.15)"
     )
-    inertia: float = quantity("inertia_kg_mm2", "both and that of the motor", heading="moment of inertia")
+    inertia: float = quantity_field("inertia_kg_mm2", "both and that of the motor", heading="moment of inertia")
 
 
-def nut_sums(assembly: Assembly, result: AxisResult) -> NutSums:
+def friction_of_nuts(assembly: Assembly, result: AxisResult) -> NutSums:
     """Return the friction torques and efficiencies of every nut on a shaft, or the reason why they are not known.
 
     Parameters
@@ -135,7 +137,9 @@ def nut_sums(assembly: Assembly, result: AxisResult) -> NutSums:
     return out
 
 
-def axis_drive(assembly: Assembly, result: AxisResult, answers: AxisAnswers, nuts: NutSums) -> AxisDrive | None:
+def motor_torques_and_inertias(
+    assembly: Assembly, result: AxisResult, answers: AxisAnswers, friction_of_nuts: NutSums
+) -> AxisDrive | None:
     """Compute torques and moments of inertia at the motor of a feed axis with a turning shaft.
 
     Bearings whose inner ring sits on a moving housing do not turn with the shaft and are omitted.
@@ -148,8 +152,8 @@ def axis_drive(assembly: Assembly, result: AxisResult, answers: AxisAnswers, nut
         Converged result of the assembly.
     answers
         Bearing torques and other results that follow from ``result``.
-    nuts
-        Friction results of the nuts, by `nut_sums`.
+    friction_of_nuts
+        Friction results of the nuts, by `friction_of_nuts`.
 
     Returns
     -------
@@ -162,13 +166,13 @@ def axis_drive(assembly: Assembly, result: AxisResult, answers: AxisAnswers, nut
     sign = -1.0 if motion is not None and motion.speed < 0.0 else 1.0
     turning = [i for i, s in enumerate(result.sets) if s.of.carrier is None]
     found = (
-        _torque_of_nut(result.sets[i].of.name, *nuts[i], sign)
-        if i in nuts
+        _torque_of_nut(result.sets[i].of.name, *friction_of_nuts[i], sign)
+        if i in friction_of_nuts
         else _torque_of_bearing(assembly, result.sets[i], answers.sets[i].torque)
         for i in turning
     )
     sets = tuple(replace(x, seals=result.sets[i].of.seals) for x, i in zip(found, turning, strict=True))
-    seals, lead = sum(result.sets[i].of.seals for i in turning), lead_of(assembly)
+    seals, lead = sum(result.sets[i].of.seals for i in turning), lead_of_first_nut(assembly)
     running = _sum_of_torques(drive.torque, [s.running for s in sets], seals)
     inertias = [screw_inertia(assembly, drive.density), drive.motor_inertia]
     accelerating = None
@@ -191,7 +195,7 @@ def axis_drive(assembly: Assembly, result: AxisResult, answers: AxisAnswers, nut
     )
 
 
-def lead_of(assembly: Assembly) -> float:
+def lead_of_first_nut(assembly: Assembly) -> float:
     """Return the lead of the first nut on the shaft [m]; 0 without a nut."""
     return next((s.parts.track.lead for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead), 0.0)
 
@@ -226,7 +230,7 @@ def _torque_of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | No
     return SetDrive(s.of.name, *ends, words="" if ends[0] is not None else NOT_RUNNING)
 
 
-def axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnswers) -> SystemLife | None:
+def combined_axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnswers) -> SystemLife | None:
     """Compute the combined life of all nuts and bearings that turn with the shaft; None if none of them has a life."""
     lives = {}
     for s, one in zip(result.sets, answers.sets, strict=True):
@@ -238,7 +242,7 @@ def axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnswers) -> S
         return None
     speed = None if assembly.motion is None else assembly.motion.speed
     shortest = min(lives, key=lambda name: lives[name][0])
-    return SystemLife(1e-6 * system_life([*lives.values()]), shortest, lead_of(assembly), speed)
+    return SystemLife(1e-6 * life_of_parts_in_series([*lives.values()]), shortest, lead_of_first_nut(assembly), speed)
 
 
 @dataclass(frozen=True)
@@ -321,7 +325,7 @@ class SolvedAxis:
         return out
 
 
-def solve_any(scene: Scene | Assembly, model: str, options: Options) -> Solved | SolvedAxis:
+def solve_with_results(scene: Scene | Assembly, model: str, options: Options) -> Solved | SolvedAxis:
     """Solve a scene by a model and compute all results: pressure, safety, life, rigidity, preload, friction.
 
     Parameters
@@ -343,34 +347,38 @@ def solve_any(scene: Scene | Assembly, model: str, options: Options) -> Solved |
     InputError
         If the model does not cover the scene.
     """
-    return solve_axis(scene, model, options) if isinstance(scene, Assembly) else solve_one(scene, model, options)
+    return (
+        solve_axis_with_results(scene, model, options)
+        if isinstance(scene, Assembly)
+        else solve_scene_with_results(scene, model, options)
+    )
 
 
-def solve_axis(scene: Assembly, model: str, options: Options) -> SolvedAxis:
+def solve_axis_with_results(scene: Assembly, model: str, options: Options) -> SolvedAxis:
     """Solve a shaft with several nuts or bearing rows, and compute all results.
 
     InputError if the model does not cover the assembly.
     """
-    result, answers = solve_sets(scene, model, options.member)
+    result, answers = solve_assembly_with_results(scene, model, options.member)
     if answers is None:
         return SolvedAxis(scene, result)
-    drive = axis_drive(scene, result, answers, nut_sums(scene, result))
-    return SolvedAxis(scene, result, answers, None, drive, axis_life(scene, result, answers))
+    drive = motor_torques_and_inertias(scene, result, answers, friction_of_nuts(scene, result))
+    return SolvedAxis(scene, result, answers, None, drive, combined_axis_life(scene, result, answers))
 
 
-def solve_one(scene: Scene, model: str, options: Options) -> Solved:
+def solve_scene_with_results(scene: Scene, model: str, options: Options) -> Solved:
     """Solve a scene with one nut or bearing row, and compute all results; InputError if the model does not cover it."""
     result = run_model(scene, model, options)
     if not result.converged:
         return Solved(scene, result)
-    answers = all_answers(scene, result, model, options)
+    answers = compute_all_results(scene, result, model, options)
     warned = [*validity_warnings(scene, answers.loads, absolute_axial_preload(answers.preload))]
     if scene.friction is not None:
-        warned += overall_warnings(scene.track, scene.friction)
-    warned += [*load_path_warnings(answers.path), *play_warnings(scene)]
+        warned += warn_of_overall_friction_coefficient(scene.track, scene.friction)
+    warned += [*load_path_warnings(answers.path), *axial_play_warnings(scene)]
     warned += [] if answers.shaft is None else answers.shaft.warnings
     result = replace(result, warnings=(*result.warnings, *warned))
-    return Solved(scene, result, answers, estimate(scene, result))
+    return Solved(scene, result, answers, estimate_model_error(scene, result))
 
 
 @dataclass(frozen=True)
@@ -383,26 +391,28 @@ class Extreme:
     case: str
 
 
-@record
+@result_record
 class Lives:
     """Lives of one nut or bearing row over a duty cycle: by its contact loads, and by the standards' equivalent loads."""
 
     #: Life by the contact loads; if None, ``life_words`` states the reason.
     life: Life | None
-    life_words: str = quantity("life_words", "why there is no life over the duty cycle", show=lambda words: words or None)
+    life_words: str = quantity_field(
+        "life_words", "why there is no life over the duty cycle", show=lambda words: words or None
+    )
     #: Life by the equivalent loads of the standards; if None, ``standard_words`` states the reason.
-    standard: EquivalentLife | None = quantity("standard_life")
-    standard_words: str = quantity(
+    standard: EquivalentLife | None = quantity_field("standard_life")
+    standard_words: str = quantity_field(
         "standard_life_words", "why the standard does not apply", show=lambda words: words or None
     )
     #: Name of the nut or row; empty if the scene has only one.
     set: str = ""
     #: Life by the contact loads, modified for reliability and lubricant.
-    modified: ModifiedLife | None = quantity("modified_life", default=None)
-    reference: iso_lives.ReferenceLife | None = quantity("reference_life", default=None)
+    modified: ModifiedLife | None = quantity_field("modified_life", default=None)
+    reference: iso_lives.ReferenceLife | None = quantity_field("reference_life", default=None)
 
     @property
-    @Stated(
+    @QuantityDescription(
         "life_difference_percent",
         "life over the duty cycle by the contact loads against that by the standard; a result, not an error",
     )
@@ -413,25 +423,25 @@ class Lives:
         return float(error_percent(self.life.revolutions, self.standard.revolutions))
 
 
-@record
+@result_record
 class CycleResults:
     """Extreme values over the load cases of a duty cycle, and lives of each nut or bearing row over the whole cycle."""
 
     #: Largest pressure [Pa] of the load cases with equilibrium.
-    pressure: Extreme | None = quantity(
+    pressure: Extreme | None = quantity_field(
         "largest_pressure_MPa",
         "largest pressure of all cases",
-        Stated("largest_pressure_case", "its case", show=lambda found: found and found.case),
+        QuantityDescription("largest_pressure_case", "its case", show=lambda found: found and found.case),
         error="`model_form.pressure_percent` of its case",
         show=lambda found: found and found.value,
         heading="peak pressure of all cases",
         note="case {largest_pressure_case}",
     )
     #: Smallest static safety over these load cases.
-    safety: Extreme | None = quantity(
+    safety: Extreme | None = quantity_field(
         "least_static_safety",
         "least static safety of all cases",
-        Stated("least_static_safety_case", "its case", show=lambda found: found and found.case),
+        QuantityDescription("least_static_safety_case", "its case", show=lambda found: found and found.case),
         error="that of the load",
         show=lambda found: found and found.value,
         heading="least static safety",
@@ -439,28 +449,30 @@ class CycleResults:
         note="case {least_static_safety_case}",
     )
     #: Largest expected error of a contact load over these load cases [% of the mean load].
-    error: Extreme | None = quantity(
+    error: Extreme | None = quantity_field(
         "largest_expected_error_percent",
         "largest error to expect of a contact load in any case, in per cent of the mean load",
-        Stated("largest_expected_error_case", "its case", show=lambda found: found and found.case),
+        QuantityDescription("largest_expected_error_case", "its case", show=lambda found: found and found.case),
         show=lambda found: found and found.value,
         heading="largest error to expect",
         form="g2",
         note="of the mean load, case {largest_expected_error_case}",
     )
     #: Load cases whose error to expect is not known.
-    uncovered: tuple[str, ...] = quantity("expected_error_not_covered")
+    uncovered: tuple[str, ...] = quantity_field("expected_error_not_covered")
     #: Status of the load cases without equilibrium, by name.
-    unsolved: dict[str, str] = quantity("unsolved")
+    unsolved: dict[str, str] = quantity_field("unsolved")
     #: Life of every set.
     lives: tuple[Lives, ...]
     #: Mean speed [rad/s].
     speed: float | None
     #: Life of several sets as one system.
-    axis_life: SystemLife | None = quantity("axis_life", default=None)
+    axis_life: SystemLife | None = quantity_field("axis_life", default=None)
 
     @property
-    @Stated("life_set", "of several sets that of the shortest life over the duty cycle, which the summary gives")
+    @QuantityDescription(
+        "life_set", "of several sets that of the shortest life over the duty cycle, which the summary gives"
+    )
     def shortest(self) -> str:
         """Name of the nut or row with the shortest life over the duty cycle."""
         return self.least.set
@@ -471,7 +483,7 @@ class CycleResults:
         return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions)
 
 
-def cycle_results(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> CycleResults:
+def compute_cycle_results(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> CycleResults:
     """Compute extreme values over the load cases of a duty cycle, and lives over the whole cycle.
 
     Parameters
@@ -513,11 +525,11 @@ def _axis_life_over_cycle(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLif
     if not known:
         return None
     slopes = {name: roller_life.SLOPE if isinstance(turning[name], RollerRow) else SLOPE for name in known}
-    together = 1e-6 * system_life([(1e6 * life, slopes[name]) for name, life in known.items()])
-    return SystemLife(together, min(known, key=lambda name: known[name]), lead_of(cycle.parts), cycle.speed)
+    together = 1e-6 * life_of_parts_in_series([(1e6 * life, slopes[name]) for name, life in known.items()])
+    return SystemLife(together, min(known, key=lambda name: known[name]), lead_of_first_nut(cycle.parts), cycle.speed)
 
 
-def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:
+def life_over_cycle(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:
     """Compute the life of a nut or bearing row over a duty cycle from its loads in every load case.
 
     Parameters
@@ -543,15 +555,15 @@ def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tu
         known = [np.zeros((1, 4)) if load is None else load for load in loads]
         parts = cycle.sets[name]
         if isinstance(parts, RollerRow):
-            rated = roller_life.life(parts, roller_life.equivalent_line_loads(known, cycle.shares))
+            rated = roller_life.basic_rating_life_of_row(parts, roller_life.equivalent_line_loads(known, cycle.shares))
         else:
-            rated = life(parts, equivalent_contact_loads(known, cycle.shares))
+            rated = basic_rating_life(parts, equivalent_contact_loads(known, cycle.shares))
     except ValueError as error:
         return None, str(error)
     return rated, "" if rated is not None else "no load"
 
 
-def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
+def contact_loads_by_set(result: StaticResult | AxisResult) -> dict[str, Array]:
     """Return the contact loads of each nut or bearing row of a solved scene.
 
     Parameters
@@ -572,7 +584,7 @@ def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
 
 def _lives_of_set(cycle: DutyCycle, name: str, each: Sequence[SolvedSet | None]) -> Lives:
     """Return the lives of a nut or row from its loads ``each`` in every load case (None: case without equilibrium)."""
-    rated, words = cycle_life(cycle, name, [None if s is None else s.load for s in each])
+    rated, words = life_over_cycle(cycle, name, [None if s is None else s.load for s in each])
     if rated is None:
         return Lives(rated, words, None, words, name)
     used = [(s, case.share) for s, case in zip(each, cycle.cases, strict=True) if s is not None and case.share > 0.0]
@@ -580,11 +592,11 @@ def _lives_of_set(cycle: DutyCycle, name: str, each: Sequence[SolvedSet | None])
     row = cycle.sets[name]
     if isinstance(row, RollerRow):
         basic = iso_lives.roller_reference_life(row, roller_life.equivalent_line_loads([s.load for s, _ in used], shares))
-        return Lives(rated, words, roller_life.equivalent_life(row, shares, forces), "", name, None, basic)
+        return Lives(rated, words, roller_life.life_of_row_by_equivalent_loads(row, shares, forces), "", name, None, basic)
     modified, basic = modified_life(row, rated), iso_lives.ball_reference_life(row, rated)
     try:
         scenes = [x for x in parts if isinstance(x, Scene)]
-        standard = equivalent_life(scenes, shares, forces, max(s.preload for s, _ in used))
+        standard = life_by_equivalent_loads(scenes, shares, forces, max(s.preload for s, _ in used))
     except ValueError as error:
         return Lives(rated, words, None, str(error), name, modified, basic)
     return Lives(rated, words, standard, "" if standard is not None else "no load", name, modified, basic)

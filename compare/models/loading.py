@@ -13,12 +13,12 @@ from rollbench.compare.models.registry import Options, run_model
 from rollbench.lowfi.rating.rigidity import approach_per_displacement, axial_force
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
-from rollbench.lowfi.statics.summary import about_origin
+from rollbench.lowfi.statics.summary import resultant_about_origin
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing
 from rollbench.meshes.parts import SIDES, Load, Scene
-from rollbench.meshes.quantity import Stated, quantity, record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 Loaded = TypeVar("Loaded", Load, Housing)
 
@@ -30,12 +30,12 @@ TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16
 NEAR = 0.9
 
 
-@record
+@result_record
 class Preload:
     """Contact loads without external loads, caused by ball oversize, geometry errors and misaligned supports."""
 
     #: Mean load of the loaded contacts (`compare.measure.mean_load`) [N].
-    mean: float = quantity(
+    mean: float = quantity_field(
         "mean_N",
         "mean load of a contact or roller without the scene's loads",
         error="as `loads.max_N`; the input's tolerance is larger",
@@ -43,12 +43,14 @@ class Preload:
         note="without the loads",
     )
     #: Largest contact load [N].
-    largest: float = quantity("max_N", "largest load of a contact or roller without the scene's loads", error="as above")
+    largest: float = quantity_field(
+        "max_N", "largest load of a contact or roller without the scene's loads", error="as above"
+    )
     #: Number of loaded contacts.
-    loaded: int = quantity("loaded_contacts", "contacts that preload loads; of a row of rollers, rollers")
+    loaded: int = quantity_field("loaded_contacts", "contacts that preload loads; of a row of rollers, rollers")
     #: Internal axial force [N]: the smaller of the axial forces with which contacts push the screw in the two directions;
     #: zero if they push in one direction only.
-    axial: float = quantity(
+    axial: float = quantity_field(
         "axial_N",
         "axial sum of one direction's contacts without the scene's loads; of one of several sets the axial force on the "
         "shaft then",
@@ -57,12 +59,12 @@ class Preload:
     )
 
 
-@record
+@result_record
 class LiftOff:
     """Load at which the first preloaded contact opens when all loads of the scene grow in proportion."""
 
     #: Factor on the loads of the scene; None if none was found.
-    factor: float | None = quantity(
+    factor: float | None = quantity_field(
         "load_factor",
         "factor of the scene's loads at which the first preloaded contact opens",
         heading="contact lost at load factor",
@@ -70,31 +72,31 @@ class LiftOff:
         note="ball {ball} {side}",
     )
     #: Ball of this contact, from 1.
-    ball: int = quantity("ball", "ball of that contact", show=lambda ball: ball or None, default=0)
+    ball: int = quantity_field("ball", "ball of that contact", show=lambda ball: ball or None, default=0)
     #: Flank of this contact: SL, SR, NL, NR.
-    side: str = quantity("side", "its flank", show=lambda side: side or None, default="")
+    side: str = quantity_field("side", "its flank", show=lambda side: side or None, default="")
     #: Axial force on the nut at this factor [N].
     axial: float = 0.0
     #: Number of solutions that were needed.
     solves: int = 0
-    words: str = quantity("words", "why no such load was found", show=lambda words: words or None, default="")
+    words: str = quantity_field("words", "why no such load was found", show=lambda words: words or None, default="")
 
     @property
-    @Stated("axial_force_N", "axial force at that factor")
+    @QuantityDescription("axial_force_N", "axial force at that factor")
     def force(self) -> float | None:
         """Axial force on the nut at which the contact opens [N]; None if no such load was found."""
         return None if self.factor is None else self.axial
 
 
 @overload
-def scaled(scene: Scene, factor: float) -> Scene: ...
+def scale_loads(scene: Scene, factor: float) -> Scene: ...
 
 
 @overload
-def scaled(scene: Assembly, factor: float) -> Assembly: ...
+def scale_loads(scene: Assembly, factor: float) -> Assembly: ...
 
 
-def scaled(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
+def scale_loads(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
     """Return a copy of a scene with all loads on shaft and housings multiplied by a factor.
 
     Parameters
@@ -148,15 +150,15 @@ def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> S
     InputError
         If the model does not cover the scene.
     """
-    return run_model(scaled(scene, factor), model, replace(options, discretisation=False))
+    return run_model(scale_loads(scene, factor), model, replace(options, discretisation=False))
 
 
-def preload(scene: Scene, unloaded: StaticResult) -> Preload:
+def preload_from_unloaded(scene: Scene, unloaded: StaticResult) -> Preload:
     """Return contact loads and axial force of a scene's preload; ``unloaded``: result of the scene without its loads."""
     loads = unloaded.load[unloaded.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
-    mean = mean_load(loads, nominal_contacts(scaled(scene, 0.0), unloaded))
+    mean = mean_load(loads, nominal_contacts(scale_loads(scene, 0.0), unloaded))
     return Preload(mean, float(loads.max()), int(loads.size), axial_preload(scene, unloaded))
 
 
@@ -165,12 +167,14 @@ def axial_preload(scene: Scene, unloaded: StaticResult) -> float:
     return min(float(unloaded.load[:, s].sum()) for s in (0, 1)) * approach_per_displacement(scene)
 
 
-def absolute_axial_preload(held: Preload | None) -> float:
-    """Return the magnitude of the axial preload [N]; zero if the preload ``held`` is not known (None)."""
-    return 0.0 if held is None else abs(held.axial)
+def absolute_axial_preload(preload_result: Preload | None) -> float:
+    """Return the magnitude of the axial preload [N]; zero if the preload ``preload_result`` is not known (None)."""
+    return 0.0 if preload_result is None else abs(preload_result.axial)
 
 
-def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str, options: Options) -> LiftOff | None:
+def find_lift_off_load(
+    scene: Scene, result: StaticResult, unloaded: StaticResult, model: str, options: Options
+) -> LiftOff | None:
     """Find the factor on the scene's loads at which the first preloaded contact opens.
 
     The approach of a contact is nearly linear in the external load. Secant steps are therefore taken on F^(2/3), which is
@@ -182,7 +186,7 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
         Scene with one nut or bearing row.
     result
         Result of the scene.
-    bare
+    unloaded
         Result of the scene without loads.
     model
         Name of the model.
@@ -194,7 +198,7 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
     LiftOff or None
         Load factor and contact; None without preload or without loads.
     """
-    tracked = bare.load > 0.0
+    tracked = unloaded.load > 0.0
     if not tracked.any() or not any(np.any(x.force) or np.any(x.moment) for x in scene.loads):
         return None
     unit = axial_force(result)
@@ -204,7 +208,7 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
         k = int(values.argmin())
         return float(values.flat[k]) ** (2.0 / 3.0), k
 
-    (approach, nearest), (first, contact) = smallest_preloaded_load(result), smallest_preloaded_load(bare)
+    (approach, nearest), (first, contact) = smallest_preloaded_load(result), smallest_preloaded_load(unloaded)
     known, high = [(0.0, first)], np.inf
     if approach > 0.0:
         known.append((1.0, approach))
@@ -246,12 +250,12 @@ def _secant_root(known: Sequence[tuple[float, float]]) -> float:
     return b + g * (b - a) / (f - g) if f > g else float("inf")
 
 
-def axial_load(assembly: Assembly) -> float:
+def sum_of_axial_loads(assembly: Assembly) -> float:
     """Return the sum of the axial loads on shaft and housings [N]."""
     return sum(x.force[2] for x in assembly.loads) + sum(h.force[2] for h in assembly.housings)
 
 
-def displacement_of_interest(assembly: Assembly, result: AxisResult) -> Array:
+def displacement_at_stated_position(assembly: Assembly, result: AxisResult) -> Array:
     """Return the displacement (6,) [m, rad] of the shaft position or housing named by the scene's key ``stiffness_at``."""
     from rollbench.lowfi.statics.axis.system import reported_location  # heavy import
 
@@ -271,24 +275,26 @@ NOTHING = 5e-4
 COMPONENTS = tuple(f"{way} {axis}" for way in ("along", "about") for axis in "xyz")
 
 
-@record
+@result_record
 class LoadTaker:
     """Part of the loads that one support of the shaft, or the frame that holds a housing, carries."""
 
     #: Name of the support (its axial position) or of the housing.
-    name: str = quantity("name", "support of the shaft by its station, or frame of a housing")
+    name: str = quantity_field("name", "support of the shaft by its station, or frame of a housing")
     #: Force and moment that it carries, (6,) [N, N m].
-    part: Array = quantity(
+    part: Array = quantity_field(
         "force_N",
         "what the support of this name (of several sets also the frame of a housing) takes of the loads: the force on it, "
         "less that without the loads",
-        Stated("moment_Nm", "the same of the moment on it, at its station", show=lambda part: part[3:], parts="[]"),
+        QuantityDescription(
+            "moment_Nm", "the same of the moment on it, at its station", show=lambda part: part[3:], parts="[]"
+        ),
         show=lambda part: part[:3],
         parts="[]",
     )
 
 
-@record
+@result_record
 class LoadPath:
     """Parts of the external loads that each support and the rolling contacts carry.
 
@@ -296,10 +302,10 @@ class LoadPath:
     """
 
     #: Force and moment of all loads, (6,) [N, N m].
-    applied: Array = quantity(
+    applied: Array = quantity_field(
         "applied.force_N",
         "sum of the forces of the scene's loads, on shaft and housings, along x, y, z",
-        Stated(
+        QuantityDescription(
             "applied.moment_Nm",
             "sum of the couples of its loads about x, y, z, as they are written",
             show=lambda applied: applied[3:],
@@ -311,14 +317,14 @@ class LoadPath:
     #: Force and moment of the loads on the shaft, (6,) [N, N m].
     on_shaft: Array
     #: Parts that supports and frames carry.
-    takers: tuple[LoadTaker, ...] = quantity("supports")
+    takers: tuple[LoadTaker, ...] = quantity_field("supports")
     #: Force and moment of the contacts about their nut or ring, (6,) [N, N m]; of several sets the sum of the absolute
     #: values.
-    contacts: Array = quantity(
+    contacts: Array = quantity_field(
         "contacts.force_N",
         "what the loads change of the force that the contacts take from the screw; of several sets the sum of the changes' "
         "sizes",
-        Stated(
+        QuantityDescription(
             "contacts.moment_Nm",
             "the same of the moment about the centre of the nut or ring",
             show=lambda contacts: contacts[3:],
@@ -333,7 +339,7 @@ class LoadPath:
     where: str = ""
 
 
-def load_path_of_set(scene: Scene, result: StaticResult, bare: StaticResult) -> LoadPath | None:
+def load_path_of_set(scene: Scene, result: StaticResult, unloaded: StaticResult) -> LoadPath | None:
     """Return the parts of the loads that supports and contacts carry, for a scene with one nut or bearing row.
 
     Parameters
@@ -342,7 +348,7 @@ def load_path_of_set(scene: Scene, result: StaticResult, bare: StaticResult) -> 
         Scene with one nut or bearing row.
     result
         Result of the scene.
-    bare
+    unloaded
         Result of the scene without loads.
 
     Returns
@@ -353,11 +359,15 @@ def load_path_of_set(scene: Scene, result: StaticResult, bare: StaticResult) -> 
     applied = sum_of_loads(scene.loads)
     if not applied.any():
         return None
-    contacts = _wrench_at(scene.nut.position, _contact_wrench_on_screw(result) - _contact_wrench_on_screw(bare))
-    return LoadPath(applied, applied, _support_shares(scene, result, bare), -contacts, scene.track.pitch_radius)
+    contacts = _wrench_about_station(
+        scene.nut.position, _contact_wrench_on_screw(result) - _contact_wrench_on_screw(unloaded)
+    )
+    return LoadPath(applied, applied, _support_shares(scene, result, unloaded), -contacts, scene.track.pitch_radius)
 
 
-def load_path_of_assembly(assembly: Assembly, result: AxisResult, bare: AxisResult, where: str = "") -> LoadPath | None:
+def load_path_of_assembly(
+    assembly: Assembly, result: AxisResult, unloaded: AxisResult, loaded_body: str = ""
+) -> LoadPath | None:
     """Return the parts of the loads that supports, frames and contacts carry, for several nuts or rows on one shaft.
 
     Parameters
@@ -366,9 +376,9 @@ def load_path_of_assembly(assembly: Assembly, result: AxisResult, bare: AxisResu
         Shaft with several nuts or bearing rows.
     result
         Result of the assembly.
-    bare
+    unloaded
         Result of the assembly without loads.
-    where
+    loaded_body
         Body on which the loads act; empty: all bodies.
 
     Returns
@@ -380,17 +390,19 @@ def load_path_of_assembly(assembly: Assembly, result: AxisResult, bare: AxisResu
     applied = on_shaft + sum_of_loads([Load(h.at, h.force, h.moment) for h in assembly.housings])
     if not applied.any():
         return None
-    pairs = zip(result.housings, bare.housings, strict=True) if bare.converged else ((h, None) for h in result.housings)
+    pairs = (
+        zip(result.housings, unloaded.housings, strict=True) if unloaded.converged else ((h, None) for h in result.housings)
+    )
     frames = (LoadTaker(f"the frame of {a.name}", -(a.wrench - (0.0 if b is None else b.wrench))) for a, b in pairs)
     each = [np.concatenate([s.force, s.moment]) for s in result.sets]
-    idle = [np.concatenate([s.force, s.moment]) for s in bare.sets] if bare.converged else [np.zeros(6)] * len(each)
+    idle = [np.concatenate([s.force, s.moment]) for s in unloaded.sets] if unloaded.converged else [np.zeros(6)] * len(each)
     contacts = np.abs(np.array(each) - np.array(idle)).sum(axis=0)
     radii = [s.parts.track.pitch_radius for s in assembly.sets if isinstance(s.parts, Scene)]
     arm = max(radii, default=assembly.screw.outer_diameter / 2.0)
-    return LoadPath(applied, on_shaft, (*_support_shares(assembly, result, bare), *frames), contacts, arm, where)
+    return LoadPath(applied, on_shaft, (*_support_shares(assembly, result, unloaded), *frames), contacts, arm, loaded_body)
 
 
-def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
+def assemblies_by_loaded_body(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
     """Return two copies of the assembly for each loaded body (shaft or housing), by the name of the body.
 
     In the first copy only the loads on this body act, in the second all other loads.
@@ -433,9 +445,9 @@ def _contact_wrench_on_screw(result: StaticResult) -> Array:
     return np.zeros(6) if e is None or not result.converged else np.concatenate([e.contact_force, e.contact_moment])
 
 
-def _wrench_at(station: float, wrench: Array) -> Array:
+def _wrench_about_station(station: float, wrench: Array) -> Array:
     """Return the force and moment ``wrench`` (6,) [N, N m] about the origin as about the axial position ``station`` [m]."""
-    return about_origin(np.array([-station]), wrench[None])
+    return resultant_about_origin(np.array([-station]), wrench[None])
 
 
 def load_path_text(path: LoadPath) -> str:

@@ -17,11 +17,11 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.files import ENCODING, NotTextError, similar_paths, text_of
+from rollbench.compare.files import ENCODING, NotTextError, decode_text, similar_paths
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.units import COMMA, COMMON, UnitError, has_comma, parse_quantity, tidy_unit
+from rollbench.meshes.units import COMMA, COMMON, UnitError, has_comma_in_number, parse_quantity, standard_unit_spelling
 
 COLUMNS = ("ball", "flank", "newton")
 
@@ -77,14 +77,14 @@ class Column(NamedTuple):
     factor: float = 1.0
 
 
-def column(head: str) -> Column:
+def parse_heading(heading: str) -> Column:
     """Return the quantity and unit of a column of contact data from its heading.
 
     A heading that is only a unit of force, such as ``newton``, is the contact load.
 
     Parameters
     ----------
-    head
+    heading
         Heading: name of the quantity with its unit.
 
     Returns
@@ -97,7 +97,7 @@ def column(head: str) -> Column:
     >>> column("approach_um"), column("Contact angle [deg]").name, column("load / kN"), column("note")
     (Column(name='approach', factor=1e-06), 'angle', Column(name='load', factor=1000.0), Column(name='', factor=1.0))
     """
-    text = head.strip()
+    text = heading.strip()
     plain = text.lower().replace(" ", "_")
     if plain in WORDS:
         return Column(plain)
@@ -113,7 +113,7 @@ def _column_in_unit(name: str, text: str, dimension: str) -> Column:
     ``text``: rest of the heading; ``dimension``: required dimension. The name of the column is empty if the unit has
     another.
     """
-    unit = tidy_unit(text.strip(" _[]()/"))
+    unit = standard_unit_spelling(text.strip(" _[]()/"))
     if name == "uncertainty" and unit in ("%", "percent"):
         return Column("uncertain share", 0.01)
     for spelt in (FOLDED.get(unit.lower(), unit), unit.lower()):
@@ -140,7 +140,7 @@ class GivenLoads:
     notes: Mapping[str, str] = field(default_factory=dict)
 
 
-def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
+def load_rows_for_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
     """Return the rows of a CSV file with contact loads and ball positions, one row for each contact.
 
     Parameters
@@ -213,7 +213,7 @@ class CsvTable:
         InputError
             If the file cannot be read, lacks a column, or a row does not fit the headings.
         """
-        lines = read_table(path).splitlines()
+        lines = read_csv_text(path).splitlines()
         says = SEPARATOR.fullmatch(lines[0]) if lines else None
         begin = 0 if says is None else 1
         above = next((k for k, line in enumerate(lines) if k >= begin and not line.startswith("#")), len(lines))
@@ -276,21 +276,21 @@ def _check_cells(path: Path, number: int, titles: Sequence[str], row: Sequence[s
     raise InputError(str(path), f"line {number}", value, f"{sum(map(bool, titles))}, one for each heading", advice)
 
 
-def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = EVERY) -> GivenLoads:
+def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filter: Only = EVERY) -> GivenLoads:
     """Read contact loads and other contact quantities (angle, pressure, approach) from a CSV file.
 
-    Headings state the units (`column`). On each flank that the file contains, every ball must have a row, with load 0 if
-    the contact carries none: a missing row is an error.
+    Headings state the units (`parse_heading`). On each flank that the file contains, every ball must have a row, with load
+    0 if the contact carries none: a missing row is an error.
 
     Parameters
     ----------
     path
         Path of the file.
-    balls
+    ball_count
         Number of balls of the scene.
     scene
         Scene whose balls are identified by azimuth and axial position if the file has both; else by their numbers.
-    only
+    row_filter
         Filter for the rows: accepted texts of the columns case and set.
 
     Returns
@@ -304,35 +304,38 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
         If the file cannot be read or does not fit the scene.
     """
     table = CsvTable.from_csv(path, COLUMNS[:2], EXAMPLE)
-    columns = _columns(path, table)
+    columns = _columns_by_heading(path, table)
     find = None if scene is None or not PLACE.issubset(c.name for c in columns.values()) else _BallFinder(scene)
-    values = {name: np.full((balls, len(SIDES)), np.nan) for name in ("load", *FURTHER)}
+    values = {name: np.full((ball_count, len(SIDES)), np.nan) for name in ("load", *FURTHER)}
     cases, renumbered = set(), set()
     for number, row in table.rows:
         named = {c.name: (head, c.factor, row.get(head.lower(), "")) for head, c in columns.items()}
         cells = _LoadsRow(path, f"line {number}", named, decimal_comma=table.decimal_comma)
-        if any(cells.word(name) not in words for name, words in only.items()):
-            if empty := [name for name in only if name in named and not cells.word(name)]:
+        if any(cells.word(name) not in words for name, words in row_filter.items()):
+            if empty := [name for name in row_filter if name in named and not cells.word(name)]:
                 raise cells.fault(empty[0], "", f"the {empty[0]} of the row", "fill in the cell, or delete the row")
             continue
         cases.add(cells.word("case"))
         if len(cases) > 1:
             advice = "split the file by load case, or delete the rows of other cases"
             raise InputError(str(path), f"line {number}: case", cells.word("case"), "one load case in all rows", advice)
-        ball, side = cells.ball(balls) if find is None else find.number(cells), cells.side()
+        ball, side = cells.ball(ball_count) if find is None else find.number(cells), cells.side()
         renumbered |= {ball} if find is not None and cells.word("ball") != str(ball + 1) else set()
         if not np.isnan(values["load"][ball, side]):
             value = f"a second row of ball {ball + 1} {SIDES[side]}"
             raise InputError(str(path), f"line {number}", value, "each contact once", "delete one of the rows")
         for name, of in values.items():
-            of[ball, side] = cells.amount(name)
-    if only and not cases:
-        which, value = " and ".join(only), " of ".join(f"{name} {words[0]}" for name, words in reversed([*only.items()]))
+            of[ball, side] = cells.non_negative_value(name)
+    if row_filter and not cases:
+        which, value = (
+            " and ".join(row_filter),
+            " of ".join(f"{name} {words[0]}" for name, words in reversed([*row_filter.items()])),
+        )
         advice = f"add the rows; solve with `loads_csv=FILE` writes a complete file with the column {which}"
         raise InputError(str(path), which, f"no rows of {value}", f"rows of every {which} of the scene", advice)
     unknown = tuple(f'"{head}"' for head, c in columns.items() if not c.name)
     further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in columns.values()}}
-    loads = _complete_loads(path, values["load"])
+    loads = _check_complete_loads(path, values["load"])
     for name in further.keys() - {"uncertainty", "uncertain share"}:
         gaps = np.argwhere(np.isnan(further[name]) & (loads.load > 0.0))
         if gaps.size:
@@ -348,10 +351,10 @@ def _note_above_table(line: str) -> tuple[str, str]:
     return name.strip().lower(), text.strip()
 
 
-def _columns(path: Path, table: CsvTable) -> dict[str, Column]:
+def _columns_by_heading(path: Path, table: CsvTable) -> dict[str, Column]:
     """Return quantity and unit of each column by its heading; InputError without loads or if a quantity occurs twice."""
-    columns = {head: column(head) for head in table.titles}
-    where, names = f"line {table.line}", [column(head).name for head in table.titles]
+    columns = {head: parse_heading(head) for head in table.titles}
+    where, names = f"line {table.line}", [parse_heading(head).name for head in table.titles]
     if "load" not in names:
         raise InputError(str(path), where, ", ".join(table.titles), f"a column {COLUMNS[2]}", EXAMPLE)
     twice = next((head for k, head in enumerate(table.titles) if names[k] and names[k] in names[:k]), None)
@@ -404,7 +407,7 @@ class _LoadsRow:
             )
         return value * factor
 
-    def amount(self, name: str) -> float:
+    def non_negative_value(self, name: str) -> float:
         """Return the quantity ``name`` of the row in SI units; nan for an empty cell, InputError if negative or no load."""
         value, factor, text = self._number(name)
         if not text and name != "load":
@@ -417,7 +420,7 @@ class _LoadsRow:
     def _number(self, name: str) -> tuple[float, float, str]:
         """Return the number in a cell (nan if the text is no number), the factor to SI units, and the text."""
         _, factor, text = self._cells_by_line.get(name, ("", 1.0, ""))
-        return number_of(text, decimal_comma=self._comma), factor, text
+        return number_in_cell(text, decimal_comma=self._comma), factor, text
 
 
 class _BallFinder:
@@ -445,7 +448,7 @@ class _BallFinder:
         return ball
 
 
-def number_of(text: str, *, decimal_comma: bool) -> float:
+def number_in_cell(text: str, *, decimal_comma: bool) -> float:
     """Return the number in a cell of a CSV file; nan if its text is no number.
 
     Parameters
@@ -476,10 +479,10 @@ def decimal_comma_advice(advice: str, text: str) -> str:
     >>> decimal_comma_advice("write a number", "489,5"), decimal_comma_advice("write a number", "x")
     ('is it a decimal comma? write a point, and nothing between thousands', 'write a number')
     """
-    return COMMA if has_comma(text) else advice
+    return COMMA if has_comma_in_number(text) else advice
 
 
-def read_table(path: Path) -> str:
+def read_csv_text(path: Path) -> str:
     """Return the text of a CSV file; InputError if it cannot be read, is not text, or is larger than `MAX_BYTES`."""
     allowed, advice = "a readable CSV file", "check the path"
     try:
@@ -490,7 +493,7 @@ def read_table(path: Path) -> str:
             size = f"{path.stat().st_size / 1e6:.0f} MB"
             advice = "check whether the file is a table of contact loads"
             raise InputError(str(path), "file", size, f"up to {MAX_BYTES // 1_000_000} MB", advice)
-        return text_of(path.read_bytes())
+        return decode_text(path.read_bytes())
     except OSError as error:
         raise InputError(str(path), "file", error.strerror or str(error), allowed, advice) from None
     except NotTextError as error:
@@ -499,7 +502,7 @@ def read_table(path: Path) -> str:
         raise InputError(str(path), "file", str(error), allowed, advice) from None
 
 
-def _complete_loads(path: Path, load: Array) -> GivenLoads:
+def _check_complete_loads(path: Path, load: Array) -> GivenLoads:
     """Return contact loads (n, 4) [N] read from the file ``path`` as a record; nan: no row in the file.
 
     InputError if a ball has no load (nan) on a flank on which other balls have one.

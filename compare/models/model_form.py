@@ -15,10 +15,10 @@ feature is "not covered".
 `rollbench report` stores the errors on the shipped scenes in model_form.json; those on randomly drawn screws are in
 survey.json.
 
-Each error is measured against one run of the 3D reference (`point`). Displacement and rigidity are those of the screw's
-cross-section on which the axial load acts. Outside the nut, a beam and a 3D shaft agree on the displacement of a
-cross-section (Saint-Venant's principle). Inside the nut, the contacts deform the material locally, and the displacement of
-a cross-section depends on its definition.
+Each error is measured against one run of the 3D reference (`measure_model_error`). Displacement and rigidity are those of
+the screw's cross-section on which the axial load acts. Outside the nut, a beam and a 3D shaft agree on the displacement of
+a cross-section (Saint-Venant's principle). Inside the nut, the contacts deform the material locally, and the displacement
+of a cross-section depends on its definition.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ import numpy as np
 
 from rollbench.compare import files
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.applicability import outside, survey_records
+from rollbench.compare.models.applicability import descriptors_outside_range, records_of_drawn_screws
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.user_models import NOT_COMPARED, WORDS
 from rollbench.lowfi.statics.contacts import error_free_hertz
@@ -43,8 +43,8 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.quantity import Stated, quantity, record
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 if TYPE_CHECKING:
     from rollbench.compare.models.comparison import Loads
@@ -103,7 +103,7 @@ FLANGE = "flange"
 WITH_FLANGE = SCALES | {FLANGE: ("nut held by its flange", 1.0)}
 
 
-@record
+@result_record
 class ModelForm:
     """Expected error of a model for one scene, estimated from its errors against the 3D reference on other scenes.
 
@@ -111,33 +111,35 @@ class ModelForm:
     """
 
     #: Largest error of a contact load [% of the mean contact load].
-    percent: float | None = quantity(
+    percent: float | None = quantity_field(
         "covered",
         "whether scenes like this one were compared with the 3D reference",
-        Stated(
+        QuantityDescription(
             "largest_percent_of_mean",
             "error of the worst contact load that holds for nine of ten such scenes, in per cent of the mean load",
         ),
         show=lambda percent: percent is not None,
     )
     #: Root mean square error of the loads [% of the mean contact load].
-    rms_percent: float | None = quantity("rms_percent_of_mean", "the same of the root mean square over all contacts")
+    rms_percent: float | None = quantity_field("rms_percent_of_mean", "the same of the root mean square over all contacts")
     #: Distance to the nearest compared scene, in units of the features.
-    distance: float = quantity("distance", "distance to the nearest compared scene, in the space of what decides the error")
+    distance: float = quantity_field(
+        "distance", "distance to the nearest compared scene, in the space of what decides the error"
+    )
     #: Name of this scene.
-    nearest: str = quantity("nearest", "its name")
+    nearest: str = quantity_field("nearest", "its name")
     #: Number of compared scenes of this kind.
-    compared: int = quantity("compared", "number of compared scenes")
+    compared: int = quantity_field("compared", "number of compared scenes")
     #: Which parts the model contains, and in what the scene differs from the compared ones.
-    words: tuple[str, ...] = quantity("words")
+    words: tuple[str, ...] = quantity_field("words")
     #: Error of the axial displacement of the loaded cross-section [%].
-    displacement_percent: float | None = quantity(
+    displacement_percent: float | None = quantity_field(
         "displacement_percent", "the same of the axial displacement", default=None
     )
     #: Error of the tangent rigidity of the loaded cross-section [%].
-    rigidity_percent: float | None = quantity("rigidity_percent", "the same of the tangent rigidity", default=None)
+    rigidity_percent: float | None = quantity_field("rigidity_percent", "the same of the tangent rigidity", default=None)
     #: Error of the largest pressure, against Hertz on the loads of the reference [%].
-    pressure_percent: float | None = quantity("pressure_percent", "the same of the largest pressure", default=None)
+    pressure_percent: float | None = quantity_field("pressure_percent", "the same of the largest pressure", default=None)
 
 
 @dataclass(frozen=True)
@@ -179,7 +181,7 @@ def lateral_force_and_tilting_moment(scene: Scene, result: StaticResult) -> tupl
     return float(np.hypot(*force[:2])), float(np.hypot(*moment[:2]))
 
 
-def features(scene: Scene, result: StaticResult) -> dict[str, float]:
+def features_of_scene(scene: Scene, result: StaticResult) -> dict[str, float]:
     """Compute the features (`SCALES`) that describe a scene for the estimate of a model's error.
 
     Parameters
@@ -199,7 +201,7 @@ def features(scene: Scene, result: StaticResult) -> dict[str, float]:
     ValueError
         If the scene has no solid dimensions (`meshes.solid.solid_dimensions`).
     """
-    dims, R, layout, load = solid_dimensions(scene), scene.track.pitch_radius, ball_layout(scene), result.load
+    dims, R, layout, load = dimensions_of_3d_parts(scene), scene.track.pitch_radius, ball_layout(scene), result.load
     flank_means = np.sort(np.array([load[:, [0, 3]].mean(), load[:, [1, 2]].mean()]))
     main = load[:, [0, 3]] if load[:, 0].sum() >= load[:, 1].sum() else load[:, [1, 2]]
     mean, total = float(main.mean()), max(float(load.sum()), 1e-300)
@@ -241,7 +243,7 @@ def _median(values: Array) -> float:
     return float(0.5 * (ordered[(ordered.size - 1) // 2] + ordered[ordered.size // 2]))
 
 
-def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -> Array:
+def _scaled_features(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -> Array:
     """Return the features of a scene as an array (k,), each divided by its unit of difference; a missing one is zero.
 
     ``values``: features by name; ``scales``: definition and unit of each of the k features, as in `SCALES`.
@@ -249,7 +251,7 @@ def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -
     return np.array([values.get(name, 0.0) / unit for name, (_, unit) in scales.items()])
 
 
-def save_points(store: Path, points: Sequence[Point]) -> None:
+def save_model_errors(store: Path, points: Sequence[Point]) -> None:
     """Write the errors of models on compared scenes (``points``) to the file `FILE` in the folder ``store`` of 3D runs."""
     text = json.dumps([asdict(p) for p in points], indent=1, sort_keys=True) + "\n"
     from rollbench.compare.files import replace_file
@@ -258,21 +260,21 @@ def save_points(store: Path, points: Sequence[Point]) -> None:
 
 
 @cache
-def shipped_points() -> tuple[Point, ...]:
+def errors_on_compared_scenes() -> tuple[Point, ...]:
     """Return the errors of models on the shipped scenes and on the randomly drawn screws of the package.
 
     A file that is missing or damaged contributes nothing.
     """
-    return (*_points(lambda: json.loads(files.text(f"references/{FILE}"))), *points_of_drawn_screws())
+    return (*_model_errors_from_json(lambda: json.loads(files.text(f"references/{FILE}"))), *errors_on_drawn_screws())
 
 
 @cache
-def points_of_drawn_screws() -> tuple[Point, ...]:
+def errors_on_drawn_screws() -> tuple[Point, ...]:
     """Return the errors of models on all randomly drawn screws; empty if their file is missing or damaged."""
-    return _points(lambda: [point for scene in survey_records() for point in scene["points"]])
+    return _model_errors_from_json(lambda: [point for scene in records_of_drawn_screws() for point in scene["points"]])
 
 
-def _points(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
+def _model_errors_from_json(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
     """Return the errors of models on compared scenes from JSON records; empty if these cannot be read.
 
     ``rows``: function that reads the records, each with the fields of `Point`.
@@ -325,7 +327,7 @@ def error_bound(known: Array, errors: Array, here: Array, least: float) -> float
     return float(np.exp(np.array([1.0, *(here - known.mean(axis=0))]) @ (solve @ y) + np.sort(off)[rank - 1]))
 
 
-def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None = None) -> ModelForm:
+def estimate_model_error(scene: Scene, result: StaticResult, points: Iterable[Point] | None = None) -> ModelForm:
     """Estimate the expected error of a model's result for a scene.
 
     The estimate does not cover models that were not compared with the 3D reference (Mei's, those of users), kinds of scenes
@@ -349,7 +351,9 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
         return ModelForm(None, None, float("inf"), "", 0, (WORDS, NOT_COMPARED))
     model = MODELS[result.model]
     ring = scene.track.lead == 0.0
-    compared = [p for p in (shipped_points() if points is None else points) if p.model == (model.errors_of or model.name)]
+    compared = [
+        p for p in (errors_on_compared_scenes() if points is None else points) if p.model == (model.errors_of or model.name)
+    ]
     flanged = held_by_flange(scene)
     scales = WITH_FLANGE if flanged else SCALES
     like = [p for p in compared if (p.features["lead"] == 0.0) == ring and (flanged or FLANGE not in p.features)]
@@ -361,7 +365,7 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     if not (result.load > 0.0).any():
         return estimate_not_covered("no contact carries load, so that errors in per cent of the mean load are not defined")
     try:
-        place = _scaled(features(scene, result), scales)
+        place = _scaled_features(features_of_scene(scene, result), scales)
     except ValueError as error:
         return estimate_not_covered(f"not comparable: {error}")
     if not compared:
@@ -372,10 +376,10 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
         other = f"too few {what} were compared with the 3D reference"
     if other:
         return estimate_not_covered(other)
-    known = np.array([_scaled(p.features, scales) for p in like])
+    known = np.array([_scaled_features(p.features, scales) for p in like])
     away = np.hypot.reduce(known - place, axis=1)  # hypot: does not overflow for a moment with nearly zero loads
     nearest = like[int(away.argmin())].scene
-    unlike = [*outside(scene), *_features_beyond_compared(known, place)]
+    unlike = [*descriptors_outside_range(scene), *_features_beyond_compared(known, place)]
     if unlike:
         return estimate_not_covered(
             f"outside the range of the compared scenes: {'; '.join(unlike)}", float(away.min()), nearest
@@ -394,18 +398,18 @@ def _features_beyond_compared(known: Array, here: Array) -> list[str]:
     return [what for (what, _), beyond in zip(WITH_FLANGE.values(), far, strict=False) if beyond]
 
 
-def _expected_errors(like: Sequence[Point], known: Array, here: Array) -> dict[str, float | None]:
-    """Return the expected error [%] of each quantity on a scene, from the errors ``like`` on similar scenes.
+def _expected_errors(similar: Sequence[Point], known: Array, features_here: Array) -> dict[str, float | None]:
+    """Return the expected error [%] of each quantity on a scene, from the errors ``similar`` on similar scenes.
 
-    ``here``: scaled features of the scene, (k,); ``known``: scaled features of the similar scenes, (n, k). A quantity is
-    None if too few similar scenes have an error of it.
+    ``features_here``: scaled features of the scene, (k,); ``known``: scaled features of the similar scenes, (n, k). A
+    quantity is None if too few similar scenes have an error of it.
     """
     out: dict[str, float | None] = {}
     for name in QUANTITIES:
-        errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in like], dtype=float)
+        errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in similar], dtype=float)
         finite = np.isfinite(errors)
         enough = finite.sum() >= FEWEST
-        out[name] = error_bound(known[finite], errors[finite], here, LEAST[name]) if enough else None
+        out[name] = error_bound(known[finite], errors[finite], features_here, LEAST[name]) if enough else None
     return out
 
 
@@ -428,7 +432,7 @@ def leave_one_out(points: Sequence[Point], model: str) -> list[LeftOutScene]:
     out = []
     for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):
         like = [p for p in points if p.model == model and p.features["lead"] > 0.0 and (flange or FLANGE not in p.features)]
-        known = np.array([_scaled(p.features, scales) for p in like])
+        known = np.array([_scaled_features(p.features, scales) for p in like])
         for k, point in enumerate(like):
             if (FLANGE in point.features) == flange:
                 others, rest = [p for p in like if p is not point], np.delete(known, k, axis=0)
@@ -455,7 +459,7 @@ class SectionAnswer:
     force: float
 
 
-def loaded_section(scene: Scene, answer: Loads) -> SectionAnswer:
+def loaded_section_state(scene: Scene, answer: Loads) -> SectionAnswer:
     """Return the axial displacement of the screw's loaded cross-section, and the axial force on the nut.
 
     The loaded cross-section is where the largest axial load acts, or the nut's centre if the scene has no loads.
@@ -493,7 +497,7 @@ def axial_contact_force(scene: Scene, load: Array, angle: Array) -> float:
     return float(along[0] - along[1])
 
 
-def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raised | None = None) -> Point:
+def measure_model_error(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raised | None = None) -> Point:
     """Measure the errors of a model on a scene against a run of the 3D reference.
 
     Parameters
@@ -515,15 +519,18 @@ def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raise
         Errors of the model, with the features of the scene.
     """
     error = load_error(result.load, run.load, nominal_contacts(scene))
-    from rollbench.compare.models.comparison import from_result, from_run
+    from rollbench.compare.models.comparison import loads_from_result, loads_from_run
 
-    answer, reference = loaded_section(scene, from_result(result)), loaded_section(scene, from_run(run, ""))
+    answer, reference = (
+        loaded_section_state(scene, loads_from_result(result)),
+        loaded_section_state(scene, loads_from_run(run, "")),
+    )
     stiff: tuple[float | None, float | None] = (None, None)
     if raised is not None:
         heavier, modelled, computed = raised
         stiff = (
-            rigidity_between((answer, loaded_section(heavier, from_result(modelled)))),
-            rigidity_between((reference, loaded_section(heavier, from_run(computed, "")))),
+            rigidity_between((answer, loaded_section_state(heavier, loads_from_result(modelled)))),
+            rigidity_between((reference, loaded_section_state(heavier, loads_from_run(computed, "")))),
         )
     heaviest = run.load.max()
     return Point(
@@ -531,14 +538,14 @@ def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raise
         result.model,
         round(error.max_percent, 4),
         round(error.rms_percent, 4),
-        {name: round(value, 4) for name, value in features(scene, result).items()},
-        error_of_value(answer.moved, reference.moved),
-        error_of_value(*stiff),
-        error_of_value(np.cbrt(result.load.max() / heaviest), 1.0) if heaviest > 0.0 else None,  # Hertz
+        {name: round(value, 4) for name, value in features_of_scene(scene, result).items()},
+        error_percent_or_none(answer.moved, reference.moved),
+        error_percent_or_none(*stiff),
+        error_percent_or_none(np.cbrt(result.load.max() / heaviest), 1.0) if heaviest > 0.0 else None,  # Hertz
         gate_percent=round(error.gate_percent, 4),
     )
 
 
-def error_of_value(value: float | None, reference: float | None) -> float | None:
+def error_percent_or_none(value: float | None, reference: float | None) -> float | None:
     """Return the error of a value [% of the reference value]; None if a value is missing or the reference is zero."""
     return None if value is None or not reference else round(float(error_percent(value, reference)), 4)

@@ -21,17 +21,17 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.measure import LoadError, error_percent, load_error, mean_load
-from rollbench.compare.models.comparison import REFERENCED, finest_bodies
-from rollbench.compare.models.model_form import Point, leave_one_out, point, points_of_drawn_screws
+from rollbench.compare.models.comparison import REFERENCED, path_of_condensed_bodies
+from rollbench.compare.models.model_form import Point, errors_on_drawn_screws, leave_one_out, measure_model_error
 from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.estimate import Reference, uncertainty_percent
+from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.levels import TWIST, VARIANTS, Kind, with_twisted_supports
 from rollbench.compare.reference.store import Run, load_run
 from rollbench.compare.scenes.catalogue import names_with_role
 from rollbench.lowfi.compliance.bodies import PARTS, Condensed
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.response import forget
+from rollbench.lowfi.statics.response import clear_compliance_caches
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
@@ -86,7 +86,7 @@ class Modelling:
     choices: dict[str, float]
 
 
-def base_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
+def unchanged_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
     """Return the stored 3D run of a scene with which its variants on a mesh level are compared; None if none is stored.
 
     ``stores``: folders with runs; None: that of the package. It is the run of the variant ``base`` if one is stored, else
@@ -95,7 +95,7 @@ def base_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | N
     return load_run(scene, level, "base", stores) or load_run(scene, level, stores=stores)
 
 
-def varied(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
+def effects_of_variants(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
     """Return the effect of each variant of the 3D reference on a scene, from converged runs in the folders ``stores``.
 
     Beyond its 3D part, the reference neglects that an axial force twists a grooved shaft. The effect of this twist is
@@ -103,20 +103,22 @@ def varied(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
     """
     out = []
     for name, variant in VARIANTS.items():
-        run, against = load_run(scene, variant.level, name, stores), base_run(scene, variant.level, stores)
+        run, against = load_run(scene, variant.level, name, stores), unchanged_run(scene, variant.level, stores)
         if name == "base":  # effect of the settings that the base run itself changes, against the scene's regular run
             against = load_run(scene, variant.level, stores=stores)
         if run is not None and against is not None and run.status == "converged":
-            out.append(effect(scene.name, name, variant.label, variant.choice, variant.kind, run.load, against.load))
+            out.append(
+                effect_of_variant(scene.name, name, variant.label, variant.choice, variant.kind, run.load, against.load)
+            )
     if not out:
         return []
     options = Options(discretisation=False)
     straight, turned = (run_model(s, DEFAULT, options).load for s in (scene, with_twisted_supports(scene)))
     label = "supports rotated by the largest twist that the reference neglects, by the refined model"
-    return [*out, effect(scene.name, "coupling", label, TWIST, "modelling", turned, straight)]
+    return [*out, effect_of_variant(scene.name, "coupling", label, TWIST, "modelling", turned, straight)]
 
 
-def effect(scene: str, variant: str, label: str, choice: str, kind: Kind, changed: Array, base: Array) -> Effect:
+def effect_of_variant(scene: str, variant: str, label: str, choice: str, kind: Kind, changed: Array, base: Array) -> Effect:
     """Compute the effect of a variant of the 3D reference from its contact loads and those of the unchanged run.
 
     Parameters
@@ -166,7 +168,7 @@ def combine_effects(scene: Scene, effects: Sequence[Effect]) -> Modelling | None
     )
 
 
-def modelling_percent(scene: str, by_scene: Mapping[str, Modelling]) -> float | None:
+def largest_modelling_uncertainty(scene: str, by_scene: Mapping[str, Modelling]) -> float | None:
     """Return the largest modelling uncertainty of a contact load that applies to a scene [% of the mean load].
 
     ``by_scene``: modelling uncertainty of each varied scene. None if choices were varied on no scene with the same parts.
@@ -205,7 +207,7 @@ class Rung:
     seconds: float
 
 
-def solve_ladder(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> list[Rung]:
+def solve_refinement_sequence(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> list[Rung]:
     """Solve a scene with every model of the refinement sequence (`RUNGS`), and compare the loads with the 3D reference.
 
     The model "condensed" is left out if the condensed screw and nut are in none of the folders ``stores``.
@@ -214,11 +216,11 @@ def solve_ladder(scene: Scene, reference: Reference, stores: Sequence[Path] | No
     for model in RUNGS:
         options = Options(discretisation=False, engine="interpreted")
         if model.name == "condensed":
-            path = finest_bodies(scene, reference, stores)
+            path = path_of_condensed_bodies(scene, reference, stores)
             if path is None:
                 continue
             options = replace(options, condensed=path)
-        forget()
+        clear_compliance_caches()
         start = perf_counter()
         result = run_model(scene, model.name, options)
         seconds = perf_counter() - start
@@ -229,7 +231,7 @@ def solve_ladder(scene: Scene, reference: Reference, stores: Sequence[Path] | No
                 model.name,
                 result,
                 load_error(result.load, reference.load, reference.contacts),
-                uncertainty_percent(reference),
+                largest_uncertainty_percent(reference),
                 bias,
                 seconds,
             )
@@ -257,7 +259,7 @@ def errors_by_replaced_body(study: Study) -> list[BodyShareErrors]:
     out = []
     for name, reference in study.references((*REFERENCED, *UNSEEN)).items():
         scene = study.scene(name)
-        path = finest_bodies(scene, reference, study.stores)
+        path = path_of_condensed_bodies(scene, reference, study.stores)
         if path is None:
             continue
         whole = Condensed.read(path, scene)
@@ -278,23 +280,25 @@ def ladder(study: Study) -> list[Rung]:
     The results are stored in the study.
     """
     references = study.references((*REFERENCED, *UNSEEN))
-    rungs = [rung for name, ref in references.items() for rung in solve_ladder(study.scene(name), ref, study.stores)]
+    rungs = [
+        rung for name, ref in references.items() for rung in solve_refinement_sequence(study.scene(name), ref, study.stores)
+    ]
     for rung in rungs:
         if rung.model != "condensed":  # its result also depends on a file, which is not part of the key
             study.results[study.scene(rung.scene), rung.model, 0] = rung.result
     return rungs
 
 
-def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
+def model_errors_on_shipped_scenes(study: Study, rungs: Sequence[Rung]) -> list[Point]:
     """Return the errors of the models on the shipped scenes, from which expected errors are estimated.
 
     ``rungs``: results of the models on these scenes.
     """
     references = study.references((*REFERENCED, *UNSEEN))
-    return [point(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
+    return [measure_model_error(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
 
 
-def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
+def leave_one_out_rows(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
     """Estimate the errors of each model on every compared screw (shipped or randomly drawn) from all other screws.
 
     Parameters
@@ -310,7 +314,7 @@ def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
         Measured and expected errors of the loads [% of the mean load]. Expected errors are None if a screw is outside the
         range of the others.
     """
-    everything = [*points(study, rungs), *points_of_drawn_screws()]
+    everything = [*model_errors_on_shipped_scenes(study, rungs), *errors_on_drawn_screws()]
     return [
         {
             "scene": one.point.scene,

@@ -25,7 +25,7 @@ import numpy as np
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, ProgramError, one_line
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import SIDES, Scene
 
@@ -92,7 +92,7 @@ def model_command(command: str, seconds: float = SECONDS) -> str:
     return name
 
 
-def title_of(name: str) -> str:
+def model_title(name: str) -> str:
     """Return the name of a model for headings; of a command, its words without folders and placeholders.
 
     Parameters
@@ -207,15 +207,15 @@ class Program:
             try:
                 why = self._run(words, said)
                 if why:
-                    raise self._failed(scene, why, said)
+                    raise self._failure_error(scene, why, said)
                 if not loads.exists():
-                    raise self._failed(scene, f"wrote no {LOADS}", said)
-                return self._read(loads, scene)
+                    raise self._failure_error(scene, f"wrote no {LOADS}", said)
+                return self._read_answer(loads, scene)
             except InputError as error:
                 if isinstance(error, ProgramError):
                     raise
                 what = f"{error.key}: {error.value or 'nothing'}; allowed: {error.allowed}"
-                raise self._failed(scene, f"wrote loads that cannot be used, {what}", said) from None
+                raise self._failure_error(scene, f"wrote loads that cannot be used, {what}", said) from None
 
     def _run(self, words: list[str], said: Path) -> str:
         """Run the program and return the reason why it failed, or an empty text.
@@ -240,16 +240,16 @@ class Program:
                 _kill_process(process)
         return "" if code == 0 else f"ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
 
-    def _failed(self, scene: Scene, why: str, said: Path) -> ProgramError:
+    def _failure_error(self, scene: Scene, why: str, said: Path) -> ProgramError:
         """Return the ProgramError with the reason ``why`` the program failed on a scene and the last line of its output.
 
         ``said``: file with the output.
         """
-        line = last_line(said)
+        line = last_output_line(said)
         words = "" if line is None else f"; its last line: {line}" if line else "; it printed nothing"
         return ProgramError(self.label, scene.name, why + words, MEND)
 
-    def _read(self, path: Path, scene: Scene) -> tuple[GivenLoads, Array | None]:
+    def _read_answer(self, path: Path, scene: Scene) -> tuple[GivenLoads, Array | None]:
         """Read the contact loads and the screw's displacement (6,) [m, rad] that the program wrote; None if it wrote none.
 
         InputError if they cannot be used.
@@ -286,7 +286,7 @@ def _kill_process(process: subprocess.Popen[bytes]) -> None:
         process.wait()
 
 
-def last_line(path: Path) -> str | None:
+def last_output_line(path: Path) -> str | None:
     """Return the last non-empty line of a program's output.
 
     Parameters
@@ -323,13 +323,13 @@ def scene_json(scene: Scene) -> str:
         every ball: azimuth [rad], axial position [m], the interference that all errors cause on both pairs of flanks in the
         nominal position [m] (positive: pressed), and the Hertz constants C [m/N^(2/3)] of its contacts.
     """
-    from rollbench.lowfi.statics.contacts import error_free, hertz_C
+    from rollbench.lowfi.statics.contacts import hertz_C, with_error_free_hertz
     from rollbench.lowfi.statics.problem import centre_distances
 
     layout = ball_layout(scene)
-    drawn = specimen(scene, layout)
+    drawn = draw_specimen(scene, layout)
     _, closure = centre_distances(scene, drawn)
-    C = hertz_C(error_free(scene), drawn)
+    C = hertz_C(with_error_free_hertz(scene), drawn)
     balls = [
         {"ball": i + 1, "azimuth": float(layout.azimuth[i]), "z": float(layout.z[i])}
         | {"closure_SL_NR": float(closure[i, 0]), "closure_SR_NL": float(closure[i, 1])}

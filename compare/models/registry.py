@@ -54,7 +54,7 @@ def _solve_lin(scene: Scene, options: Options) -> StaticResult:
     )
 
 
-def read_condensed(scene: Scene, options: Options) -> Condensed:
+def read_condensed_bodies(scene: Scene, options: Options) -> Condensed:
     """Read the condensed stiffness of screw and nut from the file ``options.condensed``.
 
     Parameters
@@ -96,7 +96,7 @@ def _solve_elastic(scene: Scene, options: Options, *, name: str) -> StaticResult
     from rollbench.lowfi.statics.elastic import solve_elastic
     from rollbench.lowfi.statics.static import with_discretisation_error
 
-    condensed = read_condensed(scene, options) if name == "condensed" else None
+    condensed = read_condensed_bodies(scene, options) if name == "condensed" else None
     solve = partial(
         solve_elastic,
         backend=REFINED if condensed is not None else LADDER[name],
@@ -113,12 +113,12 @@ def _solve_elastic(scene: Scene, options: Options, *, name: str) -> StaticResult
 
 def _solve_as_source(scene: Scene, options: Options) -> StaticResult:
     """Solve a scene by the equations and the Newton iteration of Lin's thesis; InputError for a rigid screw."""
-    from rollbench.lowfi.as_source import solve_source_result
+    from rollbench.lowfi.as_source import solve_source_as_static_result
 
     if scene.ingredients.screw == "rigid":
         advice = "use the model lin; the equations of Lin's thesis describe a beam"
         raise InputError(scene.name, "ingredients.screw", '"rigid"', '"beam"', advice)
-    return solve_source_result(scene, everything=options.everything, member=options.member)
+    return solve_source_as_static_result(scene, everything=options.everything, member=options.member)
 
 
 def _solve_mei(scene: Scene, options: Options, *, elastic_nut: bool) -> StaticResult:
@@ -151,7 +151,7 @@ def _solve_axis_elastic(assembly: Assembly, options: Options, *, name: str) -> A
     return solve_refined(assembly, engine=engine, member=options.member, backend=LADDER[name], name=name)
 
 
-def any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.suits
+def covers_any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.suits
     """Return True for every scene: the condition `Model.suits` of a model without restrictions."""
     return True
 
@@ -161,17 +161,17 @@ def has_beam(scene: Scene) -> bool:
     return scene.ingredients.screw == "beam"
 
 
-def axial_only(scene: Scene) -> bool:
+def is_covered_by_mei(scene: Scene) -> bool:
     """Return whether Mei's model covers a scene: axial loads only, no preload, a single support, screw as a beam."""
     axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
     return axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1 and has_beam(scene)
 
 
-def loaded_at_one_end(scene: Scene) -> bool:
+def is_covered_by_liu(scene: Scene) -> bool:
     """Return whether Liu's model covers a scene: axial loads at one end of the ball row, no preload, uz free."""
-    from rollbench.lowfi.statics.liu import describes
+    from rollbench.lowfi.statics.liu import is_solvable_by_liu
 
-    return describes(scene)
+    return is_solvable_by_liu(scene)
 
 
 @dataclass(frozen=True)
@@ -191,7 +191,7 @@ class Model:
     #: Function that solves a shaft with several nuts or bearing rows, or the reason why the model cannot.
     assembly: Callable[[Assembly, Options], AxisResult] | str = "it solves one nut or bearing row"
     #: Function that returns whether the model covers a scene.
-    suits: Callable[[Scene], bool] = any_scene
+    suits: Callable[[Scene], bool] = covers_any_scene
     #: Whether ``rollbench compare`` shows it by default.
     compared: bool = False
     #: Whether the model is in the table of numerical stability.
@@ -207,7 +207,7 @@ class Model:
         """Return a copy of the scene with the settings (`Scene.ingredients`) that this model prescribes."""
         return replace(scene, ingredients=replace(scene.ingredients, **dict(self.ingredients)))
 
-    def of_assembly(self, assembly: Assembly) -> Assembly:
+    def assembly_with_settings(self, assembly: Assembly) -> Assembly:
         """Return a copy of the assembly, with all nuts and rows, with the settings that this model prescribes."""
         parts = [self.scene(s.parts) if isinstance(s.parts, Scene) else s.parts for s in assembly.sets]
         sets = tuple(replace(s, parts=p) for s, p in zip(assembly.sets, parts, strict=True))
@@ -304,7 +304,7 @@ _ALL = (
         f"{BARS}, nut rigid",
         partial(_solve_mei, elastic_nut=False),
         MEI_AXIS,
-        suits=axial_only,
+        suits=is_covered_by_mei,
         compared=True,
     ),
     Model(
@@ -314,7 +314,7 @@ _ALL = (
         f"{BARS}, nut a bar",
         partial(_solve_mei, elastic_nut=True),
         MEI_AXIS,
-        suits=axial_only,
+        suits=is_covered_by_mei,
         compared=True,
     ),
     Model(
@@ -324,7 +324,7 @@ _ALL = (
         "axial bars and springs whose direction turns, screw and nut loaded at one end",
         _solve_liu,
         "it describes one row of balls, with screw and nut loaded at one end",
-        suits=loaded_at_one_end,
+        suits=is_covered_by_liu,
         compared=True,
     ),
 )
@@ -355,7 +355,7 @@ def is_model(name: str) -> bool:
     return name in MODELS or programs.is_command(name) or name in user_models.installed_models()
 
 
-def known_model(name: str, argument: str = "model", without: Sequence[str] = ()) -> Model:
+def find_model(name: str, argument: str = "model", excluded: Sequence[str] = ()) -> Model:
     """Return the record of a model: of rollbench, of an installed package (which is imported), or an external command.
 
     Parameters
@@ -364,7 +364,7 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
         Name of the model, or a command.
     argument
         Name of the argument that error messages refer to.
-    without
+    excluded
         Names of models that are not accepted.
 
     Returns
@@ -375,11 +375,11 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
     Raises
     ------
     ArgumentError
-        If there is no such model, its name is in ``without``, or `user_models.load_model` cannot load it.
+        If there is no such model, its name is in ``excluded``, or `user_models.load_user_model` cannot load it.
     """
     command = programs.is_command(name)
     others = () if command else user_models.installed_models()
-    names = [x for x in (*MODELS, *(x for x in others if x not in MODELS)) if x not in without]
+    names = [x for x in (*MODELS, *(x for x in others if x not in MODELS)) if x not in excluded]
     if name not in names and not command:
         import difflib
 
@@ -388,23 +388,23 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
         raise ArgumentError(argument, f'"{name}"', ", ".join(names), advice)
     if name in MODELS:
         return MODELS[name]
-    user_models.load_model(name)
+    user_models.load_user_model(name)
 
     def run(scene: Scene, options: Options) -> StaticResult:
         return user_models.solve_by_user_model(name, scene, options.member)
 
     reason = "models of users are functions of a scene with one nut or bearing row"
-    return Model(name, "", programs.title_of(name), user_models.WORDS, run, reason)
+    return Model(name, "", programs.model_title(name), user_models.WORDS, run, reason)
 
 
-def random_errors(scene: Scene | Assembly) -> bool:
+def has_random_errors(scene: Scene | Assembly) -> bool:
     """Return whether the scene, or any nut or row on its shaft, has geometric errors that are drawn at random."""
     if isinstance(scene, Scene):
         return scene.errors.random
     return any(isinstance(s.parts, Scene) and s.parts.errors.random for s in scene.sets)
 
 
-def key_of_error(error: ValueError) -> str:
+def scene_key_of_error(error: ValueError) -> str:
     """Return the key of the scene file that caused a solver's error; ``scene`` if the error does not name one.
 
     Examples
@@ -443,8 +443,8 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
         without random errors.
     """
     name, options = name or default_model(scene), options or Options()
-    run = _runner(scene, name)
-    if options.member and not random_errors(scene):
+    run = _solver_of_scene(scene, name)
+    if options.member and not has_random_errors(scene):
         allowed = "0, because the scene has no random errors"
         raise ArgumentError("member", str(options.member), allowed, "leave it out", scene.name)
     try:
@@ -452,21 +452,21 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
             result = run(options)
     except ValueError as error:
         single = isinstance(scene, Scene)
-        where, what = (key_of_error(error), "geometry and the ingredients") if single else ("scene", "geometry")
+        where, what = (scene_key_of_error(error), "geometry and the ingredients") if single else ("scene", "geometry")
         raise Refusal(scene.name, where, str(error), f"check the {what}") from error
     return replace(result.answers(), model=name, member=options.member)
 
 
-def _runner(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticResult | AxisResult]:
+def _solver_of_scene(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticResult | AxisResult]:
     """Return a function that solves the scene with the model ``name`` and given options; InputError if none does."""
     if isinstance(scene, Scene):
-        model = known_model(name)
+        model = find_model(name)
         return partial(model.run, model.scene(scene))
     if name in AXIS_MODELS:
         model = MODELS[name]
         assert not isinstance(model.assembly, str)
-        return partial(model.assembly, model.of_assembly(scene))
+        return partial(model.assembly, model.assembly_with_settings(scene))
     advice = "choose one of these"
     if is_model(name):
-        advice += f"; {name} does not solve several nuts or bearing rows: {known_model(name).assembly}"
+        advice += f"; {name} does not solve several nuts or bearing rows: {find_model(name).assembly}"
     raise ArgumentError("model", f'"{name}"', ", ".join(AXIS_MODELS), advice, scene.name)

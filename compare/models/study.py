@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.reference.estimate import Reference, reference
+from rollbench.compare.reference.estimate import Reference, reference_of_scene
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import SIDES, Scene
@@ -40,7 +40,7 @@ class Study:
     others: dict[str, Described] = field(default_factory=dict)
     #: Results by scene, model and number of the specimen.
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
-    #: Values of `once`, by function and arguments.
+    #: Values of `compute_once`, by function and arguments.
     computed: dict[Any, Any] = field(default_factory=dict)
     #: Computed counterparts of printed numbers, by printed table.
     evidence: dict[str, tuple[Any, ...]] = field(default_factory=dict)
@@ -51,10 +51,10 @@ class Study:
             self.scenes[name] = catalogue.scene(name)
         return self.scenes[name]
 
-    def uses(self, names: Sequence[str]) -> None:
+    def record_used_scenes(self, names: Sequence[str]) -> None:
         """Record that results of the study depend on the shipped scenes ``names``."""
         for name in names:
-            scene = catalogue.shipped(name)
+            scene = catalogue.shipped_scene(name)
             if isinstance(scene, Scene):
                 self.scenes.setdefault(name, scene)
             else:
@@ -88,7 +88,7 @@ class Study:
             self.results[key] = run_model(parts, model, Options(member=member, discretisation=False, engine=engine))
         return self.results[key]
 
-    def once(self, make: Callable[..., T], *args: Any) -> T:
+    def compute_once(self, make: Callable[..., T], *args: Any) -> T:
         """Return the value of ``make(self, *args)``, computed on first use and then cached; arguments must be hashable."""
         key = (make, *args)
         if key not in self.computed:
@@ -97,7 +97,7 @@ class Study:
 
     def reference(self, name: str) -> Reference | None:
         """Return the stored 3D reference of a shipped scene, with its uncertainty; None without a converged run."""
-        return self.once(_stored_reference, name)
+        return self.compute_once(_stored_reference, name)
 
     def references(self, names: Sequence[str]) -> dict[str, Reference]:
         """Return the stored 3D references by scene name, without scenes that have none."""
@@ -107,16 +107,16 @@ class Study:
 
 def _stored_reference(study: Study, name: str) -> Reference | None:
     """Return the stored 3D reference of a shipped scene; None without a converged run."""
-    return reference(study.scene(name), study.stores)
+    return reference_of_scene(study.scene(name), study.stores)
 
 
-def with_groove(scene: Scene, conformity: float) -> Scene:
+def with_conformity(scene: Scene, conformity: float) -> Scene:
     """Return a copy of the scene with the given conformity of both grooves (groove radius over ball diameter)."""
     radius = 2.0 * conformity * scene.balls.radius
     return replace(scene, screw=replace(scene.screw, groove_radius=radius), nut=replace(scene.nut, groove_radius=radius))
 
 
-def with_balls(base: Scene, count: int) -> Scene:
+def with_ball_count(base: Scene, count: int) -> Scene:
     """Return a copy of the ball screw ``base`` with ``count`` balls at the same spacing, with a nut as long as needed.
 
     The screw is lengthened by the same amount as the nut.

@@ -15,10 +15,10 @@ it would count if one of the two were a measured screw. Therefore the share of v
 part of the reference, is stated too. If the modelling choices were not varied on a scene, the largest effect on the scenes
 on which they were varied is used, unless the scene is outside the range of the compared scenes.
 
-The largest contact load of a scene (`total`) has a fourth part, the second-order effect of displacements, which the
-reference neglects. On the scene two-balls, large displacements in CalculiX reduce the contact forces F in proportion to the
-larger semi-axis a of the contact over the ball radius r: dF / F = -`SECOND_ORDER` a / r, within 15 %. In this sum, an
-unknown part counts as zero, and the text for the user says so.
+The largest contact load of a scene (`uncertainty_of_loads`) has a fourth part, the second-order effect of displacements,
+which the reference neglects. On the scene two-balls, large displacements in CalculiX reduce the contact forces F in
+proportion to the larger semi-axis a of the contact over the ball radius r: dF / F = -`SECOND_ORDER` a / r, within 15 %. In
+this sum, an unknown part counts as zero, and the text for the user says so.
 
 If equilibrium does not determine the sum of the contact loads, as in a preloaded screw, all contacts share a further error.
 Independent 3D programs obtain a sum that is larger by `SHARED`, always with this sign, whereas refining the mesh of the
@@ -38,20 +38,20 @@ import numpy as np
 
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent, mean_load
-from rollbench.compare.models.answers import load_answers
-from rollbench.compare.models.applicability import outside
-from rollbench.compare.models.comparison import Loads, from_result, from_run
-from rollbench.compare.models.modelling import SPOKEN_FOR, VARIED, Modelling, base_run
+from rollbench.compare.models.answers import rate_contact_loads
+from rollbench.compare.models.applicability import descriptors_outside_range
+from rollbench.compare.models.comparison import Loads, loads_from_result, loads_from_run
+from rollbench.compare.models.modelling import SPOKEN_FOR, VARIED, Modelling, unchanged_run
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.convergence import grid_convergence
-from rollbench.compare.reference.estimate import Reference, both_flanks, uncertainty_percent
+from rollbench.compare.reference.estimate import Reference, has_both_flanks_loaded, largest_uncertainty_percent
 from rollbench.compare.reference.levels import VARIANTS
 from rollbench.compare.reference.store import Run, load_run, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Material, Scene
-from rollbench.meshes.quantity import Stated, quantity, record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 Take = Callable[[Scene, Loads], Array]
 
@@ -184,7 +184,7 @@ class Uncertainty:
         return np.asarray(np.sqrt(sum(np.where(np.isnan(part), unknown, part) ** 2 for part in parts)))
 
 
-def percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
+def difference_percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
     """Return the difference ``value - base`` in per cent of ``base``; for contact loads, of the mean contact load.
 
     ``mean``: mean contact load [N].
@@ -198,20 +198,20 @@ def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> 
 
     With a single mesh level it is nan, except for contact loads, whose uncertainty is then estimated from other scenes.
     """
-    base = quantity.take(scene, from_run(reference.best, ""))
+    base = quantity.take(scene, loads_from_run(reference.best, ""))
     if quantity.of_mean:
-        return percent(quantity, reference.uncertainty, np.zeros_like(base), reference.mean)
+        return difference_percent(quantity, reference.uncertainty, np.zeros_like(base), reference.mean)
     if quantity.of_largest:
         bar = reference.uncertainty.ravel()[int(reference.load.argmax())]
         return np.asarray(error_percent(np.full(base.shape, bar), np.zeros(base.shape), base))
     if len(reference.runs) < 2:
         return np.full(base.shape, np.nan)
-    values = [float(quantity.take(scene, from_run(run, ""))[0]) for run in reference.runs]
+    values = [float(quantity.take(scene, loads_from_run(run, ""))[0]) for run in reference.runs]
     bar = grid_convergence(values, reference.sizes).uncertainty or 0.0
     return np.asarray(error_percent(np.full(base.shape, bar), np.zeros(base.shape), base))
 
 
-def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]:
+def runs_with_changed_choices(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]:
     """Return the results of all stored 3D runs of the scene ``name`` with a changed modelling choice.
 
     Each item is (name of the choice, results with the change, results without it). Runs that did not converge are left out.
@@ -223,10 +223,10 @@ def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]
         if run is None or run.status != "converged":
             continue
         if variant.level not in bases:
-            bases[variant.level] = base_run(scene, variant.level, study.stores)
+            bases[variant.level] = unchanged_run(scene, variant.level, study.stores)
         base = bases[variant.level]
         if base is not None:
-            out.append((variant.choice, from_run(run, key), from_run(base, "")))
+            out.append((variant.choice, loads_from_run(run, key), loads_from_run(base, "")))
     return tuple(out)
 
 
@@ -237,23 +237,23 @@ def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | N
     """
     scene, worst = study.scene(name), dict[str, Array]()
     contacts = nominal_contacts(scene)
-    for choice, changed, base in study.once(variants_of, name):
+    for choice, changed, base in study.compute_once(runs_with_changed_choices, name):
         value, unchanged = (quantity.take(scene, answer) for answer in (changed, base))
-        change = np.abs(percent(quantity, value, unchanged, mean_load(base.load, contacts)))
+        change = np.abs(difference_percent(quantity, value, unchanged, mean_load(base.load, contacts)))
         worst[choice] = np.maximum(worst.get(choice, np.zeros_like(change)), change)
     return Uncertainty(worst).combined() if worst else None
 
 
-def input_parts(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Array]:
+def effects_of_input_tolerances(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Array]:
     """Return the change of a quantity [%] due to each input tolerance of a scene, computed by the model lin."""
     base = study.solve(scene, SENSITIVE)
-    unchanged, out = quantity.take(scene, from_result(base)), {}
+    unchanged, out = quantity.take(scene, loads_from_result(base)), {}
     mean = mean_load(base.load, nominal_contacts(scene))
     for tolerance in INPUTS:
         changed = tolerance.change(scene)
         if changed is not None:
-            value = quantity.take(changed, from_result(study.solve(changed, SENSITIVE)))
-            out[tolerance.name] = percent(quantity, value, unchanged, mean)
+            value = quantity.take(changed, loads_from_result(study.solve(changed, SENSITIVE)))
+            out[tolerance.name] = difference_percent(quantity, value, unchanged, mean)
     return out
 
 
@@ -262,11 +262,11 @@ def input_uncertainty(study: Study, scene: Scene, quantity: Quantity) -> tuple[A
 
     The effects of the tolerances are combined as the root of the sum of squares.
     """
-    parts = input_parts(study, scene, quantity)
+    parts = effects_of_input_tolerances(study, scene, quantity)
     return Uncertainty(parts).combined(), max(parts, key=lambda name: float(np.abs(parts[name]).max()))
 
 
-def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | None:
+def validation_uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | None:
     """Compute the parts of the validation uncertainty u_val of a quantity of the scene ``name``.
 
     None if no 3D reference of the scene is stored.
@@ -276,7 +276,7 @@ def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | No
         return None
     scene = study.scene(name)
     grid = grid_uncertainty(scene, reference, quantity)
-    choices = {} if outside(scene) else study.once(choices_of, quantity)
+    choices = {} if descriptors_outside_range(scene) else study.compute_once(choice_effects_by_scene, quantity)
     speaks = SPOKEN_FOR.get(name, "")
     if speaks in choices and choices[speaks].shape == grid.shape:
         model, varied = choices[speaks], speaks
@@ -288,7 +288,7 @@ def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | No
     return Uncertainty({GRID: grid, CHOICES: model, INPUT: input_uncertainty(study, scene, quantity)[0]}, varied)
 
 
-def choices_of(study: Study, quantity: Quantity) -> dict[str, Array]:
+def choice_effects_by_scene(study: Study, quantity: Quantity) -> dict[str, Array]:
     """Return the effect of all modelling choices on a quantity [%], for each scene on which they were varied."""
     changes = {name: choice_uncertainty(study, name, quantity) for name in VARIED}
     return {name: u for name, u in changes.items() if u is not None}
@@ -340,13 +340,13 @@ def validated_error(study: Study, name: str, model: str, quantity: Quantity, ans
 
     ``name``: name of the scene; ``answer``: loads and displacements by the model. None without a stored 3D reference.
     """
-    ref, parts = study.reference(name), study.once(uncertainty, name, quantity)
+    ref, parts = study.reference(name), study.compute_once(validation_uncertainty, name, quantity)
     if ref is None or parts is None:
         return None
     scene = study.scene(name)
-    reference = quantity.take(scene, from_run(ref.best, ""))
+    reference = quantity.take(scene, loads_from_run(ref.best, ""))
     value = quantity.take(scene, answer)
-    error = percent(quantity, value, reference, ref.mean)
+    error = difference_percent(quantity, value, reference, ref.mean)
     floor = 0.1 * ref.mean if quantity.of_mean else 0.0
     # every loaded contact counts; a scalar quantity counts as one value
     judged = ((value > 0.0) | (reference > 0.0)) if quantity.of_mean else np.ones(value.shape, dtype=bool)
@@ -382,7 +382,7 @@ class Scatter:
     within_own: float
 
 
-def scatter(rows: Sequence[Validated]) -> list[Scatter]:
+def bias_and_scatter(rows: Sequence[Validated]) -> list[Scatter]:
     """Compute bias and scatter of each model's errors in each quantity, as in fire-model validation.
 
     ``rows``: errors with their uncertainty, one row for each scene, model and quantity.
@@ -408,7 +408,7 @@ def scatter(rows: Sequence[Validated]) -> list[Scatter]:
     return out
 
 
-def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
+def count_within_expected_error(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
     """Count, for each model, the scenes whose measured error does not exceed the expected error.
 
     ``rows``: for each scene and model the keys ``model``, ``measured`` and ``expected`` [%], where the expected error is
@@ -442,7 +442,7 @@ class ChoiceEffects:
     alone: float
 
 
-@record
+@result_record
 class LoadUncertainty:
     """Uncertainty of the contact loads of the 3D reference on a scene [% of the mean load], in parts.
 
@@ -452,23 +452,23 @@ class LoadUncertainty:
     #: Part due to the mesh of the reference.
     discretisation: float
     #: Whether this part is estimated from other scenes, because the scene was solved on a single mesh level.
-    by_experience: bool = quantity("discretisation_by_experience")
+    by_experience: bool = quantity_field("discretisation_by_experience")
     #: Part due to modelling choices, with the dominant choice and the scene on which they were varied.
-    choices: ChoiceEffects | None = quantity(
+    choices: ChoiceEffects | None = quantity_field(
         "modelling_percent",
         "what choices change that no mesh shows",
-        Stated("modelling_dominated_by", show=lambda choices: choices and choices.choice),
-        Stated("modelling_varied_on", show=lambda choices: choices and choices.scene),
+        QuantityDescription("modelling_dominated_by", show=lambda choices: choices and choices.choice),
+        QuantityDescription("modelling_varied_on", show=lambda choices: choices and choices.scene),
         show=lambda choices: choices and choices.percent,
     )
     #: Part due to tolerances of the inputs.
-    inputs: float | None = quantity("input_percent", "what tolerances of the input change")
+    inputs: float | None = quantity_field("input_percent", "what tolerances of the input change")
     #: Name of the input with the largest effect.
-    input: str = quantity("input_dominated_by", show=lambda name: name or None)
+    input: str = quantity_field("input_dominated_by", show=lambda name: name or None)
     #: Part due to large displacements, which the reference neglects.
-    second_order: float = quantity("large_displacements_percent", "what the second order of displacements changes")
+    second_order: float = quantity_field("large_displacements_percent", "what the second order of displacements changes")
     #: Whether all contacts share a further error of the sum of loads.
-    shared: bool = quantity(
+    shared: bool = quantity_field(
         "shared_by_all_percent",
         "part that all contacts share and no mesh shows; null where it is not known",
         show=lambda shared: SHARED if shared else None,
@@ -476,23 +476,23 @@ class LoadUncertainty:
     #: Text on the uncertainty of a user's reference, shown instead of the parts; empty for a computed reference.
     stated: str = ""
     #: Part of the mesh error at the contact ``at_face`` that is due to a near free face (`compare.reference.estimate`).
-    beside_face: float = quantity(
+    beside_face: float = quantity_field(
         "beside_free_face_percent",
         "of it, what the cells leave out of the lip's compliance at the contact `uncertainty.beside_free_face_at`; 0 where "
         "it is less than the rest",
         default=0.0,
     )
     #: Contact near a free face of the nut with the largest such part.
-    at_face: str = quantity("beside_free_face_at", show=lambda contact: contact or None, default="")
+    at_face: str = quantity_field("beside_free_face_at", show=lambda contact: contact or None, default="")
 
     @property
-    @Stated("discretisation_percent", "that of the mesh, by refinement or, with one level, by experience")
+    @QuantityDescription("discretisation_percent", "that of the mesh, by refinement or, with one level, by experience")
     def of_mesh(self) -> float | None:
         """Uncertainty due to the mesh [%]; None for a user's reference, which states only a total."""
         return None if self.stated else self.discretisation
 
     @property
-    @Stated("total_percent", "discretisation, modelling and input as independent errors")
+    @QuantityDescription("total_percent", "discretisation, modelling and input as independent errors")
     def percent(self) -> float:
         """Total uncertainty: root of the sum of squares of all parts [%]; a part that is not known counts as zero."""
         choices = np.nan if self.choices is None else self.choices.percent
@@ -532,7 +532,7 @@ class LoadUncertainty:
         )
 
 
-def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> LoadUncertainty:
+def uncertainty_of_loads(scene: Scene, reference: Reference, *, inputs: bool = True) -> LoadUncertainty:
     """Compute the uncertainty of the contact loads of a scene's 3D reference.
 
     Parameters
@@ -550,23 +550,23 @@ def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> LoadUnc
         Parts of the uncertainty.
     """
     if reference.stated:
-        return LoadUncertainty(uncertainty_percent(reference), False, None, None, "", 0.0, False, reference.stated)
+        return LoadUncertainty(largest_uncertainty_percent(reference), False, None, None, "", 0.0, False, reference.stated)
     share, name = _largest_input_effect(scene) if inputs else (None, "")
-    lip, at = beside_face(reference)
+    lip, at = largest_face_error(reference)
     return LoadUncertainty(
-        uncertainty_percent(reference),
+        largest_uncertainty_percent(reference),
         reference.parts.by_experience,
-        choices_for(replace(scene, name=reference.best.scene), read_choices(shipped_store())),
+        applicable_choice_effects(replace(scene, name=reference.best.scene), read_choice_effects(shipped_store())),
         share,
         name,
-        second_order(scene, reference),
-        both_flanks(reference.load),
+        large_displacement_effect(scene, reference),
+        has_both_flanks_loaded(reference.load),
         beside_face=lip,
         at_face=at,
     )
 
 
-def beside_face(reference: Reference) -> tuple[float, str]:
+def largest_face_error(reference: Reference) -> tuple[float, str]:
     """Return the largest mesh error of a contact load due to a near free face of the nut, and the contact.
 
     The error is in per cent of the mean load; the contact is a text with ball and flank. Zero and an empty text if this
@@ -579,9 +579,9 @@ def beside_face(reference: Reference) -> tuple[float, str]:
     return float(share.max()), f"ball {ball + 1} {SIDES[side]}"
 
 
-def second_order(scene: Scene, reference: Reference) -> float:
+def large_displacement_effect(scene: Scene, reference: Reference) -> float:
     """Return the reduction of the largest contact load by large displacements [% of the mean load]."""
-    worst = load_answers(scene, reference.load, np.radians(reference.best.angle)).worst
+    worst = rate_contact_loads(scene, reference.load, np.radians(reference.best.angle)).worst
     if worst is None:
         return 0.0
     lost = SECOND_ORDER * worst.a / scene.balls.radius * worst.force
@@ -606,23 +606,23 @@ def choice_effects_record(varied: Modelling) -> ChoiceEffects:
     return ChoiceEffects(varied.scene, varied.largest, first, varied.choices[first])
 
 
-def choices_for(scene: Scene, known: Mapping[str, ChoiceEffects]) -> ChoiceEffects | None:
+def applicable_choice_effects(scene: Scene, known: Mapping[str, ChoiceEffects]) -> ChoiceEffects | None:
     """Return the effects of modelling choices that apply to a scene, from the stored effects ``known`` by scene.
 
     They are those of a scene with the same parts, else the largest; None if the scene is outside the compared range.
     """
-    if outside(scene):
+    if descriptors_outside_range(scene):
         return None
     return known.get(SPOKEN_FOR.get(scene.name, "")) or max(known.values(), key=lambda c: c.percent, default=None)
 
 
-def save_choices(store: Path, known: Mapping[str, ChoiceEffects]) -> None:
+def save_choice_effects(store: Path, known: Mapping[str, ChoiceEffects]) -> None:
     """Write the effects of modelling choices, ``known`` by scene, to a folder of 3D runs; OSError if that fails."""
     replace_file(store / FILE, json.dumps({name: asdict(c) for name, c in known.items()}, indent=1) + "\n")
 
 
 @cache
-def read_choices(store: Path) -> dict[str, ChoiceEffects]:
+def read_choice_effects(store: Path) -> dict[str, ChoiceEffects]:
     """Read the effects of modelling choices, by scene, from a folder of 3D reference runs.
 
     OSError, ValueError or TypeError if the file cannot be used.

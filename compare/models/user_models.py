@@ -24,7 +24,7 @@ from rollbench.compare.errors import ArgumentError, ProgramError, Refusal
 from rollbench.compare.models import programs
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen, with_draws
+from rollbench.meshes.errors import draw_specimen, scene_with_drawn_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 
@@ -112,7 +112,7 @@ def origin_of_model(name: str) -> str:
 
 
 @cache
-def load_model(name: str) -> UserModel:
+def load_user_model(name: str) -> UserModel:
     """Return a user's model as a function: imported from its package, or running an external program.
 
     Parameters
@@ -189,12 +189,12 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
     ProgramError
         If the program fails.
     """
-    from rollbench.lowfi.statics.contacts import error_free, hertz_C
+    from rollbench.lowfi.statics.contacts import hertz_C, with_error_free_hertz
     from rollbench.lowfi.statics.problem import SIGNS
     from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 
-    function, layout, shown = load_model(name), ball_layout(scene), programs.title_of(name)
-    given, start = with_draws(scene, member), perf_counter()
+    function, layout, shown = load_user_model(name), ball_layout(scene), programs.model_title(name)
+    given, start = scene_with_drawn_errors(scene, member), perf_counter()
     try:
         found = function(given)
     except ProgramError:
@@ -225,7 +225,7 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
         contact_point=points,
         force_direction=-normal,
         centre_shift=np.zeros((layout.z.size, 2)),
-        hertz_C=hertz_C(error_free(scene), specimen(scene, layout, member)),
+        hertz_C=hertz_C(with_error_free_hertz(scene), draw_specimen(scene, layout, member)),
         centreline_z=np.array([scene.nut.position]),
         centreline=moved[None],
         equilibrium=balance,
@@ -251,7 +251,7 @@ def _contact_balance(scene: Scene, load_of: Array, points: Array, normal: Array)
     centres to them. Reactions are fitted by least squares; what remains is the imbalance.
     """
     from rollbench.lowfi.statics.shape import rigid_transport
-    from rollbench.lowfi.statics.summary import balance_of, wrench_of
+    from rollbench.lowfi.statics.summary import check_equilibrium, wrench_of
 
     force = load_of[..., None] * normal  # of the balls on screw and nut
     moments = np.cross(points[:, :2], force[:, :2])
@@ -266,7 +266,7 @@ def _contact_balance(scene: Scene, load_of: Array, points: Array, normal: Array)
         reaction = scale * (unit @ sizes)
     size = max(float(load_of.max(initial=0.0)), *(float(np.abs(x[:3]).max()) for x in (applied, contact, reaction)))
     sums = applied, reaction, contact, np.zeros(6)
-    return balance_of(sums, size, arm, (0.0, 0.0), np.linalg.norm(force.sum(axis=1), axis=1))
+    return check_equilibrium(sums, size, arm, (0.0, 0.0), np.linalg.norm(force.sum(axis=1), axis=1))
 
 
 def _checked_numbers(name: str, what: str, value: Array, shape: Sequence[int], least: float = -np.inf) -> Array:

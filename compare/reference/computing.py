@@ -11,24 +11,24 @@ import numpy as np
 
 from rollbench.compare import __version__
 from rollbench.compare.reference.levels import LEVELS, VARIANTS
-from rollbench.compare.reference.store import Run, measuring_conditions, versions
+from rollbench.compare.reference.store import Run, measuring_conditions, program_versions
 from rollbench.compare.reference.tasks import (
     SetUp,
     Solvable,
     Task,
-    balls_of,
-    needed_sides,
-    refused,
-    set_ups,
+    ball_slices_by_set,
+    flanks_to_mesh,
+    node_stations,
+    refusal_of_reference,
     settings_to_store,
-    stations,
+    setups_to_mesh,
 )
-from rollbench.compare.running import need_reference, out_of_memory
+from rollbench.compare.running import check_reference_programs, out_of_memory_error
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.processes import peak_MB
+from rollbench.meshes.processes import peak_memory_MB
 
 if TYPE_CHECKING:
     from rollbench.hifi.meshing.settings import Settings
@@ -94,13 +94,13 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     InputError
         If a mesh cannot be built, or memory runs out.
     """
-    need_reference()
-    from rollbench.hifi.condensed import condensed_bodies
+    check_reference_programs()
+    from rollbench.hifi.condensed import collect_condensed_bodies
     from rollbench.hifi.reference import AT_RIM
 
     change = VARIANTS[task.variant].change if task.variant else lambda scene: scene
     scenes = [change(scene) if isinstance(scene, Scene) else scene for scene in task.scenes]
-    ups, balls = set_ups(scenes, task.level, task.variant), balls_of(scenes[0])
+    ups, balls = setups_to_mesh(scenes, task.level, task.variant), ball_slices_by_set(scenes[0])
     ups = tuple(replace(up, settings=replace(up.settings, cell=task.cut_cells * up.settings.cell)) for up in ups)
     for attempt in range(ENLARGE + 1):
         setups = _prepare_setups(task, scenes, ups, step)
@@ -111,7 +111,7 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
         larger = []
         for up in ups:
             contacts = [(load[balls[k]], angle[balls[k]]) for load, angle in full for k in up.sets]
-            settings, why = with_larger_patches(setups[up.sets[0]], contacts, max(0, ENLARGE - 1 - attempt))
+            settings, why = settings_with_larger_patches(setups[up.sets[0]], contacts, max(0, ENLARGE - 1 - attempt))
             larger.append(up if settings is None else replace(up, settings=settings))
         words = "a contact reaches the rim of its patch"
         if tuple(larger) == ups or attempt == ENLARGE:
@@ -121,7 +121,7 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
         step(f"{words}, larger patches: {why}")
     runs = [_run_record(task, k, scene, results[k], setups, ups) for k, scene in enumerate(scenes)]
     good = stores_bodies(task) and all(run.answers for run in runs)
-    return runs, condensed_bodies(setups[0], task.level) if good else None
+    return runs, collect_condensed_bodies(setups[0], task.level) if good else None
 
 
 def _prepare_setups(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step: Step) -> list[Setup]:
@@ -141,9 +141,9 @@ def _prepare_setups(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp]
         try:
             setup = prepare(up.bodies, up.sides, up.settings, step, more, cache=Cache(task.cache), processes=task.processes)
         except MemoryError as error:
-            raise out_of_memory(error) from error
+            raise out_of_memory_error(error) from error
         except ValueError as error:
-            raise refused(scenes[0], error) from error
+            raise refusal_of_reference(scenes[0], error) from error
         by_set |= dict.fromkeys(up.sets, setup)
     return [by_set[k] for k in sorted(by_set)]
 
@@ -158,11 +158,11 @@ def _solve_load_case(scene: Solvable, setups: Sequence[Setup], step: Step) -> Re
 
     try:
         if isinstance(scene, Scene):
-            result = solve_reference(setups[0], scene, sides=needed_sides(scene), frozen=True, step=step)
+            result = solve_reference(setups[0], scene, sides=flanks_to_mesh(scene), frozen=True, step=step)
         else:
             result = solve_sets(scene, setups, frozen=True, step=step)
     except ValueError as error:
-        raise refused(scene, error) from error
+        raise refusal_of_reference(scene, error) from error
     step(StageDone("contact loads", f"{result.seconds:.1f} s, {scene.name} {result.status}"))
     return result
 
@@ -180,9 +180,11 @@ def _run_record(
     without = {}
     if task.ablate and isinstance(scene, Scene):
         for name in INGREDIENTS:
-            without[name] = solve_reference(setups[0], scene, sides=needed_sides(scene), leave_out=frozenset([name]))
+            without[name] = solve_reference(setups[0], scene, sides=flanks_to_mesh(scene), leave_out=frozenset([name]))
     shared = list({id(s): s for s in setups}.values())
-    settings = settings_to_store(ups) if not task.single else asdict(ups[0].settings) | {"stations": stations(*task.scenes)}
+    settings = (
+        settings_to_store(ups) if not task.single else asdict(ups[0].settings) | {"stations": node_stations(*task.scenes)}
+    )
     assert result.frozen is not None
     return Run(
         scene=task.scenes[number].name,
@@ -200,21 +202,23 @@ def _run_record(
         unknowns=result.unknowns,
         stages={name: sum(s.seconds.get(name, 0.0) for s in shared) for name in shared[0].seconds},
         solve_seconds=result.seconds,
-        peak_MB=None if (peak := peak_MB()) is None else peak + max(s.others_MB for s in shared),
+        peak_MB=None if (peak := peak_memory_MB()) is None else peak + max(s.others_MB for s in shared),
         balance=result.balance,
         along_groove=result.along_groove,
         screw_balance=result.screw_balance,
         quality=shared[0].quality | {name: min(s.quality[name] for s in shared) for name in ("screw", "nut", "ball")},
         settings=settings,
         assumed=tuple(dict.fromkeys(line for s in shared for line in s.dims.assumed)),
-        versions={"rollbench": __version__, **versions()},
+        versions={"rollbench": __version__, **program_versions()},
         sources=measuring_conditions().sources,
         machine=measuring_conditions().machine,
         date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
     )
 
 
-def with_larger_patches(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -> tuple[Settings | None, str]:
+def settings_with_larger_patches(
+    setup: Setup, contacts: Sequence[tuple[Array, Array]], steps_left: int
+) -> tuple[Settings | None, str]:
     """Return mesh settings with contact patches large enough for computed contact loads.
 
     Patches grow by a fixed factor. If the remaining steps would not make them as long as the skew contacts are along the
@@ -226,7 +230,7 @@ def with_larger_patches(setup: Setup, contacts: Sequence[tuple[Array, Array]], l
         Meshed and condensed parts.
     contacts
         Contact loads (n, 4) [N] and angles (n, 4) [rad] of each load case.
-    left
+    steps_left
         Number of further enlargements that are possible.
 
     Returns
@@ -236,8 +240,8 @@ def with_larger_patches(setup: Setup, contacts: Sequence[tuple[Array, Array]], l
     str
         Text with the required and the present size.
     """
-    from rollbench.hifi.meshing.part_meshes import choose_patch_lines, choose_socket_size, contact_reach_along
-    from rollbench.hifi.meshing.settings import hertz_units
+    from rollbench.hifi.meshing.part_meshes import choose_patch_lines, choose_socket_size, reach_of_ellipses_along_groove
+    from rollbench.hifi.meshing.settings import hertz_contacts_under_unit_force
 
     def zone(settings: Settings) -> tuple[float, float]:
         """Return the half widths [m] of the patch's contact zone, across and along the groove."""
@@ -250,19 +254,21 @@ def with_larger_patches(setup: Setup, contacts: Sequence[tuple[Array, Array]], l
         return f"{1e3 * lengths[0]:.3g} mm across and {1e3 * lengths[1]:.3g} mm along the groove"
 
     m, needs, askew = setup.map, np.zeros(2), 0.0
-    units = hertz_units(setup.scene)
+    units = hertz_contacts_under_unit_force(setup.scene)
     for load, touched in contacts:
         size, angle = np.cbrt(load), np.where(load > 0.0, touched, m.beta)
         across, along = (size * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
         needs = np.maximum(needs, [float((across + np.abs(angle - m.beta) * m.radius).max()), float(along.max())])
-        askew = max(askew, *(contact_reach_along(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.sides))
+        askew = max(
+            askew, *(reach_of_ellipses_along_groove(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.sides)
+        )
     has, reach = zone(setup.settings), np.array(setup.settings.reach)
     required = patch_size_text((float(needs[0]), float(needs[1])))
     words = f"the computed loads need {required}, the patch has {patch_size_text(has)}"
     refused, wide = "", max(float(reach[0]), float(needs[0]))
     longer = replace(setup.settings, reach=(wide, askew))
     try:
-        last = BEYOND**left * max(float(reach[1]), float(needs[1]) / BEYOND if left else 0.0)
+        last = BEYOND**steps_left * max(float(reach[1]), float(needs[1]) / BEYOND if steps_left else 0.0)
         if zone(replace(longer, reach=(wide, last)))[1] < ALIKE * askew <= zone(longer)[1]:
             return longer, f"{words}; skew contacts need {1e3 * askew:.3g} mm along the groove"
     except ValueError as error:

@@ -91,7 +91,7 @@ def _order_text(p: float) -> str:
     return f"below {low:g}" if p <= low else f"above {high:g}" if p >= high else f"= {p:.2f}"
 
 
-def representative_size(settings: Mapping[str, Any]) -> float:
+def relative_cell_size(settings: Mapping[str, Any]) -> float:
     """Return the relative cell size of a mesh level: one over the number of cells per semi-axis of a contact."""
     return 1.0 / float(settings["b_over_h"])
 
@@ -242,16 +242,16 @@ def _kind_of_convergence(column: Array, h: Array) -> tuple[str, float | None]:
     return (MONOTONE if ORDERS[0] <= p <= ORDERS[1] else OUT_OF_RANGE), p
 
 
-def _uncertainty_of_finest(y: Array, fit: Fit, sigma: Array | float, factor: float, spread: float = np.inf) -> Array:
+def _uncertainty_of_finest(y: Array, fit: Fit, sigma: Array | float, factor: float, mean_change: float = np.inf) -> Array:
     """Return the uncertainty U of the finest value of each quantity, (m,), from a fit.
 
-    ``y``: values (levels, m), coarse to fine; ``sigma``: standard deviation; ``factor``: F; ``spread``: Delta, the mean
-    change between levels.
+    ``y``: values (levels, m), coarse to fine; ``sigma``: standard deviation; ``factor``: F; ``mean_change``: Delta, the
+    mean change between levels.
     """
     error, off = np.abs(y[-1] - fit.residual[-1] - fit.limit), np.abs(fit.residual[-1])
-    if np.max(sigma) < spread:
+    if np.max(sigma) < mean_change:
         return np.asarray(factor * error + sigma + off)
-    return np.asarray(CAREFUL * sigma / spread * (error + sigma + off))
+    return np.asarray(CAREFUL * sigma / mean_change * (error + sigma + off))
 
 
 @dataclass(frozen=True)
@@ -295,7 +295,7 @@ def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``weighted``: whether weights are 1 / h. The order
     counts as one fitted parameter that all quantities share.
     """
-    x = _box_cox(h, np.array([p]))[0]
+    x = _box_cox_transform(h, np.array([p]))[0]
     finest, slope, residual = _linear_least_squares(y, x[:, None], level_weights(h, weighted))
     limit = finest - slope[0] / p if p > 0.0 else np.full_like(finest, np.nan)  # x is -1 / p at h = 0
     return _fit_record(f"order {p:.2f}", p, weighted, h, limit, residual, 2, 1)
@@ -355,14 +355,14 @@ def _residual_squares(y: Array, h: Array, w: Array, p: Array) -> Array:
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``w``: weights of the levels.
     """
     centred = y - w @ y
-    x = _box_cox(h, p)
+    x = _box_cox_transform(h, p)
     x = x - (x @ w)[:, None]
     slope = np.einsum("gn,n,nm->gm", x, w, centred) / ((x * x) @ w)[:, None]
     left = centred[None] - x[:, :, None] * slope[:, None, :]
     return np.asarray(np.einsum("n,gnm->g", w, left * left))
 
 
-def _box_cox(h: Array, p: Array) -> Array:
+def _box_cox_transform(h: Array, p: Array) -> Array:
     """Return (h^p - 1) / p as an array (orders, levels).
 
     ``h``: relative cell sizes (levels,); ``p``: orders (orders,). Fits with a constant are the same as with h^p, but at p =

@@ -55,14 +55,14 @@ import numpy as np
 
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent, mean_load
-from rollbench.compare.reference.convergence import representative_size
+from rollbench.compare.reference.convergence import relative_cell_size
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.compare.reference.store import Run, load_run, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 FILE = "grid_parts.json"
 
@@ -147,7 +147,7 @@ class GridParts:
         return np.where(on, self.cover * np.sqrt(shared + displaced * share), 0.0)
 
 
-def both_flanks(load: Array) -> bool:
+def has_both_flanks_loaded(load: Array) -> bool:
     """Return whether both flanks of the screw carry load, so that equilibrium does not fix the sum of the contact loads.
 
     ``load``: contact loads (n, 4) [N].
@@ -160,14 +160,14 @@ def loaded_on_any_level(loads: Levelled) -> Array:
     return np.asarray(np.max([loads[k] for k in loads], axis=0) > 0.0)
 
 
-def parts(loads: Levelled, known: Experience) -> GridParts:
+def mesh_uncertainty(loads: Levelled, experience: Experience) -> GridParts:
     """Compute the uncertainty of a scene's contact loads due to the mesh, and its parts.
 
     Parameters
     ----------
     loads
         Contact loads (n, 4) [N] for each mesh level.
-    known
+    experience
         Parts of the uncertainty that are determined from other scenes.
 
     Returns
@@ -176,15 +176,15 @@ def parts(loads: Levelled, known: Experience) -> GridParts:
         Uncertainty and parts.
     """
     levels = sorted(loads)
-    finest, both = levels[-1], both_flanks(loads[levels[-1]])
+    finest, both = levels[-1], has_both_flanks_loaded(loads[levels[-1]])
     if not (loads[finest] > 0.0).any():
         return GridParts(0.0)
     if len(levels) == 1:
-        return GridParts(known.single[both])
-    steps, fixed = list(pairwise(levels)), 2.0 * known.sockets**2
+        return GridParts(experience.single[both])
+    steps, fixed = list(pairwise(levels)), 2.0 * experience.sockets**2
     shown = np.array([float((_load_change(loads, a, b, finest) ** 2).mean()) for a, b in steps])
     amounts = _fit_variances(np.array([_variance_factors(a, b) for a, b in steps]), np.maximum(shown - fixed, 0.0), fixed)
-    left = (*(amounts * _variance_factors(finest, finest + 1)), fixed, 2.0 * known.common**2 if both else 0.0)
+    left = (*(amounts * _variance_factors(finest, finest + 1)), fixed, 2.0 * experience.common**2 if both else 0.0)
     cover = COVER_OF_ONE_CHANGE if levels == [finest - 1, finest] else COVER
     contact, bodies, sockets, common = (float(np.sqrt(v)) for v in left)
     return GridParts(cover * float(np.sqrt(sum(left))), contact, bodies, sockets, common, cover)
@@ -265,7 +265,7 @@ def derive_experience(
     shifts, errors = list[float](), (list[Array](), list[Array]())
     for name, loads in scenes.items():
         levels, finest = sorted(loads), max(loads)
-        both = both_flanks(loads[finest])
+        both = has_both_flanks_loaded(loads[finest])
         if both:
             shifts += [float(_load_change(loads, a, b, finest).mean()) for a, b in pairwise(levels) if a >= PRODUCTION]
         if levels[0] == min(LEVELS) and finest >= PRODUCTION:
@@ -336,7 +336,7 @@ class LipCompliance:
 
 
 @cache
-def read_lip(store: Path) -> LipCompliance:
+def read_lip_compliance(store: Path) -> LipCompliance:
     """Read the compliance of the lip between a contact and a free face of the nut from the folder ``store``.
 
     It was computed for one scene on all mesh levels. The part that a level neglects is multiplied by the largest ratio of
@@ -366,15 +366,15 @@ def excess_near_faces(scene: Scene, load: Array, level: int) -> Array:
 
     ``load``: contact loads (n, 4) [N] of the level.
     """
-    from rollbench.hifi.meshing.settings import hertz_units
+    from rollbench.hifi.meshing.settings import hertz_contacts_under_unit_force
 
     out = np.zeros_like(load)
     if scene.solid.nut != "elastic" or scene.track.lead == 0.0:
         return out
-    r, held = scene.balls.radius, solid_dimensions(scene).nut_held
+    r, held = scene.balls.radius, dimensions_of_3d_parts(scene).nut_held
     z, half = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0
-    soft = [2.0 / 3.0 * unit.approach for unit in hertz_units(scene)]
-    known, unit = read_lip(shipped_store()), 1.0 / (scene.nut.material.youngs_modulus * r)
+    soft = [2.0 / 3.0 * unit.approach for unit in hertz_contacts_under_unit_force(scene)]
+    known, unit = read_lip_compliance(shipped_store()), 1.0 / (scene.nut.material.youngs_modulus * r)
     for side, face, away in ((TOWARDS[0], "left face", half + z), (TOWARDS[1], "right face", half - z)):
         if held in (face, "both faces"):
             continue
@@ -394,7 +394,7 @@ def error_near_faces(scene: Scene, load: Array, level: int) -> Array:
     have errors, too.
     """
     excess = excess_near_faces(scene, load, level)
-    if both_flanks(load) or not excess.any():
+    if has_both_flanks_loaded(load) or not excess.any():
         return excess
     stiffness = load**STIFFNESS
     return np.asarray(excess + excess.sum(axis=0) * stiffness / np.maximum(stiffness.sum(axis=0), NO_STIFFNESS))
@@ -447,7 +447,7 @@ class Reference:
     @property
     def sizes(self) -> tuple[float, ...]:
         """Relative cell sizes of the runs, coarse to fine."""
-        return (1.0,) if self.stated else tuple(representative_size(run.settings) for run in self.runs)
+        return (1.0,) if self.stated else tuple(relative_cell_size(run.settings) for run in self.runs)
 
     @property
     def unsettled(self) -> str:
@@ -455,7 +455,7 @@ class Reference:
         return "; ".join(f"level {run.level} {run.status}" for run in self.runs if run.moving > 0.0)
 
 
-def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference | None:
+def reference_of_scene(scene: Scene, stores: Sequence[Path] | None = None) -> Reference | None:
     """Return the 3D reference of a scene from its finest stored runs.
 
     Parameters
@@ -495,13 +495,13 @@ def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts
         Loads of the finest run with their uncertainty.
     """
     loads = {run.level: run.load for run in runs}
-    grid, best = parts(loads, read_experience(shipped_store())), runs[-1]
+    grid, best = mesh_uncertainty(loads, read_experience(shipped_store())), runs[-1]
     bars = 0.01 * mean_load(best.load) * grid.bars(loads) if grid.bar else np.zeros_like(best.load)
     lips = excess_near_faces(scene, best.load, best.level)
     beside = error_near_faces(scene, best.load, best.level) if grid.by_experience else lips
     return Reference(name, runs, best.load, bars + beside + best.moving, grid, contacts, beside_face=lips)
 
 
-def uncertainty_percent(reference: Reference) -> float:
+def largest_uncertainty_percent(reference: Reference) -> float:
     """Return the largest uncertainty of a contact load of the reference [% of the mean load]; zero without load."""
     return float(error_percent(reference.uncertainty.max(), 0.0, reference.mean)) if reference.parts.bar else 0.0

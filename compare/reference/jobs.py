@@ -17,16 +17,16 @@ from time import perf_counter
 from typing import Any
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.quantities import count_of
+from rollbench.compare.quantities import count_with_noun
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_with_bodies, stores_bodies
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL, VARIANTS
-from rollbench.compare.reference.store import Run, bodies_path, load_run, path_in, save
-from rollbench.compare.reference.tasks import Solvable, Task, groups, set_ups
-from rollbench.compare.running import available_GB, cores, duration, output_closed
+from rollbench.compare.reference.store import Run, load_run, path_of_bodies, path_of_run, save_run
+from rollbench.compare.reference.tasks import Solvable, Task, group_by_geometry, setups_to_mesh
+from rollbench.compare.running import available_GB, format_duration, output_closed, usable_cores
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies
-from rollbench.meshes.processes import reset_peak
+from rollbench.meshes.processes import reset_peak_memory
 
 #: Time of the contact patches on each mesh level [s], independent of the number of contacts.
 PATCHES = {0: 3.0, 1: 13.0, 2: 25.0, 3: 45.0, 4: 100.0, 5: 200.0}
@@ -69,7 +69,7 @@ class Expected:
 
 def expected_cost(task: Task) -> Expected:
     """Estimate computing time and memory of a task of the 3D reference from its mesh level and number of contacts."""
-    by_bodies = [len(up.sides) * up.bodies.ball_count for up in set_ups(task.scenes, task.level)]
+    by_bodies = [len(up.sides) * up.bodies.ball_count for up in setups_to_mesh(task.scenes, task.level)]
     contacts = sum(by_bodies)
     times = len(task.scenes) * (6 if task.ablate else 1)
     stages = {name: GROWTH[task.level] * A_CONTACT.get(name, 0.0) * contacts for name in STAGES}
@@ -82,7 +82,7 @@ def expected_cost(task: Task) -> Expected:
     return Expected(stages, memory)
 
 
-def need_memory(tasks: Sequence[Task], workers: int) -> float:
+def check_memory(tasks: Sequence[Task], workers: int) -> float:
     """Estimate the peak memory of tasks of the 3D reference that run in parallel, and check that it is free.
 
     Parameters
@@ -129,7 +129,7 @@ class Progress:
         self.done = self.computed = 0.0
 
     @property
-    def under_way(self) -> str:
+    def present_stage_text(self) -> str:
         """Text with the name of the task and its present stage."""
         return f"{self.label}: {self.stages[0][0]}" if self.stages else self.label
 
@@ -147,7 +147,7 @@ class Progress:
         self.computed += 0.0 if text.cached else stage[1]
         left = sum(seconds for _, seconds in self.stages)
         pace = min(max(spent / self.computed, 0.1), 10.0) if self.computed else 1.0
-        total = f"about {duration(pace * (left + self.after))} left"
+        total = f"about {format_duration(pace * (left + self.after))} left"
         return f"{self.label}: {text}; {self.done / (self.done + left):.0%}, {total}{' in all' if self.after else ''}"
 
 
@@ -178,10 +178,10 @@ class Engine:
     @property
     def processes(self) -> int:
         """Number of processes for one job: the cores of this machine divided by the workers; one on a cluster."""
-        return max(cores() // (self.workers or 1), 1) if self.backend == "joblib" else 1
+        return max(usable_cores() // (self.workers or 1), 1) if self.backend == "joblib" else 1
 
 
-def first_here(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: Step) -> Iterator[tuple[int, Any]]:
+def run_jobs_where_faster(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: Step) -> Iterator[tuple[int, Any]]:
     """Run independent jobs, in other processes only if that saves time, and yield number and result of each.
 
     With several workers, the first two jobs run in this process. The time of the second job, for which all modules are
@@ -216,7 +216,7 @@ def first_here(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: St
         yield here + number, result
 
 
-def plan(
+def plan_tasks(
     scenes: Sequence[Solvable],
     levels: Sequence[int],
     variants: Sequence[str] = (),
@@ -247,7 +247,7 @@ def plan(
         The tasks.
     """
     tasks = []
-    for cases in map(tuple, groups(scenes)):
+    for cases in map(tuple, group_by_geometry(scenes)):
         tasks += [Task(cases, level, ablate=ablate and level == min(LEVELS)) for level in levels]
         if source:
             tasks.append(Task(cases, SOURCE_LEVEL))
@@ -273,7 +273,7 @@ def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
         if scenes:
             left.append(replace(task, scenes=scenes))
         elif stores_bodies(task) and not all(
-            run and any(bodies_path(store, scene, run).exists() for store in stores)
+            run and any(path_of_bodies(store, scene, run).exists() for store in stores)
             for scene, run in zip(task.single, runs, strict=True)
         ):
             left.append(task)
@@ -305,24 +305,24 @@ def compute_and_store(
     CondensedBodies or None
         Condensed screw and nut, if the task stores them.
     """
-    reset_peak()
+    reset_peak_memory()
     start, progress = perf_counter(), progress or Progress(task)
     runs, bodies = compute_with_bodies(task, lambda text: step(progress.line(text, perf_counter() - start)))
-    keep(store, task, runs, bodies)
+    store_runs_and_bodies(store, task, runs, bodies)
     return runs, bodies
 
 
-def keep(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
+def store_runs_and_bodies(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
     """Write the runs of a task whose loads can be used, and its condensed screw and nut, to the folder ``store``.
 
     ``bodies``: condensed screw and nut; None: none are stored. InputError if a file cannot be written.
     """
     for run, scene in zip(runs, task.scenes, strict=True):
         if run.answers:
-            save(store, scene, run)
+            save_run(store, scene, run)
     if bodies is None:
         return
-    path = bodies_path(store, task.single[0], runs[0])
+    path = path_of_bodies(store, task.single[0], runs[0])
     try:
         bodies.save(path)
     except OSError as error:
@@ -377,7 +377,7 @@ def ensure(
         return failed
     start, done = perf_counter(), 0.0
     alone = local and (engine.workers or 1) == 1
-    step(_announced(left, len(tasks) - len(left), store, engine.workers or 1, here=local))
+    step(_announcement_text(left, len(tasks) - len(left), store, engine.workers or 1, here=local))
     seconds = [expected_cost(task).seconds for task in left]
     progress = [Progress(task, sum(seconds[k + 1 :])) for k, task in enumerate(left)]
     jobs = [
@@ -391,8 +391,10 @@ def ensure(
         task = left[index]
         runs, bodies = outcome
         good = [(scene, run) for scene, run in zip(task.scenes, runs, strict=True) if run.answers]
-        if not all(path_in(store, scene, run).exists() for scene, run in good):
-            keep(store, task, runs, bodies)  # they were computed on a machine without access to this folder
+        if not all(path_of_run(store, scene, run).exists() for scene, run in good):
+            store_runs_and_bodies(
+                store, task, runs, bodies
+            )  # they were computed on a machine without access to this folder
         failed.extend(run for run in runs if not run.answers)
         done += seconds[index]
         finished += 1
@@ -414,7 +416,7 @@ def ensure(
             if output_closed():
                 interrupt_main()
                 return
-            stage = f"; {progress[finished].under_way}" if alone and finished < len(left) else ""
+            stage = f"; {progress[finished].present_stage_text}" if alone and finished < len(left) else ""
             step(f"[{finished}/{len(left)}] {perf_counter() - start:.0f} s{stage}")
 
     threading.Thread(target=report_regularly, daemon=True).start()
@@ -433,26 +435,26 @@ def ensure(
     return failed
 
 
-def _announced(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
+def _announcement_text(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
     """Return the message that announces number, expected time and memory of the tasks to compute.
 
     ``left``: the tasks; ``stored``: number of tasks whose runs are stored already; ``store``: folder of new runs;
     ``here``: whether they run on this machine. InputError if its memory is too small.
     """
     kept = f", {stored} are stored" if stored > 0 else ""
-    head = f"3D reference: {count_of(len(left), 'set-up')} to compute{kept}"
+    head = f"3D reference: {count_with_noun(len(left), 'set-up')} to compute{kept}"
     if not here:
         return f"{head}; stored in {store}"
-    memory = need_memory(left, workers)
-    time = duration(sum(expected_cost(task).seconds for task in left) / workers)
+    memory = check_memory(left, workers)
+    time = format_duration(sum(expected_cost(task).seconds for task in left) / workers)
     return f"{head}; expected: about {time}, up to {memory:.1f} GB of memory; stored in {store}"
 
 
-def all_variants() -> tuple[str, ...]:
+def modelling_variant_names() -> tuple[str, ...]:
     """Return the names of the variants of the 3D reference that change a modelling choice, not the mesh."""
     return tuple(name for name, variant in VARIANTS.items() if not variant.refined)
 
 
-def refinements() -> tuple[str, ...]:
+def refinement_variant_names() -> tuple[str, ...]:
     """Return the names of the variants of the 3D reference that refine one mesh setting of the finest level."""
     return tuple(name for name, variant in VARIANTS.items() if variant.refined)

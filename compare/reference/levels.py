@@ -15,14 +15,14 @@ import numpy as np
 
 from rollbench.compare import files
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.solid import Dimensions, groove_depths, solid_dimensions
+from rollbench.meshes.solid import Dimensions, dimensions_of_3d_parts, largest_groove_depths
 
 #: Ball radius [m] for which the lengths in the settings are stated; for other radii they are scaled in proportion.
 BALL = 2.778e-3
-_TABLES = files.shipped_table("reference/levels.toml")
+_TABLES = files.read_shipped_toml("reference/levels.toml")
 
 
-def _settings(keys: Mapping[str, Any]) -> dict[str, Any]:
+def _settings_from_toml(keys: Mapping[str, Any]) -> dict[str, Any]:
     """Return mesh settings read from a TOML table, with its lists as tuples."""
     return {name: tuple(value) if isinstance(value, list) else value for name, value in keys.items()}
 
@@ -33,13 +33,13 @@ def _settings(keys: Mapping[str, Any]) -> dict[str, Any]:
 #: compliance, coarse bodies and balls, which only transfer loads between contacts, and the models of the shaft's cut ends.
 #: The growth of the patches' cells and the numbers of modes follow. The plane mesh of the shaft's cross-section is the same
 #: on all levels; its error is below 0.04 % in bending (tests/unit/hifi/test_helical_section.py).
-LEVELS: dict[int, dict[str, Any]] = {int(level): _settings(keys) for level, keys in _TABLES["level"].items()}
+LEVELS: dict[int, dict[str, Any]] = {int(level): _settings_from_toml(keys) for level, keys in _TABLES["level"].items()}
 #: Finer values of single settings of the finest level (`VARIANTS`).
-BEYOND: dict[str, Any] = _settings(_TABLES["beyond"])
+BEYOND: dict[str, Any] = _settings_from_toml(_TABLES["beyond"])
 #: Level 0 is the mesh of Lin's thesis: first-order tetrahedra, 0.08 mm around every contact, 5 mm elsewhere (made of split
 #: second-order ones of twice the size). It is not part of a convergence study.
 SOURCE_LEVEL = 0
-SOURCE_MESH: dict[str, Any] = _settings(_TABLES["source"])
+SOURCE_MESH: dict[str, Any] = _settings_from_toml(_TABLES["source"])
 #: Finest level of a production run; variants refine single settings of it.
 PRODUCTION = 3
 #: Levels of a mesh study. The last one is finer than a production run and tests the uncertainty estimated from the others.
@@ -116,7 +116,7 @@ def unchanged_scene(scene: Scene) -> Scene:
     return scene
 
 
-def solid(**changes: Any) -> Change:
+def change_solid_model(**changes: Any) -> Change:
     """Return a function that copies a scene with changed fields of ``scene.solid``, which only the 3D model uses.
 
     ``changes``: new values by name of the field.
@@ -124,13 +124,13 @@ def solid(**changes: Any) -> Change:
     return lambda scene: replace(scene, solid=replace(scene.solid, **changes))
 
 
-def scale_dimension(name: str, take: Callable[[Dimensions], float], factor: float, shift: float = 0.0) -> Change:
+def scale_dimension(name: str, dimension_of: Callable[[Dimensions], float], factor: float, shift: float = 0.0) -> Change:
     """Return a function that copies a scene with one dimension of the 3D model changed.
 
-    ``name``: field of ``scene.solid``; ``take``: function that returns the present dimension [m], which is multiplied by
-    ``factor`` and increased by ``shift`` [m].
+    ``name``: field of ``scene.solid``; ``dimension_of``: function that returns the present dimension [m], which is
+    multiplied by ``factor`` and increased by ``shift`` [m].
     """
-    return lambda scene: solid(**{name: take(solid_dimensions(scene)) * factor + shift})(scene)
+    return lambda scene: change_solid_model(**{name: dimension_of(dimensions_of_3d_parts(scene)) * factor + shift})(scene)
 
 
 def lengthen_3d_shaft(leads: float) -> Change:
@@ -146,26 +146,26 @@ def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
     """
 
     def fix_half(scene: Scene) -> Scene:
-        face, flange = solid_dimensions(scene).nut_held, scene.nut.flange
+        face, flange = dimensions_of_3d_parts(scene).nut_held, scene.nut.flange
         if flange is not None and face.startswith("flange"):
             low, high = flange.seat
             seat = (low, 0.5 * (low + high)) if half == "inner" else (0.5 * (low + high), high)
             return replace(scene, nut=replace(scene.nut, flange=replace(flange, seat=seat)))
         if face not in ("left face", "right face"):
             raise ValueError(f"the nut is fixed at its {face}, not at one face")
-        return solid(nut_held=f"{face}, {half} half")(scene)
+        return change_solid_model(nut_held=f"{face}, {half} half")(scene)
 
     return fix_half
 
 
-def plain_shaft(scene: Scene) -> Scene:
+def with_plain_shaft(scene: Scene) -> Scene:
     """Return a copy of the scene whose shaft is plain beyond its 3D part, with the diameter of the lands."""
-    return solid(shaft_diameter=scene.screw.outer_diameter)(scene)
+    return change_solid_model(shaft_diameter=scene.screw.outer_diameter)(scene)
 
 
-def ends_in_plain_shaft(scene: Scene) -> Scene:
+def with_shortened_groove(scene: Scene) -> Scene:
     """Return a copy of the scene whose groove ends at half the length of the shaft's 3D part, before a plain shaft."""
-    return plain_shaft(scale_dimension("shaft", lambda d: d.shaft, 0.5)(scene))
+    return with_plain_shaft(scale_dimension("shaft", lambda d: d.shaft, 0.5)(scene))
 
 
 def with_twisted_supports(scene: Scene) -> Scene:
@@ -179,7 +179,7 @@ def with_twisted_supports(scene: Scene) -> Scene:
     e = scene.screw.material
     core = scene.track.pitch_radius - scene.screw.groove_radius
     if core <= scene.screw.bore / 2.0:
-        core = scene.track.pitch_radius - groove_depths(scene)[0]
+        core = scene.track.pitch_radius - largest_groove_depths(scene)[0]
     area = np.pi * (core**2 - (scene.screw.bore / 2.0) ** 2)
     polar = 0.5 * np.pi * (core**4 - (scene.screw.bore / 2.0) ** 4)
     force = sum(abs(load.force[2]) for load in scene.loads)
@@ -226,9 +226,11 @@ VARIANTS: dict[str, Variant] = {
     "hole": Variant("hole along the screw of half the diameter", HOLE, "modelling", _hole),
     "held-outer": Variant(_width.format("outer"), WIDTH, "modelling", fix_half_of_face("outer")),
     "held-inner": Variant(_width.format("inner"), WIDTH, "modelling", fix_half_of_face("inner")),
-    "nut-filled": Variant(_filled, FILLED, "modelling", solid(nut_groove="loaded")),
-    "shaft-plain": Variant("shaft beyond the 3D stretch plain, of the lands' diameter", GROOVE_END, "scene", plain_shaft),
-    "runout": Variant("groove of the screw ends at half the 3D stretch", GROOVE_END, "scene", ends_in_plain_shaft),
+    "nut-filled": Variant(_filled, FILLED, "modelling", change_solid_model(nut_groove="loaded")),
+    "shaft-plain": Variant(
+        "shaft beyond the 3D stretch plain, of the lands' diameter", GROOVE_END, "scene", with_plain_shaft
+    ),
+    "runout": Variant("groove of the screw ends at half the 3D stretch", GROOVE_END, "scene", with_shortened_groove),
     "finer-contact": mesh_refinement_variant(
         "cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "b_over_h"
     ),
@@ -241,8 +243,8 @@ VARIANTS: dict[str, Variant] = {
     "modes": mesh_refinement_variant("28 modes per patch for 14", MODES, "modes"),
     "finer-ball": mesh_refinement_variant("cells and modes of the ball", "ball", "ball_fine", "ball_coarse", "ball_modes"),
     "finer-cell": mesh_refinement_variant("cells of the shaft's cut ends", "cut ends of the shaft", "cell"),
-    "nut-right": Variant("nut held at its right face", FIXING, "scene", solid(nut_held="right face")),
-    "nut-outer": Variant("nut held by its outer surface", FIXING, "scene", solid(nut_held="outer surface")),
+    "nut-right": Variant("nut held at its right face", FIXING, "scene", change_solid_model(nut_held="right face")),
+    "nut-outer": Variant("nut held by its outer surface", FIXING, "scene", change_solid_model(nut_held="outer surface")),
 }
 
 #: Choices that the modelling uncertainty does not include.

@@ -20,7 +20,7 @@ from typing import Any
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.meshes.processes import local_workers, one_thread, without_restart_warnings
+from rollbench.meshes.processes import limit_to_one_thread, single_thread_workers, without_restart_warnings
 
 #: Job: a function without arguments, or a function and its arguments; picklable if it runs in another process.
 Job = Callable[[], Any] | tuple[Callable[..., Any], Sequence[Any]]
@@ -110,7 +110,7 @@ def _run_in_workers(
     workers); ``wait``: time to wait for a worker [s]. The exception of a job is raised here.
     """
     asked = [(number, __version__, *call) for number, call in enumerate(calls)]
-    answers = _on_cluster(asked, scheduler, workers, wait) if backend == "dask" else _in_processes(asked, workers)
+    answers = _run_on_cluster(asked, scheduler, workers, wait) if backend == "dask" else _run_in_processes(asked, workers)
     with closing(answers):
         for number, good, packed in answers:
             value = pickle.loads(packed)
@@ -128,11 +128,11 @@ def _run_job(number: int, version: str, function: Callable[..., Any], arguments:
     """
     import cloudpickle
 
-    one_thread()
+    limit_to_one_thread()
     with _ALONE:
         try:
             if version != __version__:
-                raise _other_version(f"a worker of rollbench {__version__}, which joined later", version)
+                raise _version_mismatch_error(f"a worker of rollbench {__version__}, which joined later", version)
             return number, True, cloudpickle.dumps(function(*arguments))
         except Exception as error:
             note = f"In a worker: {traceback.format_exc()}"
@@ -148,7 +148,7 @@ def _run_job(number: int, version: str, function: Callable[..., Any], arguments:
             return number, False, packed
 
 
-def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, None, None]:
+def _run_in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, None, None]:
     """Run jobs in processes of this machine, and yield their replies as they arrive.
 
     ``asked``: requests to the processes; ``workers``: number of processes. Closing the generator cancels the remaining
@@ -157,7 +157,7 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
     from joblib import Parallel, delayed
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
-    with local_workers():  # max_nbytes: no read-only arguments
+    with single_thread_workers():  # max_nbytes: no read-only arguments
         many = Parallel(workers, return_as="generator_unordered", pre_dispatch=workers, batch_size=1, max_nbytes=None)
         answers = many(delayed(_run_job)(*one) for one in asked)
         try:
@@ -172,14 +172,16 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
                 answers.close()
 
 
-def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wait: float) -> Generator[Answer, None, None]:
+def _run_on_cluster(
+    asked: Sequence[Asked], scheduler: str | None, workers: int, wait: float
+) -> Generator[Answer, None, None]:
     """Run jobs on a Dask cluster, and yield the workers' replies as they arrive; closing cancels the remaining jobs.
 
     ``asked``: requests to the workers; ``wait``: time to wait for a worker [s]. The scheduler gets all jobs at once, or as
     many as may run at the same time. It assigns them to workers as these join, and a cluster with adaptive size knows the
     amount of work.
     """
-    with _cluster(scheduler, workers) as client:
+    with _connect_to_cluster(scheduler, workers) as client:
         from distributed import KilledWorker, as_completed
 
         left, running = deque(asked), 0
@@ -236,11 +238,11 @@ def _check_cluster(client: Any, place: str, wait: float) -> Iterator[None]:
                 if had_workers:
                     raise _lost_cluster_error(f"{place}: the last worker was lost, and no other joined within {wait:g} s")
                 start = f"start workers with: dask worker {place}; if they need more time, use `wait_workers=600`"
-                raise _no_cluster(place, f"no workers within {wait:g} s", start)
+                raise _no_cluster_error(place, f"no workers within {wait:g} s", start)
         yield
 
 
-def _no_cluster(place: str, reason: str, advice: str) -> InputError:
+def _no_cluster_error(place: str, reason: str, advice: str) -> InputError:
     """Return the ArgumentError for a cluster that cannot be used; ``place``: address of its scheduler."""
     return ArgumentError("scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
 
@@ -296,7 +298,7 @@ def use_tls(ca: str | None, cert: str | None, key: str | None) -> None:
 
 
 @contextmanager
-def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
+def _connect_to_cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
     """Yield a Dask client of the scheduler, or of a cluster started on this machine; InputError if that fails."""
     try:
         from distributed import Client, LocalCluster
@@ -313,24 +315,24 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
             )
         else:
             try:
-                asyncio.run(asyncio.wait_for(_greet(scheduler), PATIENCE))
+                asyncio.run(asyncio.wait_for(_try_connection(scheduler), PATIENCE))
             except Exception as error:  # nothing there, or something that is no scheduler
                 start = "start one with: dask scheduler; its address looks like tcp://host:8786"
-                raise _no_cluster(place, f"no answer of a scheduler ({type(error).__name__})", start) from error
+                raise _no_cluster_error(place, f"no answer of a scheduler ({type(error).__name__})", start) from error
         client = stack.enter_context(Client(address, timeout=PATIENCE, set_as_default=False))
         try:
             versions = set(
                 client.run(_version).values()
             )  # versions of the present workers; `_run_job` checks those that join later
         except Exception as error:
-            raise _no_cluster(place, f"workers without rollbench ({error})", INSTALL) from error
+            raise _no_cluster_error(place, f"workers without rollbench ({error})", INSTALL) from error
         if versions - {__version__}:
             others = ", ".join(sorted(versions))
-            raise _other_version(f"{place}: workers of rollbench {others}", __version__)
+            raise _version_mismatch_error(f"{place}: workers of rollbench {others}", __version__)
         yield client
 
 
-def _other_version(value: str, version: str) -> InputError:
+def _version_mismatch_error(value: str, version: str) -> InputError:
     """Return the ArgumentError for cluster workers with another rollbench version; ``version``: the required version."""
     advice = f"install version {version} where the workers run"
     return ArgumentError("scheduler", value, f"workers of rollbench {version}", advice)
@@ -339,13 +341,13 @@ def _other_version(value: str, version: str) -> InputError:
 def _scheduler_answers(scheduler: str) -> bool:
     """Return whether a Dask scheduler at the address ``scheduler`` (such as tcp://host:8786) accepts a connection."""
     try:
-        asyncio.run(asyncio.wait_for(_greet(scheduler), PATIENCE))
+        asyncio.run(asyncio.wait_for(_try_connection(scheduler), PATIENCE))
     except Exception:  # any error of a closed connection
         return False
     return True
 
 
-async def _greet(scheduler: str) -> None:
+async def _try_connection(scheduler: str) -> None:
     """Connect to the scheduler at an address, and raise if it does not answer.
 
     A Dask client that fails to connect would delay the end of the process.

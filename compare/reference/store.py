@@ -21,27 +21,27 @@ import numpy as np
 from rollbench.compare import __version__, files
 from rollbench.compare.files import replace_file
 from rollbench.compare.provenance import sources_hash
-from rollbench.compare.reference.tasks import Solvable, meshes_suit, plain, relevant_to_statics
-from rollbench.compare.running import machine
+from rollbench.compare.reference.tasks import Solvable, is_mesh_suitable, reset_nonstatic_fields, settings_with_tuples
+from rollbench.compare.running import machine_description
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.condensed import geometry_digest
+from rollbench.meshes.condensed import digest_of_geometry
 from rollbench.meshes.parts import GateLimits, Operation, Scene
-from rollbench.meshes.record_keys import Fields, canonical, digest
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.record_keys import RecordFields, canonical_text, digest_of_values
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 #: Largest size of a run's file [bytes], and deepest nesting of its brackets (largest shipped file: a tenth of it, and 4).
 LARGEST, DEEPEST = 8_000_000, 8
 
 
-def sealed(data: Mapping[str, Any]) -> str:
+def run_text_with_checksum(data: Mapping[str, Any]) -> str:
     """Return the text of a stored run's file: its data as JSON with a checksum, one line for each row of an array."""
     whole = {**data, "checksum": checksum(data)}
     return json.dumps(whole, separators=(",", ":")).replace("],[", "],\n[") + "\n"
 
 
-def unsealed(path: Path) -> dict[str, Any]:
+def read_checked_data(path: Path) -> dict[str, Any]:
     """Read the data of a stored run from its file, and verify the checksum.
 
     Parameters
@@ -61,7 +61,7 @@ def unsealed(path: Path) -> dict[str, Any]:
     OSError
         If the file cannot be read.
     """
-    data = _parsed(path)
+    data = _parse_json_file(path)
     if data.pop("checksum", None) != checksum(data):
         raise ValueError("the checksum does not match the data")
     return data
@@ -72,7 +72,7 @@ def checksum(data: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(data, sort_keys=True, separators=(",", ":")).encode()).hexdigest()[:32]
 
 
-def _parsed(path: Path) -> dict[str, Any]:
+def _parse_json_file(path: Path) -> dict[str, Any]:
     """Return the JSON object in a stored run's file; ValueError if it is too large, too deeply nested or no object."""
     if not path.is_file():
         raise ValueError("the path is not a regular file")
@@ -117,26 +117,26 @@ class Measured:
 @cache
 def measuring_conditions() -> Measured:
     """Return the conditions (version, sources, machine) of times that this process measures."""
-    return Measured(__version__, sources_hash(SOLVERS)[:16], machine())
+    return Measured(__version__, sources_hash(SOLVERS)[:16], machine_description())
 
 
-def one_run(times: Iterable[Measured]) -> Measured | None:
+def common_conditions(conditions: Iterable[Measured]) -> Measured | None:
     """Return the conditions under which all of several computing times were measured; ValueError if they differ.
 
-    ``times``: the conditions of each measurement; None is returned if there are none.
+    ``conditions``: the conditions of each measurement; None is returned if there are none.
     """
-    found = set(times)
+    found = set(conditions)
     if len(found) > 1:
         raise ValueError(f"the times stem from several measuring runs: {', '.join(sorted(map(str, found)))}")
     return next(iter(found), None)
 
 
-def most_of(times: Iterable[Measured]) -> Measured | None:
+def most_frequent_conditions(conditions: Iterable[Measured]) -> Measured | None:
     """Return the conditions under which most of several computing times were measured; None without any.
 
-    ``times``: the conditions of each measurement.
+    ``conditions``: the conditions of each measurement.
     """
-    common = Counter(times).most_common(1)
+    common = Counter(conditions).most_common(1)
     return common[0][0] if common else None
 
 
@@ -252,13 +252,13 @@ class Run:
         return sum(self.stages.values())
 
 
-def versions() -> dict[str, str]:
+def program_versions() -> dict[str, str]:
     """Return the installed versions of gmsh and scikit-fem; an empty text for a program that is not installed."""
-    return {name: _version(name) for name in PROGRAMS}
+    return {name: _installed_version(name) for name in PROGRAMS}
 
 
 @cache
-def _version(name: str) -> str:
+def _installed_version(name: str) -> str:
     """Return the installed version of a package; empty if it is not installed."""
     try:
         return metadata.version(name)
@@ -266,7 +266,7 @@ def _version(name: str) -> str:
         return ""
 
 
-def key_of(
+def content_key_of_run(
     scene: Solvable,
     variant: str,
     settings: Mapping[str, Any],
@@ -299,12 +299,16 @@ def key_of(
     """
     if isinstance(scene, Assembly):
         each = zip(scene.sets, settings["sets"], strict=True)
-        meshed = [_meshed(s.parts, mesh, mesh["sides"], programs) for s, mesh in each if isinstance(s.parts, Scene)]
-        return digest(SCHEMA, SETS, SECTIONS, relevant_to_statics(scene, UNSAID), variant, *meshed)[:16]
-    return digest(SCHEMA, replace(scene, **UNSAID), variant, *_meshed(scene, settings, sides, programs))[:16]
+        meshed = [
+            _mesh_parts_of_key(s.parts, mesh, mesh["sides"], programs) for s, mesh in each if isinstance(s.parts, Scene)
+        ]
+        return digest_of_values(SCHEMA, SETS, SECTIONS, reset_nonstatic_fields(scene, UNSAID), variant, *meshed)[:16]
+    return digest_of_values(
+        SCHEMA, replace(scene, **UNSAID), variant, *_mesh_parts_of_key(scene, settings, sides, programs)
+    )[:16]
 
 
-def bodies_key(
+def content_key_of_bodies(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None = None
 ) -> str:
     """Return the content key of condensed screw and nut: a hash of everything that affects their stiffness.
@@ -312,68 +316,76 @@ def bodies_key(
     These are the geometry of the parts, the mesh settings, the numbers of the meshed flanks (``sides``), the versions of
     gmsh and scikit-fem (``programs``; None: those installed), `SCHEMA` and `BODIES`.
     """
-    return digest(SCHEMA, BODIES, geometry_digest(scene), *_meshed(scene, settings, sides, programs))[:16]
+    return digest_of_values(
+        SCHEMA, BODIES, digest_of_geometry(scene), *_mesh_parts_of_key(scene, settings, sides, programs)
+    )[:16]
 
 
-def _meshed(
+def _mesh_parts_of_key(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None
 ) -> tuple[object, ...]:
     """Return the parts of a content key that describe a mesh: dimensions, settings, flanks, program versions.
 
     ``sides``: numbers of the meshed flanks; ``programs``: versions of gmsh and scikit-fem; None: those installed.
     """
-    made_by = versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
-    dims = solid_dimensions(scene)
+    made_by = program_versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
+    dims = dimensions_of_3d_parts(scene)
     low, high = dims.ends(scene)
     inner = dims.screw_held != "bore" and any(low < z < high for z in settings.get("stations", ()))
     hollow = dims.screw_held != "bore" and dims.shaft_radius is None and scene.screw.bore > 0.0
     marks = ((SECTIONS,) if inner else ()) + ((HOLLOW,) if hollow else ())
-    return replace(dims, assumed=(), mesh_only=()), Fields(Settings, plain(settings)), tuple(sides), made_by, *marks
+    return (
+        replace(dims, assumed=(), mesh_only=()),
+        RecordFields(Settings, settings_with_tuples(settings)),
+        tuple(sides),
+        made_by,
+        *marks,
+    )
 
 
-def path_in(store: Path, scene: Solvable, run: Run) -> Path:
+def path_of_run(store: Path, scene: Solvable, run: Run) -> Path:
     """Return the path of the file of a scene's run in the folder ``store``.
 
     The file's name has the name of the scene at the time of the run, and the key of the program versions of the run, which
     may differ from the installed versions.
     """
-    key = key_of(scene, run.variant, run.settings, run.sides, run.versions)
-    return store / f"{_stem(run.scene, run.level, run.variant)}{key}.json"
+    key = content_key_of_run(scene, run.variant, run.settings, run.sides, run.versions)
+    return store / f"{_file_name_start(run.scene, run.level, run.variant)}{key}.json"
 
 
-def bodies_path(store: Path, scene: Scene, run: Run) -> Path:
+def path_of_bodies(store: Path, scene: Scene, run: Run) -> Path:
     """Return the path of the file with a run's condensed screw and nut in the folder ``store``."""
-    key = bodies_key(scene, run.settings, run.sides, run.versions)
-    return store / f"bodies-{geometry_digest(scene)}-level{run.level}-{key}.npz"
+    key = content_key_of_bodies(scene, run.settings, run.sides, run.versions)
+    return store / f"bodies-{digest_of_geometry(scene)}-level{run.level}-{key}.npz"
 
 
-def _stem(name: str, level: int, variant: str) -> str:
+def _file_name_start(name: str, level: int, variant: str) -> str:
     """Return the beginning of a stored run's file name, before its content key: scene, mesh level and variant."""
     return f"{name}-level{level}-{variant}-" if variant else f"{name}-level{level}-"
 
 
-def save(store: Path, scene: Solvable, run: Run) -> Path:
+def save_run(store: Path, scene: Solvable, run: Run) -> Path:
     """Write a run of a scene to the folder ``store``, completely or not at all, and return the file's path.
 
     ValueError for a run whose contact loads cannot be used because it did not converge.
     """
     if not run.answers:
         raise ValueError(f"a run that did not converge cannot be a reference: {run.status}")
-    path = path_in(store, scene, run)
-    data = asdict(run) | {name: _rows(getattr(run, name)) for name in ARRAYS}
-    data["without"] = {name: _rows(array) for name, array in run.without.items()}
-    replace_file(path, sealed(data))
+    path = path_of_run(store, scene, run)
+    data = asdict(run) | {name: _rounded_rows(getattr(run, name)) for name in ARRAYS}
+    data["without"] = {name: _rounded_rows(array) for name, array in run.without.items()}
+    replace_file(path, run_text_with_checksum(data))
     return path
 
 
-def _rows(array: Array) -> list[list[float | None]]:
+def _rounded_rows(array: Array) -> list[list[float | None]]:
     """Return an array as rows of numbers with seven significant digits (small files); nan becomes None."""
     return [[None if np.isnan(x) else float(f"{x:.7g}") for x in row] for row in array]
 
 
 def shipped_store() -> Path:
     """Return the folder of the 3D reference runs that are part of the package."""
-    return files.place("references")
+    return files.shipped_path("references")
 
 
 def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
@@ -399,26 +411,28 @@ def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Pa
     Run or None
         The run.
     """
-    installed = versions()
+    installed = program_versions()
     for store in (shipped_store(),) if stores is None else stores:
         runs = []
-        for path in files_of(store, scene, level, variant):
+        for path in run_files_of_scene(store, scene, level, variant):
             run = read_run(path, scene, level, variant)
-            if run is not None and meshes_suit(scene, level, variant, run.settings, run.sides):
+            if run is not None and is_mesh_suitable(scene, level, variant, run.settings, run.sides):
                 runs.append(run)
         if runs:
-            return min(runs, key=partial(_sort_key, installed))
+            return min(runs, key=partial(_preference_key, installed))
     return None
 
 
-def files_of(store: Path, scene: Solvable, level: int, variant: str = "") -> list[Path]:
+def run_files_of_scene(store: Path, scene: Solvable, level: int, variant: str = "") -> list[Path]:
     """Return the files of stored runs in the folder ``store`` whose content key fits a scene, mesh level and variant.
 
     Files with the scene's name come first.
     """
-    own, pattern = (_stem(name, level, variant) for name in (scene.name, "*"))
+    own, pattern = (_file_name_start(name, level, variant) for name in (scene.name, "*"))
     paths = sorted(store.glob(f"{pattern}{KEY}.json"), key=lambda path: (not path.name.startswith(own), path.name))
-    meshes = {mesh.text: mesh for path in paths if (mesh := _mesh_of(path)) is not None and mesh.balls == scene.ball_count}
+    meshes = {
+        mesh.text: mesh for path in paths if (mesh := _read_mesh(path)) is not None and mesh.balls == scene.ball_count
+    }
     keys = {key for mesh in meshes.values() if (key := mesh.key(scene, variant)) is not None}
     return [path for path in paths if path.stem.rpartition("-")[2] in keys]
 
@@ -440,35 +454,35 @@ class _Mesh(NamedTuple):
     def key(self, scene: Solvable, variant: str) -> str | None:
         """Return the content key of a run of ``scene`` on this mesh; None if the mesh is of another kind of scene."""
         try:
-            return key_of(scene, variant, self.settings, self.sides, self.programs)
+            return content_key_of_run(scene, variant, self.settings, self.sides, self.programs)
         except (ValueError, KeyError, TypeError):
             return None
 
 
-def _mesh_of(path: Path) -> _Mesh | None:
+def _read_mesh(path: Path) -> _Mesh | None:
     """Return mesh settings, meshed flanks and program versions from a stored run's file; None if it cannot be read."""
     try:
-        return _known_mesh(path, path.stat().st_mtime_ns)
+        return _cached_mesh(path, path.stat().st_mtime_ns)
     except OSError:
         return None
 
 
 @lru_cache(maxsize=100_000)
-def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
+def _cached_mesh(path: Path, _changed: int) -> _Mesh | None:
     """Return mesh settings, meshed flanks and program versions from a stored run's file; None if it is damaged.
 
     The result is cached by the path and the file's time of change ``_changed`` [ns].
     """
     try:
-        run = unsealed(path)
-        settings, sides, programs = plain(run["settings"]), tuple(run["sides"]), dict(run["versions"])
-        text = canonical((Fields(Settings, settings), sides, programs))
+        run = read_checked_data(path)
+        settings, sides, programs = settings_with_tuples(run["settings"]), tuple(run["sides"]), dict(run["versions"])
+        text = canonical_text((RecordFields(Settings, settings), sides, programs))
         return _Mesh(len(run["load"]), settings, sides, programs, text)
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
 
 
-def _sort_key(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
+def _preference_key(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
     """Return the key that sorts stored runs: installed program versions first, then fine contact cells, large patches.
 
     ``installed``: installed versions of gmsh and scikit-fem by name.
@@ -484,19 +498,23 @@ def read_run(path: Path, scene: Solvable, level: int, variant: str) -> Run | Non
     None if the file is damaged, is of another mesh level or variant, or its name does not contain the content key.
     """
     try:
-        data = unsealed(path)
-        arrays: dict[str, Any] = {k: _array(data.pop(k)) for k in ARRAYS}
-        without = {k: _array(v) for k, v in data.pop("without").items()}
-        data |= {"sides": tuple(data["sides"]), "assumed": tuple(data["assumed"]), "settings": plain(data["settings"])}
+        data = read_checked_data(path)
+        arrays: dict[str, Any] = {k: _array_from_json(data.pop(k)) for k in ARRAYS}
+        without = {k: _array_from_json(v) for k, v in data.pop("without").items()}
+        data |= {
+            "sides": tuple(data["sides"]),
+            "assumed": tuple(data["assumed"]),
+            "settings": settings_with_tuples(data["settings"]),
+        }
         run = Run(**data, **arrays, without=without)
         whole = run.load.shape == (scene.ball_count, 4) == run.angle.shape == run.frozen.shape
-        key = key_of(scene, run.variant, run.settings, run.sides, run.versions)
+        key = content_key_of_run(scene, run.variant, run.settings, run.sides, run.versions)
         as_named = (run.level, run.variant) == (level, variant) and path.stem.rpartition("-")[2] == key
         return run if whole and as_named and run.answers else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
 
 
-def _array(rows: list[list[float | None]]) -> Array:
+def _array_from_json(rows: list[list[float | None]]) -> Array:
     """Return rows of numbers from JSON as an array; None becomes nan."""
     return np.array([[np.nan if x is None else x for x in row] for row in rows], dtype=float)

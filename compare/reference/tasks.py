@@ -17,7 +17,7 @@ from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, VARIANTS, scaled_settings
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.record_keys import Fields, canonical
+from rollbench.meshes.record_keys import RecordFields, canonical_text
 
 if TYPE_CHECKING:
     from rollbench.hifi.meshing.settings import ExpectedContacts, Settings
@@ -43,59 +43,63 @@ class SetUp:
     sets: tuple[int, ...] = (0,)
 
 
-def stations(*cases: Solvable) -> tuple[float, ...]:
+def node_stations(*cases: Solvable) -> tuple[float, ...]:
     """Return the axial positions [m] of supports and loads of all load cases, at which the 3D shaft has nodes."""
     return tuple(sorted({x.at for case in cases for given in (case.supports, case.loads) for x in given}))
 
 
-def balls_of(described: Solvable) -> list[slice]:
+def ball_slices_by_set(described: Solvable) -> list[slice]:
     """Return for each set of balls the slice of its balls in an array with the balls of all sets on the shaft."""
     sets = [described] if isinstance(described, Scene) else [s.parts for s in described.sets if isinstance(s.parts, Scene)]
     ends = np.cumsum([0, *(scene.ball_count for scene in sets)])
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
 
-def refused(described: Solvable, error: ValueError) -> Refusal:
+def refusal_of_reference(described: Solvable, error: ValueError) -> Refusal:
     """Return the Refusal to raise for a scene that the 3D reference cannot solve; ``error`` states the reason."""
     advice = "change the named dimension or key, or use a low-order model"
     return Refusal(described.name, "3D reference", str(error), advice)
 
 
-def _bodies(case: Solvable) -> list[Scene]:
+def _bodies_to_mesh(case: Solvable) -> list[Scene]:
     """Return each nut or bearing row of a load case as a scene to be meshed; Refusal for a row without a 3D model."""
     if isinstance(case, Scene):
         return [case]
-    from rollbench.hifi.several_sets import meshed_bodies
+    from rollbench.hifi.several_sets import describe_bodies_of_each_set
 
     try:
-        return [of_set.bodies for of_set in meshed_bodies(case)]
+        return [of_set.bodies for of_set in describe_bodies_of_each_set(case)]
     except ValueError as error:
-        raise refused(case, error) from error
+        raise refusal_of_reference(case, error) from error
 
 
-def _expected(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts, ...]:
+def _expected_contacts(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts, ...]:
     """Return the expected contact loads and angles of each set of balls, from which mesh sizes are chosen.
 
     ``case``: load case; ``bodies``: nut or bearing rows to be meshed, as scenes.     For a set without load, a tenth of the
     mean contact load of the other sets is assumed. Refusal if the loads cannot be estimated.
     """
-    from rollbench.hifi.meshing.settings import contacts_under_assumed_load, expected_by_set, expected_contacts
+    from rollbench.hifi.meshing.settings import (
+        estimate_contacts_of_each_set,
+        estimate_contacts_of_scene,
+        estimate_contacts_under_assumed_load,
+    )
 
     try:
         if isinstance(case, Scene):
-            return (expected_contacts(case),)
-        expected = expected_by_set(case)
+            return (estimate_contacts_of_scene(case),)
+        expected = estimate_contacts_of_each_set(case)
         carried = np.concatenate([e.load[e.load > 0.0] for e in expected])
         light = 0.1 * float(carried.mean()) if carried.size else 0.0
         return tuple(
-            e if e.load.any() else contacts_under_assumed_load(body, e, light)
+            e if e.load.any() else estimate_contacts_under_assumed_load(body, e, light)
             for body, e in zip(bodies, expected, strict=True)
         )
     except ValueError as error:
-        raise refused(case, error) from error
+        raise refusal_of_reference(case, error) from error
 
 
-def _pressed(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
+def _flanks_under_load(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
     """Return the sorted numbers of all flanks that may carry load, and of the flanks on the opposite side of the ball.
 
     Flanks 0 to 3 are SL, SR, NL, NR; ``expected``: expected contacts of every load case.
@@ -103,17 +107,17 @@ def _pressed(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
     return tuple(sorted({side for e in expected for touching in e.sides() for side in (touching, 3 - touching)}))
 
 
-def needed_sides(scene: Scene) -> tuple[int, ...]:
+def flanks_to_mesh(scene: Scene) -> tuple[int, ...]:
     """Return the numbers of a scene's flanks that must be meshed: those that may carry load, and the opposite ones.
 
     Flanks 0 to 3 are SL, SR, NL, NR.
 
     Refusal if the low-order estimate of the contact loads finds no equilibrium.
     """
-    return _pressed(_expected(scene, ()))
+    return _flanks_under_load(_expected_contacts(scene, ()))
 
 
-def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[SetUp, ...]:
+def setups_to_mesh(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[SetUp, ...]:
     """Return what must be meshed on a mesh level for load cases of the same parts: bodies, flanks and mesh settings.
 
     Parameters
@@ -139,11 +143,11 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
 
     if level not in (SOURCE_LEVEL, *LEVELS):
         raise ArgumentError("levels", str(level), f"1 to {len(LEVELS)}", "choose a level in this range")
-    bodies = _bodies(cases[0])
-    expected = [*zip(*(_expected(case, bodies) for case in cases), strict=True)]
+    bodies = _bodies_to_mesh(cases[0])
+    expected = [*zip(*(_expected_contacts(case, bodies) for case in cases), strict=True)]
     shared: dict[tuple[Scene, tuple[int, ...]], list[int]] = {}
     for k, body in enumerate(bodies):
-        shared.setdefault((body, _pressed(expected[k])), []).append(k)
+        shared.setdefault((body, _flanks_under_load(expected[k])), []).append(k)
     out = []
     for (body, sides), sets in shared.items():
         sizes = scaled_settings(level, body.balls.radius, VARIANTS[variant].refined if variant else ())
@@ -157,9 +161,12 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
     return tuple(out)
 
 
-def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Settings:
-    """Return the mesh settings for scenes of one geometry on a mesh level, with a variant ("": none); see `set_ups`."""
-    return set_ups(scenes, level, variant)[0].settings
+def mesh_settings(scenes: Sequence[Scene], level: int, variant: str = "") -> Settings:
+    """Return the mesh settings for scenes of one geometry on a mesh level, with a variant ("": none).
+
+    See `setups_to_mesh`.
+    """
+    return setups_to_mesh(scenes, level, variant)[0].settings
 
 
 def settings_to_store(ups: Sequence[SetUp]) -> dict[str, Any]:
@@ -172,7 +179,7 @@ def settings_to_store(ups: Sequence[SetUp]) -> dict[str, Any]:
     return {"b_over_h": ups[0].settings.b_over_h, "sets": tuple(by_set[k] for k in sorted(by_set))}
 
 
-def meshes_suit(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
+def is_mesh_suitable(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
     """Return whether the meshes of a stored run are fine and large enough for a scene on a mesh level and variant.
 
     ``settings``: mesh settings of the stored run; ``sides``: numbers of its meshed flanks. The meshes suit the scene if
@@ -180,14 +187,16 @@ def meshes_suit(scene: Solvable, level: int, variant: str, settings: Mapping[str
     """
     changed = VARIANTS[variant].change(scene) if variant and isinstance(scene, Scene) else scene
     try:
-        wanted = settings_to_store(set_ups([changed], level, variant))["sets"]
+        wanted = settings_to_store(setups_to_mesh([changed], level, variant))["sets"]
     except InputError:
         return False
     meshed = settings.get("sets", ({**settings, "sides": sides},))
-    return len(meshed) == len(wanted) and all(_serves(plain(kept), need) for kept, need in zip(meshed, wanted, strict=True))
+    return len(meshed) == len(wanted) and all(
+        _mesh_covers(settings_with_tuples(kept), need) for kept, need in zip(meshed, wanted, strict=True)
+    )
 
 
-def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
+def _mesh_covers(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
     """Return whether a stored mesh can replace a required one, by the mesh settings of both.
 
     Its contact cells must be at least as fine, its patches as large, all required flanks meshed, and all other settings
@@ -196,7 +205,7 @@ def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
     from rollbench.hifi.meshing.settings import Settings
 
     def settings_that_must_agree(mesh: Mapping[str, Any]) -> str:
-        return canonical(Fields(Settings, {name: mesh[name] for name in wanted.keys() & mesh.keys() - _SIZED}))
+        return canonical_text(RecordFields(Settings, {name: mesh[name] for name in wanted.keys() & mesh.keys() - _SIZED}))
 
     return (
         settings_that_must_agree(meshed) == settings_that_must_agree(wanted)
@@ -207,43 +216,45 @@ def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
     )
 
 
-def relevant_to_statics(assembly: Assembly, unsaid: Mapping[str, Any]) -> Assembly:
+def reset_nonstatic_fields(assembly: Assembly, reset_values: Mapping[str, Any]) -> Assembly:
     """Return a copy of the assembly in which all fields without effect on static loads are reset.
 
-    ``unsaid``: values of these fields for the nuts and rows.
+    ``reset_values``: values of these fields for the nuts and rows.
     """
     bare = [
-        replace(s, name="", parts=replace(s.parts, **unsaid)) if isinstance(s.parts, Scene) else s for s in assembly.sets
+        replace(s, name="", parts=replace(s.parts, **reset_values)) if isinstance(s.parts, Scene) else s
+        for s in assembly.sets
     ]
     words: dict[str, Any] = {"name": "", "title": "", "source": "", "assumed": ()}
     return replace(assembly, sets=tuple(bare), friction=None, motion=None, stiffness_at=None, **words)
 
 
-def geometry_of(scene: Solvable) -> tuple[Any, ...]:
+def shared_mesh_geometry(scene: Solvable) -> tuple[Any, ...]:
     """Return the fields of a scene (geometry, materials of its bodies) that must be equal in scenes that share meshes."""
     if isinstance(scene, Assembly):
         each = (
-            (s.parts if not isinstance(s.parts, Scene) else geometry_of(s.parts), s.position, s.carrier) for s in scene.sets
+            (s.parts if not isinstance(s.parts, Scene) else shared_mesh_geometry(s.parts), s.position, s.carrier)
+            for s in scene.sets
         )
-        return (*each, scene.screw, scene.thermal_strain, stations(scene))
+        return (*each, scene.screw, scene.thermal_strain, node_stations(scene))
     return scene.track, scene.screw, scene.nut, scene.balls, scene.solid, scene.ingredients.screw
 
 
-def groups(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
+def group_by_geometry(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
     """Return the scenes in groups of equal geometry, which can share meshes, in the order of first occurrence."""
     alike: dict[object, list[Solvable]] = {}
     for scene in scenes:
-        alike.setdefault(geometry_of(scene), []).append(scene)
+        alike.setdefault(shared_mesh_geometry(scene), []).append(scene)
     return list(alike.values())
 
 
-def plain(settings: Mapping[str, Any]) -> dict[str, Any]:
+def settings_with_tuples(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return mesh settings read from JSON, with lists replaced by tuples."""
 
     def as_tuples(value: Any) -> Any:
         if isinstance(value, list | tuple):
             return tuple(map(as_tuples, value))
-        return plain(value) if isinstance(value, dict) else value
+        return settings_with_tuples(value) if isinstance(value, dict) else value
 
     return {name: as_tuples(value) for name, value in settings.items()}
 

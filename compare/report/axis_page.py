@@ -10,10 +10,16 @@ import numpy as np
 from rollbench.compare.errors import Refusal
 from rollbench.compare.models.answers import AxisAnswers
 from rollbench.compare.models.load_cases import SolvedAxis
-from rollbench.compare.report.parts import answers_table, notes_section, page_provenance, scene_text, source_code_hash
-from rollbench.compare.results.rows import answer_rows, expected_words, set_rows
-from rollbench.compare.results.scene_json import ball_rows_of_axis, case_json, roller_rows
-from rollbench.compare.results.view import make_view
+from rollbench.compare.report.parts import (
+    page_provenance,
+    results_table,
+    scene_text,
+    source_code_hash,
+    warnings_and_assumptions_section,
+)
+from rollbench.compare.results.rows import bearing_and_nut_rows, expected_error_sentence, solution_rows
+from rollbench.compare.results.scene_json import ball_rows_of_axis, roller_rows, solved_case_json
+from rollbench.compare.results.view import collect_view_data
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.parts import FREEDOMS, SIDES
@@ -46,28 +52,28 @@ def page_of_axis(name: str, one: SolvedAxis, stores: Sequence[Path]) -> ScenePag
     scene, result = one.scene, one.result
     if one.answers is None:
         raise Refusal(name, "scene", result.status, "see the status of the solution: rollbench solve")
-    text, data = scene_text(name), case_json(one)
+    text, data = scene_text(name), solved_case_json(one)
     parts = [
-        Section("sets", "Forces and stiffness of nuts and bearings", _sets_table(one)),
-        Section("loads", "Contact loads and pressures", [*_contacts_table(result)]),
+        Section("sets", "Forces and stiffness of nuts and bearings", _force_and_stiffness_tables(one)),
+        Section("loads", "Contact loads and pressures", [*_contact_load_tables(result)]),
     ]
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure and life by rollbench, model {result.model}",
-        verdict_sentence(result, one.answers),
+        highest_pressure_sentence(result, one.answers),
         (),
         None,
-        (*parts, notes_section(result)),
+        (*parts, warnings_and_assumptions_section(result)),
         page_provenance(name, scene, text, result.model),
         text,
         data,
         source_code_hash(),
-        view=make_view(scene.title, [one], data, (), stores),
-        table=answers_table(answer_rows(one), f"Results by the model {result.model}", expected_words(None)),
+        view=collect_view_data(scene.title, [one], data, (), stores),
+        table=results_table(solution_rows(one), f"Results by the model {result.model}", expected_error_sentence(None)),
     )
 
 
-def verdict_sentence(result: AxisResult, answers: AxisAnswers) -> str:
+def highest_pressure_sentence(result: AxisResult, answers: AxisAnswers) -> str:
     """Return the main result as one sentence: the contact with the highest pressure relative to its limit.
 
     Parameters
@@ -82,9 +88,9 @@ def verdict_sentence(result: AxisResult, answers: AxisAnswers) -> str:
     str
         Sentence with load [N], pressure [MPa] and static safety of this contact, or that no contact carries load.
     """
-    if not answers.by_pressure:
+    if not answers.sets_by_pressure:
         return "No contact carries load."
-    k = answers.by_pressure[0]
+    k = answers.sets_by_pressure[0]
     worst, safety = answers.sets[k].loads.worst, answers.sets[k].loads.safety
     assert worst is not None
     assert safety is not None
@@ -94,7 +100,7 @@ def verdict_sentence(result: AxisResult, answers: AxisAnswers) -> str:
     )
 
 
-def _sets_table(one: SolvedAxis) -> list[Table]:
+def _force_and_stiffness_tables(one: SolvedAxis) -> list[Table]:
     """Return the table of force and stiffness of each nut or bearing, and the stiffness of the whole shaft if computed.
 
     ``one``: the solved shaft.
@@ -102,7 +108,7 @@ def _sets_table(one: SolvedAxis) -> list[Table]:
     result = one.result
     rows: list[Row] = [
         {Quantity(head, head, "", "s" if head == "set" else "g4"): text for head, text in row.items()}
-        for row in set_rows(one)
+        for row in bearing_and_nut_rows(one)
     ]
     tables = [Table.of("sets", "Force on the shaft and stiffness of each nut or bearing", rows)]
     if result.stiffness is not None:
@@ -116,7 +122,7 @@ def _sets_table(one: SolvedAxis) -> list[Table]:
     return tables
 
 
-def _contacts_table(result: AxisResult) -> Iterator[Table]:
+def _contact_load_tables(result: AxisResult) -> Iterator[Table]:
     """Yield the table of all loaded ball contacts and that of all rollers, each if there are any.
 
     ``result``: solution of a shaft with several nuts or bearings.

@@ -7,20 +7,26 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.compare.evidence import audit, computations
-from rollbench.compare.gate.verdict import LIMIT, Limits, judge
-from rollbench.compare.measure import SMALL, gate_scale
+from rollbench.compare.evidence import all_computations, evidence_of_all_tables
+from rollbench.compare.gate.verdict import LIMIT, Limits, judge_contact_loads
+from rollbench.compare.measure import SMALL, scale_of_gate_errors
 from rollbench.compare.models.comparison import REFERENCED, RULE
-from rollbench.compare.models.model_form import Point, points_of_drawn_screws
+from rollbench.compare.models.model_form import Point, errors_on_drawn_screws
 from rollbench.compare.models.modelling import UNSEEN, Rung, ladder
-from rollbench.compare.models.modelling import points as compared_points
+from rollbench.compare.models.modelling import model_errors_on_shipped_scenes as compared_points
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.uncertainty import CONTACTS, scatter, total
-from rollbench.compare.reference.estimate import Reference, uncertainty_percent
-from rollbench.compare.sections.reference_time import FLOOR, Largest, TimePoint, all_points, when_measured
-from rollbench.compare.sections.source_tables import counts_by_place
-from rollbench.compare.sections.u_val import validation_rows
+from rollbench.compare.models.uncertainty import CONTACTS, bias_and_scatter, uncertainty_of_loads
+from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
+from rollbench.compare.sections.reference_time import (
+    FLOOR,
+    LargestError,
+    TimePoint,
+    measurement_conditions_sentence,
+    points_of_all_scenes,
+)
+from rollbench.compare.sections.source_tables import reproduced_counts_table
+from rollbench.compare.sections.u_val import validated_errors_of_models
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Summary, Table, Text
@@ -48,7 +54,7 @@ NAMES = {DEFAULT: "the refined model", "lin": "Lin's model"}
 
 
 @dataclass(frozen=True)
-class Standing:
+class ModelAccuracy:
     """Errors and run time of one model or mesh level over the shipped scenes.
 
     For the finest mesh level, which is the reference, the error is its grid uncertainty.
@@ -75,7 +81,7 @@ class Standing:
     #: Median time of a cold start [s]; None: not measured.
     cold: float | None
     #: Median over the scenes of the largest error by the gate's rule [%], with the ends of its uncertainty.
-    gate: Largest
+    gate: LargestError
     #: Number of scenes that pass the gate at `LIMIT`.
     passed: int
 
@@ -98,7 +104,7 @@ def error_or_uncertainty(point: TimePoint) -> float:
     return point.high if point.error == 0.0 and point.high is not None else point.error
 
 
-def by_gate(point: TimePoint) -> Largest:
+def error_by_gate(point: TimePoint) -> LargestError:
     """Return the largest error of a model or mesh on a scene as ``rollbench check`` (the gate) judges it [%].
 
     ``point``: its errors and run time. The error has the ends of its range due to the grid uncertainty. For the finest mesh
@@ -107,7 +113,7 @@ def by_gate(point: TimePoint) -> Largest:
     return replace(point.gate, error=point.gate.high) if point.gate.error == 0.0 else point.gate
 
 
-def median_errors(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
+def errors_by_model(points: Mapping[str, Sequence[TimePoint]]) -> list[ModelAccuracy]:
     """Return the errors and run times of every model and mesh level over its scenes, largest median error first.
 
     Parameters
@@ -120,10 +126,10 @@ def median_errors(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
         for point in several:
             if point.status == "converged" and error_or_uncertainty(point) > 0.0:
                 found.setdefault(point.label, []).append((scene, point))
-    return sorted((_median_error_of(label, group) for label, group in found.items()), key=lambda s: -s.median)
+    return sorted((_accuracy_of_model(label, group) for label, group in found.items()), key=lambda s: -s.median)
 
 
-def _median_error_of(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
+def _accuracy_of_model(label: str, group: Sequence[tuple[str, TimePoint]]) -> ModelAccuracy:
     """Return medians and maxima over the scenes of errors and run time of one model or mesh level.
 
     ``label``: its name in tables. ``group``: names of the scenes, each with errors and run time of the model on it.
@@ -132,8 +138,8 @@ def _median_error_of(label: str, group: Sequence[tuple[str, TimePoint]]) -> Stan
     errors = [error_or_uncertainty(p) for _, p in group]
     k = int(np.argmax(errors))
     times = [p.cold for _, p in group if p.cold is not None]
-    gate = [by_gate(p) for _, p in group]
-    return Standing(
+    gate = [error_by_gate(p) for _, p in group]
+    return ModelAccuracy(
         name=first.name,
         label=label,
         family=model_family(first),
@@ -144,25 +150,27 @@ def _median_error_of(label: str, group: Sequence[tuple[str, TimePoint]]) -> Stan
         rms=float(np.median([p.rms for _, p in group])),
         worst_rms=max(p.rms for _, p in group),
         cold=float(np.median(times)) if times else None,
-        gate=Largest(*(float(np.median(ends)) for ends in zip(*((g.error, g.low, g.high) for g in gate), strict=True))),
+        gate=LargestError(
+            *(float(np.median(ends)) for ends in zip(*((g.error, g.low, g.high) for g in gate), strict=True))
+        ),
         passed=sum(g.high <= LIMIT for g in gate),
     )
 
 
-def pareto_front(found: Sequence[Standing]) -> list[Standing]:
+def pareto_front(found: Sequence[ModelAccuracy]) -> list[ModelAccuracy]:
     """Return the Pareto-optimal models and mesh levels, fastest first.
 
     ``found``: errors and run times of all models and mesh levels. No other one has both a smaller median error by the
     gate's rule and a shorter cold start.
     """
-    best: list[Standing] = []
+    best: list[ModelAccuracy] = []
     for one in sorted((s for s in found if s.cold is not None), key=lambda s: (s.cold, s.gate.error)):
         if not best or one.gate.error < best[-1].gate.error:
             best.append(one)
     return best
 
 
-def first_figure(
+def error_distribution_and_time_figure(
     screws: Mapping[str, Array],
     points: Mapping[str, Sequence[TimePoint]],
     name: str,
@@ -186,13 +194,13 @@ def first_figure(
         Whether all models and mesh levels are named; if not, only the representative models and the Pareto front are.
     """
     points = {name: [p for p in several if p.cold is not None] for name, several in points.items()}
-    time = _time_panel(points, median_errors(points), "run time of a cold start / s", all_names=all_names)
+    time = _error_over_time_panel(points, errors_by_model(points), "run time of a cold start / s", all_names=all_names)
     counts = " and ".join(sorted({str(errors.size) for errors in screws.values()}))
     caption = (
         f"Share of {counts} screws up to a given largest error of a contact load. {TIMED} A cold start is a new "
         "process with empty caches, Python's imports included."
     )
-    panels = (screw_panel(screws), time)
+    panels = (error_distribution_panel(screws), time)
     return Figure(name, TITLE, panels, caption, columns=2 if all_names else 1, size=size)
 
 
@@ -206,7 +214,7 @@ TIMED = (
 )
 
 
-def screw_panel(screws: Mapping[str, Array]) -> Panel:
+def error_distribution_panel(screws: Mapping[str, Array]) -> Panel:
     """Return the panel of the cumulative distribution of the largest error over all compared screws.
 
     Parameters
@@ -222,13 +230,13 @@ def screw_panel(screws: Mapping[str, Array]) -> Panel:
     return Panel("", x, y, series, log="x", zero=True)
 
 
-def further_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
+def further_load_case_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
     """Draw the largest error of each model and mesh level over the time of a further load case of the same scene.
 
-    ``points``: errors and run times of each model and mesh level, by scene.
+    ``model_errors_on_shipped_scenes``: errors and run times of each model and mesh level, by scene.
     """
     warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
-    panel = _time_panel(warm, median_errors(warm), "run time of a further load case / s", all_names=True)
+    panel = _error_over_time_panel(warm, errors_by_model(warm), "run time of a further load case / s", all_names=True)
     return Figure(
         "error-time-further",
         "Largest error of each model and mesh level over the run time of a further load case",
@@ -238,26 +246,26 @@ def further_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
     )
 
 
-def screw_errors(points: Sequence[Point]) -> dict[str, Array]:
+def largest_errors_on_screws(points: Sequence[Point]) -> dict[str, Array]:
     """Return the sorted largest errors on all compared screws [% of the mean load], by model, without bearings.
 
-    ``points``: errors of one model on one scene each.
+    ``model_errors_on_shipped_scenes``: errors of one model on one scene each.
     """
     of_screws = [p for p in points if p.features["lead"] > 0.0]
     return {model: np.sort([p.percent for p in of_screws if p.model == model]) for model in KINDS}
 
 
-def gate_errors(points: Sequence[Point]) -> dict[str, Array]:
+def gate_errors_on_screws(points: Sequence[Point]) -> dict[str, Array]:
     """Return the largest errors on all compared screws by the gate's rule [%], by model, without bearings.
 
-    ``points``: errors of one model on one scene each. The gate is ``rollbench check``.
+    ``model_errors_on_shipped_scenes``: errors of one model on one scene each. The gate is ``rollbench check``.
     """
     known = [(p.model, p.gate_percent) for p in points if p.features["lead"] > 0.0 and p.gate_percent is not None]
     return {model: np.array([error for name, error in known if name == model]) for model in KINDS}
 
 
-def _time_panel(
-    points: Mapping[str, Sequence[TimePoint]], found: Sequence[Standing], label: str, *, all_names: bool
+def _error_over_time_panel(
+    points: Mapping[str, Sequence[TimePoint]], found: Sequence[ModelAccuracy], label: str, *, all_names: bool
 ) -> Panel:
     """Return the panel of the error by the gate's rule over run time: scenes, medians of models, and their Pareto front.
 
@@ -276,13 +284,13 @@ def _time_panel(
     families = list(dict.fromkeys([*(family for family, _ in FAMILIES), SOLID, *others]))
     series = []
     for family in families:
-        drawn = [(scene, p) for scene, several in points.items() for p in several if _is_drawn(p, family)]
+        drawn = [(scene, p) for scene, several in points.items() for p in several if _is_drawn_with_family(p, family)]
         shown = [(scene, p, p.cold) for scene, p in drawn if p.cold is not None]
         series.append(
             Series(
                 family,
                 [cold for *_, cold in shown],
-                [max(by_gate(p).error, FLOOR) for _, p, _ in shown],
+                [max(error_by_gate(p).error, FLOOR) for _, p, _ in shown],
                 "markers",
                 light=True,
                 names=[f"{p.name}, {scene}" for scene, p, _ in shown],
@@ -313,7 +321,7 @@ def _time_panel(
     return Panel("", label, "largest error by the gate's rule / %", tuple(series), log="xy")
 
 
-def _is_drawn(point: TimePoint, family: str) -> bool:
+def _is_drawn_with_family(point: TimePoint, family: str) -> bool:
     """Return whether the error of a model on a scene is drawn with a family of models.
 
     It is drawn if the model is of this family, converged, and has an error above zero.
@@ -346,13 +354,14 @@ def accuracy_sentence(
             largest.append(f"{median:.1f} and {most:.1f} % by {NAMES[model]}")
     whole = "" if total is None else f", up to {total:.1f} % with modelling choices and input tolerances"
     return (
-        f"{passed_text(gate)}. Median and 95th percentile of the largest error: {', '.join(largest)}, of the mean contact "
+        f"{screws_within_limit_text(gate)}. Median and 95th percentile of the largest error: {', '.join(largest)}, of the "
+        "mean contact "
         f"load; {drawn} of the screws were drawn at random. Grid uncertainty of the 3D reference: "
-        f"{_range_text(bars)}{whole}."
+        f"{_grid_uncertainty_range_text(bars)}{whole}."
     )
 
 
-def passed_text(errors: Mapping[str, Array]) -> str:
+def screws_within_limit_text(errors: Mapping[str, Array]) -> str:
     """Return the clause that states on how many screws each model is within the gate's `LIMIT`; empty without errors.
 
     Parameters
@@ -365,7 +374,7 @@ def passed_text(errors: Mapping[str, Array]) -> str:
     return f"Every contact load within the gate's {LIMIT:g} %: {', '.join(counts)} screws" if counts else ""
 
 
-def _range_text(bars: Sequence[float]) -> str:
+def _grid_uncertainty_range_text(bars: Sequence[float]) -> str:
     """Return the smallest and largest grid uncertainty [%] as text; ``bars`` has one for each scene."""
     if not bars:
         return "unknown (one mesh level only)"
@@ -373,7 +382,7 @@ def _range_text(bars: Sequence[float]) -> str:
     return f"{low} %" if low == high else f"{low} to {high} %"
 
 
-def drawn_words(drawn: int) -> str:
+def random_screws_paragraph(drawn: int) -> str:
     """Return the paragraph on the randomly drawn screws; ``drawn`` is their number."""
     return (
         f"{drawn} catalogue screws, drawn at random with a fixed seed, none replaced, were compared with mesh level 1 of "
@@ -382,7 +391,7 @@ def drawn_words(drawn: int) -> str:
     )
 
 
-def describe_coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
+def compared_scenes_paragraphs(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
     """Return paragraphs on the compared scenes: their number, origin, and ranges of lead, diameter and number of balls.
 
     Parameters
@@ -435,7 +444,7 @@ LIMITS = (
 )
 
 
-def models_figure(found: Sequence[Standing]) -> Figure:
+def largest_error_figure(found: Sequence[ModelAccuracy]) -> Figure:
     """Draw the largest error of each model and mesh level: bar for the median over the scenes, marker for the maximum.
 
     ``found``: errors of each model and mesh level over the shipped scenes.
@@ -460,7 +469,7 @@ def models_figure(found: Sequence[Standing]) -> Figure:
     return Figure("overview-bars", title, (panel,), caption, columns=1, size=size)
 
 
-def standing_table(found: Sequence[Standing]) -> Table:
+def model_accuracy_table(found: Sequence[ModelAccuracy]) -> Table:
     """Return the table of errors and run times of each model and mesh level over the shipped scenes.
 
     ``found``: errors and run times of each model and mesh level.
@@ -497,53 +506,66 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     ``step`` is called with each line of progress.
     """
     step("error against run time, every model and mesh on every scene")
-    points = study.once(all_points, step)
+    points = study.compute_once(points_of_all_scenes, step)
     title = "Errors of each model and mesh level on the shipped scenes"
     if not points:
         return Section("overview", title, (Text(("No run of the 3D reference is stored.",)),))
     found = study.references(tuple(points))
-    bars = [uncertainty_percent(ref) for ref in found.values()]
-    compared = [*compared_points(study, study.once(ladder)), *points_of_drawn_screws()]
-    screws, drawn = screw_errors(compared), len({p.scene for p in points_of_drawn_screws()})
-    wide = first_figure(screws, points, "error-time", (11.0, 4.1))
-    narrow = first_figure(screws, points, "error-time-narrow", (3.75, 6.6), all_names=False)
-    covered = [drawn_words(drawn), *describe_coverage({name: study.scene(name) for name in points}, found)]
-    sentence = accuracy_sentence(screws, gate_errors(compared), drawn, bars, largest_total(study, found))
-    limits = (*LIMITS, when_measured(study, step))
-    table = standing_table(median_errors(points))
+    bars = [largest_uncertainty_percent(ref) for ref in found.values()]
+    compared = [*compared_points(study, study.compute_once(ladder)), *errors_on_drawn_screws()]
+    screws, drawn = largest_errors_on_screws(compared), len({p.scene for p in errors_on_drawn_screws()})
+    wide = error_distribution_and_time_figure(screws, points, "error-time", (11.0, 4.1))
+    narrow = error_distribution_and_time_figure(screws, points, "error-time-narrow", (3.75, 6.6), all_names=False)
+    covered = [
+        random_screws_paragraph(drawn),
+        *compared_scenes_paragraphs({name: study.scene(name) for name in points}, found),
+    ]
+    sentence = accuracy_sentence(
+        screws, gate_errors_on_screws(compared), drawn, bars, largest_total_uncertainty(study, found)
+    )
+    limits = (*LIMITS, measurement_conditions_sentence(study, step))
+    table = model_accuracy_table(errors_by_model(points))
     step("every model on every quantity")
     step("printed values by table and section")
-    laid = [f for f in audit(study) if (computations()[f.printed.table].case.folder / "layout.toml").is_file()]
-    items = (quantity_table(study), contact_figure(study, found), counts_by_place(laid, "printed-values", unfolded=True))
+    laid = [
+        f
+        for f in evidence_of_all_tables(study)
+        if (all_computations()[f.printed.table].case.folder / "layout.toml").is_file()
+    ]
+    items = (
+        quantity_error_table(study),
+        computed_over_reference_figure(study, found),
+        reproduced_counts_table(laid, "printed-values", unfolded=True),
+    )
     summary = Summary(QUESTION, sentence, wide, narrow, covered, limits, table, items)
-    shown = (models_figure(median_errors(points)), table, further_figure(points))
+    shown = (largest_error_figure(errors_by_model(points)), table, further_load_case_figure(points))
     return Section("overview", title, shown, conclusion=sentence, summary=summary)
 
 
-def largest_total(study: Study, found: Mapping[str, Reference]) -> float | None:
+def largest_total_uncertainty(study: Study, found: Mapping[str, Reference]) -> float | None:
     """Return the largest total uncertainty of the 3D reference among the case studies [% of the mean load].
 
     It combines the uncertainties by mesh, modelling choices and input tolerances. ``found``: 3D reference of each scene, by
     name of the scene. Returns None if no case study is among them.
     """
-    totals = [total(study.scene(name), ref).percent for name, ref in found.items() if name in REFERENCED]
+    totals = [uncertainty_of_loads(study.scene(name), ref).percent for name, ref in found.items() if name in REFERENCED]
     return max(totals, default=None)
 
 
-def quantity_table(study: Study) -> Table:
+def quantity_error_table(study: Study) -> Table:
     """Return the table of the errors of each quantity: bias, scatter and largest error.
 
     Errors are against the 3D reference, and against values that others have printed or measured.
     """
-    rungs = study.once(ladder)
-    rows = validation_rows(study, rungs)
+    rungs = study.compute_once(ladder)
+    rows = validated_errors_of_models(study, rungs)
     from rollbench.compare.cases.makers.page import first_page
 
     outside = first_page(study)
     cells: list[Row] = []
     for model in KINDS:
         of_model = [r for r in rungs if r.model == model]
-        words = [gate_word(study, rung) for rung in of_model]
+        words = [gate_verdict_word(study, rung) for rung in of_model]
         passed = words.count("pass")
         cells.append(
             {
@@ -557,7 +579,7 @@ def quantity_table(study: Study) -> Table:
                 "verdict": "yes" if passed == len(of_model) else "no",
             }
         )
-    for s in scatter(rows):
+    for s in bias_and_scatter(rows):
         if s.model not in KINDS:
             continue
         worst = [abs(row.error) for row in rows if (row.model, row.quantity) == (s.model, s.quantity)]
@@ -578,17 +600,17 @@ def quantity_table(study: Study) -> Table:
     return Table.of("quantities", "Bias, scatter and largest error of each quantity", cells, note)
 
 
-def gate_word(study: Study, rung: Rung) -> str:
+def gate_verdict_word(study: Study, rung: Rung) -> str:
     """Return the verdict of ``rollbench check``, at its default limit, on a model's contact loads on a scene.
 
     ``rung``: solution of the scene by the model. The verdict is "pass", "fail" or "undecided".
     """
     reference = study.reference(rung.scene)
     assert reference is not None  # a rung stands against one
-    return judge(rung.model, rung.result.load, reference, Limits())[0].word
+    return judge_contact_loads(rung.model, rung.result.load, reference, Limits())[0].word
 
 
-def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
+def computed_over_reference_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
     """Draw the computed load over the reference load of every contact of every scene, both divided by the mean load.
 
     ``found``: 3D reference of each scene, by name of the scene.
@@ -596,7 +618,7 @@ def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
     series = []
     for model in KINDS:
         x, y, names = [], [], []
-        for rung in study.once(ladder):
+        for rung in study.compute_once(ladder):
             if rung.model == model and rung.scene in found:
                 ref = found[rung.scene]
                 value, truth = rung.result.load / ref.mean, ref.load / ref.mean
@@ -607,7 +629,7 @@ def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
         series.append(Series(model, x, y, "markers", names=names))
     end = max((max(s.x, default=1.0) for s in series), default=1.0)
     truths = np.array([0.0, np.nextafter(SMALL, 0.0), SMALL, end])  # a step, where the gate's rule changes
-    allowed = 0.01 * LIMIT * gate_scale(truths, 1.0)
+    allowed = 0.01 * LIMIT * scale_of_gate_errors(truths, 1.0)
     lines = np.concatenate([truths - allowed, [np.nan], truths + allowed])
     series.append(Series("equal loads", [0.0, end], [0.0, end], "line"))
     series.append(Series(f"the gate's ±{LIMIT:g} %", [*truths, end, *truths], lines.tolist(), "line"))

@@ -14,21 +14,20 @@ from time import perf_counter
 
 import numpy as np
 
-from rollbench.compare.case import every_case
+from rollbench.compare.case import all_cases
 from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.store import load_run
 from rollbench.compare.reference.tasks import Task
-from rollbench.compare.running import cores, gmsh_fault
+from rollbench.compare.running import gmsh_fault, usable_cores
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.libraries import MESHING, PICTURES, apt_command
 from rollbench.reports.content import FieldPicture, LoadedScrew, Page, Section, Table
-from rollbench.reports.offscreen import drawing_fault as drawing_fault
 
 #: Titles of the pages by name. A publication's page has the name and title of its case, or its first section's title.
 PAGES = {
     "reading": "How to read this report",
-    **{case.name: case.title[:1].upper() + case.title[1:] for case in every_case() if case.page},
+    **{case.name: case.title[:1].upper() + case.title[1:] for case in all_cases() if case.page},
     "cases": "Each compared scene",
     "accuracy": "Errors of the models",
     "reference": "Uncertainty of the 3D reference",
@@ -117,19 +116,19 @@ PLACED = (
 )
 
 
-def _with_cases() -> tuple[ReportPart, ...]:
+def _all_report_parts() -> tuple[ReportPart, ...]:
     """Return all parts of the report in the order of the pages: those of `PLACED`, and pages of further publications.
 
     A publication whose page is not among those of `PLACED` gets a part of its own.
     """
     placed = {part.page for part in PLACED}
-    cases = (case for case in every_case() if case.page and case.name not in placed)
+    cases = (case for case in all_cases() if case.page and case.name not in placed)
     added = [ReportPart(case.name, case.name, case.page, package=case.package) for case in cases]
     return tuple(sorted((*PLACED, *added), key=lambda part: list(PAGES).index(part.page)))
 
 
 #: All parts of the report, in the order of the pages.
-SECTIONS = _with_cases()
+SECTIONS = _all_report_parts()
 
 
 def arrange_pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
@@ -144,10 +143,12 @@ def arrange_pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
     for part in SECTIONS:
         if part.name in by_name:
             by_page.setdefault(part.page, []).extend(by_name[part.name])
-    return [Page(name, PAGES[name] or group[0].title, group, first_sentence(group)) for name, group in by_page.items()]
+    return [
+        Page(name, PAGES[name] or group[0].title, group, page_summary_sentence(group)) for name, group in by_page.items()
+    ]
 
 
-def first_sentence(sections: Sequence[Section]) -> str:
+def page_summary_sentence(sections: Sequence[Section]) -> str:
     """Return the summary sentence of a page: the first conclusion of its sections, else the number of each verdict.
 
     ``sections``: sections of the page. The sentence is empty if no section has a conclusion or a table of verdicts.
@@ -177,7 +178,7 @@ AGREES = 1e-3
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class OmittedParts:
     """Parts or pictures that a report leaves out, with the reason and the command by which they can be obtained."""
 
     #: Names of the parts or pictures.
@@ -192,9 +193,9 @@ class LeftOut:
         return f"{', '.join(self.names)}: {self.why}; {self.remedy}"
 
 
-def parts_that_can_run(
+def split_makeable_parts(
     parts: Sequence[ReportPart], *, named: bool, everything: bool
-) -> tuple[list[ReportPart], list[LeftOut]]:
+) -> tuple[list[ReportPart], list[OmittedParts]]:
     """Return the parts of the report that are made, and those that are left out.
 
     Parts that take long are left out unless the user names parts or requests all. Parts that generate meshes are left out
@@ -209,35 +210,35 @@ def parts_that_can_run(
     everything
         Whether the user requests the parts that take long.
     """
-    left: list[LeftOut] = []
+    left: list[OmittedParts] = []
     out = {part.name for part in parts if part.name in COSTLY} if not (named or everything) else set()
     if out:
         names = tuple(part.name for part in parts if part.name in out)
-        left.append(LeftOut(names, "they take most of the time", "to include them: rollbench report --all"))
+        left.append(OmittedParts(names, "they take most of the time", "to include them: rollbench report --all"))
     meshing = [part for part in parts if (part.meshes or part.meshed) and part.name not in out]
     fault = gmsh_fault() if meshing else ""
     if fault:
         names = tuple(f"{part.name} ({part.meshed})" if part.meshed else part.name for part in meshing)
-        left.append(LeftOut(names, f"gmsh cannot be loaded ({fault})", apt_command(MESHING, PICTURES)))
+        left.append(OmittedParts(names, f"gmsh cannot be loaded ({fault})", apt_command(MESHING, PICTURES)))
         out |= {part.name for part in meshing if part.meshes}
     return [part for part in parts if part.name not in out], left
 
 
-def missing_features(sections: Iterable[Section]) -> list[LeftOut]:
+def omitted_pictures(sections: Iterable[Section]) -> list[OmittedParts]:
     """Return the entry on 3D pictures if they cannot be drawn on this machine; an empty list if nothing is missing.
 
     ``sections``: sections of the report, which may contain 3D pictures.
     """
     left = []
     if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (
-        why := drawing_fault()
+        why := reason_drawing_fails()
     ):
-        left.append(LeftOut(("3D pictures",), why, apt_command(PICTURES)))
+        left.append(OmittedParts(("3D pictures",), why, apt_command(PICTURES)))
     return left
 
 
 @dataclass(frozen=True)
-class LiveCheck:
+class RecomputedRunCheck:
     """Comparison of a shipped run of the 3D reference with the same run recomputed on this machine."""
 
     #: Name of the scene.
@@ -263,7 +264,7 @@ class LiveCheck:
         )
 
 
-def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> LiveCheck | None:
+def recompute_shipped_run(stores: Sequence[Path] | None, step: Callable[[str], None]) -> RecomputedRunCheck | None:
     """Recompute one shipped run of the 3D reference without cache, and compare its contact loads with the stored ones.
 
     ``stores``: folders with runs of the 3D reference; None: the runs shipped with rollbench. ``step`` is called with each
@@ -274,7 +275,7 @@ def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> Li
     if stored is None:
         return None
     start = perf_counter()
-    (run,) = compute_runs(Task((scene,), LEVEL, processes=cores()), step)
+    (run,) = compute_runs(Task((scene,), LEVEL, processes=usable_cores()), step)
     mean = mean_load(stored.load)
     percent = float(np.abs(error_percent(run.load, stored.load, mean)).max()) if run.status == "converged" else float("inf")
-    return LiveCheck(CHECKED, LEVEL, percent, perf_counter() - start)
+    return RecomputedRunCheck(CHECKED, LEVEL, percent, perf_counter() - start)

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from rollbench.compare import __version__
-from rollbench.compare.provenance import SOURCES, commit, sources_hash
+from rollbench.compare.provenance import SOURCES, source_commit, sources_hash
 from rollbench.compare.results.base import HEADINGS
 from rollbench.compare.results.base import Row as AnswerRow
 from rollbench.compare.running import package_versions
@@ -16,7 +16,7 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-from rollbench.reports.cells import micro_sign
+from rollbench.reports.cells import replace_um_by_micrometre
 from rollbench.reports.content import Figure, Quantity, Row, Section, Table, Text
 from rollbench.reports.manifest import sha256
 
@@ -25,10 +25,10 @@ LIBRARIES = ("numpy", "scipy", "numba")
 
 def scene_text(name: str) -> str:
     """Return the TOML text of a scene; ``name`` is the name of a shipped scene, or the path of a scene file."""
-    return catalogue.scene_text(name) if name in catalogue.scene_names() else scene_file.read_text(name)
+    return catalogue.shipped_scene_text(name) if name in catalogue.scene_names() else scene_file.read_scene_text(name)
 
 
-def notes_section(result: StaticResult | AxisResult, warnings: Sequence[str] = ()) -> Section:
+def warnings_and_assumptions_section(result: StaticResult | AxisResult, warnings: Sequence[str] = ()) -> Section:
     """Return the section on warnings, assumptions and neglected effects of a solution.
 
     ``warnings``: further warnings, which are listed before those of the solution.
@@ -41,7 +41,7 @@ def notes_section(result: StaticResult | AxisResult, warnings: Sequence[str] = (
     return Section("assumptions", "Warnings, assumptions and neglected effects", items)
 
 
-def answers_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Table:
+def results_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Table:
     """Return the table of results for a page, with the rows that ``rollbench solve`` prints.
 
     Parameters
@@ -61,7 +61,9 @@ def answers_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Tabl
     kept = [(k, head) for k, head in enumerate(HEADINGS) if any(row[k] for row in rows)]
     forms = {"value": "g4", "error to expect": "g4"}
     quantities = [Quantity(head, head, "", forms.get(head, "s")) for _, head in kept]
-    cells: Iterator[Row] = ({q: micro_sign(row[k]) for (k, _), q in zip(kept, quantities, strict=True)} for row in rows)
+    cells: Iterator[Row] = (
+        {q: replace_um_by_micrometre(row[k]) for (k, _), q in zip(kept, quantities, strict=True)} for row in rows
+    )
     return Table.of("answers", title, cells, f"{note[:1].upper()}{note[1:]}", unfolded=True)
 
 
@@ -86,7 +88,7 @@ def page_provenance(name: str, scene: Scene | Assembly, text: str, model: str) -
     """
     out = {
         "scene": f"{Path(name).name}, SHA-256 {sha256(text)}",
-        "rollbench": f"{__version__}, commit {commit()}",
+        "rollbench": f"{__version__}, commit {source_commit()}",
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "libraries": package_versions(LIBRARIES),
         "Python": f"{platform.python_version()}, {platform.system()} {platform.machine()}",

@@ -13,12 +13,12 @@ from typing import Any
 
 from rollbench.compare import __version__
 from rollbench.compare.api.calls import LOG
-from rollbench.compare.case import every_case
+from rollbench.compare.case import all_cases
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.evidence import computations_by_table, evidence
-from rollbench.compare.files import need_writable
+from rollbench.compare.evidence import computations_with_function, evidence
+from rollbench.compare.files import check_writable
 from rollbench.compare.models.study import Study
-from rollbench.compare.provenance import commit, inputs
+from rollbench.compare.provenance import hashes_of_report_inputs, source_commit
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.reference.parallel import as_done
 from rollbench.compare.report.pages import (
@@ -27,20 +27,27 @@ from rollbench.compare.report.pages import (
     SECTIONS,
     ReportPart,
     arrange_pages,
-    live_check,
-    missing_features,
-    parts_that_can_run,
+    omitted_pictures,
+    recompute_shipped_run,
+    split_makeable_parts,
 )
-from rollbench.compare.report.scene_page import writing_to_folder
-from rollbench.compare.report.verify import moved_tables, read_tables
+from rollbench.compare.report.scene_page import folder_errors_as_input_errors
+from rollbench.compare.report.verify import read_tables, report_differences
 from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
-from rollbench.compare.running import cores, gmsh_fault, machine, need_packages, on_terminal, package_versions
+from rollbench.compare.running import (
+    check_packages,
+    gmsh_fault,
+    machine_description,
+    package_versions,
+    show_progress_message,
+    usable_cores,
+)
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.text.printing import Answer
+from rollbench.compare.text.printing import CommandOutput
 from rollbench.meshes import cache
 from rollbench.meshes.libraries import PAGES
-from rollbench.meshes.processes import held_to_one_thread
+from rollbench.meshes.processes import limited_to_one_thread
 from rollbench.reports.content import Report, Section
 
 Step = Callable[[str], None]
@@ -50,9 +57,9 @@ def report_provenance() -> dict[str, str]:
     """Return what the report states on its own origin: versions of program and libraries, date, machine, publications."""
     packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "pymetis", "matplotlib", "pyvista")
     return {
-        "rollbench": f"{__version__}, commit {commit()}",
+        "rollbench": f"{__version__}, commit {source_commit()}",
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "machine": f"{machine()}, {platform.system()}",
+        "machine": f"{machine_description()}, {platform.system()}",
         "Python": platform.python_version(),
         "libraries": package_versions(packages),
         "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; "
@@ -81,7 +88,7 @@ class Progress:
         self.say(f"      {text}")
 
 
-def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool = False) -> None:
+def compute_missing_references(study: Study, engine: Engine, step: Step, *, fresh: bool = False) -> None:
     """Compute the runs of the 3D reference that the report needs and that are not stored.
 
     ``engine``: engine that computes the runs. ``step`` is called with each line of progress. ``fresh``: whether stored runs
@@ -89,26 +96,36 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
     """
     from rollbench.compare.models.comparison import REFERENCED
     from rollbench.compare.models.modelling import REFINED, VARIED
-    from rollbench.compare.reference.jobs import all_variants, ensure, expected_cost, plan, refinements
+    from rollbench.compare.reference.jobs import (
+        ensure,
+        expected_cost,
+        modelling_variant_names,
+        plan_tasks,
+        refinement_variant_names,
+    )
     from rollbench.compare.reference.levels import LEVELS, STUDIED
 
     if study.stores is None:
         return
-    from rollbench.compare.cases.liu.page import references as liu_references
+    from rollbench.compare.cases.liu.page import scenes_to_solve_again_in_3d as liu_references
     from rollbench.compare.models.modelling import DEEP, UNSEEN
-    from rollbench.compare.studies.crosscheck.study import find_references as checked_references
+    from rollbench.compare.studies.crosscheck.study import scenes_and_levels_for_report as checked_references
 
     scenes = [study.scene(name) for name in REFERENCED]
     if study.quick:
-        tasks = plan(scenes[:2], (min(LEVELS),))
+        tasks = plan_tasks(scenes[:2], (min(LEVELS),))
     else:
-        tasks = plan(scenes, STUDIED, source=True, ablate=True)
+        tasks = plan_tasks(scenes, STUDIED, source=True, ablate=True)
         for name in VARIED:
-            tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
-        tasks += plan([study.scene(name) for name in UNSEEN], STUDIED)
+            tasks += plan_tasks(
+                [study.scene(name)],
+                (),
+                (*modelling_variant_names(), *(refinement_variant_names() if name == REFINED else ())),
+            )
+        tasks += plan_tasks([study.scene(name) for name in UNSEEN], STUDIED)
         for names, levels in (*checked_references(fresh), *liu_references(fresh)):
-            tasks += plan([study.scene(name) for name in names], levels)
-        tasks += plan([study.scene(name) for name in DEEP], (max(LEVELS),))
+            tasks += plan_tasks([study.scene(name) for name in names], levels)
+        tasks += plan_tasks([study.scene(name) for name in DEEP], (max(LEVELS),))
         tasks.sort(key=lambda task: -expected_cost(task).seconds)
     ensure(tasks, study.stores[0], engine, step, study.stores[1:], fresh=fresh)
     if not study.quick:
@@ -122,23 +139,23 @@ def save_uncertainty_experience(stores: Sequence[Path]) -> None:
     to modelling choices. ``stores``: folders of runs, to the first of which both are written.
     """
     from rollbench.compare.models import uncertainty
-    from rollbench.compare.models.modelling import VARIED, combine_effects, varied
+    from rollbench.compare.models.modelling import VARIED, combine_effects, effects_of_variants
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference import estimate
-    from rollbench.compare.sections.u_val import experience
+    from rollbench.compare.sections.u_val import uncertainty_parameters
 
     study = Study(stores)
-    known = experience(study)
+    known = uncertainty_parameters(study)
     if known is not None:
         estimate.save_experience(stores[0], known)
-    modelling = [combine_effects(study.scene(name), varied(study.scene(name), stores)) for name in VARIED]
+    modelling = [combine_effects(study.scene(name), effects_of_variants(study.scene(name), stores)) for name in VARIED]
     if all(modelling):
-        uncertainty.save_choices(
+        uncertainty.save_choice_effects(
             stores[0], {m.scene: uncertainty.choice_effects_record(m) for m in modelling if m is not None}
         )
 
 
-def requested_parts(only: Sequence[str], *, quick: bool = False) -> list[ReportPart]:
+def select_report_parts(only: Sequence[str], *, quick: bool = False) -> list[ReportPart]:
     """Return the parts of the report that the user names in ``only``; without names, those of a full or quick report.
 
     Raises InputError for an unknown name.
@@ -154,28 +171,28 @@ def parts_of_case_page(name: str) -> list[ReportPart]:
 
     ``name``: name of the publication's case, such as "lin". Raises InputError if it has no page.
     """
-    with_page = [case.name for case in every_case() if case.page]
+    with_page = [case.name for case in all_cases() if case.page]
     if name not in with_page:
         raise ArgumentError("source", f'"{name}"', ", ".join(with_page), "choose a publication that has a page")
     return [part for part in SECTIONS if part.page == name]
 
 
-def save_model_form(study: Study) -> None:
+def save_model_errors(study: Study) -> None:
     """Store the errors of the models against the 3D reference, from which ``rollbench solve`` estimates its errors.
 
     They are written to the study's first folder of stored runs.
     """
     from rollbench.compare.models.applicability import save_descriptors
-    from rollbench.compare.models.model_form import save_points
-    from rollbench.compare.models.modelling import ladder, points
+    from rollbench.compare.models.model_form import save_model_errors
+    from rollbench.compare.models.modelling import ladder, model_errors_on_shipped_scenes
 
-    rungs = study.once(ladder)
+    rungs = study.compute_once(ladder)
     if rungs and study.stores:
-        save_points(study.stores[0], points(study, rungs))
+        save_model_errors(study.stores[0], model_errors_on_shipped_scenes(study, rungs))
         save_descriptors(study.stores[0])
 
 
-def _make_part(part: ReportPart, step: Step, study: Study) -> Sequence[Section]:
+def _make_sections_of_part(part: ReportPart, step: Step, study: Study) -> Sequence[Section]:
     """Return the sections of one part of the report; for the part "ladder" also store the errors of the models.
 
     ``step`` is called with each line of progress.
@@ -187,7 +204,7 @@ def _make_part(part: ReportPart, step: Step, study: Study) -> Sequence[Section]:
     )  # the latter: cases of other packages before 0.15
     made = getattr(module, function or usual)(study, step)
     if part.name == "ladder":
-        save_model_form(study)
+        save_model_errors(study)
     return (made,) if isinstance(made, Section) else tuple(made)
 
 
@@ -215,18 +232,24 @@ def _make_in_worker(
         Sections by the name of their part, and a study with the scenes and evidence that they used.
     """
     if keeping:
-        cache.switch_on()
+        cache.switch_on_geometry_cache()
     study, progress, made = Study(*given), Progress(len(parts), say), {}
     for part in parts:
         progress.section(part.name)
-        made[part.name] = _make_part(part, progress.step, study)
+        made[part.name] = _make_sections_of_part(part, progress.step, study)
     if tables:
         evidence(study, *tables)
     return made, Study(scenes=study.scenes, others=study.others, evidence=study.evidence)
 
 
 def make_sections(
-    parts: Sequence[ReportPart], announce: Step, step: Step, study: Study, *, workers: int = 1, say: Step = on_terminal
+    parts: Sequence[ReportPart],
+    announce: Step,
+    step: Step,
+    study: Study,
+    *,
+    workers: int = 1,
+    say: Step = show_progress_message,
 ) -> dict[str, Sequence[Section]]:
     """Make the sections of the report's parts, in one process or in two.
 
@@ -256,14 +279,14 @@ def make_sections(
     sections: dict[str, Sequence[Section]] = {}
     if workers > 1:
         last = [part for part in parts if part.name in GATHERING]
-        gathered = [(name, one.case.name) for name, one in computations_by_table().items()] if last else []
+        gathered = [(name, one.case.name) for name, one in computations_with_function().items()] if last else []
         given = (study.stores, None, study.quick, study.timed, study.cache)
         jobs = []
         for compiled in (True, False):
             half = [part for part in parts if part not in last and (part.page in COMPILED) == compiled]
             tables = [name for name, case in gathered if (case in COMPILED) == compiled]
             if half or tables:
-                jobs.append((partial(_make_in_worker, keeping=cache.switched_on()), (half, tables, given, say)))
+                jobs.append((partial(_make_in_worker, keeping=cache.is_geometry_cache_on()), (half, tables, given, say)))
         for _, (made, used) in as_done(jobs, workers=2):
             for name in made:
                 announce(name)
@@ -274,11 +297,11 @@ def make_sections(
         parts = last
     for part in parts:
         announce(part.name)
-        sections[part.name] = _make_part(part, step, study)
+        sections[part.name] = _make_sections_of_part(part, step, study)
     return sections
 
 
-def make_report(
+def write_validation_report(
     only: Sequence[str],
     out: Path,
     *,
@@ -290,8 +313,8 @@ def make_report(
     everything: bool = False,
     against: Path | None = None,
     source: str = "",
-    say: Step = on_terminal,
-) -> Answer:
+    say: Step = show_progress_message,
+) -> CommandOutput:
     """Compute missing runs, make all sections, and write the validation report.
 
     One shipped run of the 3D reference is recomputed as a check. Run times of models and meshes are those of the stored
@@ -332,19 +355,19 @@ def make_report(
     InputError
         For an unknown section or a folder that cannot be used.
     """
-    need_packages(*PAGES, "scikit-fem")
+    check_packages(*PAGES, "scikit-fem")
     before = None if against is None else read_tables(against)
     for name, value in {"only": only, "quick": quick, "fresh": fresh}.items():
         if source and value:
             raise ArgumentError(name, str(value), "only without `source`", "leave one of them out")
-    wanted, stored = (parts_of_case_page(source), True) if source else (requested_parts(only, quick=quick), stored)
+    wanted, stored = (parts_of_case_page(source), True) if source else (select_report_parts(only, quick=quick), stored)
     if fresh and stored:
         raise ArgumentError("fresh", "both fresh and stored", "only one of them", "leave `stored` out to compute runs")
     from rollbench.reports.pages import write_report
 
-    with writing_to_folder(out):
-        need_writable(out / "index.html")
-    wanted, missed = parts_that_can_run(wanted, named=bool(only), everything=everything or fresh)
+    with folder_errors_as_input_errors(out):
+        check_writable(out / "index.html")
+    wanted, missed = split_makeable_parts(wanted, named=bool(only), everything=everything or fresh)
     meshing = not gmsh_fault()
     from rollbench.compare.reference.store import shipped_store
 
@@ -359,20 +382,20 @@ def make_report(
     if runs:
         progress.section("runs of the 3D reference")
         if meshing:
-            compute_references(study, engine, progress.step, fresh=fresh)
+            compute_missing_references(study, engine, progress.step, fresh=fresh)
     checked = None
     if checking:
         progress.section("one shipped run recomputed")
-        checked = live_check((shipped_store(),), progress.step)
-    workers = min(engine.workers or 1, cores()) if engine.backend == "joblib" else 1
+        checked = recompute_shipped_run((shipped_store(),), progress.step)
+    workers = min(engine.workers or 1, usable_cores()) if engine.backend == "joblib" else 1
     sections = make_sections(wanted, progress.section, progress.step, study, workers=workers, say=say)
     progress.section("drawing and writing")
-    texts = {name: catalogue.scene_text(name) for name in study.used}
+    texts = {name: catalogue.shipped_scene_text(name) for name in study.used}
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
     shipped = "shipped runs where they belong to the same inputs, else computed"
     computed = "computed, coarse meshes only" if quick else "computed" if fresh else shipped
     facts["3D reference"] = "shipped runs" if stored or not meshing else computed
-    missed += missing_features(section for several in sections.values() for section in several)
+    missed += omitted_pictures(section for several in sections.values() for section in several)
     if missed:
         facts["left out"] = "; ".join(str(gap) for gap in missed)
     if checked is not None:
@@ -385,18 +408,18 @@ def make_report(
         + "".join(f" (left out: {gap})" for gap in missed),
         provenance=facts,
         pages=arrange_pages(sections),
-        origin={**facts, "inputs": inputs(study.stores or (shipped_store(),), texts)},
+        origin={**facts, "inputs": hashes_of_report_inputs(study.stores or (shipped_store(),), texts)},
     )
-    with writing_to_folder(out):
+    with folder_errors_as_input_errors(out):
         page = write_report(report, out, progress.step)
     parts = [*([] if checked is None else [f"live check: {checked}"]), *(f"left out: {gap}" for gap in missed)]
     if before is not None:
-        parts += [*moved_tables(before, read_tables(page.parent))] or ["no table cell changed"]
+        parts += [*report_differences(before, read_tables(page.parent))] or ["no table cell changed"]
     parts.append(f"report: {page} ({perf_counter() - start:.0f} s)")
-    return Answer(parts=parts, code=0 if checked is None or checked.agrees else 1)
+    return CommandOutput(parts=parts, code=0 if checked is None or checked.agrees else 1)
 
 
-def require_single_scene(names: Sequence[str], **given: Any) -> None:
+def check_scene_arguments(names: Sequence[str], **given: Any) -> None:
     """Raise InputError if there is no scene, or if an argument that needs a single scene is used with several.
 
     ``names``: names or files of the scenes. ``given``: values of such arguments by their names; None: not used.
@@ -409,7 +432,7 @@ def require_single_scene(names: Sequence[str], **given: Any) -> None:
             raise ArgumentError(name, str(value), "only with one scene", "write the page of each scene separately")
 
 
-@held_to_one_thread()
+@limited_to_one_thread()
 def report(
     scene: str | Path | Sequence[str | Path] | None = None,
     *,
@@ -466,11 +489,11 @@ def report(
         raise ArgumentError(given[0], value, "only without a scene", "leave one of them out")
     index = folder / "index.html"
     if scene is not None:
-        from rollbench.compare.report.several import make_pages
+        from rollbench.compare.report.several import write_scene_pages
 
         names = [str(scene)] if isinstance(scene, str | Path) else [str(one) for one in scene]
-        require_single_scene(names, reference=reference)
-        pages = make_pages(names, folder, Path(store), None if reference is None else Path(reference))
+        check_scene_arguments(names, reference=reference)
+        pages = write_scene_pages(names, folder, Path(store), None if reference is None else Path(reference))
         warned = tuple(f"WARNING: {warning}" for page in pages for warning in page.warnings)
         verdict = "\n".join(page.verdict for page in pages)
         data: dict[str, JSON] = {"page": str(index), "passed": True, "verdict": verdict}
@@ -480,6 +503,6 @@ def report(
         raise ArgumentError("reference", str(reference), "only with a scene", advice)
 
     how: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source}
-    answer = make_report(only, folder, store=Path(store), say=LOG.info, **how)
+    answer = write_validation_report(only, folder, store=Path(store), say=LOG.info, **how)
     passed = answer.code == 0
     return Written({"page": str(index), "passed": passed}, "", tuple(map(str, answer.parts)), page=index, passed=passed)

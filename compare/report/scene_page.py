@@ -17,29 +17,41 @@ from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.gate.user import references_from_file
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import Answers, tangent_stiffness_at
-from rollbench.compare.models.comparison import from_result
-from rollbench.compare.models.load_cases import SolvedAxis, cycle_results, solve_any, solve_axis, solve_one
+from rollbench.compare.models.comparison import loads_from_result
+from rollbench.compare.models.load_cases import (
+    SolvedAxis,
+    compute_cycle_results,
+    solve_axis_with_results,
+    solve_scene_with_results,
+    solve_with_results,
+)
 from rollbench.compare.models.model_form import FILE, ModelForm
 from rollbench.compare.models.registry import DEFAULT, Options, default_model, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import QUANTITIES, Validated, validated_error
-from rollbench.compare.quantities import count_of
-from rollbench.compare.reference.estimate import Reference, uncertainty_percent
-from rollbench.compare.reference.store import path_in, shipped_store
+from rollbench.compare.quantities import count_with_noun
+from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
+from rollbench.compare.reference.store import path_of_run, shipped_store
 from rollbench.compare.report.axis_page import page_of_axis
-from rollbench.compare.report.parts import answers_table, notes_section, page_provenance, scene_text, source_code_hash
-from rollbench.compare.results.rows import answer_rows, expected_words, together_rows
-from rollbench.compare.results.scene_json import case_json, cases_json
-from rollbench.compare.results.view import make_view
+from rollbench.compare.report.parts import (
+    page_provenance,
+    results_table,
+    scene_text,
+    source_code_hash,
+    warnings_and_assumptions_section,
+)
+from rollbench.compare.results.rows import duty_cycle_rows, expected_error_sentence, solution_rows
+from rollbench.compare.results.scene_json import duty_cycle_json, solved_case_json
+from rollbench.compare.results.view import collect_view_data
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.sections.curves import load_curve, load_panel
-from rollbench.compare.sections.fit import range_figure, range_table
+from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel
+from rollbench.compare.sections.fit import validated_range_figure, validated_range_table
 from rollbench.compare.sections.sheets import sketch_scene
-from rollbench.compare.studies.friction.answer import loss_rows, result_lines
-from rollbench.compare.studies.friction.run import TransientRun, solve_run
-from rollbench.compare.studies.friction.whole import MEASURED, StaticallySolved, drag_torques, friction_status
-from rollbench.compare.text.solved import case_rows
+from rollbench.compare.studies.friction.answer import lines_on_friction_of_screw, losses_by_contact_and_cause
+from rollbench.compare.studies.friction.run import TransientRun, simulate_friction_over_time
+from rollbench.compare.studies.friction.whole import MEASURED, StaticallySolvedPart, drag_torques, friction_status
+from rollbench.compare.text.solved import load_case_rows
 from rollbench.lowfi.friction.whole.losses import CAUSES
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -47,7 +59,7 @@ from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene, Time
 from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
@@ -58,22 +70,22 @@ SKETCH = "Screw, nut and balls of the scene, to scale near the nut; hatched: sur
 
 
 @contextmanager
-def writing_to_folder(out: Path) -> Iterator[None]:
+def folder_errors_as_input_errors(out: Path) -> Iterator[None]:
     """Turn errors on writing to the folder ``out`` inside the ``with`` block into InputError.
 
     InputError is also raised, before the block, if the folder contains files that do not belong to a report.
     """
-    from rollbench.reports.pages import check_target
+    from rollbench.reports.pages import check_report_folder
 
     try:
-        check_target(out)
+        check_report_folder(out)
         yield
     except (ValueError, OSError) as error:
         allowed = "a folder that is new, is empty, or contains an earlier report"
         raise ArgumentError("out", str(error), allowed, "choose another folder", str(out)) from None
 
 
-def make_page(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
+def solve_and_make_page(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
     """Solve a scene by the default model and make the page of its results; of several load cases, that of the worst.
 
     Parameters
@@ -101,21 +113,21 @@ def make_page(name: str, stores: Sequence[Path], file: Path | None = None) -> Sc
     if sets and file is not None:
         raise ArgumentError("reference", str(file), "only with a scene of one set of balls", "leave it out", name)
     if isinstance(described, DutyCycle):
-        return _page_of_cases(name, described, stores, file)
+        return _page_of_worst_case(name, described, stores, file)
     if isinstance(described, Assembly):
-        return page_of_axis(name, solve_axis(described, default_model(described), Options()), stores)
-    return _page_of_scene(name, scene_file.single_set_or_raise(described, name), stores, file)
+        return page_of_axis(name, solve_axis_with_results(described, default_model(described), Options()), stores)
+    return _page_of_load_case(name, scene_file.single_set_or_raise(described, name), stores, file)
 
 
-def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:
+def _page_of_worst_case(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:
     """Return the page of the load case with the highest pressure, preceded by the results of all cases together.
 
     ``name``: name or file of the scene. ``stores``: folders with stored runs of the 3D reference. ``file``: file with
     contact loads that replaces the 3D reference. Raises Refusal if no load case converges and loads a contact.
     """
-    solved = [solve_any(case.scene, default_model(case.scene), Options()) for case in cycle.cases]
+    solved = [solve_with_results(case.scene, default_model(case.scene), Options()) for case in cycle.cases]
     names = [case.name for case in cycle.cases]
-    whole = cycle_results(cycle, solved)
+    whole = compute_cycle_results(cycle, solved)
     if whole.pressure is None:
         value = "no load case that converges and loads a contact"
         raise Refusal(name, "cases", value, "see the status of each load case: rollbench solve")
@@ -124,31 +136,31 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
     if isinstance(one, SolvedAxis):
         page = page_of_axis(name, one, stores)
     else:
-        page = _page_of_scene(name, one.scene, stores, file, worst)
-    data = cases_json(cycle, solved, whole)
+        page = _page_of_load_case(name, one.scene, stores, file, worst)
+    data = duty_cycle_json(cycle, solved, whole)
     rows: list[Row] = [
         {Quantity(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
-        for row in case_rows(data["cases"])
+        for row in load_case_rows(data["cases"])
     ]
-    answers = together_rows(whole)
+    answers = duty_cycle_rows(whole)
     life_said = " or ".join(f"{row.value} {row.unit}" for row in answers if row.quantity == "life L10") or "not known"
     note = "Life: if only this case acted. The sections below show the case with the highest pressure."
     table = Table.of("cases", "Results of each load case", rows, note)
     lost = "".join(f" Case {one} was not solved: {status}." for one, status in whole.unsolved.items())
-    cases = count_of(len(solved), "load case")
+    cases = count_with_noun(len(solved), "load case")
     return replace(
         page,
         title=cycle.title,
         subtitle=f"{cycle.name}, {cases}: {page.subtitle.partition(': ')[2]}; shown below: case {worst}",
         verdict=f"Of {cases}, {worst} has the highest pressure. {page.verdict} Life: {life_said}.{lost}",
-        table=answers_table(answers, "Results of all load cases together"),
+        table=results_table(answers, "Results of all load cases together"),
         parts=(Section("cases", "Load cases", (table, *filter(None, [page.table]))), *page.parts),
         results=data,
-        view=make_view(cycle.title, solved, data, names, stores),
+        view=collect_view_data(cycle.title, solved, data, names, stores),
     )
 
 
-def _page_of_scene(
+def _page_of_load_case(
     name: str, scene: Scene, stores: Sequence[Path], file: Path | None = None, case: str | None = None
 ) -> ScenePage:
     """Return the page on the results of one load case of a scene with one set of balls.
@@ -161,39 +173,45 @@ def _page_of_scene(
 
     given = None if file is None else references_from_file(file, scene, warnings.append, case=case)[0].found
     options = Options()
-    one = solve_one(scene, DEFAULT, options)
+    one = solve_scene_with_results(scene, DEFAULT, options)
     result, answers, worth = one.result, one.answers, one.expected
     if answers is None or worth is None:
         raise Refusal(name, "scene", result.status, "see the status of the solution: rollbench solve")
     tangent = tangent_stiffness_at(scene, scene.nut.position, DEFAULT, options)
     stored = study.reference(scene.name)
     judged = [
-        v for q in QUANTITIES if (v := validated_error(study, scene.name, DEFAULT, q, from_result(result))) is not None
+        v
+        for q in QUANTITIES
+        if (v := validated_error(study, scene.name, DEFAULT, q, loads_from_result(result))) is not None
     ]
-    text, data = scene_text(name), case_json(one)
+    text, data = scene_text(name), solved_case_json(one)
     sections = (
         Section("scene", "Geometry of the scene", (sketch_scene(scene, "sketch", SKETCH),)),
         _loads_section(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness_section(answers, tangent),
         *filter(None, [friction_section(scene, result, options)]),
         _error_section(scene, worth, judged, stored, None if given is None else compare_with_reference(given, result)),
-        notes_section(result, warnings),
+        warnings_and_assumptions_section(result, warnings),
     )
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
-        verdict_sentence(answers, worth, judged, stored, None if given is None else compare_with_reference(given, result)),
+        pressure_and_error_sentence(
+            answers, worth, judged, stored, None if given is None else compare_with_reference(given, result)
+        ),
         (),
         _picture_of_scene(scene, result),
         sections,
         _scene_provenance(name, scene, text, stored, file),
         text,
         data,
-        _hash_files(scene, stored, stores),
+        _hashes_of_used_files(scene, stored, stores),
         warnings,
-        make_view(scene.title, [one], data, (), stores, given),
-        table=answers_table(
-            answer_rows(one), f"Results by the model {DEFAULT}, each with the error to expect", expected_words(worth)
+        collect_view_data(scene.title, [one], data, (), stores, given),
+        table=results_table(
+            solution_rows(one),
+            f"Results by the model {DEFAULT}, each with the error to expect",
+            expected_error_sentence(worth),
         ),
     )
 
@@ -222,10 +240,10 @@ def compare_with_reference(given: Reference, result: StaticResult) -> ReferenceC
     ``given``: contact loads of the file. ``result``: the solution.
     """
     error = load_error(result.load, given.load, given.contacts)
-    return ReferenceComparison(error, uncertainty_percent(given), given.stated)
+    return ReferenceComparison(error, largest_uncertainty_percent(given), given.stated)
 
 
-def verdict_sentence(
+def pressure_and_error_sentence(
     answers: Answers,
     worth: ModelForm,
     judged: Sequence[Validated],
@@ -271,12 +289,16 @@ def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Refe
     ``references``: the user's reference file and the stored 3D reference, as far as they exist.
     """
     panels = []
-    pressure = 1e-6 * own_hertz(scene, specimen(scene, ball_layout(scene), result.member)).pressure(result.load)
+    pressure = 1e-6 * own_hertz(scene, draw_specimen(scene, ball_layout(scene), result.member)).pressure(result.load)
     for s, side in enumerate(SIDES[:2]):
         if not (result.load[:, s] > 0.0).any():
             continue
-        series = [load_curve(r.label, r, s, "markers", bar=r.uncertainty) for r in references]
-        panels.append(load_panel(f"screw flank {side}", load_curve(DEFAULT, result, s, emphasis=True), *series, zero=True))
+        series = [contact_load_curve(r.label, r, s, "markers", uncertainty=r.uncertainty) for r in references]
+        panels.append(
+            contact_load_panel(
+                f"screw flank {side}", contact_load_curve(DEFAULT, result, s, emphasis=True), *series, zero=True
+            )
+        )
     rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
         row: Row = {
@@ -373,10 +395,10 @@ def _error_section(
     else:
         text = "The error was not measured: no run of the 3D reference is stored for this scene (rollbench mesh-study)."
         items.append(Text((text,)))
-    expected = expected_words(worth)
+    expected = expected_error_sentence(worth)
     items.append(Text((expected[:1].upper() + expected[1:] + ".",)))
     try:
-        items += [range_table(scene), range_figure(scene)]
+        items += [validated_range_table(scene), validated_range_figure(scene)]
     except ValueError as error:
         items.append(Text((f"The scene cannot be compared with the range of validated scenes: {error}.",)))
     return Section("error", "Errors of these results", items)
@@ -390,14 +412,14 @@ def _picture_of_scene(scene: Scene, result: StaticResult) -> LoadedScrew:
     return LoadedScrew("picture", "Ball loads and contact forces", scene, result.load, *arrows, caption)
 
 
-def _hash_files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) -> dict[str, str]:
+def _hashes_of_used_files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) -> dict[str, str]:
     """Return the SHA-256 of the program's code, the data of the error estimate and the reference runs, by file name.
 
     ``reference``: 3D reference whose runs were used; None: none. ``stores``: folders in which its runs are looked up.
     """
     paths = [shipped_store() / FILE]
     for run in () if reference is None else reference.runs:
-        paths += [p for store in stores if (p := path_in(store, scene, run)).exists()][:1]
+        paths += [p for store in stores if (p := path_of_run(store, scene, run)).exists()][:1]
     return source_code_hash() | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
 
 
@@ -435,25 +457,25 @@ def friction_section(scene: Scene, result: StaticResult, options: Options) -> Se
         return None
     motion = scene.motion or ONE_TURN
     bare = run_model(replace(scene, loads=()), DEFAULT, options) if scene.loads else result
-    solved = StaticallySolved(scene, DEFAULT, options, scene.friction, motion, bare)
+    solved = StaticallySolvedPart(scene, DEFAULT, options, scene.friction, motion, bare)
     try:
         state = friction_state(scene, result, scene.friction, motion, options.member)
     except ValueError as error:  # balls that overlap by their random sizes
         return Section("friction", "Friction", (Text((f"Friction was not computed: {error}.",)),))
-    if not state.settled:
+    if not state.all_balanced:
         return Section("friction", "Friction", (Text((f"Friction was not computed: {friction_status(state)}.",)),))
     (drag,) = drag_torques(scene, [state], [scene.friction], bare, options)
-    lines = result_lines(motion, state, (drag.torque, drag.reason or drag.note))
-    panels = [_torque_over_coefficient(solved, result), _torque_over_play(solved)]
+    lines = lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason or drag.note))
+    panels = [_torque_over_coefficient_panel(solved, result), _torque_over_ball_size_panel(solved)]
     notes = [f"{label}: {text}." for label, text in lines]
     try:
-        run = solve_run(
-            replace(scene, time=_time_of_one_turn(scene, motion)), scene.friction, motion, DEFAULT, options.member
+        run = simulate_friction_over_time(
+            replace(scene, time=_friction_time_span(scene, motion)), scene.friction, motion, DEFAULT, options.member
         )
     except InputError as error:  # circuits that cannot be
         notes.append(f"The torque over a turn was not computed: {error}.")
     else:
-        panels[:0] = _torque_over_turn(run)
+        panels[:0] = _torque_over_rotation_panel(run)
         notes += [] if run.converged else [f"Computation of the torque over a turn: {run.status}."]
     rows: list[Row] = [
         {
@@ -461,7 +483,7 @@ def friction_section(scene: Scene, result: StaticResult, options: Options) -> Se
             Quantity("loss_W", "loss", "W", ".3g"): row["loss_W"],
             **{Quantity(cause, cause.replace("_", " "), "W", ".3g"): row[cause] for cause in CAUSES},
         }
-        for row in loss_rows(state)
+        for row in losses_by_contact_and_cause(state)
     ]
     caption = (
         "Friction torque over the angle of the rotating part; over the friction coefficient in the range of lubricated "
@@ -480,7 +502,7 @@ def friction_section(scene: Scene, result: StaticResult, options: Options) -> Se
     )
 
 
-def _time_of_one_turn(scene: Scene, motion: Motion) -> Time:
+def _friction_time_span(scene: Scene, motion: Motion) -> Time:
     """Return the time span over which friction is computed: that of the scene or, if it states none, the time of one turn.
 
     For a bearing (no lead) it is the time in which the ball pattern repeats, one ball pitch.
@@ -489,15 +511,15 @@ def _time_of_one_turn(scene: Scene, motion: Motion) -> Time:
     return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")
 
 
-def _torque_over_turn(run: TransientRun) -> list[Panel]:
+def _torque_over_rotation_panel(run: TransientRun) -> list[Panel]:
     """Return the panel of friction torque over the angle of rotation, of all contacts and of those with the grooves.
 
     ``run``: friction over time. The list is empty if the computation over time did not start.
     """
     h = run.history
-    if not h.begun:
+    if not h.begun_step_count:
         return []
-    angle = np.degrees(h.turned).tolist()
+    angle = np.degrees(h.rotation_angle).tolist()
     series = (
         Series("total", angle, (1e3 * h.torque).tolist(), "line", emphasis=True),
         Series("contacts with the grooves", angle, (1e3 * h.groove_torque).tolist(), "line"),
@@ -505,7 +527,7 @@ def _torque_over_turn(run: TransientRun) -> list[Panel]:
     return [Panel("torque over the rotation", "angle / deg", "friction torque / N mm", series, zero=True)]
 
 
-def _torque_over_coefficient(solved: StaticallySolved, result: StaticResult) -> Panel:
+def _torque_over_coefficient_panel(solved: StaticallySolvedPart, result: StaticResult) -> Panel:
     """Return the panel of friction torque over the friction coefficient, with the scene's value marked.
 
     ``solved``: the scene with its friction. ``result``: its static solution under the loads.
@@ -519,7 +541,7 @@ def _torque_over_coefficient(solved: StaticallySolved, result: StaticResult) -> 
     return Panel(title, "coefficient of friction", "friction torque / N mm", series, log="x", zero=True)
 
 
-def _torque_over_play(solved: StaticallySolved) -> Panel:
+def _torque_over_ball_size_panel(solved: StaticallySolvedPart) -> Panel:
     """Return the panel of friction torque over a change of the radius of all balls, which changes the play.
 
     ``solved``: the scene with its friction. The static equilibrium is solved again for each radius.

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rollbench.compare.files import need_writable
+from rollbench.compare.files import check_writable
 from rollbench.compare.provenance import SOURCES
-from rollbench.compare.quantities import count_of, split_unit
+from rollbench.compare.quantities import count_with_noun, words_and_unit_of_key
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.report.scene_page import make_page, writing_to_folder
+from rollbench.compare.report.scene_page import folder_errors_as_input_errors, solve_and_make_page
 from rollbench.compare.scenes import catalogue
 from rollbench.reports.content import Quantity, Row, Section, Table
 from rollbench.reports.manifest import sha256
@@ -41,7 +41,7 @@ GROUPS = (
 LEFT_OUT = ("worst_ball", "ball", "compared", "distance", "allowed_over_diameter")
 
 
-def make_pages(names: Sequence[str], out: Path, store: Path, reference: Path | None = None) -> list[ScenePage]:
+def write_scene_pages(names: Sequence[str], out: Path, store: Path, reference: Path | None = None) -> list[ScenePage]:
     """Solve scenes by the default model and write a page for each; for several scenes also a page that compares them.
 
     All scenes are read before the first is solved, and nothing is written before all are solved.
@@ -70,9 +70,9 @@ def make_pages(names: Sequence[str], out: Path, store: Path, reference: Path | N
     """
     for name in names:
         catalogue.any_scene(name)
-    with writing_to_folder(out):
-        need_writable(out / INDEX)
-    pages = [make_page(name, (store, shipped_store()), reference) for name in names]
+    with folder_errors_as_input_errors(out):
+        check_writable(out / INDEX)
+    pages = [solve_and_make_page(name, (store, shipped_store()), reference) for name in names]
     files = dict(zip([INDEX] if len(pages) == 1 else _page_file_names(names), map(render_page, pages), strict=True))
     if len(pages) > 1:
         files[INDEX] = render_page(comparison_page(names, pages, files))
@@ -81,7 +81,7 @@ def make_pages(names: Sequence[str], out: Path, store: Path, reference: Path | N
         for name, html in files.items():
             (folder / name).write_text(html, encoding="utf-8", newline="\n")
 
-    with writing_to_folder(out):
+    with folder_errors_as_input_errors(out):
         replace_folder(out, write)
     return pages
 
@@ -112,10 +112,12 @@ def comparison_page(names: Sequence[str], pages: Sequence[ScenePage], files: Map
     """
     labels = [file.removesuffix(".html") for file in files]
     note = "A dash: no such result for this scene. Loads are contact loads; errors are the errors to expect."
-    table = Table.of("answers", "Numerical results of all scenes", number_rows(labels, pages), note, unfolded=True)
+    table = Table.of(
+        "answers", "Numerical results of all scenes", numerical_result_rows(labels, pages), note, unfolded=True
+    )
     status = next((s for page in pages if (s := page.results["status"]) != "converged"), "converged")
     return ScenePage(
-        title=f"Comparison of {count_of(len(pages), 'scene')}",
+        title=f"Comparison of {count_with_noun(len(pages), 'scene')}",
         subtitle=", ".join(labels),
         verdict="",
         answers=[(label, f"{page.title}. {page.verdict}") for label, page in zip(labels, pages, strict=True)],
@@ -130,7 +132,7 @@ def comparison_page(names: Sequence[str], pages: Sequence[ScenePage], files: Map
     )
 
 
-def number_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
+def numerical_result_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
     """Return the rows of the comparison: one for each numerical result, with a column for each scene or load case.
 
     Parameters
@@ -150,7 +152,7 @@ def number_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
     keys = sorted(dict.fromkeys(key for column in columns.values() for key in column), key=_group_rank)
     found: list[Row] = []
     for group, key in keys:
-        words, unit = split_unit(key)
+        words, unit = words_and_unit_of_key(key)
         row: Row = {Quantity("quantity", "quantity", "", "s"): f"{group}: {words}", Quantity("unit", "unit", "", "s"): unit}
         found.append(row | {Quantity(head, head): column.get((group, key)) for head, column in columns.items()})
     return found
@@ -161,7 +163,7 @@ def _group_rank(key: tuple[str, str]) -> int:
 
     ``key``: name of the group and key of the result.
     """
-    groups = [split_unit(group)[0] for group in GROUPS]
+    groups = [words_and_unit_of_key(group)[0] for group in GROUPS]
     return groups.index(key[0]) if key[0] in groups else len(groups)
 
 
@@ -172,7 +174,7 @@ def _numbers_of_summary(summary: Mapping[str, Any], group: str = "") -> Iterator
     """
     for name in GROUPS:
         table = summary.get(name)
-        words, unit = split_unit(name)
+        words, unit = words_and_unit_of_key(name)
         for key, value in table.items() if isinstance(table, dict) else ():
             if isinstance(value, int | float) and not isinstance(value, bool) and key not in LEFT_OUT:
                 yield (group or words, key if not unit else f"{key}_{name.partition('_')[2]}"), value

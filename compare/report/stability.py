@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.cases.lin.extremes import table_section_items
+from rollbench.compare.cases.lin.extremes import extreme_cases_text_and_table
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.models.applicability import KNOWN_SCREWS
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import value_of
+from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.report.overview import passed_text
+from rollbench.compare.report.overview import screws_within_limit_text
 from rollbench.compare.sections.fit import WORDS
 from rollbench.compare.studies import survey as survey
 from rollbench.compare.studies.extremes import (
@@ -23,12 +23,12 @@ from rollbench.compare.studies.extremes import (
     FORMULATIONS,
     campaign_rows,
     count_outcomes,
-    rows_by_case,
     shipped_campaigns,
-    solve_cases,
+    solve_all_hard_cases,
+    stability_table_rows,
 )
 from rollbench.compare.studies.survey import MODELS
-from rollbench.compare.studies.survey_models import Standing, levels_and_models, load_levels
+from rollbench.compare.studies.survey_models import ErrorsAndTimes, errors_and_times_of_models, load_levels
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
@@ -45,11 +45,11 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
     """
     step("stored results of the randomly drawn screws")
     every = survey.shipped_survey()["scenes"]
-    scenes = survey.known_screws()
+    scenes = survey.records_of_known_screws()
     title = "Errors of the models on randomly drawn catalogue screws"
     if not scenes:
         return Section("survey", title, (Text(("No results of randomly drawn screws are stored.",)),))
-    good = len(scenes) - len(survey.unsolved_records(scenes))
+    good = len(scenes) - len(survey.records_without_converged_loads(scenes))
     versions = Counter(str(r["version"]) for r in scenes)
     by = ", ".join(f"{count} by {version}" for version, count in sorted(versions.items()))
     about = (
@@ -69,7 +69,9 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
     gate = {
         model: [r["models"][model].get("gate_percent") for r in scenes if model in r.get("models", {})] for model in MODELS
     }
-    passed = passed_text({model: np.array([e for e in errors if e is not None]) for model, errors in gate.items()})
+    passed = screws_within_limit_text(
+        {model: np.array([e for e in errors if e is not None]) for model, errors in gate.items()}
+    )
     items = (
         survey_figure(scenes),
         Text((about,)),
@@ -77,10 +79,13 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
             "stability-survey",
             "Errors of the models on all randomly drawn screws",
             tuple(Quantity(name, name, "", "s" if name in survey.SUMS[:3] else ".2f") for name in survey.SUMS),
-            [row | {"error": WORDS[row["error"].removeprefix("largest_")]} for row in survey.summary_rows(scenes)],
+            [
+                row | {"error": WORDS[row["error"].removeprefix("largest_")]}
+                for row in survey.error_summary_of_all_models(scenes)
+            ],
         ),
-        *levels_items(study, scenes),
-        *_unseen_screws_items(scenes, [r for r in every if r["number"] >= KNOWN_SCREWS]),
+        *error_and_time_items(study, scenes),
+        *_later_screws_items(scenes, [r for r in every if r["number"] >= KNOWN_SCREWS]),
         Table(
             "stability-survey-scenes",
             "Errors of both low-order models on each randomly drawn screw",
@@ -95,7 +100,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
     return Section("survey", title, items, conclusion=f"{passed}.")
 
 
-def levels_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | Table | Figure, ...]:
+def error_and_time_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | Table | Figure, ...]:
     """Return figure, text and table of errors and run times of models and mesh levels on randomly drawn screws.
 
     Parameters
@@ -110,7 +115,7 @@ def levels_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | 
         return (
             Text(("Run times of mesh levels on drawn screws are not stored; `rollbench bench --drawn` measures them.",)),
         )
-    found = levels_and_models(kept.runs, scenes)
+    found = errors_and_times_of_models(kept.runs, scenes)
     timed = [s for s in found if s.errors.size]
     about = (
         f"Mesh level 2 of the 3D reference was solved on {len({run.number for run in kept.runs})} screws, chosen at random "
@@ -136,9 +141,10 @@ def levels_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | 
         for s in found
     ]
     lin = [
-        (value_of("lin-2.2", f"time_proposed_{case}"), value_of("lin-2.4.1", f"case{case}_max_error")) for case in (1, 2)
+        (printed_value("lin-2.2", f"time_proposed_{case}"), printed_value("lin-2.4.1", f"case{case}_max_error"))
+        for case in (1, 2)
     ]
-    panels = tuple(_levels_panel(timed, name, lin) for name in ("new screw", "further load case"))
+    panels = tuple(_error_over_time_panel(timed, name, lin) for name in ("new screw", "further load case"))
     coarse = next((s for s in timed if s.name.startswith("3D")), None)
     title = (
         "Errors of models and mesh levels over processor time on drawn screws"
@@ -163,7 +169,7 @@ def _percentile(values: Array, percent: float) -> float | None:
     return float(np.percentile(values, percent)) if values.size else None
 
 
-def _levels_panel(found: Sequence[Standing], time: str, lin: Sequence[tuple[float, float]]) -> Panel:
+def _error_over_time_panel(found: Sequence[ErrorsAndTimes], time: str, lin: Sequence[tuple[float, float]]) -> Panel:
     """Return the panel of errors of models and mesh levels over processor time.
 
     Parameters
@@ -204,7 +210,7 @@ def _levels_panel(found: Sequence[Standing], time: str, lin: Sequence[tuple[floa
     return Panel("", label, "largest error by the gate's rule / %", tuple(series), log="xy")
 
 
-def _unseen_screws_items(first: list[dict[str, Any]], further: list[dict[str, Any]]) -> tuple[Text | Table, ...]:
+def _later_screws_items(first: list[dict[str, Any]], further: list[dict[str, Any]]) -> tuple[Text | Table, ...]:
     """Return text and table of the refined model's errors on screws drawn before and after its last change.
 
     Parameters
@@ -268,12 +274,12 @@ def survey_figure(scenes: Sequence[Mapping[str, Any]]) -> Figure:
             "Error near a nut face", "distance of the outermost ball from a nut face / ball radii", error, points, log="y"
         ),
     )
-    near = "; ".join(f"{name}: {_median_errors_near_faces(errors)}" for name, errors in found.items())
+    near = "; ".join(f"{name}: {_median_errors_near_faces_text(errors)}" for name, errors in found.items())
     title = f"The error grows towards the nut faces: median up to and beyond {NEAR:g} ball radii from a face, {near}"
     return Figure("survey", title, panels, f"{len(scenes)} randomly drawn screws; {BINS} bins of equal ratio.")
 
 
-def _median_errors_near_faces(errors: Array) -> str:
+def _median_errors_near_faces_text(errors: Array) -> str:
     """Return as text the median error of screws whose outermost ball is near a nut face, and that of the others.
 
     ``errors``: distance of the outermost ball [ball radii] and largest error [% of the mean load] of each screw, (n, 2).
@@ -292,7 +298,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
         if done % 10 == 0 or done == total:
             step(f"{done} of {total} cases ({case})")
 
-    rows = solve_cases(progress)
+    rows = solve_all_hard_cases(progress)
     counts = count_outcomes(rows)
     summary: list[Row] = [
         {"formulation": name, "solved": solved, "tried": tried, "cases": total}
@@ -325,9 +331,12 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
             ),
             Table.of("stability-summary", "Number of cases solved by each formulation", summary),
             Table(
-                "stability-cases", "Status of each formulation on each stiff or extreme scene", columns, rows_by_case(rows)
+                "stability-cases",
+                "Status of each formulation on each stiff or extreme scene",
+                columns,
+                stability_table_rows(rows),
             ),
-            *table_section_items(),
+            *extreme_cases_text_and_table(),
             Text(
                 (
                     "The program was also run on random extreme screws and bearings, on scene files with random faults, "

@@ -14,13 +14,13 @@ from typing import Any
 
 from rollbench.compare.errors import ArgumentError, InputError, escape_unprintable
 from rollbench.compare.measure import error_percent
-from rollbench.compare.provenance import SCENE, SOURCES, inputs, sources_hash
+from rollbench.compare.provenance import SCENE, SOURCES, hashes_of_report_inputs, sources_hash
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.report.several import INDEX, make_pages
+from rollbench.compare.report.several import INDEX, write_scene_pages
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.text.printing import Answer
-from rollbench.reports.manifest import FILE, file_hashes, page_text, read_manifest, sha256
-from rollbench.reports.scene_page import read_page, results_hash, without_manifest
+from rollbench.compare.text.printing import CommandOutput
+from rollbench.reports.manifest import FILE, file_hashes, read_manifest, read_report_file, sha256
+from rollbench.reports.scene_page import html_without_manifest, read_page_data, results_hash
 
 #: Changes of a number [%] that are ignored: round-off between two pages, and solver tolerances between two reports.
 ROUND_OFF, SAME = 1e-6, 1e-3
@@ -53,7 +53,7 @@ def read_tables(report: Path) -> Tables:
     return by_name
 
 
-def moved_tables(old: Tables, new: Tables) -> Iterator[str]:
+def report_differences(old: Tables, new: Tables) -> Iterator[str]:
     """Yield a line of text for each difference between the tables of two reports.
 
     ``old``, ``new``: rows of each table, by name of the table. Rows are matched by the texts of their cells, or by their
@@ -165,9 +165,9 @@ def check_report_hashes(report: Path, stores: Sequence[Path]) -> Iterator[HashCh
     except (OSError, ValueError) as error:
         raise InputError(str(folder / FILE), "file", str(error), "a report's manifest", "write the report again") from None
     names = [name.removeprefix(SCENE) for name in manifest["inputs"] if name.startswith(SCENE)]
-    texts = {name: catalogue.scene_text(name) for name in names if name in catalogue.scene_names()}
+    texts = {name: catalogue.shipped_scene_text(name) for name in names if name in catalogue.scene_names()}
     files = file_hashes(folder)
-    for stated, computed in ((manifest["files"], files), (manifest["inputs"], inputs(stores, texts))):
+    for stated, computed in ((manifest["files"], files), (manifest["inputs"], hashes_of_report_inputs(stores, texts))):
         yield from (HashCheck(name, value, computed.get(name, "")) for name, value in stated.items())
     yield from (HashCheck(name, "", files[name]) for name in files.keys() - manifest["files"].keys())
 
@@ -180,8 +180,8 @@ def read_first_page(report: Path) -> tuple[str, dict[str, Any]]:
     """
     path = report / "index.html" if report.is_dir() else report
     try:
-        html = page_text(path)
-        return html, read_page(html)
+        html = read_report_file(path)
+        return html, read_page_data(html)
     except (OSError, ValueError) as error:
         advice = "write a page with a manifest: rollbench report SCENE"
         raise InputError(str(path), "file", str(error), "a page with a manifest", advice) from None
@@ -195,7 +195,7 @@ def check_page_hashes(html: str, blocks: dict[str, Any], stores: Sequence[Path])
     """
     manifest = blocks["manifest"]
     carried = {
-        "page": sha256(without_manifest(html)),
+        "page": sha256(html_without_manifest(html)),
         "scene": sha256(blocks["scene"]),
         "results": results_hash(blocks["results"]),
     }
@@ -205,7 +205,7 @@ def check_page_hashes(html: str, blocks: dict[str, Any], stores: Sequence[Path])
         yield HashCheck(name, stated, sources_hash() if name == SOURCES else sha256(paths[0].read_bytes()) if paths else "")
 
 
-def run_verify(report: Path, store: Path) -> Answer:
+def verify_hashes(report: Path, store: Path) -> CommandOutput:
     """Check all hashes of a report or page, and return lines for the terminal and the exit code, 1 if any hash differs.
 
     ``report``: folder or first page of the report. ``store``: folder with runs of the 3D reference, used besides the
@@ -217,12 +217,12 @@ def run_verify(report: Path, store: Path) -> Answer:
     shown = [row for row in rows if not whole or row.state != "ok"]  # a whole report has hundreds
     wrong = sum(row.state != "ok" for row in rows)
     count = f"{len(rows) - wrong} of {len(rows)} hashes hold: {'the same inputs and code' if not wrong else 'see above'}"
-    return Answer(parts=[*(row.line for row in shown), count], code=1 if wrong else 0)
+    return CommandOutput(parts=[*(row.line for row in shown), count], code=1 if wrong else 0)
 
 
-def run_pages(
+def write_and_compare_pages(
     scenes: Sequence[str], out: Path, store: Path, against: Path | None = None, reference: Path | None = None
-) -> Answer:
+) -> CommandOutput:
     """Write the page of one scene, or the pages of several scenes with a table of all.
 
     Parameters
@@ -249,7 +249,7 @@ def run_pages(
         If a scene, the earlier page or the file of loads cannot be used.
     """
     before = None if against is None else read_first_page(against)[1]
-    pages = make_pages(scenes, out, store, reference)
+    pages = write_scene_pages(scenes, out, store, reference)
     parts = []
     for name, page in zip(scenes, pages, strict=True):
         said = f"{name}: " if len(pages) > 1 else ""
@@ -258,23 +258,27 @@ def run_pages(
     if before is not None:
         after = read_first_page(out)[1]
         lines = [
-            *result_differences(_manifest_inputs(before["manifest"]), _manifest_inputs(after["manifest"])),
-            *result_differences(_results_without_times(before["results"]), _results_without_times(after["results"])),
+            *result_differences(_reproducible_manifest(before["manifest"]), _reproducible_manifest(after["manifest"])),
+            *result_differences(
+                _results_without_solver_report(before["results"]), _results_without_solver_report(after["results"])
+            ),
         ]
         parts += lines or ["nothing changed"]
-    return Answer(parts=parts, code=int(any(page.results["status"] != "converged" for page in pages)))
+    return CommandOutput(parts=parts, code=int(any(page.results["status"] != "converged" for page in pages)))
 
 
-def _manifest_inputs(manifest: dict[str, Any]) -> dict[str, Any]:
+def _reproducible_manifest(manifest: dict[str, Any]) -> dict[str, Any]:
     """Return a page's manifest without the entries that differ in every run: date and hashes of page and results."""
     kept = {key: value for key, value in manifest.items() if key not in ("page", "results")}
     return kept | {"provenance": {k: v for k, v in manifest["provenance"].items() if k != "date"}}
 
 
-def _results_without_times(results: dict[str, Any]) -> dict[str, Any]:
+def _results_without_solver_report(results: dict[str, Any]) -> dict[str, Any]:
     """Return the results of a scene without the solver's report, which contains run times."""
     kept = {key: value for key, value in results.items() if key != "solver"}
-    return kept | ({"cases": [_results_without_times(one) for one in results["cases"]]} if "cases" in results else {})
+    return kept | (
+        {"cases": [_results_without_solver_report(one) for one in results["cases"]]} if "cases" in results else {}
+    )
 
 
 def result_differences(old: Any, new: Any, path: str = "") -> Iterator[str]:
@@ -293,7 +297,7 @@ def result_differences(old: Any, new: Any, path: str = "") -> Iterator[str]:
         if abs(change) > ROUND_OFF:
             yield f"{path}: {old:.6g} became {new:.6g} ({change:+.3g} %)"
     elif old != new:
-        yield f"{path}: {_shorten(old)} became {_shorten(new)}"
+        yield f"{path}: {_shortened_json_text(old)} became {_shortened_json_text(new)}"
 
 
 def _is_number(value: Any) -> bool:
@@ -301,7 +305,7 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _shorten(value: Any) -> str:
+def _shortened_json_text(value: Any) -> str:
     """Return a JSON value as text of at most 60 characters."""
     text = "nothing" if value is None else str(value)
     return text if len(text) <= 60 else text[:57] + "..."

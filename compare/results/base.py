@@ -10,8 +10,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
-from rollbench.compare.quantities import split_unit, unit_of
-from rollbench.reports.cells import micro_sign
+from rollbench.compare.quantities import name_and_unit_of_key, words_and_unit_of_key
+from rollbench.reports.cells import replace_um_by_micrometre
 
 if TYPE_CHECKING:
     import pint
@@ -36,7 +36,7 @@ class Row(NamedTuple):
     note: str = ""
 
 
-def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] = HEADINGS) -> str:
+def format_table_as_text(rows: Sequence[Sequence[str]], line_width: int, headings: Sequence[str] = HEADINGS) -> str:
     """Format a table as plain text with aligned columns below their headings.
 
     Numbers are right-aligned, the last column is wrapped, and columns without any text are left out.
@@ -45,7 +45,7 @@ def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] =
     ----------
     rows
         Texts of each row, one for each heading.
-    width
+    line_width
         Largest length of a line [characters].
     headings
         Headings of the columns.
@@ -58,15 +58,15 @@ def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] =
     kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
     table = [[row[k] for k in kept] for row in (headings, *rows)]
     wide = [max(len(row[k]) for row in table) for k in range(len(kept))]
-    left = {n for n, k in enumerate(kept) if not _is_number(rows, headings, k)}
+    left = {n for n, k in enumerate(kept) if not _is_number_column(rows, headings, k)}
     out = []
     for *cells, note in table:
         texts = [text.ljust(wide[n]) if n in left else text.rjust(wide[n]) for n, text in enumerate(cells)]
         line = "  ".join(texts)
-        room = width - len(line) - 2
+        room = line_width - len(line) - 2
         if room < min(ROOM, wide[-1]):
             out.append(line.rstrip())
-            line, room = "  ", width - 4
+            line, room = "  ", line_width - 4
             notes = textwrap.wrap(note, room, break_on_hyphens=False)
         else:
             notes = textwrap.wrap(note, room, break_on_hyphens=False) or [""]
@@ -74,7 +74,7 @@ def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] =
     return "\n".join(out)
 
 
-def _is_number(rows: Sequence[Sequence[str]], headings: Sequence[str], k: int) -> bool:
+def _is_number_column(rows: Sequence[Sequence[str]], headings: Sequence[str], k: int) -> bool:
     """Return whether column ``k`` of a table contains numbers, and so is right-aligned.
 
     ``rows``: texts of each row, one for each heading. The first column and the columns of units and notes are left-aligned.
@@ -82,7 +82,7 @@ def _is_number(rows: Sequence[Sequence[str]], headings: Sequence[str], k: int) -
     return k > 0 and headings[k] not in ("unit", "note") and any(re.match(r"[+-]?\d", row[k]) for row in rows)
 
 
-def as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -> str:
+def format_table_as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -> str:
     """Format a table as HTML with its headings.
 
     Parameters
@@ -98,17 +98,19 @@ def as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -
         HTML of the table.
     """
     kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
-    sides = ["right" if _is_number(rows, headings, k) else "left" for k in range(len(headings))]
+    sides = ["right" if _is_number_column(rows, headings, k) else "left" for k in range(len(headings))]
     line = "<tr>{}</tr>".format
     head = "".join(f"<th style='text-align:{sides[k]}'>{html.escape(headings[k])}</th>" for k in kept)
     body = "".join(
-        line("".join(f"<td style='text-align:{sides[k]}'>{html.escape(micro_sign(row[k]))}</td>" for k in kept))
+        line(
+            "".join(f"<td style='text-align:{sides[k]}'>{html.escape(replace_um_by_micrometre(row[k]))}</td>" for k in kept)
+        )
         for row in rows
     )
     return f"<table><thead>{line(head)}</thead><tbody>{body}</tbody></table>"
 
 
-def with_schema(data: Mapping[str, Any]) -> dict[str, Any]:
+def add_schema_version(data: Mapping[str, Any]) -> dict[str, Any]:
     """Return the JSON values ``data`` of a result, with the version number of the format added as first key, ``schema``."""
     return {"schema": SCHEMA, **data}
 
@@ -159,13 +161,13 @@ class Record(ABC):
         KeyError
             If a key does not exist; the message lists the available keys.
         """
-        deprecated(f"result[{path!r}]", "its fields, in SI units, or result.to_dict()")
+        warn_of_deprecation(f"result[{path!r}]", "its fields, in SI units, or result.to_dict()")
         return self._at(path)
 
     @property
     def data(self) -> dict[str, JSON]:
         """Result as a dictionary of JSON values; deprecated, use `to_dict`."""
-        deprecated("result.data", "result.to_dict()")
+        warn_of_deprecation("result.data", "result.to_dict()")
         return self.to_dict()
 
     def quantity(self, path: str) -> pint.Quantity:
@@ -203,7 +205,7 @@ class Record(ABC):
 
         value = self._at(path)
         keys = reversed(path.split("."))  # a table of one unit has it in its own name
-        unit = next((unit for key in keys if (unit := unit_of(key)[1]) is not None), None)
+        unit = next((unit for key in keys if (unit := name_and_unit_of_key(key)[1]) is not None), None)
         if unit is None or value is None or isinstance(value, (str, bool, Mapping)):
             raise ValueError(f"{path}: {'no value' if value is None else 'no number with a unit'}")
         return pint.application_registry.get().Quantity(value, unit.text.replace("million ", "mega"))
@@ -251,15 +253,22 @@ class Record(ABC):
         Sequence[Sequence[str]]
             Texts of each row, one for each of `headings`.
         """
-        return [Row(name, _value_text(value), unit) for name, value, unit in _flatten_record(self._at(self._shown), "")]
+        return [
+            Row(name, _format_cell_value(value), unit)
+            for name, value, unit in _flatten_json_values(self._at(self._shown), "")
+        ]
 
     def __str__(self) -> str:
         """Return the table as aligned text, with the notes below it."""
-        return "\n".join([*([as_text(rows, 100, self.headings)] if (rows := self.table()) else []), *self._notes])
+        return "\n".join(
+            [*([format_table_as_text(rows, 100, self.headings)] if (rows := self.table()) else []), *self._notes]
+        )
 
     def _repr_html_(self) -> str:
         """Return the table as HTML for a notebook, with the notes below it."""
-        return as_html(self.table(), self.headings) + "".join(f"<p>{html.escape(note)}</p>" for note in self._notes)
+        return format_table_as_html(self.table(), self.headings) + "".join(
+            f"<p>{html.escape(note)}</p>" for note in self._notes
+        )
 
     def _at(self, path: str) -> JSON:
         """Return the JSON value at the keys ``path``, joined by dots; an empty path gives all values.
@@ -275,41 +284,41 @@ class Record(ABC):
         return value
 
 
-def deprecated(what: str, instead: str) -> None:
+def warn_of_deprecation(former_name: str, replacement: str) -> None:
     """Issue a DeprecationWarning, at the line of the user's code, for a name that the next version removes.
 
     Parameters
     ----------
-    what
+    former_name
         The deprecated expression.
-    instead
+    replacement
         Expression that replaces it.
     """
-    warnings.warn(f"{what} will be removed in the next version: use {instead}", DeprecationWarning, stacklevel=3)
+    warnings.warn(f"{former_name} will be removed in the next version: use {replacement}", DeprecationWarning, stacklevel=3)
 
 
-def _flatten_record(value: JSON, name: str, of_all: str = "") -> Iterator[tuple[str, JSON, str]]:
+def _flatten_json_values(value: JSON, name: str, list_name: str = "") -> Iterator[tuple[str, JSON, str]]:
     """Yield (name, value, unit) of every single value inside a JSON value; None and lists of records are left out.
 
-    ``name``: words put before the name of each value. ``of_all``: unit of the values whose key does not end with a unit.
+    ``name``: words put before the name of each value. ``list_name``: unit of the values whose key does not end with a unit.
     """
     if isinstance(value, dict):
         for key, inner in value.items():
-            words, unit = split_unit(key)
+            words, unit = words_and_unit_of_key(key)
             whole = f"{name}: {words}" if name else words
             if isinstance(inner, dict):
-                yield from _flatten_record(inner, whole, unit or of_all)
+                yield from _flatten_json_values(inner, whole, unit or list_name)
             elif inner is not None and not (isinstance(inner, list) and any(isinstance(x, (dict, list)) for x in inner)):
-                yield whole, inner, unit or of_all
+                yield whole, inner, unit or list_name
     elif isinstance(value, list):
         for number, inner in enumerate(value, start=1):
-            yield from _flatten_record(inner, f"{name} {number}".strip())
+            yield from _flatten_json_values(inner, f"{name} {number}".strip())
 
 
-def _value_text(value: JSON) -> str:
+def _format_cell_value(value: JSON) -> str:
     """Format a JSON value as the text of a table cell, with five digits."""
     if isinstance(value, float):
         return f"{value:.5g}"
     if isinstance(value, list):
-        return ", ".join(map(_value_text, value))
+        return ", ".join(map(_format_cell_value, value))
     return str(value)

@@ -12,30 +12,30 @@ import numpy as np
 from rollbench.compare.errors import Refusal
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import LoadError, load_error
-from rollbench.compare.models.answers import LoadAnswers, axial_place_without_loads, load_answers
+from rollbench.compare.models.answers import LoadAnswers, rate_contact_loads, unloaded_axial_displacement
 from rollbench.compare.models.comparison import (
     Loads,
     SetOfAssembly,
     SetSolution,
-    from_result,
-    from_run,
-    gate_points,
-    options_for,
-    reference_answers,
+    comparison_options,
+    contact_load_errors,
+    loads_from_result,
+    loads_from_run,
+    loads_of_reference_runs,
     solution_of_set,
     solve_and_time,
 )
 from rollbench.compare.models.loading import solve_scaled
-from rollbench.compare.models.model_form import ModelForm, Point, estimate, shipped_points
-from rollbench.compare.models.programs import title_of
+from rollbench.compare.models.model_form import ModelForm, Point, errors_on_compared_scenes, estimate_model_error
+from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import DEFAULT, Model
-from rollbench.compare.models.uncertainty import LoadUncertainty, total
-from rollbench.compare.quantities import as_json
-from rollbench.compare.reference.estimate import Reference, uncertainty_percent
+from rollbench.compare.models.uncertainty import LoadUncertainty, uncertainty_of_loads
+from rollbench.compare.quantities import record_as_json
+from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load_run
-from rollbench.compare.results.rows import compared_rows
-from rollbench.compare.results.scene_json import Axial, contacts_json, expected_json, loads_json
+from rollbench.compare.results.rows import rows_with_reference
+from rollbench.compare.results.scene_json import Axial, ball_loads_json, contact_ratings_json, expected_errors_json
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Scene
@@ -60,7 +60,7 @@ class ComparedLoads:
     force: float
     #: Number of contacts that are loaded in the screw without geometric errors.
     contacts: int
-    #: Largest error of a contact load as `rollbench check` judges it (`measure.gate_scale`) [%].
+    #: Largest error of a contact load as `rollbench check` judges it (`measure.scale_of_gate_errors`) [%].
     by_gate: float = 0.0
 
     @property
@@ -71,7 +71,7 @@ class ComparedLoads:
     @property
     def title(self) -> str:
         """Name of the model or reference in tables and sentences."""
-        return title_of(self.answer.model)
+        return model_title(self.answer.model)
 
     @property
     def pressure(self) -> float:
@@ -79,8 +79,12 @@ class ComparedLoads:
         return 0.0 if self.found.worst is None else self.found.worst.pressure
 
 
-def model_errors(
-    scene: Scene, answer: Loads, ref: Reference | None, start: float = 0.0, contacts: int | None = None
+def compare_loads_with_reference(
+    scene: Scene,
+    answer: Loads,
+    reference: Reference | None,
+    unloaded_displacement: float = 0.0,
+    contacts: int | None = None,
 ) -> ComparedLoads:
     """Compute the errors of contact loads against a reference, and the pressure, life, displacement and force of the loads.
 
@@ -90,9 +94,9 @@ def model_errors(
         Scene with a single nut or bearing.
     answer
         Contact loads and displacements of a model or of the reference.
-    ref
+    reference
         The reference; None: no errors are computed.
-    start
+    unloaded_displacement
         Axial displacement of the screw in the scene without external loads [m]; it is subtracted from the displacement.
     contacts
         Number of contacts that are loaded in the screw without geometric errors; None: computed from the scene.
@@ -104,24 +108,24 @@ def model_errors(
     """
     angle = np.radians(answer.angle)
     moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
-    error = None if ref is None else load_error(answer.load, ref.load, ref.contacts)
+    error = None if reference is None else load_error(answer.load, reference.load, reference.contacts)
     pull = np.where(answer.load > 0.0, answer.load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
     count = nominal_contacts(scene) if contacts is None else contacts
-    found, force = load_answers(scene, answer.load, angle, pressure=answer.pressure), float(pull[0] - pull[1])
-    points = [] if ref is None else gate_points(ref.scene, ref, LIMIT, answer.load)
+    found, force = rate_contact_loads(scene, answer.load, angle, pressure=answer.pressure), float(pull[0] - pull[1])
+    points = [] if reference is None else contact_load_errors(reference.scene, reference, LIMIT, answer.load)
     by_gate = max((abs(p.error_percent) for p in points), default=0.0)
-    return ComparedLoads(answer, error, found, moved - start, force, count, by_gate)
+    return ComparedLoads(answer, error, found, moved - unloaded_displacement, force, count, by_gate)
 
 
 @dataclass(frozen=True)
-class Compared:
+class SetComparison:
     """Comparison of models, and of coarser meshes, with the reference of one nut or bearing."""
 
     #: Results and errors of models and coarser meshes.
     models: tuple[ComparedLoads, ...]
     #: Results of the reference.
     itself: ComparedLoads
-    #: Expected error of the model that `comparison_verdict` judges, estimated from comparisons on other scenes.
+    #: Expected error of the model that `comparison_verdict_sentence` judges, estimated from comparisons on other scenes.
     expected: ModelForm | None
     #: Uncertainty of the comparison.
     total: LoadUncertainty
@@ -130,18 +134,18 @@ class Compared:
 
     @property
     def judged_model(self) -> ComparedLoads:
-        """Results of the model that `comparison_verdict` judges: the default model if it is compared, else the first."""
+        """Results of the model that the first sentence judges: the default model if it is compared, else the first."""
         return next((b for b in self.models if b.label == DEFAULT), self.models[0])
 
 
-def compared(
+def compare_models_with_reference(
     scene: Scene,
     models: Sequence[Model],
     reference: Reference,
     stores: Sequence[Path],
-    of: SetOfAssembly | None = None,
-    ours: Reference | None = None,
-) -> Compared:
+    set_of_assembly: SetOfAssembly | None = None,
+    stored_reference: Reference | None = None,
+) -> SetComparison:
     """Compare models with a reference; the reference's coarser meshes and the mesh of the publication are compared too.
 
     Parameters
@@ -154,9 +158,9 @@ def compared(
         The reference: contact loads of the 3D finite-element model, or of a user's file.
     stores
         Folders with runs of the 3D reference.
-    of
+    set_of_assembly
         The nut or bearing on a shaft with several that ``scene`` represents; None if the scene has only one.
-    ours
+    stored_reference
         Stored 3D reference that is compared too if ``reference`` comes from a user's file; otherwise None.
 
     Returns
@@ -171,21 +175,34 @@ def compared(
     """
     answers, expected, starts = [], {}, {}
     for model in models:
-        of_model = solve_and_compare(model, scene, reference, stores) if of is None else solution_of_set(of, model.name)
+        of_model = (
+            solve_and_compare(model, scene, reference, stores)
+            if set_of_assembly is None
+            else solution_of_set(set_of_assembly, model.name)
+        )
         if isinstance(of_model, str):
             raise Refusal(reference.scene, "model", f"{model.name}: {of_model}", "choose another model with --model")
-        answers.append(from_result(of_model.result, of_model.seconds))
-        starts[answers[-1].model] = axial_place_without_loads(scene, of_model.bare)
+        answers.append(loads_from_result(of_model.result, of_model.seconds))
+        starts[answers[-1].model] = unloaded_axial_displacement(scene, of_model.bare)
         if of_model.result.converged:
-            expected[model.name] = estimate(of_model.scene, of_model.result, points_of_other_scenes(reference))
-    others = reference_answers(reference, None if of is not None else load_run(scene, SOURCE_LEVEL, stores=tuple(stores)))
-    answers += [answer for answer in others if not is_finest_reference_run(answer, reference)]
-    answers += [] if ours is None else [from_run(ours.best, OURS)]
+            expected[model.name] = estimate_model_error(
+                of_model.scene, of_model.result, error_points_of_other_scenes(reference)
+            )
+    others = loads_of_reference_runs(
+        reference, None if set_of_assembly is not None else load_run(scene, SOURCE_LEVEL, stores=tuple(stores))
+    )
+    answers += [answer for answer in others if not is_from_finest_reference_run(answer, reference)]
+    answers += [] if stored_reference is None else [loads_from_run(stored_reference.best, OURS)]
     shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # no run of the reference without loads is stored
-    count = None if of is None else reference.contacts
-    each = tuple(model_errors(scene, answer, reference, starts.get(answer.model, shared), count) for answer in answers)
-    itself = model_errors(scene, from_run(reference.best, reference.label), None, shared, count)
-    whole = Compared(each, itself, None, total(scene, reference, inputs=of is None), shared)
+    count = None if set_of_assembly is None else reference.contacts
+    each = tuple(
+        compare_loads_with_reference(scene, answer, reference, starts.get(answer.model, shared), count)
+        for answer in answers
+    )
+    itself = compare_loads_with_reference(scene, loads_from_run(reference.best, reference.label), None, shared, count)
+    whole = SetComparison(
+        each, itself, None, uncertainty_of_loads(scene, reference, inputs=set_of_assembly is None), shared
+    )
     return replace(whole, expected=expected.get(whole.judged_model.label))
 
 
@@ -196,65 +213,74 @@ def solve_and_compare(model: Model, scene: Scene, reference: Reference, stores: 
     The time of the solution with loads is measured.
     """
     result, seconds = solve_and_time(model, scene, reference, stores)
-    bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, reference, stores, "interpreted"))
+    bare = solve_scaled(scene, 0.0, model.name, comparison_options(model, scene, reference, stores, "interpreted"))
     return SetSolution(result, bare, seconds, scene)
 
 
-def points_of_other_scenes(reference: Reference) -> list[Point]:
+def error_points_of_other_scenes(reference: Reference) -> list[Point]:
     """Return the errors on compared scenes from which expected errors are estimated, without those of the same scene.
 
     ``reference``: reference of the scene whose errors are left out.
     """
     own = {reference.scene, *(run.scene for run in reference.runs)}
-    return [point for point in shipped_points() if point.scene not in own]
+    return [point for point in errors_on_compared_scenes() if point.scene not in own]
 
 
-def loads_and_rigidities(b: ComparedLoads) -> dict[str, Any]:
+def loads_and_rigidities(compared_loads: ComparedLoads) -> dict[str, Any]:
     """Return as JSON the loads of a model or the reference, and the rigidity, pressure and life that follow from them.
 
-    ``b``: the loads. Forces are in N, displacements in um, rigidities in N/um.
+    ``compared_loads``: the loads. Forces are in N, displacements in um, rigidities in N/um.
     """
-    stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
-    axial = as_json(
-        Axial(b.force, b.displacement, stiff),
+    stiff = (
+        compared_loads.force / compared_loads.displacement
+        if compared_loads.displacement * compared_loads.force > 0.0
+        else None
+    )
+    axial = record_as_json(
+        Axial(compared_loads.force, compared_loads.displacement, stiff),
         "tangent_N_per_um",
         "tangent_words",
         "stepped_N_per_um",
         "lost_motion_um_per_100N",
     )
-    return {"loads": loads_json(b.answer.load, b.contacts), "axial": axial, **contacts_json(b.found)}
-
-
-def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
-    """Return a comparison as JSON: verdict, mesh levels and uncertainty of the reference, errors, and all results.
-
-    ``whole``: the comparison of models with ``reference``.
-    """
-    error, expected = whole.judged_model.error, whole.expected
     return {
-        "scene": reference.scene,
-        "verdict": comparison_verdict(whole, reference),
-        "levels": list(reference.levels),
-        "uncertainty_percent": uncertainty_percent(reference),
-        "reference_status": reference.unsettled or "converged",
-        "uncertainty": as_json(whole.total),
-        "model": whole.judged_model.label,
-        "expected_error_percent": None if expected is None else expected.percent,
-        **expected_json(expected, "expected_{}_error_percent"),
-        "measured_error_percent": None if error is None else error.max_percent,
-        "answers": {b.label: loads_and_rigidities(b) for b in (whole.itself, *whole.models)},
+        "loads": ball_loads_json(compared_loads.answer.load, compared_loads.contacts),
+        "axial": axial,
+        **contact_ratings_json(compared_loads.found),
     }
 
 
-def is_finest_reference_run(answer: Loads, reference: Reference) -> bool:
+def comparison_json(comparison: SetComparison, reference: Reference) -> dict[str, Any]:
+    """Return a comparison as JSON: verdict, mesh levels and uncertainty of the reference, errors, and all results.
+
+    ``comparison``: the comparison of models with ``reference``.
+    """
+    error, expected = comparison.judged_model.error, comparison.expected
+    return {
+        "scene": reference.scene,
+        "verdict": comparison_verdict_sentence(comparison, reference),
+        "levels": list(reference.levels),
+        "uncertainty_percent": largest_uncertainty_percent(reference),
+        "reference_status": reference.unsettled or "converged",
+        "uncertainty": record_as_json(comparison.total),
+        "model": comparison.judged_model.label,
+        "expected_error_percent": None if expected is None else expected.percent,
+        **expected_errors_json(expected, "expected_{}_error_percent"),
+        "measured_error_percent": None if error is None else error.max_percent,
+        "answers": {b.label: loads_and_rigidities(b) for b in (comparison.itself, *comparison.models)},
+    }
+
+
+def is_from_finest_reference_run(answer: Loads, reference: Reference) -> bool:
     """Return whether contact loads are those of the reference's finest run, against which all errors are computed."""
     return answer.model == f"3D level {reference.best.level}"
 
 
-def levels_text(reference: Reference, total: LoadUncertainty) -> str:
+def reference_uncertainty_text(reference: Reference, total: LoadUncertainty) -> str:
     """Return a text on the uncertainty and the mesh levels of the reference.
 
-    ``total``: uncertainty of the comparison. For a reference from a user's file, the text is what the file states.
+    ``uncertainty_of_loads``: uncertainty of the comparison. For a reference from a user's file, the text is what the file
+    states.
     """
     if reference.stated:
         return total.stated
@@ -264,12 +290,12 @@ def levels_text(reference: Reference, total: LoadUncertainty) -> str:
     return f"uncertain by {total.percent:.2f} % ({of})"
 
 
-def comparison_verdict(whole: Compared, reference: Reference) -> str:
+def comparison_verdict_sentence(comparison: SetComparison, reference: Reference) -> str:
     """Return one sentence on a comparison: measured and expected error of the judged model, and the uncertainty.
 
-    ``whole``: the comparison of models with ``reference``.
+    ``comparison``: the comparison of models with ``reference``.
     """
-    b, worth, e = whole.judged_model, whole.expected, whole.judged_model.error
+    b, worth, e = comparison.judged_model, comparison.expected, comparison.judged_model.error
     off = expected = ""
     if e is not None:
         where = f" (ball {e.ball} {e.side})" if e.ball else ""
@@ -279,15 +305,19 @@ def comparison_verdict(whole: Compared, reference: Reference) -> str:
         )
     if worth is not None:
         expected = "not covered by earlier comparisons" if worth.percent is None else f"{worth.percent:.2f} %"
-    return "; ".join(filter(None, [off, expected and f"expected error: {expected}", levels_text(reference, whole.total)]))
+    return "; ".join(
+        filter(
+            None, [off, expected and f"expected error: {expected}", reference_uncertainty_text(reference, comparison.total)]
+        )
+    )
 
 
-def answer_rows(whole: Compared) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def model_and_reference_rows(comparison: SetComparison) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Return headings and rows of the table that compares the results of the judged model with those of the reference.
 
     Parameters
     ----------
-    whole
+    comparison
         The comparison.
 
     Returns
@@ -295,7 +325,9 @@ def answer_rows(whole: Compared) -> tuple[tuple[str, ...], list[tuple[str, ...]]
     tuple[tuple[str, ...], list[tuple[str, ...]]]
         Headings, and the texts of each row, one for each heading.
     """
-    headings = ("quantity", whole.judged_model.title, whole.itself.label, "unit", "difference", "expected")
+    headings = ("quantity", comparison.judged_model.title, comparison.itself.label, "unit", "difference", "expected")
     return headings, [
-        *compared_rows(loads_and_rigidities(whole.judged_model), loads_and_rigidities(whole.itself), whole.expected)
+        *rows_with_reference(
+            loads_and_rigidities(comparison.judged_model), loads_and_rigidities(comparison.itself), comparison.expected
+        )
     ]

@@ -10,36 +10,36 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, Refusal
-from rollbench.compare.gate.user import references_from_file, stored_reference
+from rollbench.compare.gate.user import references_from_file, stored_reference_of_set
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.comparison import Referenced, stored_references, suitable_models
-from rollbench.compare.models.load_cases import cycle_life
+from rollbench.compare.models.load_cases import life_over_cycle
 from rollbench.compare.models.registry import Model
-from rollbench.compare.quantities import as_json, number
-from rollbench.compare.reference.jobs import Engine, ensure, plan
+from rollbench.compare.quantities import json_number, record_as_json
+from rollbench.compare.reference.jobs import Engine, ensure, plan_tasks
 from rollbench.compare.reference.levels import ADVISED, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, shipped_store
 from rollbench.compare.reference.tasks import Solvable, Task
-from rollbench.compare.results.base import JSON, Record, with_schema
+from rollbench.compare.results.base import JSON, Record, add_schema_version
 from rollbench.compare.results.compared import (
-    Compared,
     ComparedLoads,
-    answer_rows,
-    compared,
-    comparison_verdict,
+    SetComparison,
+    compare_models_with_reference,
+    comparison_verdict_sentence,
     loads_and_rigidities,
+    model_and_reference_rows,
 )
-from rollbench.compare.results.solved import ExpectedError, expected_error
-from rollbench.compare.scenes.duty_cycle import CaseOfCycle, Described, DutyCycle, cases_by_name
-from rollbench.compare.scenes.scene_file import each_case
+from rollbench.compare.results.solved import ExpectedError, expected_error_record
+from rollbench.compare.scenes.duty_cycle import CaseOfCycle, Described, DutyCycle, load_cases_by_scene_name
+from rollbench.compare.scenes.scene_file import scenes_of_load_cases
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.quantity import quantity, record
+from rollbench.meshes.quantity import quantity_field, result_record
 
 #: Comparisons, by the name of the load case and the name of the nut or bearing.
-ByCase = Mapping[tuple[str, str], Compared]
+ByCase = Mapping[tuple[str, str], SetComparison]
 #: References, one for each nut or bearing, each with its comparison.
-Pairs = Sequence[tuple[Referenced, Compared]]
+Pairs = Sequence[tuple[Referenced, SetComparison]]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -67,13 +67,13 @@ class Loads:
     """Version of rollbench and computer with which the time was measured; empty for this version on this computer."""
 
 
-@record(eq=False, repr=False, kw_only=True)
+@result_record(eq=False, repr=False, kw_only=True)
 class ModelLoads(Loads):
     """Contact loads of a model, or of the 3D reference on a coarser mesh, with their errors against the reference."""
 
     errors: Array
     """Errors of the contact loads, (n, 4) [% of the mean contact load of the reference]."""
-    largest_error: float = quantity(
+    largest_error: float = quantity_field(
         "measured_error_percent",
         "measured error of the worst contact load, in per cent of the reference's mean load",
         error="`uncertainty.discretisation_percent`",
@@ -94,7 +94,7 @@ class ModelLoads(Loads):
         return f"{self.name}: largest error {self.largest_error:.2f} % of the mean load, RMS {self.rms_error:.2f} %"
 
 
-@record
+@result_record
 class Uncertainty:
     """Uncertainty of the largest contact load in a comparison, by its causes [% of the mean contact load].
 
@@ -103,7 +103,7 @@ class Uncertainty:
 
     total: float
     """Root of the sum of squares of the uncertainties from all causes."""
-    discretisation: float = quantity(
+    discretisation: float = quantity_field(
         "uncertainty_percent",
         "uncertainty of the reference's most uncertain contact load that is due to its mesh, at 95 % confidence",
     )
@@ -160,7 +160,7 @@ class Comparison(Record):
     """Comparison of each nut or bearing on a shaft with several, by name; empty for a single nut or bearing."""
     cases: Mapping[str, Comparison] = field(default_factory=dict)
     """Comparison of each load case, by name; empty without load cases."""
-    compared: tuple[tuple[Referenced, Compared], ...] = ()
+    compared: tuple[tuple[Referenced, SetComparison], ...] = ()
     """Records with further details: reference and comparison of each load case and each nut or bearing."""
     described: Described | None = None
     """The compared scene; None for a load case, or for one of several nuts or bearings."""
@@ -183,14 +183,14 @@ class Comparison(Record):
         dict
             JSON values by key.
         """
-        return with_schema(self._json())
+        return add_schema_version(self._json())
 
     def _json(self) -> dict[str, Any]:
-        results = [_set_json(whole, one) | model_label(one) for one, whole in self.compared]
+        results = [_set_comparison_json(whole, one) | set_keys(one) for one, whole in self.compared]
         if isinstance(self.described, DutyCycle):
-            cases = cases_by_name([self.described])
+            cases = load_cases_by_scene_name([self.described])
             rows = [row | cases[one.described].keys for row, (one, _) in zip(results, self.compared, strict=True)]
-            whole = together_json(self.described, {(one.described, one.set): each for one, each in self.compared})
+            whole = cycle_summaries_json(self.described, {(one.described, one.set): each for one, each in self.compared})
             summary = whole[0] if len(whole) == 1 else {row["set"]: row for row in whole}
             return {"scene": self.scene, "summary": summary, "cases": rows}
         return {"scene": self.scene, "sets": results} if self.sets else results[0]
@@ -198,7 +198,7 @@ class Comparison(Record):
     @property
     def headings(self) -> Sequence[str]:  # type: ignore[override]
         """Headings of the columns of `table`."""
-        return answer_rows(self.compared[0][1])[0]
+        return model_and_reference_rows(self.compared[0][1])[0]
 
     def table(self) -> Sequence[Sequence[str]]:
         """Return the rows of the table that ``rollbench compare`` prints.
@@ -212,7 +212,7 @@ class Comparison(Record):
         return [
             (", ".join(filter(None, (one.found.scene * (len(self.compared) > 1), name))), *row)
             for one, whole in self.compared
-            for name, *row in answer_rows(whole)[1]
+            for name, *row in model_and_reference_rows(whole)[1]
         ]
 
     @property
@@ -244,21 +244,21 @@ def make_comparison(described: Described, pairs: Pairs, warnings: Sequence[str])
         The combined record.
     """
     if not isinstance(described, DutyCycle):
-        return _combine_sets(described.name, described, pairs, warnings)
+        return _combine_set_comparisons(described.name, described, pairs, warnings)
     by_case = {
         case.name: [(one, whole) for one, whole in pairs if one.described == case.scene.name] for case in described.cases
     }
     return Comparison(
         scene=described.name,
-        verdict="\n".join(comparison_verdict(whole, one.found) for one, whole in pairs),
+        verdict="\n".join(comparison_verdict_sentence(whole, one.found) for one, whole in pairs),
         warnings=tuple(warnings),
-        cases={name: _combine_sets(name, None, its, ()) for name, its in by_case.items()},
+        cases={name: _combine_set_comparisons(name, None, its, ()) for name, its in by_case.items()},
         compared=tuple(pairs),
         described=described,
     )
 
 
-def _combine_sets(name: str, described: Described | None, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
+def _combine_set_comparisons(name: str, described: Described | None, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
     """Combine the comparisons of all nuts and bearings of a scene with one load case.
 
     ``name``: name of the scene or load case. ``described``: the scene; None for one of several load cases. ``pairs``:
@@ -266,81 +266,84 @@ def _combine_sets(name: str, described: Described | None, pairs: Pairs, warnings
     """
     first, whole = pairs[0]
     if first.of is None:
-        return _single_set_comparison(name, first, whole, described, warnings)
+        return _comparison_of_single_set(name, first, whole, described, warnings)
     return Comparison(
         scene=name,
-        verdict="\n".join(comparison_verdict(whole, one.found) for one, whole in pairs),
+        verdict="\n".join(comparison_verdict_sentence(whole, one.found) for one, whole in pairs),
         warnings=tuple(warnings),
-        sets={one.set: _single_set_comparison(one.found.scene, one, whole, None, ()) for one, whole in pairs},
+        sets={one.set: _comparison_of_single_set(one.found.scene, one, whole, None, ()) for one, whole in pairs},
         compared=tuple(pairs),
         described=described,
     )
 
 
-def _single_set_comparison(
-    name: str, one: Referenced, whole: Compared, described: Described | None, warnings: Sequence[str]
+def _comparison_of_single_set(
+    name: str, referenced: Referenced, comparison: SetComparison, described: Described | None, warnings: Sequence[str]
 ) -> Comparison:
     """Convert the comparison of one nut or bearing with its reference to the record that users get.
 
-    ``name``: name of the comparison. ``one``: the reference. ``whole``: the comparison. ``described``: the scene; None for
-    a load case, or for one of several nuts or bearings.
+    ``name``: name of the comparison. ``referenced``: the reference. ``comparison``: the comparison. ``described``: the
+    scene; None for a load case, or for one of several nuts or bearings.
     """
-    found, t = one.found, whole.total
+    found, t = referenced.found, comparison.total
     return Comparison(
         scene=name,
-        verdict=comparison_verdict(whole, found),
+        verdict=comparison_verdict_sentence(comparison, found),
         warnings=tuple(warnings),
-        reference=Loads(**_contact_loads_json(whole.itself)),
+        reference=Loads(**_loads_record_fields(comparison.itself)),
         levels=found.levels,
         unsettled=found.unsettled,
         uncertainties=found.uncertainty,
         uncertainty=Uncertainty(
             t.percent, t.discretisation, None if t.choices is None else t.choices.percent, t.inputs, t.second_order, t.text
         ),
-        models={b.label: _model_json(b, one) for b in whole.models},
-        expected_error=expected_error(whole.expected),
-        compared=((one, whole),),
+        models={b.label: _model_loads_record(b, referenced) for b in comparison.models},
+        expected_error=expected_error_record(comparison.expected),
+        compared=((referenced, comparison),),
         described=described,
     )
 
 
-def _contact_loads_json(b: ComparedLoads) -> dict[str, Any]:
-    """Return the fields of a `Loads` record, by name, for the model or reference ``b``; angles are converted to radians."""
-    life = b.found.life
+def _loads_record_fields(compared_loads: ComparedLoads) -> dict[str, Any]:
+    """Return the fields of a `Loads` record, by name, for the model or reference ``compared_loads``.
+
+    Angles are converted to radians.
+    """
+    life = compared_loads.found.life
     return {
-        "name": b.label,
-        "loads": b.answer.load,
-        "angles": np.where(b.answer.load > 0.0, np.radians(b.answer.angle), np.nan),
-        "pressure": b.pressure,
-        "displacement": b.displacement,
+        "name": compared_loads.label,
+        "loads": compared_loads.answer.load,
+        "angles": np.where(compared_loads.answer.load > 0.0, np.radians(compared_loads.answer.angle), np.nan),
+        "pressure": compared_loads.pressure,
+        "displacement": compared_loads.displacement,
         "L10": None if life is None else 1e6 * life.revolutions,
-        "seconds": b.answer.seconds or None,
-        "measured": b.answer.measured,
+        "seconds": compared_loads.answer.seconds or None,
+        "measured": compared_loads.answer.measured,
     }
 
 
-def _model_json(b: ComparedLoads, one: Referenced) -> ModelLoads:
-    """Return the contact loads of the model ``b`` with their errors against the reference ``one``."""
-    assert b.error is not None, "a model has errors"
-    errors = np.asarray(error_percent(b.answer.load, one.found.load, one.found.mean))
-    e = b.error
+def _model_loads_record(compared_loads: ComparedLoads, referenced: Referenced) -> ModelLoads:
+    """Return the contact loads of the model ``compared_loads`` with their errors against the reference ``referenced``."""
+    assert compared_loads.error is not None, "a model has errors"
+    errors = np.asarray(error_percent(compared_loads.answer.load, referenced.found.load, referenced.found.mean))
+    e = compared_loads.error
     return ModelLoads(
-        **_contact_loads_json(b),
+        **_loads_record_fields(compared_loads),
         errors=errors,
         largest_error=e.max_percent,
         rms_error=e.rms_percent,
-        gate_error=b.by_gate,
+        gate_error=compared_loads.by_gate,
         ball=e.ball,
         side=e.side,
     )
 
 
-def _set_json(whole: Compared, one: Referenced) -> dict[str, Any]:
+def _set_comparison_json(comparison: SetComparison, referenced: Referenced) -> dict[str, Any]:
     """Return the comparison of a single nut or bearing with its reference as a dictionary of JSON values.
 
-    ``whole``: the comparison. ``one``: the reference.
+    ``comparison``: the comparison. ``referenced``: the reference.
     """
-    found = one.found
+    found = referenced.found
     return {
         "scene": found.scene,
         "levels": list(found.levels),
@@ -351,11 +354,11 @@ def _set_json(whole: Compared, one: Referenced) -> dict[str, Any]:
                 "rms_error_percent": None if b.error is None else b.error.rms_percent,
                 "largest_load_N": float(b.answer.load.max(initial=0.0)),
                 "pressure_MPa": 1e-6 * b.pressure,
-                "displacement_um": number(1e6 * b.displacement),
+                "displacement_um": json_number(1e6 * b.displacement),
             }
-            for b in whole.models
+            for b in comparison.models
         },
-        "answers": {b.label: loads_and_rigidities(b) for b in (whole.itself, *whole.models)},
+        "answers": {b.label: loads_and_rigidities(b) for b in (comparison.itself, *comparison.models)},
     }
 
 
@@ -380,7 +383,7 @@ class PreparedComparison:
     own: bool
     """Whether the references come from a file of the user, not from the 3D reference."""
 
-    def each(self) -> Iterator[tuple[Referenced, Compared]]:
+    def compare_each_set(self) -> Iterator[tuple[Referenced, SetComparison]]:
         """Compare the models with each reference, one nut or bearing after the other, as the generator is advanced.
 
         Yields
@@ -393,10 +396,12 @@ class PreparedComparison:
         Refusal
             If a scene has no reference.
         """
-        return each_compared(self.scenes, self.references, self.models, self.stores, self.failed, own=self.own)
+        return compare_each_set(
+            self.scenes, self.references, self.models, self.stores, self.failed, from_user_file=self.own
+        )
 
 
-def start_comparison(
+def prepare_comparison(
     described: Sequence[Described],
     origins: Sequence[str],
     models: Sequence[Model],
@@ -438,18 +443,20 @@ def start_comparison(
     Returns
     -------
     PreparedComparison
-        Scenes and references; the method `each` of this record computes the comparisons.
+        Scenes and references; the method `compare_each_set` of this record computes the comparisons.
 
     Raises
     ------
     rollbench.InputError
         If a scene or file cannot be used.
     """
-    scenes: list[Solvable] = [x for one, name in zip(described, origins, strict=True) for x in each_case(one, name)]
+    scenes: list[Solvable] = [
+        x for one, name in zip(described, origins, strict=True) for x in scenes_of_load_cases(one, name)
+    ]
     stores, warnings = (store, shipped_store()), list[str]()
     if reference is not None:
-        names = {name: case.case.name for name, case in cases_by_name(described).items()}
-        given = own_references(scenes, reference, names, warnings)
+        names = {name: case.case.name for name, case in load_cases_by_scene_name(described).items()}
+        given = read_user_references(scenes, reference, names, warnings)
         return PreparedComparison(described, scenes, given, models, stores, (), warnings, own=True)
     without = [s for s in scenes if not stored_references(s, stores)] if levels is None and not fresh else scenes
     failed: list[Run] = []
@@ -460,10 +467,15 @@ def start_comparison(
             """Report the errors against the coarsest mesh level while finer levels are computed."""
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
                 for one in stored_references(scene, (store,), (task.level,)):
-                    whole = compared(one.scene, (models or suitable_models(scene))[:1], one.found, stores, one.of)
-                    step(f"{one.found.scene}, against mesh level {task.level} only: {comparison_verdict(whole, one.found)}")
+                    whole = compare_models_with_reference(
+                        one.scene, (models or suitable_models(scene))[:1], one.found, stores, one.of
+                    )
+                    step(
+                        f"{one.found.scene}, against mesh level {task.level} only: "
+                        f"{comparison_verdict_sentence(whole, one.found)}"
+                    )
 
-        tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
+        tasks = plan_tasks(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
         failed = ensure(tasks, store, engine, step, stores, fresh=fresh, stored=first)
     return PreparedComparison(
         described,
@@ -498,15 +510,15 @@ def unconverged_error(name: str, failed: Sequence[Run]) -> Refusal:
     return Refusal(name, "3D reference", reason, advice)
 
 
-def each_compared(
+def compare_each_set(
     scenes: Sequence[Solvable],
     references: Sequence[Sequence[Referenced]],
     models: Sequence[Model],
     stores: Sequence[Path],
     failed: Sequence[Run],
     *,
-    own: bool,
-) -> Iterator[tuple[Referenced, Compared]]:
+    from_user_file: bool,
+) -> Iterator[tuple[Referenced, SetComparison]]:
     """Compare models with references, one nut or bearing after the other, as the generator is advanced.
 
     Parameters
@@ -521,7 +533,7 @@ def each_compared(
         Folders with runs of the 3D reference.
     failed
         Runs of the 3D reference that did not converge.
-    own
+    from_user_file
         Whether the references come from a file of the user. Stored runs of the 3D reference are then compared too.
 
     Yields
@@ -538,11 +550,14 @@ def each_compared(
         if not sets:
             raise unconverged_error(scene.name, failed)
         for one in sets:
-            ours = stored_reference(one, stores) if own else None
-            yield one, compared(one.scene, models or suitable_models(scene), one.found, stores, one.of, ours)
+            ours = stored_reference_of_set(one, stores) if from_user_file else None
+            yield (
+                one,
+                compare_models_with_reference(one.scene, models or suitable_models(scene), one.found, stores, one.of, ours),
+            )
 
 
-def own_references(
+def read_user_references(
     scenes: Sequence[Solvable], path: Path, cases: Mapping[str, str], warnings: list[str]
 ) -> list[list[Referenced]]:
     """Read a user's file of reference loads for a scene or its load cases.
@@ -577,12 +592,12 @@ def own_references(
     return references
 
 
-def model_label(one: Referenced) -> dict[str, str]:
+def set_keys(referenced: Referenced) -> dict[str, str]:
     """Return the keys that identify a nut or bearing in the JSON of a comparison.
 
     Parameters
     ----------
-    one
+    referenced
         Reference of the nut or bearing.
 
     Returns
@@ -590,10 +605,10 @@ def model_label(one: Referenced) -> dict[str, str]:
     dict
         Names of the scene and of the nut or bearing; empty if the scene has only one.
     """
-    return {} if one.of is None else {"scene": one.of.assembly.name, "set": one.of.name}
+    return {} if referenced.of is None else {"scene": referenced.of.assembly.name, "set": referenced.of.name}
 
 
-def duty_cycles(cases: Mapping[str, CaseOfCycle]) -> Iterable[DutyCycle]:
+def distinct_duty_cycles(cases: Mapping[str, CaseOfCycle]) -> Iterable[DutyCycle]:
     """Return the duty cycles to which some load cases belong.
 
     Parameters
@@ -609,27 +624,27 @@ def duty_cycles(cases: Mapping[str, CaseOfCycle]) -> Iterable[DutyCycle]:
     return {case.cycle.name: case.cycle for case in cases.values()}.values()
 
 
-@record
+@result_record
 class CycleSummary:
     """Largest error of a contact load, and life, of one nut or bearing over a duty cycle."""
 
-    model: str = quantity("model")
-    error: float | None = quantity(
+    model: str = quantity_field("model")
+    error: float | None = quantity_field(
         "largest_error_percent",
         "largest measured error of a contact load in any case, in per cent of the mean load of its case",
     )
-    case: str | None = quantity("largest_error_case", "load case with the largest error")
-    lives: dict[str, float | None] = quantity(
+    case: str | None = quantity_field("largest_error_case", "load case with the largest error")
+    lives: dict[str, float | None] = quantity_field(
         "life_million_revolutions",
         "life over the duty cycle by the contact loads of a model, or of the reference",
         parts=".*",
     )
-    life_error: float | None = quantity(
+    life_error: float | None = quantity_field(
         "life_error_percent", "error of the model's life against the life from the reference's loads"
     )
 
 
-def together_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
+def cycle_summaries_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
     """Summarise a comparison of models with the reference over all load cases of a duty cycle.
 
     Parameters
@@ -645,13 +660,14 @@ def together_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
         For each nut or ball bearing: the largest error of the default model, the load case in which it occurs, and the life
         [10^6 revolutions] from the loads of each model and of the reference. The life is None if a load case has no loads.
     """
-    return [_summary_json(cycle, name, each) for name, parts in cycle.sets.items() if isinstance(parts, Scene)]
+    return [_cycle_summary_of_set(cycle, name, each) for name, parts in cycle.sets.items() if isinstance(parts, Scene)]
 
 
-def _summary_json(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
+def _cycle_summary_of_set(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
     """Return the JSON summary of a comparison over all load cases, for the nut or bearing called ``name``.
 
-    ``each``: comparisons, by the name of the load case and the name of the nut or bearing. Lives are in 10^6 revolutions.
+    ``compare_each_set``: comparisons, by the name of the load case and the name of the nut or bearing. Lives are in 10^6
+    revolutions.
     """
     by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]
     errors = [
@@ -661,9 +677,9 @@ def _summary_json(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
     lives = {}
     for label in ("3D reference", *(b.label for b in by_case[0][1].models)):
         of_case = [{b.label: b for b in (whole.itself, *whole.models)}.get(label) for _, whole in by_case]
-        rated, _ = cycle_life(cycle, name, [None if b is None else b.answer.load for b in of_case])
-        lives[label] = None if rated is None else number(rated.revolutions)
+        rated, _ = life_over_cycle(cycle, name, [None if b is None else b.answer.load for b in of_case])
+        lives[label] = None if rated is None else json_number(rated.revolutions)
     predicted, reference = lives[by_case[0][1].judged_model.label], lives["3D reference"]
     off = None if predicted is None or reference is None else float(error_percent(predicted, reference))
     summary = CycleSummary(by_case[0][1].judged_model.label, error, worst, lives, off)
-    return {"scene": cycle.name, **({"set": name} if name else {}), **(as_json(summary) or {})}
+    return {"scene": cycle.name, **({"set": name} if name else {}), **(record_as_json(summary) or {})}

@@ -8,9 +8,9 @@ from pathlib import Path
 from statistics import median
 from typing import Any, TypeAlias
 
-from rollbench.compare.quantities import from_json
-from rollbench.compare.results.base import JSON, Record, with_schema
-from rollbench.meshes.quantity import Stated, quantity, record
+from rollbench.compare.quantities import fields_from_json
+from rollbench.compare.results.base import JSON, Record, add_schema_version
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -32,7 +32,7 @@ class Data(Record):
         dict
             JSON values by key; the first is the version number of the output.
         """
-        return with_schema(self.values)
+        return add_schema_version(self.values)
 
     @property
     def _shown(self) -> str:
@@ -53,39 +53,39 @@ Flanks: TypeAlias = Mapping[str, float | None]
 FlankPairs: TypeAlias = Mapping[str, Sequence[float | None]]
 
 
-@record(kw_only=True)
+@result_record(kw_only=True)
 class FrictionBall:
     """Motion of one ball of a screw or bearing, and the friction in its contacts.
 
     A field is None if the quantity does not exist for this kind of scene.
     """
 
-    index: int = quantity("index")
-    orbit: float | None = quantity("orbit_rad_s", "speed of the ball's centre about the axis")
-    rotation: Sequence[float] | None = quantity(
+    index: int = quantity_field("index")
+    orbit: float | None = quantity_field("orbit_rad_s", "speed of the ball's centre about the axis")
+    rotation: Sequence[float] | None = quantity_field(
         "rotation_rad_s", "rotation of the ball about its centre: across, along, normal to its track", parts="[]"
     )
-    closing: float | None = quantity("closing_mm_s", "speed at which the gap to the next ball closes")
-    sliding: FlankPairs | None = quantity(
+    closing: float | None = quantity_field("closing_mm_s", "speed at which the gap to the next ball closes")
+    sliding: FlankPairs | None = quantity_field(
         "sliding_mm_s", "sliding speed at the contact's centre, across and along the groove", parts=".FLANK[]"
     )
-    spin: Flanks | None = quantity("spin_rad_s", "rotation about the contact's normal", parts=".FLANK")
-    force: FlankPairs | None = quantity(
+    spin: Flanks | None = quantity_field("spin_rad_s", "rotation about the contact's normal", parts=".FLANK")
+    force: FlankPairs | None = quantity_field(
         "friction_N", "friction force on the ball, across and along the groove", parts=".FLANK[]"
     )
-    moment: Flanks | None = quantity("moment_Nmm", "friction moment about the contact's normal", parts=".FLANK")
-    loss: Flanks | None = quantity("loss_mW", "power lost in the contact", parts=".FLANK")
-    at_rest: Mapping[str, bool] | None = quantity("at_rest", "whether the contact sticks", parts=".FLANK")
+    moment: Flanks | None = quantity_field("moment_Nmm", "friction moment about the contact's normal", parts=".FLANK")
+    loss: Flanks | None = quantity_field("loss_mW", "power lost in the contact", parts=".FLANK")
+    at_rest: Mapping[str, bool] | None = quantity_field("at_rest", "whether the contact sticks", parts=".FLANK")
 
 
-@record(kw_only=True)
+@result_record(kw_only=True)
 class FrictionBand:
     """Friction torques at the smallest and largest coefficients of friction measured with lubricants, 0.003 and 0.1."""
 
-    coefficients: Sequence[float] = quantity(
+    coefficients: Sequence[float] = quantity_field(
         "coefficients", "smallest and largest coefficient of friction measured with lubricants, 0.003 and 0.1", parts="[]"
     )
-    torque: Sequence[float | None] = quantity(
+    torque: Sequence[float | None] = quantity_field(
         "friction_torque_Nmm",
         "friction torque at both coefficients",
         parts="[]",
@@ -93,50 +93,52 @@ class FrictionBand:
         form="g3",
         note="coefficients {least} to {most}",
     )
-    drag_torque: Sequence[float | None] | None = quantity("drag_torque_Nmm", "drag torque at both coefficients", parts="[]")
-    preload: float | None = quantity("preload_N", "preload force F in the formula of screw makers")
-    makers: float | None = quantity(
+    drag_torque: Sequence[float | None] | None = quantity_field(
+        "drag_torque_Nmm", "drag torque at both coefficients", parts="[]"
+    )
+    preload: float | None = quantity_field("preload_N", "preload force F in the formula of screw makers")
+    makers: float | None = quantity_field(
         "makers_formula_Nmm", "drag torque by the formula of screw makers, 0.05/sqrt(tan beta) F l/(2 pi)"
     )
 
 
-@record(kw_only=True)
+@result_record(kw_only=True)
 class FrictionPlay:
     """Effect of axial play on the friction torque of a screw whose scene states neither preload nor play.
 
     The play is made by smaller balls.
     """
 
-    smaller: float = quantity("smaller_by_um", "reduction of the ball radii that makes the play")
-    torque: float | None = quantity("friction_torque_Nmm", "friction torque with this play")
-    as_given: float | None = quantity("friction_torque_as_given_Nmm", "friction torque of the unchanged scene")
+    smaller: float = quantity_field("smaller_by_um", "reduction of the ball radii that makes the play")
+    torque: float | None = quantity_field("friction_torque_Nmm", "friction torque with this play")
+    as_given: float | None = quantity_field("friction_torque_as_given_Nmm", "friction torque of the unchanged scene")
 
 
-@record(kw_only=True)
+@result_record(kw_only=True)
 class FrictionOnset:
     """Prediction whether neighbouring balls come into contact, from their speeds under the static loads.
 
     Balls without load are assumed to stand still, unless a field says otherwise.
     """
 
-    touch: bool = quantity(
+    touch: bool = quantity_field(
         "touch",
         "whether neighbours meet before the leading one leaves its loaded arc (of a bearing, before the balls have gone "
         "round once); unloaded balls stand still",
     )
-    first: float | None = quantity(
+    first: float | None = quantity_field(
         "first_meeting_deg",
         "rotation of the turning part at which the first two neighbouring balls meet; null if no gap closes",
     )
-    ball: int | None = quantity("ball", "number of the ball at the smaller azimuth of the two that meet first")
-    rolling: float | None = quantity(
+    ball: int | None = quantity_field("ball", "number of the ball at the smaller azimuth of the two that meet first")
+    rolling: float | None = quantity_field(
         "first_meeting_rolling_deg",
         "rotation at which the first two neighbouring balls meet if unloaded balls roll at the nominal speed",
     )
-    closing: int = quantity("closing_pairs", "number of pairs of neighbouring balls whose gap closes")
-    pairs: int = quantity("pairs", "number of pairs of neighbouring balls in all circuits")
-    unloaded: int = quantity("balls_without_load", "balls without load")
-    factor: float | None = quantity(
+    closing: int = quantity_field("closing_pairs", "number of pairs of neighbouring balls whose gap closes")
+    pairs: int = quantity_field("pairs", "number of pairs of neighbouring balls in all circuits")
+    unloaded: int = quantity_field("balls_without_load", "balls without load")
+    factor: float | None = quantity_field(
         "error_factor",
         "smallest factor on the scene's errors of grooves and single balls at which neighbouring balls touch; 0 if they "
         "touch without errors; null if the scene has no errors, or if they do not touch up to a factor of 16",
@@ -144,19 +146,19 @@ class FrictionOnset:
     )
 
 
-@record(kw_only=True)
+@result_record(kw_only=True)
 class FrictionCases:
     """Largest and mean friction torque over all load cases of a duty cycle."""
 
-    largest: float | None = quantity("largest_friction_torque_Nmm", "largest friction torque of any load case")
-    case: str | None = quantity("largest_friction_torque_case", "load case with the largest friction torque")
-    mean: float | None = quantity(
+    largest: float | None = quantity_field("largest_friction_torque_Nmm", "largest friction torque of any load case")
+    case: str | None = quantity_field("largest_friction_torque_case", "load case with the largest friction torque")
+    mean: float | None = quantity_field(
         "mean_friction_torque_Nmm", "work of friction over the duty cycle, divided by the angle of rotation"
     )
-    words: str | None = quantity("mean_words", "reason why no mean friction torque can be computed")
+    words: str | None = quantity_field("mean_words", "reason why no mean friction torque can be computed")
 
 
-@record(eq=False, repr=False, kw_only=True)
+@result_record(eq=False, repr=False, kw_only=True)
 class Friction(Data):
     """Friction in a scene: motion of the balls, power losses [W], torques [N m] and efficiencies [1].
 
@@ -179,88 +181,88 @@ class Friction(Data):
     """Whether a motion was found in which the contact loads and the friction forces balance."""
     reason: str
     """The word "converged", or the reason why the computation did not converge."""
-    torque: float | None = quantity(
+    torque: float | None = quantity_field(
         "torque.friction_torque_Nmm",
         "torque of the friction forces only; it opposes the motion",
         error="proportional to the coefficient",
         heading="friction torque",
         form="g3",
     )
-    torque_on_screw: float | None = quantity(
+    torque_on_screw: float | None = quantity_field(
         "torque.friction_torque_on_screw_Nmm", "friction torque that acts on the screw, with sign", error="as above"
     )
-    torque_on_nut: float | None = quantity(
+    torque_on_nut: float | None = quantity_field(
         "torque.friction_torque_on_nut_Nmm", "friction torque that acts on the nut, with sign", error="as above"
     )
-    drag_torque: float | None = quantity(
+    drag_torque: float | None = quantity_field(
         "torque.drag_torque_Nmm",
         "friction torque without the scene's external loads, from the preload only",
         error="as above",
         heading="drag torque",
         form="g3",
     )
-    axial_load: float | None = quantity("torque.axial_load_N", "axial load against which the torque works")
-    driving_torque_on_screw: float | None = quantity(
+    axial_load: float | None = quantity_field("torque.axial_load_N", "axial load against which the torque works")
+    driving_torque_on_screw: float | None = quantity_field(
         "torque.driving_torque_on_screw_Nmm",
         "torque that drives the screw in the stated motion",
         error="friction's share of it",
     )
-    driving_torque_on_nut: float | None = quantity(
+    driving_torque_on_nut: float | None = quantity_field(
         "torque.driving_torque_on_nut_Nmm",
         "torque that drives the nut in the stated motion",
         error="friction's share of it",
     )
-    load_moves: str | None = quantity("torque.load_moves", "whether the motion is with or against the axial load")
-    forward_torque: float | None = quantity(
+    load_moves: str | None = quantity_field("torque.load_moves", "whether the motion is with or against the axial load")
+    forward_torque: float | None = quantity_field(
         "torque.forward_torque_Nmm",
         "torque that moves the nut against the axial load: F l/(2 pi) + friction",
         error="friction's share of it",
         heading="torque against the load",
         form="g3",
     )
-    backward_torque: float | None = quantity(
+    backward_torque: float | None = quantity_field(
         "torque.backward_torque_Nmm",
         "torque that the axial load delivers when it drives the screw: F l/(2 pi) - friction",
         error="friction's share of it",
         heading="torque with the load",
         form="g3",
     )
-    efficiency_forward: float | None = quantity(
+    efficiency_forward: float | None = quantity_field(
         "torque.efficiency_forward_percent",
         "work done on the load, divided by the work of the torque",
         error="1 - efficiency is proportional to the coefficient",
         heading="efficiency against the load",
         form="g3",
     )
-    efficiency_backward: float | None = quantity(
+    efficiency_backward: float | None = quantity_field(
         "torque.efficiency_backward_percent",
         "work of the torque, divided by the work of the load",
         error="as above",
         heading="efficiency with the load",
         form="g3",
     )
-    self_locking: bool | None = quantity(
+    self_locking: bool | None = quantity_field(
         "torque.self_locking", "whether the load cannot drive the screw", heading="self-locking"
     )
-    screw_coefficient: float | None = quantity("friction.screw", "coefficient of friction in the screw's groove")
-    nut_coefficient: float | None = quantity("friction.nut", "coefficient of friction in the nut's groove")
-    turns: str | None = quantity("motion.turns", "which part turns, such as screw or nut")
-    speed: float | None = quantity("motion.speed_rad_s", "speed of the part that turns")
-    loss: float | None = quantity(
+    screw_coefficient: float | None = quantity_field("friction.screw", "coefficient of friction in the screw's groove")
+    nut_coefficient: float | None = quantity_field("friction.nut", "coefficient of friction in the nut's groove")
+    turns: str | None = quantity_field("motion.turns", "which part turns, such as screw or nut")
+    speed: float | None = quantity_field("motion.speed_rad_s", "speed of the part that turns")
+    loss: float | None = quantity_field(
         "losses.total_W",
         "power lost in all contacts",
-        Stated("losses", "power lost between balls, and what Heathcote's slip would add", parts=".*"),
-        Stated(
+        QuantityDescription("losses", "power lost between balls, and what Heathcote's slip would add", parts=".*"),
+        QuantityDescription(
             "losses.by_contact_W",
             "power lost on one flank, and the shares of sliding across, along and of spin",
             parts="[].*",
         ),
-        Stated(
+        QuantityDescription(
             "energy",
             "power of the driving torque, power of the load, power lost, and the error of their balance",
             parts=".*",
         ),
-        Stated(
+        QuantityDescription(
             "feedback",
             "friction torque if friction did not move the balls in their grooves, and the change due to that motion",
             parts=".*",
@@ -268,11 +270,11 @@ class Friction(Data):
         heading="power lost",
         form="g3",
     )
-    imbalance: float | None = quantity(
+    imbalance: float | None = quantity_field(
         "solver.friction_imbalance",
         "largest unbalanced force on a ball, friction included, divided by its load",
-        Stated("solver.static_residual", "residual of the static equilibrium with friction forces"),
-        Stated("solver.feedback_change", "change of the loads by friction in the last iteration"),
+        QuantityDescription("solver.static_residual", "residual of the static equilibrium with friction forces"),
+        QuantityDescription("solver.feedback_change", "change of the loads by friction in the last iteration"),
     )
     balls: tuple[FrictionBall, ...] = ()
     """Motion and friction of each ball; empty if the scene has load cases, or if its kind has no results for each ball."""
@@ -291,7 +293,7 @@ class Friction(Data):
     """Largest and mean torque over all load cases; None without load cases."""
 
 
-def friction_from_json(data: Mapping[str, Any]) -> Friction:
+def friction_record_from_json(data: Mapping[str, Any]) -> Friction:
     """Convert the JSON of ``rollbench friction`` to a record.
 
     Parameters
@@ -305,12 +307,12 @@ def friction_from_json(data: Mapping[str, Any]) -> Friction:
         The record, in SI units.
     """
     converged, warnings = bool(data.get("converged")), tuple(map(str, data.get("warnings", ())))
-    known = from_json(Friction, data if converged else {})
+    known = fields_from_json(Friction, data if converged else {})
     for name in ("efficiency_forward", "efficiency_backward"):
         known[name] = None if known[name] is None else 1e-2 * known[name]
     if converged and known["loss"] is None:
         known["loss"] = (data.get("energy") or {}).get("loss_W")
-    cases = {str(one["case"]): friction_from_json(one) for one in data.get("cases", ())}
+    cases = {str(one["case"]): friction_record_from_json(one) for one in data.get("cases", ())}
     return Friction(
         values=data,
         shown="torque" if data.get("torque") else "",
@@ -320,13 +322,13 @@ def friction_from_json(data: Mapping[str, Any]) -> Friction:
         converged=converged,
         reason=str(data["status"]),
         **known,
-        balls=tuple(FrictionBall(**from_json(FrictionBall, row)) for row in data.get("balls", ()) if converged),
-        band=None if not data.get("band") else FrictionBand(**from_json(FrictionBand, data["band"])),
-        onset=None if not data.get("onset") else FrictionOnset(**from_json(FrictionOnset, data["onset"])),
-        play=None if not data.get("play") else FrictionPlay(**from_json(FrictionPlay, data["play"])),
+        balls=tuple(FrictionBall(**fields_from_json(FrictionBall, row)) for row in data.get("balls", ()) if converged),
+        band=None if not data.get("band") else FrictionBand(**fields_from_json(FrictionBand, data["band"])),
+        onset=None if not data.get("onset") else FrictionOnset(**fields_from_json(FrictionOnset, data["onset"])),
+        play=None if not data.get("play") else FrictionPlay(**fields_from_json(FrictionPlay, data["play"])),
         warnings=warnings,
         cases=cases,
-        together=FrictionCases(**from_json(FrictionCases, data.get("summary") or {})) if cases else None,
+        together=FrictionCases(**fields_from_json(FrictionCases, data.get("summary") or {})) if cases else None,
     )
 
 
@@ -381,7 +383,7 @@ class MeshStudy(Data):
     """Mesh study of each nut or bearing on a shaft with several, by name; empty for a single nut or bearing."""
 
 
-def mesh_study_of(data: Mapping[str, Any], shown: str = "", notes: Sequence[str] = ()) -> MeshStudy:
+def mesh_study_from_json(data: Mapping[str, Any], shown: str = "", notes: Sequence[str] = ()) -> MeshStudy:
     """Convert the JSON of ``rollbench mesh-study`` to a record.
 
     Parameters
@@ -421,24 +423,24 @@ def mesh_study_of(data: Mapping[str, Any], shown: str = "", notes: Sequence[str]
         scene=str(data["scene"]),
         levels=tuple(levels),
         quantities=tuple(quantities),
-        sets={str(one["set"]): mesh_study_of(one, "levels") for one in data.get("sets", ())},
+        sets={str(one["set"]): mesh_study_from_json(one, "levels") for one in data.get("sets", ())},
     )
 
 
-@record
+@result_record
 class Statistics:
     """Statistics of one output over the samples of a sweep or the specimens of an ensemble, in the output's unit."""
 
-    mean: float = quantity("mean", "mean over the specimens", error="`standard_error`")
-    standard_error: float = quantity(
+    mean: float = quantity_field("mean", "mean over the specimens", error="`standard_error`")
+    standard_error: float = quantity_field(
         "standard_error",
         "standard error of the mean: standard deviation divided by the square root of the number of specimens",
     )
-    standard_deviation: float = quantity("standard_deviation", "standard deviation over the specimens")
-    smallest: float = quantity("smallest", "smallest value of any specimen")
-    largest: float = quantity("largest", "largest value of any specimen")
-    members: int | None = quantity("members", "number of specimens for which the value exists", default=None)
-    quantiles: Mapping[float, float] = quantity(
+    standard_deviation: float = quantity_field("standard_deviation", "standard deviation over the specimens")
+    smallest: float = quantity_field("smallest", "smallest value of any specimen")
+    largest: float = quantity_field("largest", "largest value of any specimen")
+    members: int | None = quantity_field("members", "number of specimens for which the value exists", default=None)
+    quantiles: Mapping[float, float] = quantity_field(
         "quantiles",
         "probability, value of the quantile, and the limits of its 95 % confidence interval, low and high",
         parts="[].*",
@@ -448,7 +450,7 @@ class Statistics:
     """Quantiles of the output, by their probability: 0.01, 0.05, 0.5, 0.95, 0.99."""
 
 
-@record(eq=False, repr=False, kw_only=True)
+@result_record(eq=False, repr=False, kw_only=True)
 class Ensemble(Data):
     """Statistics of the results over many specimens of a scene with random geometric errors."""
 
@@ -465,11 +467,11 @@ class Ensemble(Data):
     """Reason why a specimen has no equilibrium, by the number of the specimen from 0. Empty if the scene has load cases."""
     sets: Mapping[str, Mapping[str, Statistics | None]]
     """Statistics by the name of the nut or bearing and the name of the output; empty for a single nut or bearing."""
-    contacts: tuple[Mapping[str, float | str], ...] = quantity(
+    contacts: tuple[Mapping[str, float | str], ...] = quantity_field(
         "balls",
         "for one contact: load without random errors; mean, standard deviation and quantiles of the load over the "
         "specimens; share of specimens in which the contact is loaded",
-        Stated(
+        QuantityDescription(
             "balls[].quantile_0",
             "quantile of this contact's load over the specimens",
             error="`band_resolution_N`",
@@ -481,7 +483,7 @@ class Ensemble(Data):
     )
     """Statistics of the load of every contact, in the units that the keys end with; empty if the scene has several nuts,
     bearings or load cases."""
-    band_resolution: float | None = quantity(
+    band_resolution: float | None = quantity_field(
         "band_resolution_N", "sampling error of the quantiles of the contact loads", default=None
     )
     cases: Mapping[str, Ensemble]
@@ -508,16 +510,16 @@ def ensemble_from_json(data: Mapping[str, Any]) -> Ensemble:
         scene=str(data["scene"]),
         members=data["members"] if not cases else min(one.members for one in cases.values()),
         converged=data["converged"] if not cases else min(one.converged for one in cases.values()),
-        outputs=_outputs_from_json(data.get("statistics", {})),
+        outputs=_output_statistics_from_json(data.get("statistics", {})),
         failed={one["member"]: one["status"] for one in data.get("failed", ())},
-        sets={one["name"]: _outputs_from_json(one["statistics"]) for one in data.get("sets", ())},
+        sets={one["name"]: _output_statistics_from_json(one["statistics"]) for one in data.get("sets", ())},
         contacts=tuple(data.get("balls", ())),
         band_resolution=data.get("band_resolution_N"),
         cases=cases,
     )
 
 
-def _outputs_from_json(each: Mapping[str, Any]) -> dict[str, Statistics | None]:
+def _output_statistics_from_json(each: Mapping[str, Any]) -> dict[str, Statistics | None]:
     """Convert the JSON statistics of outputs to records, by the output's name; None if an output has no statistics.
 
     ``each``: JSON statistics by the output's name, such as the largest load.
@@ -565,7 +567,7 @@ def sweep_from_json(data: Mapping[str, Any], folder: Path) -> Sweep:
         folder=folder,
         solved=data["solved"],
         converged=data["converged"],
-        outputs=_outputs_from_json(data["outputs"]),
+        outputs=_output_statistics_from_json(data["outputs"]),
         sobol={name: {key: x["total"] for key, x in of.items()} for name, of in indices.items() if of is not None},
     )
 
@@ -623,7 +625,7 @@ def _statistics_from_json(x: Mapping[str, Any]) -> Statistics:
     """
     quantiles = {float(k.removeprefix("quantile_")): v for k, v in x.items() if k.startswith("quantile_")}
     quantiles |= {float(one["level"]): one["value"] for one in x.get("quantiles", ())}
-    return Statistics(**(from_json(Statistics, x) | {"quantiles": quantiles}))
+    return Statistics(**(fields_from_json(Statistics, x) | {"quantiles": quantiles}))
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

@@ -39,10 +39,10 @@ from rollbench.lowfi.rating.life import EquivalentLife, Life, SystemLife
 from rollbench.lowfi.rating.rigidity import Rigidities
 from rollbench.lowfi.statics.result import Equilibrium, HousingResult, SetResult, SolverReport
 from rollbench.meshes.one_arc import Clearance
-from rollbench.meshes.quantity import Stated, stated_in
+from rollbench.meshes.quantity import QuantityDescription, quantity_descriptions
 
 
-class Table(NamedTuple):
+class DefinitionTable(NamedTuple):
     """A table of the manual that defines a group of output numbers."""
 
     #: Title of the table.
@@ -52,10 +52,10 @@ class Table(NamedTuple):
     #: Start of the JSON path, and record class whose fields are defined, for each part of the table.
     records: tuple[tuple[str, type], ...]
 
-    def paths(self) -> Iterator[tuple[str, Stated]]:
+    def paths(self) -> Iterator[tuple[str, QuantityDescription]]:
         """Yield the end of the JSON path of every number in the table, such as ``loads.max_N``, with its definition."""
         for where, kind in self.records:
-            for _, one in stated_in(kind):
+            for _, one in quantity_descriptions(kind):
                 if one.definition:
                     yield f"{where}{one.key.removeprefix('torque.')}{one.parts}", one  # torques are in other groups, too
 
@@ -63,19 +63,19 @@ class Table(NamedTuple):
 #: Tables of the manual. A number is defined by the first table with a matching path: ``loads.max_N`` matches
 #: summary.loads.max_N, sets[].summary.loads.max_N and answers.*.loads.max_N. FLANK is SL, SR, NL or NR; * is any one key.
 TABLES = (
-    Table(
+    DefinitionTable(
         "Loads",
         "Contact loads are normal forces between a ball and one groove flank. `compare` measures their error, and "
         "`expected_error_percent` estimates it, in per cent of the mean load.",
         (
             ("balls[].", scene_json.BallRow),
-            ("loads.", scene_json.LoadSums),
-            ("loads.", scene_json.RollerSums),
+            ("loads.", scene_json.BallLoadSums),
+            ("loads.", scene_json.RollerLoadSums),
             ("rollers[].", scene_json.RollerRowAnswer),
-            ("sides.FLANK.", scene_json.SideSums),
+            ("sides.FLANK.", scene_json.FlankLoadSums),
         ),
     ),
-    Table(
+    DefinitionTable(
         "Displacement and rigidity",
         "",
         (
@@ -87,22 +87,22 @@ TABLES = (
             ("centreline[].", scene_json.CentrelinePoint),
         ),
     ),
-    Table(
+    DefinitionTable(
         "Load curve",
         "Output of `solve --curve`, in which a range of loads replaces the scene's loads.",
         (("", LoadCurve), ("points[].", CurvePoint)),
     ),
-    Table(
+    DefinitionTable(
         "Table over parameters",
         "Output of `table`; each row also has the values of the varied parameters, with their units.",
         (("rows[].", TableRow),),
     ),
-    Table(
+    DefinitionTable(
         "Scenes side by side",
         "Output of `solve A B`, in the order of the scenes.",
         (("scenes[].", Alternative), ("", SideBySide)),
     ),
-    Table(
+    DefinitionTable(
         "Contact, ellipse and static safety",
         "For the contact with the highest pressure, from its load and curvatures by Hertz's theory: an elliptical contact "
         "of a ball, a rectangular contact of a roller.",
@@ -115,7 +115,7 @@ TABLES = (
             ("static_safety.", StaticSafety),
         ),
     ),
-    Table(
+    DefinitionTable(
         "Life, ratings and preload",
         "By ISO 281 and ISO/TS 16281 for bearings and ISO 3408-5 for screws, computed from the geometry of these parts, "
         "not taken from a catalogue; the theory is in [](../theory/rating.md).",
@@ -133,7 +133,7 @@ TABLES = (
             ("contact_lost.", LiftOff),
         ),
     ),
-    Table(
+    DefinitionTable(
         "Friction",
         "Torques act about the screw's axis. Their error is mainly that of the coefficient of friction, which is an input; "
         "`band` shows its effect.",
@@ -148,7 +148,7 @@ TABLES = (
             ("", FrictionBall),
         ),
     ),
-    Table(
+    DefinitionTable(
         "How far to trust it",
         "An error is 100 (value - reference)/|reference| (`compare/measure.py`). The error of a contact load is in per "
         "cent of the reference's mean load unless a name says otherwise.",
@@ -161,8 +161,8 @@ TABLES = (
             ("verdicts[].", Verdict),
         ),
     ),
-    Table("Balance and solver", "", (("equilibrium.", Equilibrium), ("solver.", SolverReport))),
-    Table(
+    DefinitionTable("Balance and solver", "", (("equilibrium.", Equilibrium), ("solver.", SolverReport))),
+    DefinitionTable(
         "Several nuts or bearings, and specimens",
         "For specimens of a single nut or bearing, `statistics.load_stiffness_N_per_um` is the tangent stiffness of shaft "
         "and nut together at the loaded points: the force of 0.1 % more load, divided by the displacement of the points "
@@ -175,7 +175,7 @@ TABLES = (
             ("", Ensemble),
         ),
     ),
-    Table(
+    DefinitionTable(
         "Load cases",
         "The output of a scene with `[[cases]]` has the list `cases`, each with the output of a scene with this load case "
         "only, and a summary of all cases.",
@@ -192,18 +192,18 @@ TABLES = (
 
 
 @cache
-def _known_definitions() -> tuple[tuple[re.Pattern[str], Stated], ...]:
+def _definitions_by_path_pattern() -> tuple[tuple[re.Pattern[str], QuantityDescription], ...]:
     """Return a pattern of the JSON path and the definition of every number in `TABLES`, in their order."""
-    return tuple((_path_pattern(path), one) for table in TABLES for path, one in table.paths())
+    return tuple((_json_path_pattern(path), one) for table in TABLES for path, one in table.paths())
 
 
-def _path_pattern(path: str) -> re.Pattern[str]:
+def _json_path_pattern(path: str) -> re.Pattern[str]:
     """Return the regular expression that matches full JSON paths which end with a path of `TABLES`."""
     named = re.escape(path).replace("FLANK", "(SL|SR|NL|NR)").replace(r"\*", r"[^.]+")
     return re.compile(rf"(.*\.)?{named}")
 
 
-def definition(path: str) -> Stated | None:
+def definition(path: str) -> QuantityDescription | None:
     """Return the definition of a number in a command's JSON output; None if it has no definition.
 
     Parameters
@@ -217,4 +217,4 @@ def definition(path: str) -> Stated | None:
     'largest contact load'
     """
     path = re.sub(r"\[\d+\]", "[]", path)
-    return next((known for pattern, known in _known_definitions() if pattern.fullmatch(path)), None)
+    return next((known for pattern, known in _definitions_by_path_pattern() if pattern.fullmatch(path)), None)

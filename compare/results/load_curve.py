@@ -11,17 +11,17 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.models.answers import quick_friction
-from rollbench.compare.models.loading import displacement_of_interest, scaled
+from rollbench.compare.models.answers import friction_without_compiling
+from rollbench.compare.models.loading import displacement_at_stated_position, scale_loads
 from rollbench.compare.models.registry import Options, default_model, run_model
-from rollbench.compare.quantities import as_json
-from rollbench.compare.results.base import JSON, Record, with_schema
+from rollbench.compare.quantities import record_as_json
+from rollbench.compare.results.base import JSON, Record, add_schema_version
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
-from rollbench.lowfi.warned import Warned, warning_line
+from rollbench.lowfi.warned import Warned, join_brief_warnings
 from rollbench.meshes import units
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Load, Scene
-from rollbench.meshes.quantity import quantity, record
+from rollbench.meshes.quantity import quantity_field, result_record
 
 #: Default and largest number of points of a curve.
 POINTS, MOST = 21, 1001
@@ -76,7 +76,7 @@ def read_load_range(text: str) -> LoadRange:
     True
     """
     ends, further = text.split(":")[:2], [x.strip() for x in text.split(":")[2:]]
-    pairs = [units.number_and_unit(end) for end in ends]
+    pairs = [units.split_quantity_text(end) for end in ends]
     if len(pairs) < 2 or any(pair is None for pair in pairs):
         raise ArgumentError(
             "curve",
@@ -91,7 +91,7 @@ def read_load_range(text: str) -> LoadRange:
         raise ArgumentError("curve", units.toml_text(text), FORM, str(error)) from None
     points, direction, at = POINTS, AXES["z"], None
     for word in further:
-        kind = (units.number_and_unit(word) or ("", ""))[1]
+        kind = (units.split_quantity_text(word) or ("", ""))[1]
         if word.isdigit():
             points = int(word)
         elif word in AXES or kind in ("deg", "°", "rad"):
@@ -116,7 +116,7 @@ def _axial_position(word: str) -> float:
         raise ArgumentError("curve", units.toml_text(word), FORM, str(error)) from None
 
 
-@record(kw_only=True)
+@result_record(kw_only=True)
 class CurvePoint:
     """Displacement, stiffness, largest contact load and friction torque at one load of a load curve.
 
@@ -124,26 +124,34 @@ class CurvePoint:
     has backlash; `status` says which.
     """
 
-    load: float = quantity("load_N", "force along the curve's direction; for load factors, the force of the first load")
-    factor: float | None = quantity("load_factor", "factor on all loads of the scene, if the curve is over load factors")
-    displacement: float | None = quantity(
+    load: float = quantity_field(
+        "load_N", "force along the curve's direction; for load factors, the force of the first load"
+    )
+    factor: float | None = quantity_field(
+        "load_factor", "factor on all loads of the scene, if the curve is over load factors"
+    )
+    displacement: float | None = quantity_field(
         "displacement_um",
         "displacement of the loaded point along the force, from its position without loads (without preload: from its "
         "nominal position)",
         error="that of `displacement_um`",
     )
-    stiffness: float | None = quantity(
+    stiffness: float | None = quantity_field(
         "stiffness_N_per_um",
         "tangent of the curve: difference between 0.1 % more and 0.1 % less load, divided by the difference of the "
         "displacements, with all degrees of freedom free that the scene leaves free",
         error="that of the rigidity",
     )
-    largest: float | None = quantity("largest_load_N", "largest load of a contact or roller", error="as `loads.max_N`")
-    torque: float | None = quantity("friction_torque_Nmm", "friction torque, if the scene has a coefficient of friction")
-    status: str = quantity("status", "converged, or the reason why this point has no values")
+    largest: float | None = quantity_field(
+        "largest_load_N", "largest load of a contact or roller", error="as `loads.max_N`"
+    )
+    torque: float | None = quantity_field(
+        "friction_torque_Nmm", "friction torque, if the scene has a coefficient of friction"
+    )
+    status: str = quantity_field("status", "converged, or the reason why this point has no values")
 
 
-@record(eq=False, repr=False, kw_only=True)
+@result_record(eq=False, repr=False, kw_only=True)
 class LoadCurve(Record):
     """Displacement and stiffness of a scene over a range of loads that replace or scale its own loads.
 
@@ -155,39 +163,39 @@ class LoadCurve(Record):
     (0.0, 201)
     """
 
-    scene: str = quantity("scene")
-    model: str = quantity("model")
-    member: int = quantity("member")
-    direction: Vector = quantity("direction", "unit vector of the force", parts="[]")
-    at: str = quantity(
+    scene: str = quantity_field("scene")
+    model: str = quantity_field("model")
+    member: int = quantity_field("member")
+    direction: Vector = quantity_field("direction", "unit vector of the force", parts="[]")
+    at: str = quantity_field(
         "at", "axial position of the screw or shaft, or housing, on which the force acts and whose displacement is stated"
     )
-    lash: float | None = quantity(
+    lash: float | None = quantity_field(
         "lash_um",
         "backlash: difference of the displacements for a vanishing positive and a vanishing negative load, so without any "
         "elastic part; 0 with preload",
         error="about 1 nm; smaller values are set to 0",
     )
-    lash_words: str | None = quantity("lash_words", "reason why no backlash can be computed")
-    peak_to_peak: float | None = quantity(
+    lash_words: str | None = quantity_field("lash_words", "reason why no backlash can be computed")
+    peak_to_peak: float | None = quantity_field(
         "peak_to_peak_um",
         "displacement at the largest load minus that at the smallest: backlash and elastic part, as a test measures them",
     )
-    forward: float | None = quantity(
+    forward: float | None = quantity_field(
         "stiffness_above_N_per_um",
         "stiffness outside the backlash under positive loads: the largest load, divided by the displacement from the upper "
         "end of the backlash",
         error="that of the rigidity",
     )
-    backward: float | None = quantity(
+    backward: float | None = quantity_field(
         "stiffness_below_N_per_um",
         "stiffness outside the backlash under negative loads, from the lower end of the backlash",
         error="that of the rigidity",
     )
-    points: tuple[CurvePoint, ...] = quantity("points")
-    warnings: tuple[Warned, ...] = quantity("warnings")
+    points: tuple[CurvePoint, ...] = quantity_field("points")
+    warnings: tuple[Warned, ...] = quantity_field("warnings")
     """Warnings about the solutions at the two ends of the curve."""
-    assumed: tuple[str, ...] = quantity("assumed")
+    assumed: tuple[str, ...] = quantity_field("assumed")
 
     @property
     def converged(self) -> bool:
@@ -197,7 +205,7 @@ class LoadCurve(Record):
     @property
     def above(self) -> str:
         """Text of the warnings that are printed above the results; empty if there are none."""
-        return warning_line(self.warnings)
+        return join_brief_warnings(self.warnings)
 
     def to_dict(self) -> dict[str, JSON]:
         """Return the curve as a dictionary, as ``rollbench solve --curve --json`` prints it.
@@ -207,11 +215,11 @@ class LoadCurve(Record):
         dict
             JSON values by key.
         """
-        return with_schema(as_json(self) or {})
+        return add_schema_version(record_as_json(self) or {})
 
 
 @dataclass(frozen=True)
-class _State:
+class _StateAtLoad:
     """Solution of the scene at one load of the curve."""
 
     scene: Scene | Assembly
@@ -222,7 +230,9 @@ class _State:
     largest: float = math.nan
 
 
-def load_curve(scene: Scene | Assembly, course: LoadRange, model: str = "", options: Options | None = None) -> LoadCurve:
+def compute_load_curve(
+    scene: Scene | Assembly, course: LoadRange, model: str = "", options: Options | None = None
+) -> LoadCurve:
     """Solve a scene over a range of loads, for displacement, stiffness and backlash.
 
     Forces replace the scene's loads. They act at the nut's centre, or for several nuts or bearings on one shaft where the
@@ -256,24 +266,27 @@ def load_curve(scene: Scene | Assembly, course: LoadRange, model: str = "", opti
     u_0 = (4 u(F/8) - u(F))/3 for a vanishing force F.
     """
     model, options = model or default_model(scene), replace(options or Options(), discretisation=False)
-    loaded, direction, at, unit = _prepare_loading(scene, course)
+    loaded, direction, at, unit = _load_application(scene, course)
 
     @cache
-    def state(value: float) -> _State:
+    def state(value: float) -> _StateAtLoad:
         here = loaded(value)
         result = run_model(here, model, options)
         if not result.converged:
-            return _State(here, result)
+            return _StateAtLoad(here, result)
         loads = [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
-        return _State(
-            here, result, float(np.dot(_motion_along_load(here, result, at)[:3], direction)), max(map(_largest_load, loads))
+        return _StateAtLoad(
+            here,
+            result,
+            float(np.dot(_displacement_at_load_point(here, result, at)[:3], direction)),
+            max(map(_largest_load, loads)),
         )
 
     bare = state(0.0)
     pressed = bare.largest > 0.0
     start = bare.moved if pressed else 0.0
     top = max(map(abs, course.values))
-    ends, words = _lash_of_curve(course, lambda f: state(f).moved, top)
+    ends, words = _backlash_limits(course, lambda f: state(f).moved, top)
     lash = None if ends is None else ends[1] - ends[0]
 
     def tangent(value: float) -> float | None:
@@ -289,7 +302,7 @@ def load_curve(scene: Scene | Assembly, course: LoadRange, model: str = "", opti
         status = "anywhere in the lash" if free else s.result.status  # the displacement is not unique
         friction = None
         if isinstance(s.scene, Scene) and isinstance(s.result, StaticResult) and s.largest > 0.0:
-            friction, _ = quick_friction(s.scene, s.result, options)
+            friction, _ = friction_without_compiling(s.scene, s.result, options)
         points.append(
             CurvePoint(
                 load=value * unit,
@@ -312,15 +325,15 @@ def load_curve(scene: Scene | Assembly, course: LoadRange, model: str = "", opti
         lash=lash,
         lash_words=words or None,
         peak_to_peak=known[-1].displacement - known[0].displacement if len(known) > 1 else None,  # type: ignore[operator]
-        forward=None if ends is None else _chord_stiffness(points[-1], ends[1] - start),
-        backward=None if ends is None else _chord_stiffness(points[0], ends[0] - start),
+        forward=None if ends is None else _secant_stiffness_outside_backlash(points[-1], ends[1] - start),
+        backward=None if ends is None else _secant_stiffness_outside_backlash(points[0], ends[0] - start),
         points=tuple(points),
         warnings=tuple(dict.fromkeys(w for result in of_ends for w in result.warnings)),
         assumed=bare.result.assumed,
     )
 
 
-def _prepare_loading(
+def _load_application(
     scene: Scene | Assembly, course: LoadRange
 ) -> tuple[Callable[[float], Scene | Assembly], Vector, float | str, float]:
     """Return a function that applies one load of the curve to the scene, and what that load is.
@@ -331,7 +344,7 @@ def _prepare_loading(
     scene.
     """
     several = isinstance(scene, Assembly)
-    at: float | str = _default_loaded_point(scene) if isinstance(scene, Assembly) else scene.nut.position
+    at: float | str = _default_load_position(scene) if isinstance(scene, Assembly) else scene.nut.position
     if course.factors:
         if isinstance(scene, Scene) and scene.loads:
             at = scene.loads[0].at
@@ -342,7 +355,7 @@ def _prepare_loading(
             allowed = "factors only for a scene whose first load is a force"
             raise ArgumentError("curve", "factors", allowed, "write forces, such as -3000N:3000N", scene.name)
         x, y, z = (f / size for f in force)
-        return lambda value: scaled(scene, value), (x, y, z), at, size
+        return lambda value: scale_loads(scene, value), (x, y, z), at, size
     at = at if course.at is None else course.at
     housings = [h.name for h in scene.housings] if isinstance(scene, Assembly) else []
     if (at not in housings) if isinstance(at, str) else not 0.0 <= at <= scene.screw.length:
@@ -352,7 +365,7 @@ def _prepare_loading(
 
     def loaded(value: float) -> Scene | Assembly:
         x, y, z = (value * part for part in course.direction)
-        bare = scaled(scene, 0.0)
+        bare = scale_loads(scene, 0.0)
         if isinstance(bare, Assembly):
             bare = replace(bare, stiffness_at=at)
         if isinstance(at, str) and isinstance(bare, Assembly):
@@ -362,7 +375,7 @@ def _prepare_loading(
     return loaded, course.direction, at, 1.0
 
 
-def _default_loaded_point(assembly: Assembly) -> float | str:
+def _default_load_position(assembly: Assembly) -> float | str:
     """Return the axial position [m] or housing for which the scene asks the stiffness, or on which its first load acts.
 
     ``assembly``: shaft with several nuts or bearings.
@@ -372,10 +385,10 @@ def _default_loaded_point(assembly: Assembly) -> float | str:
     return reported_location(assembly)
 
 
-def _motion_along_load(scene: Scene | Assembly, result: StaticResult | AxisResult, at: float | str) -> Any:
+def _displacement_at_load_point(scene: Scene | Assembly, result: StaticResult | AxisResult, at: float | str) -> Any:
     """Return the displacement (6,) [m, rad] of the axial position or housing ``at``, on which the force acts."""
     if isinstance(scene, Assembly) and isinstance(result, AxisResult):
-        return displacement_of_interest(scene, result)
+        return displacement_at_stated_position(scene, result)
     return np.array([np.interp(float(at), result.centreline_z, u) for u in result.centreline.T])
 
 
@@ -384,21 +397,21 @@ def _largest_load(loads: Any) -> float:
     return float(np.max(loads, initial=0.0))
 
 
-def _lash_of_curve(
-    course: LoadRange, moved: Callable[[float], float], top: float
+def _backlash_limits(
+    course: LoadRange, displacement_at: Callable[[float], float], largest_load: float
 ) -> tuple[tuple[float, float] | None, str]:
     """Return the displacements [m] at the lower and upper end of the backlash, and an empty text.
 
-    If the backlash is not defined, returns None and a text with the reason. ``course``: range of loads. ``moved``: function
-    that returns the displacement [m] under a load. ``top``: largest absolute load. The end of the backlash is extrapolated
-    from vanishing loads; ends closer than the accuracy of this are made equal.
+    If the backlash is not defined, returns None and a text with the reason. ``course``: range of loads.
+    ``displacement_at``: function that returns the displacement [m] under a load. ``largest_load``: largest absolute load.
+    The end of the backlash is extrapolated from vanishing loads; ends closer than the accuracy of this are made equal.
     """
     if not course.values[0] < 0.0 < course.values[-1]:
         return None, "all loads have the same sign"
     ends, rough = [], 0.0
     for sign in (-1.0, 1.0):
-        force = sign * VANISHING * top
-        near, far = moved(force / 8.0), moved(force)
+        force = sign * VANISHING * largest_load
+        near, far = displacement_at(force / 8.0), displacement_at(force)
         if math.isnan(near) or math.isnan(far):
             return None, f"no equilibrium under a vanishing {'positive' if sign > 0.0 else 'negative'} load"
         ends.append((4.0 * near - far) / 3.0)
@@ -408,11 +421,11 @@ def _lash_of_curve(
     return (ends[0], ends[1]), ""
 
 
-def _chord_stiffness(end: CurvePoint, edge: float) -> float | None:
+def _secant_stiffness_outside_backlash(end: CurvePoint, backlash_end: float) -> float | None:
     """Return the secant stiffness [N/m] between one end of the backlash and the curve's last point on that side.
 
-    ``end``: last point of the curve. ``edge``: displacement at the end of the backlash [m]. Returns None if there is no
-    equilibrium at the curve's last point.
+    ``end``: last point of the curve. ``backlash_end``: displacement at the end of the backlash [m]. Returns None if there
+    is no equilibrium at the curve's last point.
     """
-    moved = None if end.displacement is None else end.displacement - edge
+    moved = None if end.displacement is None else end.displacement - backlash_end
     return end.load / moved if moved else None

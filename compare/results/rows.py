@@ -13,17 +13,17 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.load_cases import AxisDrive, CycleResults, Solved, SolvedAxis
 from rollbench.compare.models.loading import COMPONENTS, NOTHING, LiftOff, LoadPath, Preload
 from rollbench.compare.models.model_form import ModelForm
-from rollbench.compare.quantities import heading_of, range_text, shown
+from rollbench.compare.quantities import format_by_error, format_range, heading_and_unit
 from rollbench.compare.results.base import Row
 from rollbench.compare.results.data import Friction, FrictionBand
 from rollbench.compare.results.scene_json import (
     Axial,
-    LoadSums,
-    RollerSums,
-    answers_json,
+    BallLoadSums,
+    RollerLoadSums,
     axis_summary_json,
-    set_json,
-    together_json,
+    cycle_results_json,
+    set_summary_json,
+    single_set_results_json,
 )
 from rollbench.lowfi.bearings.tapered_roller import RibContact
 from rollbench.lowfi.bearings.torque import BallTorque, RollerTorque
@@ -33,14 +33,14 @@ from rollbench.lowfi.rating.iso_lives import ModifiedLife, ReferenceLife
 from rollbench.lowfi.rating.life import EquivalentLife, Life, SystemLife
 from rollbench.lowfi.rating.rigidity import Rigidities
 from rollbench.meshes.one_arc import Clearance
-from rollbench.meshes.quantity import Stated, stated_in
+from rollbench.meshes.quantity import QuantityDescription, quantity_descriptions
 
 #: Groups of a JSON summary, in the order of the table's rows, each with the record that defines its quantities. If a group
 #: has two records, that one is used whose first key the group contains.
 GROUPS: tuple[tuple[str, type], ...] = (
     ("", CycleResults),
-    ("loads", LoadSums),
-    ("loads", RollerSums),
+    ("loads", BallLoadSums),
+    ("loads", RollerLoadSums),
     ("axial", Axial),
     ("", Rigidities),
     ("worst_contact", Contact),
@@ -83,7 +83,7 @@ OF_SETS = (
 )
 
 
-def answer_rows(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
+def solution_rows(solved: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
     """Return the rows of the table of results of a solved scene.
 
     For several nuts or bearings on a shaft, the rows of the whole shaft come first, then those of the one with the worst
@@ -91,7 +91,7 @@ def answer_rows(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]
 
     Parameters
     ----------
-    one
+    solved
         The solved scene.
     details
         Whether to include quantities that a designer seldom needs.
@@ -101,27 +101,29 @@ def answer_rows(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]
     list[Row]
         The rows; empty if there is no equilibrium.
     """
-    if one.answers is None:
+    if solved.answers is None:
         return []
-    supports = _support_rows(one.answers.path)
-    if isinstance(one, Solved):
-        return [*summary_rows(answers_json(one), one.expected, details=details), *supports]
-    data = axis_summary_json(one)
+    supports = _support_load_rows(solved.answers.path)
+    if isinstance(solved, Solved):
+        return [*rows_from_summary_json(single_set_results_json(solved), solved.expected, details=details), *supports]
+    data = axis_summary_json(solved)
     whole = {key: data.pop(key) for key in OF_ALL if key in data}
-    names = [one.answers.sets[i].name for i in one.answers.by_pressure[:1]]
-    worst = summary_rows(data, details=details) if names else []
-    head = summary_rows(whole, details=details)
+    names = [solved.answers.sets[i].name for i in solved.answers.sets_by_pressure[:1]]
+    worst = rows_from_summary_json(data, details=details) if names else []
+    head = rows_from_summary_json(whole, details=details)
     return [*head, *supports, *(Row("set with the worst contact", name) for name in names), *worst]
 
 
-def summary_rows(data: Mapping[str, Any], worth: ModelForm | None = None, *, details: bool = False) -> list[Row]:
+def rows_from_summary_json(
+    data: Mapping[str, Any], expected_errors: ModelForm | None = None, *, details: bool = False
+) -> list[Row]:
     """Return the rows of the table of results for the quantities in a JSON summary.
 
     Parameters
     ----------
     data
         The JSON summary of a scene.
-    worth
+    expected_errors
         Errors to expect of the values; None if they are not known.
     details
         Whether to include quantities that a designer seldom needs.
@@ -133,18 +135,18 @@ def summary_rows(data: Mapping[str, Any], worth: ModelForm | None = None, *, det
     """
     found = []
     mean = (data.get("loads") or {}).get("mean_N")
-    for (group, _), (kind, table, stated) in zip(GROUPS, _tables_by_name(data), strict=True):
+    for (group, _), (kind, table, stated) in zip(GROUPS, _summary_groups(data), strict=True):
         for key, x in stated if details else [pair for pair in stated if pair[1].heading]:
-            row = _answer_row(table, key, x, worth, mean)
+            row = _quantity_row(table, key, x, expected_errors, mean)
             if row is not None and (details or row.unit or row.value not in ("0", "no")):
                 of = "" if x.heading or not group else f"{group.replace('_', ' ')}: "
                 found.append(row._replace(quantity=f"{of}{row.quantity}"))
-        found += _reasons_without_value(data, kind)
+        found += _missing_value_rows(data, kind)
     return found
 
 
-def compared_rows(
-    data: Mapping[str, Any], reference: Mapping[str, Any], worth: ModelForm | None
+def rows_with_reference(
+    data: Mapping[str, Any], reference: Mapping[str, Any], expected_errors: ModelForm | None
 ) -> Iterator[tuple[str, str, str, str, str, str]]:
     """Yield a table row for each quantity that the JSON summaries of both the model and the reference contain.
 
@@ -154,7 +156,7 @@ def compared_rows(
         JSON summary of the model.
     reference
         JSON summary of the reference.
-    worth
+    expected_errors
         Errors to expect of the model; None if they are not known.
 
     Yields
@@ -162,18 +164,27 @@ def compared_rows(
     tuple[str, str, str, str, str, str]
         Name, value of the model, value of the reference, unit, difference [%], and the error that was expected.
     """
-    theirs = {(kind, key): _value_at(table, key) for kind, table, stated in _tables_by_name(reference) for key, _ in stated}
+    theirs = {(kind, key): _value_at(table, key) for kind, table, stated in _summary_groups(reference) for key, _ in stated}
     mean = (data.get("loads") or {}).get("mean_N")
-    for kind, table, stated in _tables_by_name(data):
+    for kind, table, stated in _summary_groups(data):
         for key, x in stated if kind is not Ratings else ():
             value, other = _value_at(table, key), theirs.get((kind, key))
             if x.heading and isinstance(value, float) and isinstance(other, float):
-                name, unit = _name_of_table(x)
+                name, unit = _quantity_name_and_unit(x)
                 off = f"{float(error_percent(value, other)):+z.2f} %" if other else ""
-                yield name, shown(value), shown(other), unit, off, _expected_error(value, x.expected, worth, mean)[1]
+                yield (
+                    name,
+                    format_by_error(value),
+                    format_by_error(other),
+                    unit,
+                    off,
+                    _expected_error_of_value(value, x.expected, expected_errors, mean)[1],
+                )
 
 
-def _tables_by_name(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str, Any], list[tuple[str, Stated]]]]:
+def _summary_groups(
+    data: Mapping[str, Any],
+) -> Iterator[tuple[type, Mapping[str, Any], list[tuple[str, QuantityDescription]]]]:
     """Yield for each of `GROUPS` its record class, its values in the JSON summary, and its quantities.
 
     ``data``: JSON summary of a scene. The values are a mapping, empty if the summary does not contain the group. The
@@ -181,19 +192,19 @@ def _tables_by_name(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str
     """
     for group, kind in GROUPS:
         table = data.get(group) if group else data
-        stated = [(x.key.removeprefix("torque."), x) for _, x in stated_in(kind)]
+        stated = [(x.key.removeprefix("torque."), x) for _, x in quantity_descriptions(kind)]
         known = isinstance(table, Mapping) and _value_at(table, stated[0][0]) is not ...
         if kind is Preload and table and not table["loaded_contacts"]:
             known = False
         yield kind, table if known and table else {}, stated
 
 
-def _name_of_table(x: Stated) -> tuple[str, str]:
+def _quantity_name_and_unit(definition: QuantityDescription) -> tuple[str, str]:
     """Return the name and the unit of a quantity as the table of results shows them.
 
-    ``x``: definition of the quantity.
+    ``definition``: definition of the quantity.
     """
-    name, unit = heading_of(x)
+    name, unit = heading_and_unit(definition)
     return name, unit.replace("million revolutions", "1e6 rev")
 
 
@@ -208,53 +219,59 @@ def _value_at(table: Mapping[str, Any], key: str) -> Any:
     return value
 
 
-def _answer_row(table: Mapping[str, Any], key: str, x: Stated, worth: ModelForm | None, mean: float | None) -> Row | None:
+def _quantity_row(
+    table: Mapping[str, Any],
+    key: str,
+    definition: QuantityDescription,
+    expected_errors: ModelForm | None,
+    mean_load: float | None,
+) -> Row | None:
     """Return the row of one quantity in the table of results; None if a row cannot show its value.
 
-    ``table``: JSON values of the quantity's group. ``key``: key of its value. ``x``: its definition. ``worth``: errors to
-    expect; None if they are not known. ``mean``: mean contact load [N].
+    ``table``: JSON values of the quantity's group. ``key``: key of its value. ``definition``: its definition.
+    ``expected_errors``: errors to expect; None if they are not known. ``mean_load``: mean contact load [N].
     """
     value = _value_at(table, key)
     if value in (None, ..., ""):
         return None
-    name, unit = _name_of_table(x)
-    digits = int(x.form[1:]) if x.form in ("g2", "g3") else 4
+    name, unit = _quantity_name_and_unit(definition)
+    digits = int(definition.form[1:]) if definition.form in ("g2", "g3") else 4
     if isinstance(value, str):
         return Row(name, "", note=value)
     if isinstance(value, bool | int) and not unit:
         return Row(name, str(value) if type(value) is int else "yes" if value else "no")
     if isinstance(value, list) and len(value) == 2 and all(isinstance(end, float) for end in value):
-        return Row(name, range_text(value, digits), unit, "", _note_from_template(table, x.note))
+        return Row(name, format_range(value, digits), unit, "", _fill_note_template(table, definition.note))
     if not isinstance(value, int | float):
         return None
-    error, words = _expected_error(value, x.expected, worth, mean)
-    return Row(name, shown(value, error, digits), unit, words, _note_from_template(table, x.note))
+    error, words = _expected_error_of_value(value, definition.expected, expected_errors, mean_load)
+    return Row(name, format_by_error(value, error, digits), unit, words, _fill_note_template(table, definition.note))
 
 
-def _expected_error(
-    value: float, expected: tuple[str, float], worth: ModelForm | None, mean: float | None
+def _expected_error_of_value(
+    value: float, expected: tuple[str, float], expected_errors: ModelForm | None, mean_load: float | None
 ) -> tuple[float | None, str]:
     """Return the expected error of a value, in the unit of the value and as text in per cent.
 
-    ``expected``: field of `ModelForm` with the error in per cent, and the factor on it. ``worth``: errors to expect; None
-    if they are not known. ``mean``: mean contact load [N], which some errors are relative to. Returns None and an empty
-    text if the error is not known.
+    ``expected``: field of `ModelForm` with the error in per cent, and the factor on it. ``expected_errors``: errors to
+    expect; None if they are not known. ``mean_load``: mean contact load [N], which some errors are relative to. Returns
+    None and an empty text if the error is not known.
     """
     field, times = expected
-    percent = getattr(worth, field) if worth is not None and field else None
+    percent = getattr(expected_errors, field) if expected_errors is not None and field else None
     if percent is None:
         return None, ""
-    whole = mean if times == 1.0 and field in OF_MEAN else value
-    text = f"{shown(float(f'{times * percent:.2g}'), digits=2)} %"
-    return abs(whole or 0.0) * times * percent / 100.0, f"{text} of mean" if whole is mean else text
+    whole = mean_load if times == 1.0 and field in OF_MEAN else value
+    text = f"{format_by_error(float(f'{times * percent:.2g}'), digits=2)} %"
+    return abs(whole or 0.0) * times * percent / 100.0, f"{text} of mean" if whole is mean_load else text
 
 
-def _note_from_template(table: Mapping[str, Any], template: str) -> str:
+def _fill_note_template(table: Mapping[str, Any], template: str) -> str:
     """Return the note ``template`` with its placeholders replaced by values of the table; empty if one has no value.
 
     ``table``: JSON values by key.
     """
-    known = {key: shown(x) if isinstance(x, float) else x for key, x in table.items() if x is not None}
+    known = {key: format_by_error(x) if isinstance(x, float) else x for key, x in table.items() if x is not None}
     values = {key: x.rstrip("0").rstrip(".") if isinstance(x, str) and "." in x else x for key, x in known.items()}
     try:
         return template.format_map(values)
@@ -262,13 +279,13 @@ def _note_from_template(table: Mapping[str, Any], template: str) -> str:
         return ""
 
 
-def _reasons_without_value(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
+def _missing_value_rows(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
     """Yield rows that state why the quantities of the record class ``kind`` have no value.
 
     ``data``: JSON summary of the scene.
     """
     preload, lost, drive = (data.get(key) or {} for key in ("preload", "contact_lost", "drive"))
-    if kind is LoadSums and "loads" in data and data["loads"] is None:
+    if kind is BallLoadSums and "loads" in data and data["loads"] is None:
         yield Row("contact loads", "none", note="no contact carries load")
     elif kind is Rigidities and (words := (data.get("axial") or {}).get("tangent_words")):
         yield Row("axial rigidity, tangent", "none", note=words)
@@ -286,7 +303,7 @@ def _reasons_without_value(data: Mapping[str, Any], kind: type) -> Iterator[Row]
         yield Row("life L10", "none", note=data.get("rating_refused") or data.get("life_words") or "no load")
 
 
-def _support_rows(path: LoadPath | None) -> Iterator[Row]:
+def _support_load_rows(path: LoadPath | None) -> Iterator[Row]:
     """Yield a row for each support and each component of the external load of which the support carries a part.
 
     ``path``: parts of the external load that each support carries; None: no rows.
@@ -297,15 +314,15 @@ def _support_rows(path: LoadPath | None) -> Iterator[Row]:
         for k, part in enumerate(taker.part):
             if abs(part) > NOTHING * abs(path.applied[k]) > 0.0:
                 unit = "N" if k < 3 else "N m"
-                yield Row("taken by a support", shown(part), unit, "", f"{COMPONENTS[k]} by {taker.name}")
+                yield Row("taken by a support", format_by_error(part), unit, "", f"{COMPONENTS[k]} by {taker.name}")
 
 
-def set_rows(one: SolvedAxis) -> list[dict[str, Any]]:
+def bearing_and_nut_rows(solved: SolvedAxis) -> list[dict[str, Any]]:
     """Return a row for each nut or bearing on a shaft: name, position, axial force, rigidity and the columns `OF_SETS`.
 
     Parameters
     ----------
-    one
+    solved
         The solved shaft.
 
     Returns
@@ -313,16 +330,21 @@ def set_rows(one: SolvedAxis) -> list[dict[str, Any]]:
     list[dict[str, Any]]
         Texts of each row, by their headings. Columns without any value are left out. Empty if there is no equilibrium.
     """
-    if one.answers is None:
+    if solved.answers is None:
         return []
     found = []
-    for k, (s, answers) in enumerate(zip(one.result.sets, one.answers.sets, strict=True), 1):
-        data = set_json(s, answers, one.scene.motion)
+    for k, (s, answers) in enumerate(zip(solved.result.sets, solved.answers.sets, strict=True), 1):
+        data = set_summary_json(s, answers, solved.scene.motion)
         row: dict[str, Any] = {"set": f"{k} {s.of.name}", "z mm": f"{1e3 * s.of.position:.1f}"}
-        row |= {"force N": shown(float(s.force[2])), "rigidity N/um": shown(1e-6 * float(s.stiffness[2, 2]))}
+        row |= {
+            "force N": format_by_error(float(s.force[2])),
+            "rigidity N/um": format_by_error(1e-6 * float(s.stiffness[2, 2])),
+        }
         for group, key, heading in OF_SETS:
             value = (data.get(group) or {}).get(key)
-            row[heading] = range_text(value) if isinstance(value, list) else None if value is None else shown(value)
+            row[heading] = (
+                format_range(value) if isinstance(value, list) else None if value is None else format_by_error(value)
+            )
         found.append(row)
     return [{key: row[key] or "–" for key in row if any(x[key] for x in found)} for row in found]
 
@@ -343,15 +365,15 @@ def friction_rows(data: Mapping[str, Any]) -> list[Row]:
     solved = data.get("torque") and data.get("sets", True)
     torque = data["torque"] | {"losses": data.get("losses")} if solved else {}
     band = data.get("band") and data["band"] | dict(zip(("least", "most"), data["band"]["coefficients"], strict=True))
-    return summary_rows({"friction": torque, "band": band, "drive": data.get("drive")})
+    return rows_from_summary_json({"friction": torque, "band": band, "drive": data.get("drive")})
 
 
-def together_rows(whole: CycleResults) -> list[Row]:
+def duty_cycle_rows(cycle_results: CycleResults) -> list[Row]:
     """Return the table rows with extremes and lives over all load cases of a duty cycle.
 
     Parameters
     ----------
-    whole
+    cycle_results
         Extremes and lives over all load cases; with several nuts or bearings, the shortest of their lives is shown.
 
     Returns
@@ -359,19 +381,19 @@ def together_rows(whole: CycleResults) -> list[Row]:
     list[Row]
         The rows.
     """
-    rows = summary_rows(together_json(whole))
-    rows = [row._replace(note=whole.shortest) if row.quantity == "life L10" else row for row in rows]
-    if whole.uncovered:
-        rows.append(Row("error to expect", "not covered", note=f"cases {', '.join(whole.uncovered)}"))
+    rows = rows_from_summary_json(cycle_results_json(cycle_results))
+    rows = [row._replace(note=cycle_results.shortest) if row.quantity == "life L10" else row for row in rows]
+    if cycle_results.uncovered:
+        rows.append(Row("error to expect", "not covered", note=f"cases {', '.join(cycle_results.uncovered)}"))
     return rows
 
 
-def expected_words(worth: ModelForm | None) -> str:
+def expected_error_sentence(expected_errors: ModelForm | None) -> str:
     """Return a sentence on how the expected errors were estimated, or why they are not known.
 
     Parameters
     ----------
-    worth
+    expected_errors
         The errors to expect; None for several nuts or bearings on one shaft, where they are not known.
 
     Returns
@@ -379,12 +401,18 @@ def expected_words(worth: ModelForm | None) -> str:
     str
         The sentence, without a full stop.
     """
-    if worth is None:
+    if expected_errors is None:
         unknown = "not known for several nuts or bearings on one shaft"
         return f"error to expect: {unknown}; measure it by: rollbench compare SCENE"
-    if worth.percent is None:
-        away = f" (most similar scene: {worth.nearest})" if worth.nearest else ""
-        return f"error to expect: not covered by the comparisons with the 3D reference{away}; {'; '.join(worth.words)}"
-    of = f"{worth.compared} similar scene{'s' * (worth.compared != 1)}"
-    words = f"in nine of ten of {of} the error was smaller, most similar: {worth.nearest}; {'; '.join(worth.words)}"
+    if expected_errors.percent is None:
+        away = f" (most similar scene: {expected_errors.nearest})" if expected_errors.nearest else ""
+        return (
+            f"error to expect: not covered by the comparisons with the 3D reference{away}; "
+            f"{'; '.join(expected_errors.words)}"
+        )
+    of = f"{expected_errors.compared} similar scene{'s' * (expected_errors.compared != 1)}"
+    words = (
+        f"in nine of ten of {of} the error was smaller, most similar: {expected_errors.nearest}; "
+        f"{'; '.join(expected_errors.words)}"
+    )
     return f"error to expect: {words}; measure it by: rollbench compare SCENE"

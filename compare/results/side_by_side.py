@@ -10,13 +10,13 @@ import numpy as np
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.answers import Answers
-from rollbench.compare.quantities import as_json, quantities
-from rollbench.compare.results.base import JSON, Record, with_schema
+from rollbench.compare.quantities import quantities_of_record, record_as_json
+from rollbench.compare.results.base import JSON, Record, add_schema_version
 from rollbench.compare.results.solved import Result
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.quantity import Stated, quantity, record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Range of a quantity: its lower and upper limit.
 Band = tuple[float, float]
@@ -33,60 +33,62 @@ SHARED = (
 )
 
 
-@record(kw_only=True)
+@result_record(kw_only=True)
 class Alternative:
     """Results of one of several scenes that are compared side by side.
 
     A field is None if there is no equilibrium, or if the scene does not state the data that the quantity needs.
     """
 
-    scene: str = quantity("scene")
-    status: str = quantity("status", "converged, or the reason why there is no equilibrium")
-    axial_stiffness: float | None = quantity(
+    scene: str = quantity_field("scene")
+    status: str = quantity_field("status", "converged, or the reason why there is no equilibrium")
+    axial_stiffness: float | None = quantity_field(
         "axial_stiffness_N_per_um",
         "axial tangent stiffness: of a single nut or bearing at its centre, with the rotation about the axis fixed; of "
         "several on one shaft at the position that the scene states, with all other degrees of freedom fixed",
         error="that of the rigidity",
     )
-    radial_stiffness: float | None = quantity(
+    radial_stiffness: float | None = quantity_field(
         "radial_stiffness_N_per_um",
         "smallest radial tangent stiffness of all directions, at the same point, with all other degrees of freedom fixed",
         error="that of the rigidity",
     )
-    displacement: float | None = quantity("displacement_um", "axial displacement of the same point under the loads")
-    largest: float | None = quantity(
+    displacement: float | None = quantity_field("displacement_um", "axial displacement of the same point under the loads")
+    largest: float | None = quantity_field(
         "largest_load_N", "largest load of a contact or roller in any nut or bearing of the scene"
     )
-    pressure: float | None = quantity("pressure_MPa", "pressure of the worst contact")
-    safety: float | None = quantity("static_safety", "static safety of the worst contact")
-    running: Band | None = quantity(
+    pressure: float | None = quantity_field("pressure_MPa", "pressure of the worst contact")
+    safety: float | None = quantity_field("static_safety", "static safety of the worst contact")
+    running: Band | None = quantity_field(
         "running_torque_Nmm",
         "torque that turns the shaft at constant speed, [low, high]: of an axis `drive.running_torque_Nmm`, of a bearing "
         "its friction torque, of a ball screw the torque that drives the screw",
         error="empirical; that of the coefficient of friction",
         parts="[]",
     )
-    starting: Band | None = quantity(
+    starting: Band | None = quantity_field(
         "starting_torque_Nmm",
         "torque that starts the shaft from rest, [low, high]",
         error="as the running torque",
         parts="[]",
     )
-    inertia: float | None = quantity(
+    inertia: float | None = quantity_field(
         "inertia_kg_mm2", "moment of inertia of the axis at its motor, the motor's own included"
     )
-    life: float | None = quantity(
+    life: float | None = quantity_field(
         "L10_million_revolutions",
         "life L10 of all nuts and bearings of an axis as one system, or of a single nut or bearing",
         error="that of the lives",
     )
-    hours: float | None = quantity("L10_hours", "life L10 in hours, if the scene states a speed", error="as in revolutions")
-    shortest: str | None = quantity("shortest_set", "nut or bearing of an axis with the shortest life")
-    warnings: tuple[Warned, ...] = quantity("warnings")
+    hours: float | None = quantity_field(
+        "L10_hours", "life L10 in hours, if the scene states a speed", error="as in revolutions"
+    )
+    shortest: str | None = quantity_field("shortest_set", "nut or bearing of an axis with the shortest life")
+    warnings: tuple[Warned, ...] = quantity_field("warnings")
 
 
 #: JSON keys of all numbers of an `Alternative`, for which differences are computed.
-NUMBERS = [key for key, one in quantities(Alternative).items() if one.unit or key == "static_safety"]
+NUMBERS = [key for key, one in quantities_of_record(Alternative).items() if one.unit or key == "static_safety"]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -113,7 +115,7 @@ class SideBySide(Record):
         """Whether every scene has an equilibrium."""
         return all(one.status == "converged" for one in self.scenes)
 
-    @Stated(
+    @QuantityDescription(
         "difference_percent",
         "difference of a scene's number from that of the first scene, in per cent of the latter; for a torque, between the "
         "middles of its ranges",
@@ -139,7 +141,7 @@ class SideBySide(Record):
         >>> [round(x, 1) for x in both.difference_percent("displacement_um")]
         [0.0, -0.5]
         """
-        values = [_middle_value((as_json(one) or {})[key]) for one in self.scenes]
+        values = [_middle_of_range((record_as_json(one) or {})[key]) for one in self.scenes]
         if values[0] is None:
             return (None,) * len(values)
         found = [None if x is None else float(error_percent(x, values[0])) for x in values]
@@ -154,18 +156,18 @@ class SideBySide(Record):
             JSON values by key.
         """
         off: dict[str, Any] = {key: list(self.difference_percent(key)) for key in NUMBERS}
-        scenes = [as_json(one) or {} for one in self.scenes]
-        return with_schema(
+        scenes = [record_as_json(one) or {} for one in self.scenes]
+        return add_schema_version(
             {"model": self.model, "scenes": scenes, "difference_percent": off, "not_shared": list(self.differ)}
         )
 
 
-def _middle_value(value: Any) -> float | None:
+def _middle_of_range(value: Any) -> float | None:
     """Return the middle of a range, or a single number unchanged; None for None."""
     return None if value is None else float(np.mean(value))
 
 
-def side_by_side_of(results: Sequence[Result], names: Sequence[str]) -> SideBySide:
+def compare_results_side_by_side(results: Sequence[Result], names: Sequence[str]) -> SideBySide:
     """Compare the results of several scenes; for a duty cycle, those of the first load case, and the life over all cases.
 
     Parameters
@@ -183,20 +185,20 @@ def side_by_side_of(results: Sequence[Result], names: Sequence[str]) -> SideBySi
     parts = [one.solved[0].scene for one in results]
     return SideBySide(
         model=results[0].model,
-        scenes=tuple(_alternative_from_result(one, name) for one, name in zip(results, names, strict=True)),
-        differ=tuple(_differing_keys(parts)),
+        scenes=tuple(_alternative_of_result(one, name) for one, name in zip(results, names, strict=True)),
+        differ=tuple(_names_of_differing_inputs(parts)),
     )
 
 
-def _alternative_from_result(whole: Result, name: str) -> Alternative:
+def _alternative_of_result(result: Result, name: str) -> Alternative:
     """Return those results of a scene that are compared side by side.
 
-    ``whole``: results of the scene; of a duty cycle, the first load case is used, and the life over all cases. ``name``:
+    ``result``: results of the scene; of a duty cycle, the first load case is used, and the life over all cases. ``name``:
     name under which the scene is listed.
     """
-    first = next(iter(whole.cases.values()), whole)
-    K, worst, life, system = first.stiffness, first.worst, whole.life, whole.axis_life
-    running, starting, inertia = _torques_and_inertia(first)
+    first = next(iter(result.cases.values()), result)
+    K, worst, life, system = first.stiffness, first.worst, result.life, result.axis_life
+    running, starting, inertia = _torque_ranges_and_inertia(first)
     across = None if K is None or not np.isfinite(K[:2, :2]).all() else float(np.linalg.eigvalsh(K[:2, :2])[0])
     axial = first.axial_stiffness
     loads = [x.max() for x in (first.loads, *(s.roller_loads for s in first.sets.values())) if x is not None and x.size]
@@ -208,7 +210,7 @@ def _alternative_from_result(whole: Result, name: str) -> Alternative:
         hours = None if life is None or life.seconds is None else life.seconds / 3600.0
     return Alternative(
         scene=name,
-        status=whole.status if whole.converged else f"{whole.status}: {whole.reason}",
+        status=result.status if result.converged else f"{result.status}: {result.reason}",
         axial_stiffness=axial if axial is not None and np.isfinite(axial) else None,
         radial_stiffness=across,
         displacement=None if first.displacement is None else float(first.displacement[2]),
@@ -221,11 +223,11 @@ def _alternative_from_result(whole: Result, name: str) -> Alternative:
         life=L10,
         hours=hours,
         shortest=None if system is None else system.shortest,
-        warnings=tuple(dict.fromkeys(w for one in whole.solved for w in one.result.warnings)),
+        warnings=tuple(dict.fromkeys(w for one in result.solved for w in one.result.warnings)),
     )
 
 
-def _torques_and_inertia(one: Result) -> tuple[Band | None, Band | None, float | None]:
+def _torque_ranges_and_inertia(one: Result) -> tuple[Band | None, Band | None, float | None]:
     """Return running and starting torque (low, high) [N m], and the inertia of an axis [kg m^2]; None if not known."""
     if one.drive is not None:
         return one.drive.running, one.drive.starting, one.drive.inertia
@@ -237,7 +239,7 @@ def _torques_and_inertia(one: Result) -> tuple[Band | None, Band | None, float |
     return None if driving is None else (1e-3 * driving, 1e-3 * driving), None, None
 
 
-def _differing_keys(scenes: Sequence[Scene | Assembly]) -> list[str]:
+def _names_of_differing_inputs(scenes: Sequence[Scene | Assembly]) -> list[str]:
     """Return the names of the data of shaft, loads and operation that are not the same in all scenes."""
     first, *others = scenes
     if not all(isinstance(x, Assembly) == isinstance(first, Assembly) for x in others):

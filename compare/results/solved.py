@@ -12,10 +12,10 @@ import numpy as np
 
 from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, SetAnswers
 from rollbench.compare.models.load_cases import CycleResults, Solved, SolvedAxis
-from rollbench.compare.models.programs import title_of
-from rollbench.compare.results.base import JSON, Record, Row, as_html, deprecated, with_schema
-from rollbench.compare.results.rows import answer_rows, expected_words, set_rows, together_rows
-from rollbench.compare.results.scene_json import case_json, cases_json
+from rollbench.compare.models.programs import model_title
+from rollbench.compare.results.base import JSON, Record, Row, add_schema_version, format_table_as_html, warn_of_deprecation
+from rollbench.compare.results.rows import bearing_and_nut_rows, duty_cycle_rows, expected_error_sentence, solution_rows
+from rollbench.compare.results.scene_json import duty_cycle_json, solved_case_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.contacts import Contact, contact_pressures
 from rollbench.lowfi.statics.result import SetResult as SolvedSet
@@ -23,7 +23,7 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.quantity import quantity, record
+from rollbench.meshes.quantity import quantity_field, result_record
 
 if TYPE_CHECKING:
     import pandas
@@ -110,24 +110,24 @@ class WorstContact:
     """Semi-axes of the contact ellipse, across and along the groove [m]; None for rollers."""
 
 
-@record
+@result_record
 class ExpectedError:
     """Error to expect of a model's results, estimated from its errors against the 3D reference on similar scenes.
 
     A field is None if no similar scene has been compared with the 3D reference.
     """
 
-    loads: float | None = quantity(
+    loads: float | None = quantity_field(
         "expected_error_percent", "largest error of a contact load that `model_form` estimates for the model"
     )
     """Largest error of a contact load [% of the mean contact load]."""
     loads_rms: float | None
     """RMS error of the contact loads [% of the mean contact load]."""
-    displacement: float | None = quantity("expected_displacement_error_percent", "expected error of the displacement")
+    displacement: float | None = quantity_field("expected_displacement_error_percent", "expected error of the displacement")
     """Error of the axial displacement [%]."""
-    rigidity: float | None = quantity("expected_rigidity_error_percent", "expected error of the rigidity")
+    rigidity: float | None = quantity_field("expected_rigidity_error_percent", "expected error of the rigidity")
     """Error of the axial rigidity [%]."""
-    pressure: float | None = quantity("expected_pressure_error_percent", "expected error of the largest pressure")
+    pressure: float | None = quantity_field("expected_pressure_error_percent", "expected error of the largest pressure")
     """Error of the largest pressure [%]."""
     nearest: str
     """Name of the most similar scene that was compared with the 3D reference."""
@@ -290,14 +290,14 @@ class Result(Record, Balls):
     @property
     def load(self) -> Array:
         """Contact loads, (n, 4) or (cases, n, 4) [N]; deprecated, use `loads`."""
-        deprecated("result.load", "result.loads")
+        warn_of_deprecation("result.load", "result.loads")
         each = [one.loads for one in self.cases.values() if one.loads is not None]
         return np.array(each) if each else np.zeros((0, 4)) if self.sets or self.loads is None else self.loads
 
     @property
     def angle(self) -> Array:
         """Contact angles, (n, 4) or (cases, n, 4) [deg]; deprecated, use `angles`, which is in rad."""
-        deprecated("result.angle", "result.angles, in rad")
+        warn_of_deprecation("result.angle", "result.angles, in rad")
         each = [one.angles for one in self.cases.values() if one.angles is not None]
         found = np.array(each) if each else np.zeros((0, 4)) if self.sets or self.angles is None else self.angles
         return np.degrees(found)
@@ -311,8 +311,8 @@ class Result(Record, Balls):
             JSON values by key; the keys end with the unit, such as ``max_N``.
         """
         if self.cycle is None or self.together is None:
-            return with_schema(case_json(self.solved[0], self.tangents[0]))
-        return with_schema(cases_json(self.cycle, self.solved, self.together, self.tangents))
+            return add_schema_version(solved_case_json(self.solved[0], self.tangents[0]))
+        return add_schema_version(duty_cycle_json(self.cycle, self.solved, self.together, self.tangents))
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return a pandas data frame with a row for every ball.
@@ -348,10 +348,10 @@ class Result(Record, Balls):
         (['ball', 'azimuth_rad', 'z_m', 'load_SL_N', 'load_SR_N'], 234)
         """
         if self.cases:
-            return _stack_arrays("case", {name: one.columns() for name, one in self.cases.items()})
+            return _stack_columns("case", {name: one.columns() for name, one in self.cases.items()})
         if self.sets:
-            return _stack_arrays("set", {name: _contact_columns(one) for name, one in self.sets.items()})
-        return _contact_columns(self)
+            return _stack_columns("set", {name: _ball_contact_columns(one) for name, one in self.sets.items()})
+        return _ball_contact_columns(self)
 
     def plot(self) -> Figure:
         """Draw the contact loads over the ball number, in a panel for each nut or bearing and each load case.
@@ -392,7 +392,7 @@ class Result(Record, Balls):
         several = {f", {name}": one.loads for name, one in self.sets.items()}
         each = several or {"": self.loads}
         return [
-            (f"{self.scene}{case}{of}, {title_of(self.model)}", loads) for of, loads in each.items() if loads is not None
+            (f"{self.scene}{case}{of}, {model_title(self.model)}", loads) for of, loads in each.items() if loads is not None
         ]
 
     def view(self, path: str | Path) -> Path:
@@ -434,13 +434,13 @@ class Result(Record, Balls):
         ValueError
             If there are no loads.
         """
-        from rollbench.compare.results.view import make_view
-        from rollbench.reports.view import view_page
+        from rollbench.compare.results.view import collect_view_data
+        from rollbench.reports.view import viewer_page_html
 
         if not any(one.answers for one in self.solved):
             raise ValueError(f"{self.scene}: no loads to draw ({self.status}, {self.reason})")
         title = (self.cycle or self.solved[0].scene).title
-        return view_page(make_view(title, self.solved, self.to_dict(), [*self.cases], stores))
+        return viewer_page_html(collect_view_data(title, self.solved, self.to_dict(), [*self.cases], stores))
 
     def table(self) -> Sequence[Row]:
         """Return the rows of the table that ``rollbench solve`` prints.
@@ -450,18 +450,23 @@ class Result(Record, Balls):
         Sequence[Row]
             A row for each quantity, such as the largest load; with load cases, the quantities of all cases together.
         """
-        return together_rows(self.together) if self.together is not None else answer_rows(self.solved[0])
+        return duty_cycle_rows(self.together) if self.together is not None else solution_rows(self.solved[0])
 
     def _repr_html_(self) -> str:
         """Return the table as HTML for a notebook, and a second table of nuts and bearings if there are several."""
-        rows = [row for one in self.solved if isinstance(one, SolvedAxis) and not self.cases for row in set_rows(one)]
-        return super()._repr_html_() + (as_html([[*row.values()] for row in rows], [*rows[0]]) if rows else "")
+        rows = [
+            row
+            for one in self.solved
+            if isinstance(one, SolvedAxis) and not self.cases
+            for row in bearing_and_nut_rows(one)
+        ]
+        return super()._repr_html_() + (format_table_as_html([[*row.values()] for row in rows], [*rows[0]]) if rows else "")
 
     @property
     def _notes(self) -> tuple[str, ...]:
         status = f"{self.status}: {self.reason}" if self.reason else self.status
-        worth = () if self.cases or not self.converged else (expected_words(self.solved[0].expected),)
-        return (f"{self.scene}, {title_of(self.model)}: {status}", *worth, *self.warnings)
+        worth = () if self.cases or not self.converged else (expected_error_sentence(self.solved[0].expected),)
+        return (f"{self.scene}, {model_title(self.model)}: {status}", *worth, *self.warnings)
 
     def __repr__(self) -> str:
         """Return five lines: scene with model and status, largest load, displacement, largest pressure, and life."""
@@ -477,12 +482,12 @@ class Result(Record, Balls):
         return "\n".join([self._notes[0], *told])
 
 
-def make_result(
+def result_from_solutions(
     solved: Sequence[Solved | SolvedAxis],
     tangents: Sequence[Tangent | None],
     at_nut: Sequence[Tangent | None],
     cycle: DutyCycle | None = None,
-    together: CycleResults | None = None,
+    cycle_results: CycleResults | None = None,
 ) -> Result:
     """Convert the solver's records of a scene, or of the load cases of a duty cycle, to the result that users get.
 
@@ -496,7 +501,7 @@ def make_result(
         For each load case, the stiffness at the nut's centre; None if it was not computed.
     cycle
         Duty cycle of the load cases; None for a single scene.
-    together
+    cycle_results
         Totals over the load cases, such as the life; None for a single scene.
 
     Returns
@@ -504,11 +509,11 @@ def make_result(
     Result
         The result, with the result of each load case in ``cases``.
     """
-    each = [_load_case_result(*one) for one in zip(solved, tangents, at_nut, strict=True)]
-    if cycle is None or together is None:
+    each = [_result_of_load_case(*one) for one in zip(solved, tangents, at_nut, strict=True)]
+    if cycle is None or cycle_results is None:
         return each[0]
     lost = next((one for one in each if not one.converged), each[0])
-    unsolved = "; ".join(f"case {name}: {status}" for name, status in together.unsolved.items())
+    unsolved = "; ".join(f"case {name}: {status}" for name, status in cycle_results.unsolved.items())
     worst = [one.worst for one in each if one.worst is not None]
     return Result(
         scene=cycle.name,
@@ -520,27 +525,27 @@ def make_result(
         assumed=tuple(dict.fromkeys(words for one in each for words in one.assumed)),
         left_out=tuple(dict.fromkeys(words for one in each for words in one.left_out)),
         worst=max(worst, key=lambda w: w.pressure, default=None),
-        life=_life_result(together.least.life, together.speed),
-        modified_life=together.least.modified,
-        reference_life=together.least.reference,
-        axis_life=together.axis_life,
+        life=_life_record(cycle_results.least.life, cycle_results.speed),
+        modified_life=cycle_results.least.modified,
+        reference_life=cycle_results.least.reference,
+        axis_life=cycle_results.axis_life,
         cases={case.name: one for case, one in zip(cycle.cases, each, strict=True)},
         solved=tuple(solved),
         tangents=tuple(tangents),
         cycle=cycle,
-        together=together,
+        together=cycle_results,
     )
 
 
-def _load_case_result(one: Solved | SolvedAxis, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
+def _result_of_load_case(solved: Solved | SolvedAxis, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
     """Convert the solver's record of one load case to a result.
 
     ``tangent``: stiffness at the axial position that the user asked for. ``at_nut``: stiffness at the nut's centre. Both
     are None if they were not computed.
     """
-    found = one.result
+    found = solved.result
     head = Result(
-        scene=one.scene.name,
+        scene=solved.scene.name,
         model=found.model,
         member=found.member,
         status=Status(found.status.kind),
@@ -548,24 +553,28 @@ def _load_case_result(one: Solved | SolvedAxis, tangent: Tangent | None, at_nut:
         warnings=tuple(map(str, found.warnings)),
         assumed=found.assumed,
         left_out=found.left_out,
-        solved=(one,),
+        solved=(solved,),
         tangents=(tangent,),
     )
-    return _fill_in_single_set(head, one, tangent, at_nut) if isinstance(one, Solved) else _fill_in_axis(head, one)
+    return (
+        _add_single_set_results(head, solved, tangent, at_nut)
+        if isinstance(solved, Solved)
+        else _add_axis_results(head, solved)
+    )
 
 
-def _fill_in_single_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
+def _add_single_set_results(head: Result, solved: Solved, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
     """Return the result ``head`` of a scene with a single nut or bearing, with all quantities filled in.
 
-    ``one``: record of the solver. ``tangent``: stiffness at the axial position that the user asked for. ``at_nut``:
+    ``solved``: record of the solver. ``tangent``: stiffness at the axial position that the user asked for. ``at_nut``:
     stiffness at the nut's centre. Both are None if they were not computed. Without equilibrium only the positions of the
     balls are filled in.
     """
-    answers = one.answers
-    balls = _ball_rows(one.scene, one.result, solved=answers is not None)
+    answers = solved.answers
+    balls = _ball_positions_and_loads(solved.scene, solved.result, solved=answers is not None)
     if answers is None:
         return replace(head, azimuth=balls.azimuth, z=balls.z)
-    speed = None if one.scene.motion is None else one.scene.motion.speed
+    speed = None if solved.scene.motion is None else solved.scene.motion.speed
     K = tangent if tangent is not None and tangent.status == "converged" else at_nut
     return replace(
         head,
@@ -576,32 +585,33 @@ def _fill_in_single_set(head: Result, one: Solved, tangent: Tangent | None, at_n
         stiffness=None if K is None else K.matrix,
         axial_stiffness=None if at_nut is None else at_nut.rigidity("uz"),
         worst=_worst_contact("", answers.loads),
-        life=_life_result(answers.loads.life, speed),
+        life=_life_record(answers.loads.life, speed),
         modified_life=answers.loads.modified,
         reference_life=answers.loads.reference,
         shaft=answers.shaft,
-        preload=_preload_result(answers.preload),
+        preload=_preload_record(answers.preload),
         bearing_torque=answers.torque,
-        expected_error=expected_error(one.expected),
+        expected_error=expected_error_record(solved.expected),
     )
 
 
-def _fill_in_axis(head: Result, one: SolvedAxis) -> Result:
+def _add_axis_results(head: Result, solved: SolvedAxis) -> Result:
     """Return the result ``head`` of a shaft with several nuts or bearings, with all quantities filled in.
 
-    ``one``: record of the solver. Without equilibrium only the names and positions of the nuts and bearings are filled in.
+    ``solved``: record of the solver. Without equilibrium only the names and positions of the nuts and bearings are filled
+    in.
     """
-    found, answers = one.result, one.answers
-    speed = None if one.scene.motion is None else one.scene.motion.speed
+    found, answers = solved.result, solved.answers
+    speed = None if solved.scene.motion is None else solved.scene.motion.speed
     each = [None] * len(found.sets) if answers is None else [*answers.sets]
-    sets = {s.of.name: _set_result(s, x, speed) for s, x in zip(found.sets, each, strict=True)}
+    sets = {s.of.name: _result_of_set(s, x, speed) for s, x in zip(found.sets, each, strict=True)}
     if answers is None:
         return replace(head, sets=sets)
     balls = [s for s in sets.values() if s.loads is not None]
     joined: dict[str, Any] = {
         name: np.concatenate([getattr(s, name) for s in balls]) if balls else None for name in vars(Balls())
     }
-    worst = next((sets[found.sets[i].of.name].worst for i in answers.by_pressure), None)
+    worst = next((sets[found.sets[i].of.name].worst for i in answers.sets_by_pressure), None)
     lives = [s.life for s in sets.values() if s.life is not None]
     moved = answers.displacement
     return replace(
@@ -615,12 +625,12 @@ def _fill_in_axis(head: Result, one: SolvedAxis) -> Result:
         axial_stiffness=None if found.stiffness is None else float(found.stiffness[2, 2]),
         worst=worst,
         life=min(lives, key=lambda life: life.L10, default=None),
-        drive=one.drive,
-        axis_life=one.life,
+        drive=solved.drive,
+        axis_life=solved.life,
     )
 
 
-def _set_result(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetResult:
+def _result_of_set(solved_set: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetResult:
     """Convert the solver's record of one nut or bearing on a shaft to a result.
 
     ``answers``: results from its contact loads; None if there is no equilibrium. ``speed``: speed of rotation [rad/s], for
@@ -628,40 +638,40 @@ def _set_result(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -
     """
     known = answers is not None
     balls = (
-        _ball_rows(answers.parts, s.balls, solved=True)
-        if answers and s.balls and isinstance(answers.parts, Scene)
+        _ball_positions_and_loads(answers.parts, solved_set.balls, solved=True)
+        if answers and solved_set.balls and isinstance(answers.parts, Scene)
         else None
     )
     loads = None if answers is None else answers.loads
     return SetResult(
         **({} if balls is None else vars(balls)),
-        name=s.of.name,
-        kind=s.of.kind,
-        position=s.of.position,
-        force=s.force if known else None,
-        moment=s.moment if known else None,
-        stiffness=s.stiffness if known else None,
-        roller_loads=s.roller_load if known else None,
-        worst=None if loads is None else _worst_contact(s.of.name, loads),
-        life=None if loads is None else _life_result(loads.life, speed),
+        name=solved_set.of.name,
+        kind=solved_set.of.kind,
+        position=solved_set.of.position,
+        force=solved_set.force if known else None,
+        moment=solved_set.moment if known else None,
+        stiffness=solved_set.stiffness if known else None,
+        roller_loads=solved_set.roller_load if known else None,
+        worst=None if loads is None else _worst_contact(solved_set.of.name, loads),
+        life=None if loads is None else _life_record(loads.life, speed),
         rib=loads.rib if isinstance(loads, RollerAnswers) else None,
         torque=loads.torque if isinstance(loads, RollerAnswers) else None,
-        preload=None if answers is None else _preload_result(answers.preload),
+        preload=None if answers is None else _preload_record(answers.preload),
         bearing_torque=None if answers is None else answers.torque,
         reference_life=None if loads is None else loads.reference,
     )
 
 
-def _ball_rows(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
+def _ball_positions_and_loads(scene: Scene, result: StaticResult, *, solved: bool) -> Balls:
     """Return positions, loads, angles and pressures of the balls of a nut or bearing.
 
-    ``found``: its solution. ``solved``: whether there is an equilibrium; if not, only the positions are returned.
+    ``result``: its solution. ``solved``: whether there is an equilibrium; if not, only the positions are returned.
     """
     if not solved:
-        return Balls(azimuth=found.azimuth, z=found.z)
-    angles = np.where(found.load > 0.0, found.contact_angle, np.nan)
-    pressure = contact_pressures(scene, found)
-    return Balls(azimuth=found.azimuth, z=found.z, loads=found.load, angles=angles, pressure=pressure)
+        return Balls(azimuth=result.azimuth, z=result.z)
+    angles = np.where(result.load > 0.0, result.contact_angle, np.nan)
+    pressure = contact_pressures(scene, result)
+    return Balls(azimuth=result.azimuth, z=result.z, loads=result.load, angles=angles, pressure=pressure)
 
 
 def _worst_contact(name: str, answers: LoadAnswers | RollerAnswers) -> WorstContact | None:
@@ -677,7 +687,7 @@ def _worst_contact(name: str, answers: LoadAnswers | RollerAnswers) -> WorstCont
     return WorstContact(name, w.roller, w.race, w.force, w.pressure, safety.factor, None, None, None)
 
 
-def _life_result(known: rating.Life | None, speed: float | None) -> Life | None:
+def _life_record(known: rating.Life | None, speed: float | None) -> Life | None:
     """Convert a computed life to the record that users get; None without a life.
 
     ``speed``: speed of rotation [rad/s], for the running time until the end of the life; None if it is not known.
@@ -688,17 +698,17 @@ def _life_result(known: rating.Life | None, speed: float | None) -> Life | None:
     return Life(1e6 * known.revolutions, known.distance, seconds, known.rating, known.equivalent, known.standard)
 
 
-def _preload_result(known: loading.Preload | None) -> Preload | None:
+def _preload_record(known: loading.Preload | None) -> Preload | None:
     """Convert a computed preload to the record that users get; None if there is no preload."""
     return None if known is None else Preload(known.mean, known.largest, known.axial, known.loaded)
 
 
-def expected_error(m: ModelForm | None) -> ExpectedError | None:
+def expected_error_record(model_form: ModelForm | None) -> ExpectedError | None:
     """Convert the estimate of a model's error to the record that users get.
 
     Parameters
     ----------
-    m
+    model_form
         Estimate that `rollbench.compare.models.model_form` computed; None if no estimate was possible.
 
     Returns
@@ -706,13 +716,13 @@ def expected_error(m: ModelForm | None) -> ExpectedError | None:
     ExpectedError or None
         The record; None without an estimate.
     """
-    if m is None:
+    if model_form is None:
         return None
-    others = m.displacement_percent, m.rigidity_percent, m.pressure_percent
-    return ExpectedError(m.percent, m.rms_percent, *others, m.nearest, m.words)
+    others = model_form.displacement_percent, model_form.rigidity_percent, model_form.pressure_percent
+    return ExpectedError(model_form.percent, model_form.rms_percent, *others, model_form.nearest, model_form.words)
 
 
-def _contact_columns(one: Balls) -> dict[str, Array | list[str]]:
+def _ball_contact_columns(one: Balls) -> dict[str, Array | list[str]]:
     """Return the columns of `Result.columns` for the balls of one nut or bearing; empty if there are no loads.
 
     The names of the columns end with their SI units.
@@ -725,15 +735,17 @@ def _contact_columns(one: Balls) -> dict[str, Array | list[str]]:
     return out
 
 
-def _stack_arrays(key: str, each: Mapping[str, Mapping[str, Array | list[str]]]) -> dict[str, Array | list[str]]:
+def _stack_columns(
+    name_column: str, columns_by_name: Mapping[str, Mapping[str, Array | list[str]]]
+) -> dict[str, Array | list[str]]:
     """Stack the columns of several nuts, bearings or load cases; a new first column has their names.
 
-    ``key``: name of the first column. ``each``: columns by their name, by name of the nut, bearing or load case. Those
-    without columns are left out.
+    ``name_column``: name of the first column. ``columns_by_name``: columns by their name, by name of the nut, bearing or
+    load case. Those without columns are left out.
     """
-    known = {name: columns for name, columns in each.items() if columns}
+    known = {name: columns for name, columns in columns_by_name.items() if columns}
     names = [name for name, columns in known.items() for _ in columns["ball"]]
-    out: dict[str, Array | list[str]] = {key: names} if known else {}
+    out: dict[str, Array | list[str]] = {name_column: names} if known else {}
     for column in next(iter(known.values()), {}):
         parts = [columns[column] for columns in known.values()]
         out[column] = [x for part in parts for x in part] if isinstance(parts[0], list) else np.concatenate(parts)

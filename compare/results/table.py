@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.compare.quantities import from_json
+from rollbench.compare.quantities import fields_from_json
 from rollbench.compare.results.data import Data
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import FREEDOMS
-from rollbench.meshes.quantity import quantity, record
+from rollbench.meshes.quantity import quantity_field, result_record
 
 if TYPE_CHECKING:
     import pandas
@@ -31,15 +31,15 @@ ERROR_OF = {
 }
 
 
-@record
+@result_record
 class TableRow:
     """Stiffness and other results for one combination of parameter values, in SI units; their errors are in per cent.
 
     A field is None if the user did not ask for it, or if there is no equilibrium.
     """
 
-    status: str = quantity("status")
-    stiffness: Array | None = quantity(
+    status: str = quantity_field("status")
+    stiffness: Array | None = quantity_field(
         "stiffness",
         "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of the body that "
         "`stiffness_of` names, at the axial position `station_mm`, or if that is null at the centre of the nut or bearing; "
@@ -48,7 +48,7 @@ class TableRow:
         parts="[][]",
         default=None,
     )
-    rigidity: float | None = quantity(
+    rigidity: float | None = quantity_field(
         "axial_rigidity_N_per_um",
         "axial force per axial displacement of this cross-section, with the rotation about the axis fixed and all other "
         "degrees of freedom free",
@@ -56,55 +56,55 @@ class TableRow:
         heading="rigidity",
         default=None,
     )
-    displacement: float | None = quantity(
+    displacement: float | None = quantity_field(
         "displacement_um",
         "displacement of the loaded points along the forces, from their nominal position",
         error="`expected_error_percent.displacement`",
         default=None,
     )
-    load: float | None = quantity(
+    load: float | None = quantity_field(
         "largest_load_N", "largest contact load", error="`expected_error_percent.load`, of the mean load", default=None
     )
-    preload: float | None = quantity(
+    preload: float | None = quantity_field(
         "preload_N",
         "axial force between the two pairs of groove flanks without the scene's external loads",
         error="that of the loads",
         default=None,
     )
-    pressure: float | None = quantity(
+    pressure: float | None = quantity_field(
         "largest_pressure_MPa",
         "largest Hertz pressure",
         error="`expected_error_percent.pressure`",
         heading="pressure",
         default=None,
     )
-    life: float | None = quantity(
+    life: float | None = quantity_field(
         "life_million_revolutions",
         "life L10 from the computed distribution of contact loads",
         error="about three times that of the loads",
         heading="life L10",
         default=None,
     )
-    load_error: float | None = quantity(
+    load_error: float | None = quantity_field(
         "expected_error_percent.load",
         "expected error of the worst contact load, in per cent of the mean load",
         default=None,
     )
-    rms_error: float | None = quantity(
+    rms_error: float | None = quantity_field(
         "expected_error_percent.rms_load",
         "expected root mean square error of the contact loads, in per cent of the mean load",
         default=None,
     )
-    displacement_error: float | None = quantity(
+    displacement_error: float | None = quantity_field(
         "expected_error_percent.displacement", "expected error of the axial displacement", default=None
     )
-    rigidity_error: float | None = quantity(
+    rigidity_error: float | None = quantity_field(
         "expected_error_percent.rigidity", "expected error of the axial rigidity", default=None
     )
-    pressure_error: float | None = quantity(
+    pressure_error: float | None = quantity_field(
         "expected_error_percent.pressure", "expected error of the largest pressure", default=None
     )
-    error_words: str = quantity("expected_error_words", default="")
+    error_words: str = quantity_field("expected_error_words", default="")
 
     @property
     def converged(self) -> bool:
@@ -249,7 +249,7 @@ def table_from_json(data: Mapping[str, Any]) -> Table:
     KeyError, TypeError
         If the JSON was written by another command.
     """
-    rows = [TableRow(**from_json(TableRow, row)) for row in data["rows"]]
+    rows = [TableRow(**fields_from_json(TableRow, row)) for row in data["rows"]]
     return Table(
         values={key: value for key, value in data.items() if key != "schema"},
         scene=data["scene"],

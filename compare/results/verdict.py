@@ -9,12 +9,12 @@ from typing import Any
 
 from rollbench.compare.gate import verdict as gate
 from rollbench.compare.gate.user import GateRequest, check_scenes
-from rollbench.compare.gate.verdict import CODES, LARGEST, Word, not_judged, worst_verdict
+from rollbench.compare.gate.verdict import CODES, LARGEST, Word, quantities_without_verdict, worst_verdict
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.reference.jobs import Engine
-from rollbench.compare.results.base import JSON, Record, with_schema
-from rollbench.compare.scenes.duty_cycle import Described, cases_by_name
-from rollbench.compare.scenes.scene_file import each_case
+from rollbench.compare.results.base import JSON, Record, add_schema_version
+from rollbench.compare.scenes.duty_cycle import Described, load_cases_by_scene_name
+from rollbench.compare.scenes.scene_file import scenes_of_load_cases
 
 
 class Judgement(StrEnum):
@@ -137,7 +137,7 @@ class Verdict(Record):
             JSON values by key.
         """
         rest: dict[str, Any] = {"warnings": list(self.warnings), "not_judged": list(self.not_judged)}
-        return with_schema(verdicts_json(self.described, self.judged) | rest)
+        return add_schema_version(verdicts_json(self.described, self.judged) | rest)
 
     headings = ("verdict", "of", "judged", "quantity", "error", "uncertainty", "limit", "note")
 
@@ -191,7 +191,7 @@ class Verdict(Record):
         return "\n".join([f"verdict: {self.word}", *self._notes])
 
 
-def judge_request(
+def judge_scenes(
     described: Sequence[Described], names: Sequence[str], request: GateRequest, engine: Engine, step: Callable[[str], None]
 ) -> Verdict:
     """Judge scenes and their load cases, and return all judgements as one record.
@@ -220,34 +220,34 @@ def judge_request(
         If a scene, file or limit cannot be used.
     """
     warnings: list[str] = []
-    judged = judged_cases(described, names, request, engine, step, warnings.append)
-    left = not_judged(judged) if request.loads or request.values else []
-    return Verdict(tuple(map(_verdict_row, judged)), tuple(warnings), tuple(left), tuple(judged), tuple(described))
+    judged = judge_load_cases(described, names, request, engine, step, warnings.append)
+    left = quantities_without_verdict(judged) if request.loads or request.values else []
+    return Verdict(tuple(map(_row_of_gate_verdict, judged)), tuple(warnings), tuple(left), tuple(judged), tuple(described))
 
 
-def _verdict_row(v: gate.Verdict) -> VerdictRow:
+def _row_of_gate_verdict(gate_verdict: gate.Verdict) -> VerdictRow:
     """Convert the judgement of one quantity to the row that users get."""
     return VerdictRow(
-        scene=v.scene,
-        case=v.case,
-        set=v.set,
-        judged=v.judged,
-        quantity=v.quantity,
-        judgement=Judgement(v.word),
-        unit=v.unit,
-        error=v.error,
-        uncertainty=v.uncertainty,
-        limit=v.limit,
-        ball=v.ball,
-        side=v.flank,
-        contacts=v.contacts,
-        levels=v.levels,
-        detail=v.detail,
-        line=v.line(),
+        scene=gate_verdict.scene,
+        case=gate_verdict.case,
+        set=gate_verdict.set,
+        judged=gate_verdict.judged,
+        quantity=gate_verdict.quantity,
+        judgement=Judgement(gate_verdict.word),
+        unit=gate_verdict.unit,
+        error=gate_verdict.error,
+        uncertainty=gate_verdict.uncertainty,
+        limit=gate_verdict.limit,
+        ball=gate_verdict.ball,
+        side=gate_verdict.flank,
+        contacts=gate_verdict.contacts,
+        levels=gate_verdict.levels,
+        detail=gate_verdict.detail,
+        line=gate_verdict.line(),
     )
 
 
-def judged_cases(
+def judge_load_cases(
     described: Sequence[Described],
     names: Sequence[str],
     request: GateRequest,
@@ -260,7 +260,7 @@ def judged_cases(
     Parameters
     ----------
     described, names, request, engine, step
-        As for `judge_request`.
+        As for `judge_scenes`.
     warn
         Function that is called with each warning.
 
@@ -275,8 +275,8 @@ def judged_cases(
     rollbench.InputError
         If a scene, file or limit cannot be used.
     """
-    cases = cases_by_name(described)
-    scenes = [scene for one, name in zip(described, names, strict=True) for scene in each_case(one, name)]
+    cases = load_cases_by_scene_name(described)
+    scenes = [scene for one, name in zip(described, names, strict=True) for scene in scenes_of_load_cases(one, name)]
     of_one = {scene: case.case.name for scene, case in cases.items()} if len(described) == 1 else {}
     out = []
     for v in check_scenes(scenes, request, engine, step, warn, of_one):
@@ -305,7 +305,7 @@ def verdicts_json(described: Sequence[Described], verdicts: Sequence[gate.Verdic
     gravest = worst_verdict([v.word for v in verdicts])
     data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
     cases, graveness = [], []
-    for case in cases_by_name(described).values():
+    for case in load_cases_by_scene_name(described).values():
         its = [v for v in verdicts if (v.scene, v.case) == (case.cycle.name, case.case.name)]
         word, beyond = worst_verdict([v.word for v in its]), max((abs(v.error or 0.0) / v.limit for v in its), default=0.0)
         cases.append(case.keys | {"verdict": word, "verdicts": [v.as_json() for v in its]})

@@ -14,17 +14,17 @@ import numpy as np
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes.body_checks import geometry_faults
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm, raise_faults
+from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text, raise_faults
 from rollbench.compare.scenes.from_keys import (
-    case_faults,
-    friction_of,
-    material_of,
+    friction_from_keys,
+    load_case_faults,
+    material_from_keys,
     preload_force,
-    scene_of,
-    support_of,
+    scene_from_keys,
+    support_from_keys,
     with_load_cases,
 )
-from rollbench.compare.scenes.key_checks import choice_faults, friction_choice_faults, motion_faults
+from rollbench.compare.scenes.key_checks import conflicting_friction_key_faults, conflicting_key_faults, zero_speed_faults
 from rollbench.compare.scenes.schema import (
     AxisKeys,
     CaseHousingKeys,
@@ -44,10 +44,10 @@ from rollbench.meshes.axis import (
     RollerRow,
     RollingSet,
     Stiffness,
+    checked_stiffness,
     diagonal_stiffness,
-    full_stiffness,
 )
-from rollbench.meshes.one_arc import as_one_arc, is_one_arc
+from rollbench.meshes.one_arc import has_single_arc_grooves, with_single_arc_grooves
 from rollbench.meshes.parts import FREEDOMS, Ingredients, Material, Scene, Screw
 from rollbench.meshes.ranges import ShareOfRating
 
@@ -59,7 +59,7 @@ USUAL_CONFORMITY = 0.52
 NO_STIFFNESS = diagonal_stiffness((0.0,) * 6)
 
 
-def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene | DutyCycle:
+def build_axis_scene(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene | DutyCycle:
     """Return the record of a shaft with several nuts and bearings, or of its load cases; SceneError for faults.
 
     A single nut or ball bearing whose outer part is fixed and has no preload by an offset gives a `Scene`.
@@ -80,50 +80,56 @@ def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) ->
     Assembly, Scene or DutyCycle
         The record.
     """
-    return with_load_cases(_checked_parts(keys, raw, origin, name), keys.cases, raw, origin, _geometry_faults_of_sets)
+    return with_load_cases(
+        _build_checked_assembly(keys, raw, origin, name), keys.cases, raw, origin, _geometry_faults_of_scene
+    )
 
 
-def _geometry_faults_of_sets(scene: Scene | Assembly) -> Iterator[Fault]:
+def _geometry_faults_of_scene(scene: Scene | Assembly) -> Iterator[Fault]:
     """Yield the faults of nuts and bearings that cannot be built, in the scene of one load case."""
     for one in (scene,) if isinstance(scene, Scene) else (s.parts for s in scene.sets):
         if isinstance(one, Scene):
             yield from geometry_faults(one)
 
 
-def _checked_parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene:
+def _build_checked_assembly(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene:
     """Return the record of shaft, nuts, bearings and housings under the scene's loads, after all checks.
 
     ``raw``: tables of the file, which show faulty values; ``origin``: name of the file, for messages; ``name``: name of the
     scene. SceneError for faults.
     """
-    raise_faults(origin, raw, [*_key_faults(keys), *case_faults(keys)])
-    sets = tuple(_set_record(keys, i, raw, origin) for i in range(len(keys.sets)))
+    raise_faults(origin, raw, [*_conflicting_key_faults(keys), *load_case_faults(keys)])
+    sets = tuple(_rolling_set_from_keys(keys, i, raw, origin) for i in range(len(keys.sets)))
     raise_faults(origin, raw, list(_position_faults(keys, sets)))
-    if _is_plain_scene(keys):
+    if _has_single_plain_set(keys):
         shared = {
             n: getattr(keys, n) for n in ("source", "assumed", "supports", "loads", "friction", "motion", "lubricant")
         }
-        whole = _scene_keys(keys, keys.sets[0]).model_copy(update=shared)
-        raise_faults(origin, raw, list(choice_faults(whole)))
-        return scene_of(whole, name)
+        whole = _scene_keys_of_set(keys, keys.sets[0]).model_copy(update=shared)
+        raise_faults(origin, raw, list(conflicting_key_faults(whole)))
+        return scene_from_keys(whole, name)
     heat, ask, shaft = keys.heat, keys.stiffness, keys.screw
     length, diameter = shaft.length, shaft.outer_diameter
     return Assembly(
         name=name,
         title=keys.title,
-        screw=Screw(length, diameter, shaft.groove_radius or 0.0, material_of(shaft.material, keys.material), shaft.bore),
+        screw=Screw(
+            length, diameter, shaft.groove_radius or 0.0, material_from_keys(shaft.material, keys.material), shaft.bore
+        ),
         sets=tuple(
-            row for one, whole in zip(keys.sets, sets, strict=True) for row in rows_of_arrangement(whole, one, len(sets))
+            row
+            for one, whole in zip(keys.sets, sets, strict=True)
+            for row in bearing_rows_of_arrangement(whole, one, len(sets))
         ),
         segments=tuple(shaft.plain),
-        housings=tuple(map(_housing_record, keys.housings)),
-        joints=tuple(Joint(j.between[0], j.between[1], j.at, _stiffness_record(j) or NO_STIFFNESS) for j in keys.joints),
-        supports=tuple(support_of(s) for s in keys.supports),
+        housings=tuple(map(_housing_from_keys, keys.housings)),
+        joints=tuple(Joint(j.between[0], j.between[1], j.at, _stiffness_from_keys(j) or NO_STIFFNESS) for j in keys.joints),
+        supports=tuple(support_from_keys(s) for s in keys.supports),
         loads=tuple(keys.loads),
         ingredients=Ingredients(**keys.ingredients.model_dump()),
         source=keys.source,
         assumed=(*keys.assumed, *_assumptions_of_sets(keys, sets)),
-        friction=None if keys.friction is None else friction_of(keys.friction),
+        friction=None if keys.friction is None else friction_from_keys(keys.friction),
         motion=keys.motion,
         lubricant=keys.lubricant,
         stiffness_at=ask.housing if ask.housing is not None else ask.at,
@@ -144,12 +150,19 @@ def _assumptions_of_sets(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator
                 yield f"{whole.name}: preload of {whole.preload:g} N{preload_force(whole.parts, one.preload)[1]}"
 
 
-def _housing_record(h: HousingKeys) -> Housing:
+def _housing_from_keys(housing: HousingKeys) -> Housing:
     """Return the record of a housing from its keys."""
-    return Housing(h.name, h.at, support_of(h).fixed, _stiffness_record(h), h.force, h.moment)
+    return Housing(
+        housing.name,
+        housing.at,
+        support_from_keys(housing).fixed,
+        _stiffness_from_keys(housing),
+        housing.force,
+        housing.moment,
+    )
 
 
-def _is_plain_scene(keys: AxisKeys) -> bool:
+def _has_single_plain_set(keys: AxisKeys) -> bool:
     """Return whether the scene has one nut or ball bearing only, so that it could be described without ``[[sets]]``."""
     one = keys.sets[0]
     more = keys.housings or keys.screw.plain or keys.heat or one.carrier or one.offset or one.preload or one.arrangement
@@ -157,20 +170,20 @@ def _is_plain_scene(keys: AxisKeys) -> bool:
     return len(keys.sets) == 1 and not more and one.balls is not None and one.thrust in (None, "both")
 
 
-def kind_of_set(one: SetKeys) -> str:
+def kind_of_set(set_keys: SetKeys) -> str:
     """Return the kind of a nut or bearing from its tables: "ball nut", "bearing" or "tapered roller bearing"."""
-    if one.rollers is not None:
+    if set_keys.rollers is not None:
         return "tapered roller bearing"
-    return "bearing" if one.track is not None and one.track.lead == 0.0 else "ball nut"
+    return "bearing" if set_keys.track is not None and set_keys.track.lead == 0.0 else "ball nut"
 
 
-def _key_faults(keys: AxisKeys) -> Iterator[Fault]:
+def _conflicting_key_faults(keys: AxisKeys) -> Iterator[Fault]:
     """Yield the faults of keys that exclude or need each other: of friction, motion, drive, sets, housings and joints.
 
     Also of names: of sets and housings that occur twice, and of housings that are not described.
     """
-    yield from friction_choice_faults(keys.friction)
-    yield from motion_faults(keys.motion)
+    yield from conflicting_friction_key_faults(keys.friction)
+    yield from zero_speed_faults(keys.motion)
     yield from _drive_faults(keys)
     for i, one in enumerate(keys.sets):
         yield from _set_faults(keys, i, one)
@@ -217,7 +230,9 @@ def _drive_faults(keys: AxisKeys) -> Iterator[Fault]:
         advice = "leave [lubricant] out: the friction of nuts is given by [friction]"
         yield Fault(("lubricant",), "only together with a bearing among the sets", advice, "a lubricant for nuts only")
     if keys.drive.mass and len(leads) != 1:
-        found = "a mass without nut" if not leads else f"nuts with leads of {', '.join(mm(x) for x in sorted(leads))}"
+        found = (
+            "a mass without nut" if not leads else f"nuts with leads of {', '.join(length_text(x) for x in sorted(leads))}"
+        )
         advice = "add the nut that moves the mass, or leave the mass out"
         yield Fault(("drive.mass",), "only together with nuts of one lead", advice, found)
     if keys.drive.time is not None and keys.motion is None:
@@ -228,86 +243,89 @@ def _drive_faults(keys: AxisKeys) -> Iterator[Fault]:
         yield Fault(("drive.efficiency",), "only together with drive.mass and drive.time", advice)
 
 
-def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
+def _set_faults(keys: AxisKeys, number: int, set_keys: SetKeys) -> Iterator[Fault]:
     """Yield the faults of keys that exclude or need each other of a nut or bearing.
 
-    ``one``: its keys; ``i``: its index in the list ``sets`` of the file.
+    ``set_keys``: its keys; ``number``: its index in the list ``sets`` of the file.
     """
-    at = f"sets[{i}]"
-    yield from arrangement_faults(at, one)
-    balls = {n: getattr(one, n) for n in ("track", "nut", "balls")}
-    if one.rollers is not None:
+    at = f"sets[{number}]"
+    yield from arrangement_faults(at, set_keys)
+    balls = {n: getattr(set_keys, n) for n in ("track", "nut", "balls")}
+    if set_keys.rollers is not None:
         given = [n for n, x in balls.items() if x is not None]
         if given:
             found = f"both `rollers` and `{given[0]}`"
             yield Fault((f"{at}.{given[0]}",), "either rollers or balls", "describe rollers and balls as two sets", found)
-        if one.carrier is not None:
+        if set_keys.carrier is not None:
             advice = "leave carrier out: the inner ring of tapered rollers sits on the shaft"
             yield Fault((f"{at}.carrier",), "no carrier for rollers", advice)
-        if one.position is None:
+        if set_keys.position is None:
             yield Fault((f"{at}.position",), "a position along the shaft", 'write e.g. position = "30 mm"', "nothing")
-        if one.thrust not in ONE_WAY:
+        if set_keys.thrust not in ONE_WAY:
             advice = "write the direction of the axial force on the shaft that the row carries"
-            yield Fault((f"{at}.thrust",), '"+z" or "-z"', advice, "nothing" if one.thrust is None else "")
-        if one.rollers.roller_angle * 2.0 >= one.rollers.cup_angle:
+            yield Fault((f"{at}.thrust",), '"+z" or "-z"', advice, "nothing" if set_keys.thrust is None else "")
+        if set_keys.rollers.roller_angle * 2.0 >= set_keys.rollers.cup_angle:
             advice = "check both half angles: the cone's is cup_angle less twice roller_angle"
             yield Fault((f"{at}.rollers.roller_angle",), "below half the cup_angle", advice)
         else:
-            yield from _roller_end_faults(f"{at}.rollers", one.rollers)
+            yield from _roller_end_faults(f"{at}.rollers", set_keys.rollers)
     else:
         for name, table in balls.items():
             if table is None:
                 advice = f"add [sets.{name}], or [sets.rollers] for tapered rollers"
                 yield Fault((f"{at}.{name}",), "a table", advice, "nothing")
-        if one.position is not None:
+        if set_keys.position is not None:
             yield Fault((f"{at}.position",), "only together with rollers", "write nut.position for a nut or a ring")
-    found_kind = kind_of_set(one)
-    if one.kind not in (None, found_kind):
+    found_kind = kind_of_set(set_keys)
+    if set_keys.kind not in (None, found_kind):
         yield Fault((f"{at}.kind",), f'"{found_kind}" with these tables', "correct kind, or track.lead")
-    if one.preload and one.thrust not in ONE_WAY and one.arrangement is None:
+    if set_keys.preload and set_keys.thrust not in ONE_WAY and set_keys.arrangement is None:
         advice = (
             f'write {at}.thrust = "+z" or "-z", the direction of the axial force on the shaft that this set carries by its '
             "preload, as for each nut of a double nut; preload a set that carries both ways by errors.balls.oversize"
         )
         yield Fault((f"{at}.preload",), 'only together with thrust = "+z" or "-z"', advice)
-    if one.preload and one.offset != 0.0:
+    if set_keys.preload and set_keys.offset != 0.0:
         advice = "leave offset out: it follows from the preload"
         yield Fault((f"{at}.preload",), "either preload or offset", advice, "both preload and offset")
-    if one.thrust == "both" and one.track is not None and one.track.clearance is not None:
+    if set_keys.thrust == "both" and set_keys.track is not None and set_keys.track.clearance is not None:
         advice = (
             "leave thrust out for a deep-groove bearing, or write the one direction that the row carries: track.clearance "
             "needs grooves of one arc each"
         )
         yield Fault((f"{at}.thrust",), '"deep groove", "+z" or "-z" with track.clearance', advice)
-    if one.rollers is not None and isinstance(one.preload, ShareOfRating):
+    if set_keys.rollers is not None and isinstance(set_keys.preload, ShareOfRating):
         yield Fault((f"{at}.preload",), "a force", "write the force: the load rating of rollers is not computed")
-    if one.carrier is not None and one.carrier == one.housing:
+    if set_keys.carrier is not None and set_keys.carrier == set_keys.housing:
         yield Fault((f"{at}.carrier",), f"another housing than {at}.housing", "name another housing in one of the two keys")
     if keys.material.youngs_modulus is None or keys.material.poissons_ratio is None:
         yield Fault(("material",), "youngs_modulus and poissons_ratio", "give both under [material]")
 
 
-def _roller_end_faults(at: str, r: RollerKeys) -> Iterator[Fault]:
+def _roller_end_faults(table_path: str, rollers: RollerKeys) -> Iterator[Fault]:
     """Yield the faults of the ends of rollers: edge rounding, rib height, and a large end that does not touch the rib.
 
-    ``at`` is the path of the table of rollers, whose cone and roller angles are already checked.
+    ``table_path`` is the path of the table of rollers, whose cone and roller angles are already checked.
     """
-    if r.edge_radius is not None and not 0.005 <= r.edge_radius / r.diameter <= 0.25:
-        allowed = f"{mm(0.005 * r.diameter)} to {mm(0.25 * r.diameter)}, 0.005 to 0.25 of the diameter"
-        yield Fault((f"{at}.edge_radius",), allowed, "check the unit: usual is a tenth of the diameter")
-    if r.rib_height is not None and r.rib_height >= 0.5 * r.diameter:
+    if rollers.edge_radius is not None and not 0.005 <= rollers.edge_radius / rollers.diameter <= 0.25:
+        allowed = (
+            f"{length_text(0.005 * rollers.diameter)} to {length_text(0.25 * rollers.diameter)}, 0.005 to 0.25 of the "
+            "diameter"
+        )
+        yield Fault((f"{table_path}.edge_radius",), allowed, "check the unit: usual is a tenth of the diameter")
+    if rollers.rib_height is not None and rollers.rib_height >= 0.5 * rollers.diameter:
         advice = "write the height of the rib contact above the cone's race, usually 0.05 to 0.2 of the roller's diameter"
-        yield Fault((f"{at}.rib_height",), f"below {mm(0.5 * r.diameter)}", advice)
-    elif r.end_radius is not None:
+        yield Fault((f"{table_path}.rib_height",), f"below {length_text(0.5 * rollers.diameter)}", advice)
+    elif rollers.end_radius is not None:
         from rollbench.lowfi.bearings.tapered_roller import rib_geometry, rib_height
         from rollbench.lowfi.rollers import tapered_bearing
 
-        row = _roller_row(r, Material(2e11, 0.3))  # the geometry does not depend on the moduli
+        row = _roller_row_from_keys(rollers, Material(2e11, 0.3))  # the geometry does not depend on the moduli
         try:
-            rib_geometry(tapered_bearing(row), r.end_radius, rib_height(row))
+            rib_geometry(tapered_bearing(row), rollers.end_radius, rib_height(row))
         except ValueError as error:
             advice = "correct end_radius or rib_height; usual radii are 0.8 to 0.95 of the distance from the apex"
-            yield Fault((f"{at}.end_radius",), str(error), advice)
+            yield Fault((f"{table_path}.end_radius",), str(error), advice)
 
 
 def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
@@ -319,46 +337,48 @@ def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
         yield Fault((f"{where}.matrix",), "either springs or matrix", "leave one of the two out", "both springs and matrix")
     if keys.matrix is not None:
         try:
-            full_stiffness(np.array(keys.matrix))
+            checked_stiffness(np.array(keys.matrix))
         except ValueError as error:
             allowed = "a symmetric matrix without negative eigenvalues"
             advice = f"correct its rows: {str(error)[:1].lower()}{str(error)[1:]}"
             yield Fault((f"{where}.matrix",), allowed, advice, "an invalid matrix")
 
 
-def _stiffness_record(keys: StiffKeys) -> Stiffness | None:
+def _stiffness_from_keys(keys: StiffKeys) -> Stiffness | None:
     """Return the stiffness of a housing or joint in six freedoms; None if neither springs nor matrix are given."""
     if keys.matrix is not None:
-        return full_stiffness(np.array(keys.matrix))
+        return checked_stiffness(np.array(keys.matrix))
     return None if keys.springs is None else diagonal_stiffness(tuple(keys.springs.model_dump().values()))
 
 
-def _scene_keys(keys: AxisKeys, one: SetKeys) -> SceneKeys:
-    """Return the keys of a scene that contains only the nut or bearing ``one``, with its inner groove on the shaft."""
+def _scene_keys_of_set(keys: AxisKeys, set_keys: SetKeys) -> SceneKeys:
+    """Return the keys of a scene that contains only the nut or bearing ``set_keys``, with its inner groove on the shaft."""
     shaft = keys.screw
     fields: dict[str, Any] = {n: getattr(shaft, n) for n in ScrewKeys.model_fields}
-    if one.screw is not None:
-        fields["material"] = one.screw.material or fields["material"]
-        fields["outer_diameter"] = one.screw.outer_diameter or fields["outer_diameter"]
-        fields |= {"groove_radius": one.screw.groove_radius, "conformity": one.screw.conformity}
-    nut = one.nut
-    if one.pair_rigidity is not None and nut is not None:  # a start value; the rigidity determines the conformity later
+    if set_keys.screw is not None:
+        fields["material"] = set_keys.screw.material or fields["material"]
+        fields["outer_diameter"] = set_keys.screw.outer_diameter or fields["outer_diameter"]
+        fields |= {"groove_radius": set_keys.screw.groove_radius, "conformity": set_keys.screw.conformity}
+    nut = set_keys.nut
+    if (
+        set_keys.pair_rigidity is not None and nut is not None
+    ):  # a start value; the rigidity determines the conformity later
         fields |= {"groove_radius": None, "conformity": USUAL_CONFORMITY}
         nut = nut.model_copy(update={"conformity": USUAL_CONFORMITY})
     ingredients = Ingredients(**keys.ingredients.model_dump())
     return SceneKeys.model_construct(
         title=keys.title,
         material=keys.material,
-        track=one.track,
+        track=set_keys.track,
         screw=ScrewKeys.model_construct(**fields),
         nut=nut,
-        balls=one.balls,
-        errors=one.errors,
+        balls=set_keys.balls,
+        errors=set_keys.errors,
         ingredients=ingredients,
     )
 
 
-def _set_record(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> RollingSet:
+def _rolling_set_from_keys(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> RollingSet:
     """Return the record of the nut or bearing in ``sets[i]``; SceneError for its faults.
 
     ``raw``: tables of the file, which show faulty values; ``origin``: name of the file, for messages.
@@ -367,31 +387,39 @@ def _set_record(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> 
     thrust = one.thrust or "both"
     shared = (one.name, kind_of_set(one))
     if one.rollers is not None:
-        row = _roller_row(one.rollers, material_of(None, keys.material))
+        row = _roller_row_from_keys(one.rollers, material_from_keys(None, keys.material))
         of_rollers = (one.housing, one.offset, one.preload, thrust)
         return RollingSet(*shared, row, one.position or 0.0, *of_rollers, seals=one.seals)  # type: ignore[arg-type]
-    scene_keys = _scene_keys(keys, one)
+    scene_keys = _scene_keys_of_set(keys, one)
     if "seed" not in one.errors.model_fields_set:  # without a seed in the file, each set draws different errors
         scene_keys = scene_keys.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
-    raise_faults(origin, raw, [_with_keys_of_set(f, i, raw) for f in choice_faults(scene_keys)])
-    scene = with_conformity(scene_of(scene_keys, one.name), one, origin, f"sets[{i}]")
-    raise_faults(origin, raw, [_with_keys_of_set(f, i, raw) for f in geometry_faults(scene)])
-    if one.thrust is None and is_one_arc(scene):
-        scene, thrust = as_one_arc(scene), "deep groove"
-    scene = _with_one_arc(scene, thrust)
+    raise_faults(origin, raw, [_fault_with_set_prefix(f, i, raw) for f in conflicting_key_faults(scene_keys)])
+    scene = with_conformity_from_rigidity(scene_from_keys(scene_keys, one.name), one, origin, f"sets[{i}]")
+    raise_faults(origin, raw, [_fault_with_set_prefix(f, i, raw) for f in geometry_faults(scene)])
+    if one.thrust is None and has_single_arc_grooves(scene):
+        scene, thrust = with_single_arc_grooves(scene), "deep groove"
+    scene = _with_one_arc_grooves(scene, thrust)
     own_place = (one.housing, one.offset, preload_force(scene, one.preload)[0], thrust, one.carrier, one.seals)
     return RollingSet(*shared, scene, scene.nut.position, *own_place)  # type: ignore[arg-type]
 
 
-def _roller_row(r: RollerKeys, material: Material) -> RollerRow:
-    """Return the record of a row of tapered rollers from its keys ``r``; ``material``: that of rollers and rings."""
-    row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
+def _roller_row_from_keys(rollers: RollerKeys, material: Material) -> RollerRow:
+    """Return the record of a row of tapered rollers from its keys ``rollers``; ``material``: that of rollers and rings."""
+    row = RollerRow(
+        rollers.count,
+        rollers.diameter,
+        rollers.length,
+        rollers.cup_angle,
+        rollers.roller_angle,
+        rollers.ring_depth,
+        material,
+    )
     names = ("slices", "edge_radius", "end_radius", "rib_height", "rib_friction", "torque_factor")
-    given = {name: getattr(r, name) for name in names}
-    return replace(row, **given, crown=float("inf") if r.crown is None else r.crown)
+    given = {name: getattr(rollers, name) for name in names}
+    return replace(row, **given, crown=float("inf") if rollers.crown is None else rollers.crown)
 
 
-def _with_one_arc(scene: Scene, thrust: str) -> Scene:
+def _with_one_arc_grooves(scene: Scene, thrust: str) -> Scene:
     """Return a bearing with one arc per groove, unless its thrust is "both"; a nut keeps its gothic arches.
 
     ``thrust``: direction of the axial force on the shaft that it carries: "+z", "-z", "both" or "deep groove".
@@ -401,7 +429,7 @@ def _with_one_arc(scene: Scene, thrust: str) -> Scene:
     return replace(scene, track=replace(scene.track, arcs="-z" if thrust == "-z" else "+z"))
 
 
-def _with_keys_of_set(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
+def _fault_with_set_prefix(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
     """Return a fault with the names that its keys have in the file, most of them with the prefix ``sets[i].``.
 
     The fault was found in a scene that contains only the set with the index ``i``. ``raw``: tables of the file.
@@ -432,15 +460,15 @@ def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fau
     for where, at in stations:
         if at > length + TOLERANCE:
             advice = "check the position, which is measured from the shaft's left end, or lengthen the shaft"
-            yield Fault((where,), f"0 mm to {mm(length)}, the shaft's length", advice)
+            yield Fault((where,), f"0 mm to {length_text(length)}, the shaft's length", advice)
     end = 0.0
     for i, p in enumerate(keys.screw.plain):
         if p.start < end - TOLERANCE or p.end <= p.start:
-            allowed = f"from {mm(end)} to below its own end, {mm(p.end)}"
+            allowed = f"from {length_text(end)} to below its own end, {length_text(p.end)}"
             advice = "list the plain sections from left to right, without overlap"
             yield Fault((f"screw.plain[{i}].start",), allowed, advice)
         if p.bore >= p.diameter:
-            yield Fault((f"screw.plain[{i}].bore",), f"below {mm(p.diameter)}", "leave material around the hole")
+            yield Fault((f"screw.plain[{i}].bore",), f"below {length_text(p.diameter)}", "leave material around the hole")
         end = max(end, p.end)
     stands = {h.name for h in keys.housings if set(h.fix) == set(FREEDOMS)}
     tables: list[tuple[str, Sequence[HousingKeys | CaseHousingKeys]]] = [("housings", keys.housings)]
@@ -469,46 +497,46 @@ def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fau
 # --- sets of bearings by name
 
 
-def arrangement_faults(at: str, one: SetKeys) -> Iterator[Fault]:
+def arrangement_faults(set_path: str, set_keys: SetKeys) -> Iterator[Fault]:
     """Yield the faults of keys that need an arrangement of bearings, or exclude one.
 
-    ``at``: path of the set in the file, such as ``sets[0]``; ``one``: its keys.
+    ``set_path``: path of the set in the file, such as ``sets[0]``; ``set_keys``: its keys.
     """
-    given = one.arrangement is not None
-    if one.pair_preload and not given:
+    given = set_keys.arrangement is not None
+    if set_keys.pair_preload and not given:
         advice = 'write e.g. arrangement = "DB", or give preload in its place'
-        yield Fault((f"{at}.pair_preload",), "only together with arrangement", advice)
-    if one.pair_preload and one.preload:
+        yield Fault((f"{set_path}.pair_preload",), "only together with arrangement", advice)
+    if set_keys.pair_preload and set_keys.preload:
         advice = "leave one of the two out: one follows from the other"
-        yield Fault((f"{at}.preload",), "either preload or pair_preload", advice, "both preload and pair_preload")
-    if one.pair_rigidity is not None:
-        if not one.pair_preload:
+        yield Fault((f"{set_path}.preload",), "either preload or pair_preload", advice, "both preload and pair_preload")
+    if set_keys.pair_rigidity is not None:
+        if not set_keys.pair_preload:
             advice = "write the preload at which the pair has this rigidity"
-            yield Fault((f"{at}.pair_rigidity",), "only together with pair_preload", advice)
-        if any(x is not None and (x.conformity or x.groove_radius) for x in (one.screw, one.nut)):
+            yield Fault((f"{set_path}.pair_rigidity",), "only together with pair_preload", advice)
+        if any(x is not None and (x.conformity or x.groove_radius) for x in (set_keys.screw, set_keys.nut)):
             advice = "leave conformity and groove_radius out: they follow from the rigidity"
-            yield Fault((f"{at}.pair_rigidity",), "only without conformity and groove_radius of the set", advice)
-        if one.track is not None and one.track.clearance is not None:
+            yield Fault((f"{set_path}.pair_rigidity",), "only without conformity and groove_radius of the set", advice)
+        if set_keys.track is not None and set_keys.track.clearance is not None:
             advice = "write contact_angle in place of clearance: rigidity and clearance both follow from the grooves"
-            yield Fault((f"{at}.pair_rigidity",), "only together with track.contact_angle", advice)
+            yield Fault((f"{set_path}.pair_rigidity",), "only together with track.contact_angle", advice)
     if not given:
         return
-    if one.rollers is not None or (one.track is not None and one.track.lead != 0.0):
+    if set_keys.rollers is not None or (set_keys.track is not None and set_keys.track.lead != 0.0):
         advice = "leave arrangement out: describe each row of rollers and each nut as a set"
-        yield Fault((f"{at}.arrangement",), "only for ball bearings", advice)
-    for key, written in (("thrust", one.thrust is not None), ("offset", one.offset != 0.0)):
+        yield Fault((f"{set_path}.arrangement",), "only for ball bearings", advice)
+    for key, written in (("thrust", set_keys.thrust is not None), ("offset", set_keys.offset != 0.0)):
         if written:
             advice = f"leave {key} out: it follows from the arrangement for every row"
-            yield Fault((f"{at}.{key}",), "only without arrangement", advice)
-    if (one.preload or one.pair_preload) and len(set(ARRANGEMENTS[one.arrangement or ""])) == 1:
+            yield Fault((f"{set_path}.{key}",), "only without arrangement", advice)
+    if (set_keys.preload or set_keys.pair_preload) and len(set(ARRANGEMENTS[set_keys.arrangement or ""])) == 1:
         advice = (
             "leave the preload out, or name another arrangement: bearings in tandem have no opposite row to press against"
         )
-        key = "preload" if one.preload else "pair_preload"
-        yield Fault((f"{at}.{key}",), "only in an arrangement whose rows carry in both directions", advice)
+        key = "preload" if set_keys.preload else "pair_preload"
+        yield Fault((f"{set_path}.{key}",), "only in an arrangement whose rows carry in both directions", advice)
 
 
-def preload_of_arrangement(name: str, pair: float) -> float:
+def preload_of_arrangement(arrangement: str, pair_preload: float) -> float:
     """Return the total preload [N] on either side of an arrangement of bearings that are ground to the gaps of a pair.
 
     Mounting a pair closes its gap, which equals twice the deflection of one bearing. The gap between opposite rows of any
@@ -517,39 +545,46 @@ def preload_of_arrangement(name: str, pair: float) -> float:
 
     Parameters
     ----------
-    name
+    arrangement
         Arrangement, such as ``DBD``.
-    pair
+    pair_preload
         Preload F of the pair [N].
     """
-    ways = ARRANGEMENTS[name]
+    ways = ARRANGEMENTS[arrangement]
     shared = sum(ways.count(way) ** (-2.0 / 3.0) for way in set(ways))
-    return float(pair * (2.0 / shared) ** 1.5)
+    return float(pair_preload * (2.0 / shared) ** 1.5)
 
 
-def rows_of_arrangement(whole: RollingSet, one: SetKeys, seeds: int) -> Iterator[RollingSet]:
+def bearing_rows_of_arrangement(single_bearing: RollingSet, set_keys: SetKeys, seed_step: int) -> Iterator[RollingSet]:
     """Yield the bearing rows of a set in its arrangement, side by side about its position; without arrangement, the set.
 
     Parameters
     ----------
-    whole
+    single_bearing
         Record of one bearing of the set, at the set's position.
-    one
+    set_keys
         Keys of the set.
-    seeds
+    seed_step
         Step between the seeds of the random errors of successive rows.
     """
-    if one.arrangement is None or not isinstance(whole.parts, Scene):
-        yield whole
+    if set_keys.arrangement is None or not isinstance(single_bearing.parts, Scene):
+        yield single_bearing
         return
-    ways, parts = ARRANGEMENTS[one.arrangement], whole.parts
-    total = preload_of_arrangement(one.arrangement, one.pair_preload) if one.pair_preload else whole.preload
+    ways, parts = ARRANGEMENTS[set_keys.arrangement], single_bearing.parts
+    total = (
+        preload_of_arrangement(set_keys.arrangement, set_keys.pair_preload)
+        if set_keys.pair_preload
+        else single_bearing.preload
+    )
     for k, way in enumerate(ways):
-        name, at = f"{whole.name} {k + 1}", whole.position + (k - 0.5 * (len(ways) - 1)) * parts.nut.length
-        errors = replace(parts.errors, seed=parts.errors.seed + seeds * k)
-        row = _with_one_arc(replace(parts, name=name, nut=replace(parts.nut, position=at), errors=errors), way)
+        name, at = (
+            f"{single_bearing.name} {k + 1}",
+            single_bearing.position + (k - 0.5 * (len(ways) - 1)) * parts.nut.length,
+        )
+        errors = replace(parts.errors, seed=parts.errors.seed + seed_step * k)
+        row = _with_one_arc_grooves(replace(parts, name=name, nut=replace(parts.nut, position=at), errors=errors), way)
         share = total / ways.count(way) if len(set(ways)) == 2 else 0.0
-        yield replace(whole, name=name, parts=row, position=at, thrust=way, preload=share)
+        yield replace(single_bearing, name=name, parts=row, position=at, thrust=way, preload=share)
 
 
 def conformity_for_rigidity(parts: Scene, preload: float, rigidity: float) -> float:
@@ -569,7 +604,7 @@ def conformity_for_rigidity(parts: Scene, preload: float, rigidity: float) -> fl
     ValueError
         If no conformity gives this rigidity.
     """
-    from rollbench.lowfi.bearings.angular_contact import CatalogueBearings, conformity_of_pair
+    from rollbench.lowfi.bearings.angular_contact import CatalogueBearings, conformity_from_pair_rigidity
 
     steel, track = parts.nut.material, parts.track
     rows = CatalogueBearings(
@@ -581,24 +616,24 @@ def conformity_for_rigidity(parts: Scene, preload: float, rigidity: float) -> fl
         young=steel.youngs_modulus,
         poisson=steel.poissons_ratio,
     )
-    return float(conformity_of_pair(rows, np.array([preload]), np.array([rigidity]))[0])
+    return float(conformity_from_pair_rigidity(rows, np.array([preload]), np.array([rigidity]))[0])
 
 
-def with_conformity(parts: Scene, one: SetKeys, origin: str, at: str) -> Scene:
+def with_conformity_from_rigidity(parts: Scene, set_keys: SetKeys, origin: str, set_path: str) -> Scene:
     """Return a bearing with the groove radii that follow from the rigidity of a pair; unchanged if no rigidity is given.
 
-    ``one``: keys of the set, with rigidity and preload of the pair; ``origin``: name of the file, for messages; ``at``:
-    path of the set in the file. InputError if no conformity gives the rigidity.
+    ``set_keys``: keys of the set, with rigidity and preload of the pair; ``origin``: name of the file, for messages;
+    ``set_path``: path of the set in the file. InputError if no conformity gives the rigidity.
     """
-    if one.pair_rigidity is None:
+    if set_keys.pair_rigidity is None:
         return parts
-    given = f"{1e-6 * one.pair_rigidity:g} N/um at {one.pair_preload:g} N"
+    given = f"{1e-6 * set_keys.pair_rigidity:g} N/um at {set_keys.pair_preload:g} N"
     try:
-        implied = conformity_for_rigidity(parts, one.pair_preload, one.pair_rigidity)
+        implied = conformity_for_rigidity(parts, set_keys.pair_preload, set_keys.pair_rigidity)
     except ValueError as error:
         allowed = "a rigidity that follows from a conformity of the grooves"
         raise InputError(
-            origin, f"{at}.pair_rigidity", given, allowed, f"correct balls, preload or rigidity: {error}"
+            origin, f"{set_path}.pair_rigidity", given, allowed, f"correct balls, preload or rigidity: {error}"
         ) from None
     groove = 2.0 * implied * parts.balls.radius
     text = f"{parts.name}: conformity {implied:.4f} of both grooves, from the rigidity of a pair, {given}."

@@ -7,15 +7,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm
-from rollbench.lowfi.statics.problem import Held, contradiction, show
+from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text
+from rollbench.lowfi.statics.problem import PrescribedMotion, contradiction, describe_prescribed_value
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import beyond_step, specimen
+from rollbench.meshes.errors import are_in_shifted_half, draw_specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
-from rollbench.meshes.numerics import close_pairs
+from rollbench.meshes.numerics import pairs_of_close_points
 from rollbench.meshes.parts import SIDES, Flange, Nut, Scene
-from rollbench.meshes.section import volume_ratio
-from rollbench.meshes.solid import groove_depths
+from rollbench.meshes.section import grooved_volume_ratio
+from rollbench.meshes.solid import largest_groove_depths
 
 #: A ball whose random radius error is this many standard deviations must still be smaller than its groove.
 SIGMAS = 6.0
@@ -25,7 +25,7 @@ SMALLEST_WIDTH = 1e-4
 WIDEST_GROOVE = 10.0
 
 
-def ball_radii(scene: Scene) -> Array:
+def ball_radii_with_listed_errors(scene: Scene) -> Array:
     """Return the radii of all balls, (n,) [m], start by start: with oversize and listed errors, without random errors."""
     radii = np.full(scene.ball_count, scene.balls.radius + scene.errors.balls.oversize)
     for number, error in scene.errors.balls.listed:
@@ -35,26 +35,26 @@ def ball_radii(scene: Scene) -> Array:
 
 def geometry_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of a scene whose bodies cannot be built, in the order in which a user would correct them."""
-    radii = ball_radii(scene)
+    radii = ball_radii_with_listed_errors(scene)
     small = np.flatnonzero(radii <= 0.0)
     if small.size:
-        allowed = f"oversize and listed error whose sum is above -{mm(scene.balls.radius)}"
-        value = f"{mm(float(radii[small[0]]))} as the radius of ball {small[0] + 1}"
+        allowed = f"oversize and listed error whose sum is above -{length_text(scene.balls.radius)}"
+        value = f"{length_text(float(radii[small[0]]))} as the radius of ball {small[0] + 1}"
         listed = f"errors.balls.listed.{small[0] + 1}"
         yield Fault((listed, "errors.balls.oversize"), allowed, "check the unit: a ball needs a positive radius", value)
     largest = float(radii.max())
-    yield from _groove_faults(scene, largest)
+    yield from _groove_width_faults(scene, largest)
     yield from _path_error_faults(scene)
-    yield from _section_faults(scene)
+    yield from _diameter_faults(scene)
     yield from _beyond_screw_faults(scene)
     yield from _rigid_screw_support_faults(scene)
-    yield from _solid_faults(scene)
+    yield from _solid_table_faults(scene)
     if scene.nut.flange is not None:
         yield from _flange_faults(scene.nut, scene.nut.flange)
     if scene.track.pitch_radius > scene.balls.radius:
-        yield from _packing_faults(scene, radii)
+        yield from _ball_position_faults(scene, radii)
     if scene.circulation is not None or scene.time is not None:
-        yield from _circuit_faults(scene)
+        yield from _ball_circuit_faults(scene)
 
 
 def _path_error_faults(scene: Scene) -> Iterator[Fault]:
@@ -64,8 +64,10 @@ def _path_error_faults(scene: Scene) -> Iterator[Fault]:
             terms = getattr(scene.errors.side(side), kind)
             size = sum(math.hypot(t.sin, t.cos) + SIGMAS * t.sigma for t in terms)
             if size > scene.balls.radius:
-                allowed = f"a sum up to {mm(scene.balls.radius)}, the ball radius (random errors count {SIGMAS:g} sigma)"
-                value = f"{kind} errors of {mm(size)}"
+                allowed = (
+                    f"a sum up to {length_text(scene.balls.radius)}, the ball radius (random errors count {SIGMAS:g} sigma)"
+                )
+                value = f"{kind} errors of {length_text(size)}"
                 yield Fault((f"errors.{side}.{kind}",), allowed, "check the unit: such errors are some um", value)
     if scene.errors.lead_offset:
         yield from _lead_offset_faults(scene)
@@ -74,15 +76,20 @@ def _path_error_faults(scene: Scene) -> Iterator[Fault]:
 def _lead_offset_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of a lead offset: larger than the ball radius, or with all balls on one side of the nut's centre."""
     where, radius, offset = ("preload.lead_offset",), scene.balls.radius, scene.errors.lead_offset
-    beyond = beyond_step(scene, ball_layout(scene).z)
+    beyond = are_in_shifted_half(scene, ball_layout(scene).z)
     if abs(offset) > radius:
-        yield Fault(where, f"up to {mm(radius)}, the ball radius", "check the unit: offsets are some um", mm(offset))
+        yield Fault(
+            where,
+            f"up to {length_text(radius)}, the ball radius",
+            "check the unit: offsets are some um",
+            length_text(offset),
+        )
     if beyond.all() or not beyond.any():
         advice = "leave lead_offset out, or fill turns on both sides: it shifts one half of the nut's groove along the axis"
-        yield Fault(where, "only with balls on both sides of the nut's centre", advice, mm(offset))
+        yield Fault(where, "only with balls on both sides of the nut's centre", advice, length_text(offset))
 
 
-def contact_faults(scene: Scene) -> Iterator[Fault]:
+def hertz_constant_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of contacts whose Hertz constants do not exist, in a scene whose bodies can be built.
 
     Either ball and flank conform, or the printed formula (Lin Table B.1) has no solution.
@@ -97,7 +104,7 @@ def contact_faults(scene: Scene) -> Iterator[Fault]:
             advice = f"choose one of these: the printed formula (Lin Table B.1) has no solution for these radii ({error})"
             yield Fault(("ingredients.hertz",), '"nominal", "error-free" or "actual" for this geometry', advice)
         return
-    drawn = specimen(scene, ball_layout(scene))
+    drawn = draw_specimen(scene, ball_layout(scene))
     curvature = nominal_curvatures(scene) + curvature_changes(scene, drawn, drawn.ball_radius)
     bad = np.argwhere(~(curvature.min(axis=-1) > 0.0) | ~np.isfinite(curvature).all(axis=-1))
     if bad.size:
@@ -113,79 +120,86 @@ def contact_faults(scene: Scene) -> Iterator[Fault]:
         yield Fault((*keys, f"{part}.conformity"), allowed, advice, value)
 
 
-def _groove_faults(scene: Scene, largest: float) -> Iterator[Fault]:
-    """Yield the faults of grooves narrower than the largest ball, of radius ``largest`` [m], or much wider than a ball."""
+def _groove_width_faults(scene: Scene, largest_ball_radius: float) -> Iterator[Fault]:
+    """Yield the faults of grooves narrower than the largest ball (``largest_ball_radius`` [m]) or much wider than it."""
     spread = SIGMAS * scene.errors.balls.sigma
     diameter = 2.0 * scene.balls.radius
     for name, radius in (("screw", scene.screw.groove_radius), ("nut", scene.nut.groove_radius)):
         where = (f"{name}.conformity", f"{name}.groove_radius")
-        if radius <= largest:
-            allowed = f"a groove radius above {mm(largest)} (conformity above {largest / diameter:.6g})"
+        if radius <= largest_ball_radius:
+            allowed = (
+                f"a groove radius above {length_text(largest_ball_radius)} (conformity above "
+                f"{largest_ball_radius / diameter:.6g})"
+            )
             advice = "enlarge the groove: the ball would jam, as its radius with oversize and listed errors is not smaller"
             yield Fault(where, allowed, advice)
-        elif radius <= largest + spread:
-            allowed = f"below {mm((radius - largest) / SIGMAS)} with this groove"
-            advice = f"check the unit: a ball {SIGMAS:g} sigma too large would jam in the groove of radius {mm(radius)}"
+        elif radius <= largest_ball_radius + spread:
+            allowed = f"below {length_text((radius - largest_ball_radius) / SIGMAS)} with this groove"
+            advice = (
+                f"check the unit: a ball {SIGMAS:g} sigma too large would jam in the groove of radius {length_text(radius)}"
+            )
             yield Fault(("errors.balls.sigma",), allowed, advice)
         elif radius > WIDEST_GROOVE * scene.balls.radius:
-            allowed = f"a groove radius up to {mm(WIDEST_GROOVE * scene.balls.radius)} ({WIDEST_GROOVE:g} ball radii)"
+            allowed = (
+                f"a groove radius up to {length_text(WIDEST_GROOVE * scene.balls.radius)} ({WIDEST_GROOVE:g} ball radii)"
+            )
             yield Fault(where, allowed, "check the unit: a groove is usually 1.02 to 1.2 ball radii")
         else:
-            yield from _profile_faults(scene, name[0].upper(), radius - largest)
+            yield from _profile_error_faults(scene, name[0].upper(), radius - largest_ball_radius)
 
 
-def _profile_faults(scene: Scene, part: str, room: float) -> Iterator[Fault]:
+def _profile_error_faults(scene: Scene, part: str, clearance: float) -> Iterator[Fault]:
     """Yield the faults of profile errors that are larger than the clearance of a ball in its groove.
 
-    ``part``: "S" screw or "N" nut; ``room``: groove radius less the radius of the largest ball [m].
+    ``part``: "S" screw or "N" nut; ``clearance``: groove radius less the radius of the largest ball [m].
     """
     gamma = np.linspace(0.0, math.pi / 2.0, 91)
     for side in (s for s in SIDES if s[0] == part):
         profile = scene.errors.side(side).profile
         inward = float(np.polynomial.polynomial.polyval(gamma, profile or (0.0,)).max())
-        if inward >= room:
-            allowed = f"an inward offset below {mm(room)} at every angle gamma from 0 to 90 deg"
+        if inward >= clearance:
+            allowed = f"an inward offset below {length_text(clearance)} at every angle gamma from 0 to 90 deg"
             advice = "check the unit: the ball would jam, as the groove's profile error leaves no clearance"
-            yield Fault((f"errors.{side}.profile",), allowed, advice, f"an inward offset of {mm(inward)}")
+            yield Fault((f"errors.{side}.profile",), allowed, advice, f"an inward offset of {length_text(inward)}")
 
 
-def _section_faults(scene: Scene) -> Iterator[Fault]:
+def _diameter_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of pitch radius, outer diameters and bore: balls must lie partly in the screw and within the nut."""
     pitch, ball = scene.track.pitch_radius, scene.balls.radius
     if pitch <= ball:
-        reach = f"balls of diameter {mm(2.0 * ball)} would reach the axis"
+        reach = f"balls of diameter {length_text(2.0 * ball)} would reach the axis"
         advice = f"check the ball diameter and its unit, or enlarge the pitch diameter: {reach}"
-        yield Fault(("track.pitch_radius",), f"above the ball radius, {mm(ball)}", advice)
+        yield Fault(("track.pitch_radius",), f"above the ball radius, {length_text(ball)}", advice)
         return
     low, high = 2.0 * (pitch - ball), 2.0 * (pitch + ball)
-    between = f"above {mm(low)}, below {mm(high)}"
+    between = f"above {length_text(low)}, below {length_text(high)}"
     if not low < scene.screw.outer_diameter < high:
         advice = "check the diameter: the screw's surface must cut the balls, otherwise the screw has no groove"
         yield Fault(("screw.outer_diameter",), f"{between} (pitch diameter -/+ ball diameter)", advice)
     if scene.screw.bore >= low:
-        yield Fault(("screw.bore",), f"below the root diameter, {mm(low)}", "leave material under the groove")
+        yield Fault(("screw.bore",), f"below the root diameter, {length_text(low)}", "leave material under the groove")
     if scene.nut.outer_diameter <= high:
         advice = "check that this is a diameter, not a radius: the nut must enclose the balls"
-        yield Fault(("nut.outer_diameter",), f"above {mm(high)} (pitch diameter + ball diameter)", advice)
+        yield Fault(("nut.outer_diameter",), f"above {length_text(high)} (pitch diameter + ball diameter)", advice)
     if low < scene.screw.outer_diameter < high and scene.screw.bore < low:
-        yield from _beam_faults(scene)
+        yield from _reduced_section_faults(scene)
 
 
-def _beam_faults(scene: Scene) -> Iterator[Fault]:
+def _reduced_section_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of a threaded shaft whose cross-section as a beam, reduced by the groove, has no material.
 
     The reduction is that of Lin (2019), eqs. (C.6) to (C.8).
     """
     if scene.ingredients.screw == "rigid":
         return
-    ratio = volume_ratio(scene)
+    ratio = grooved_volume_ratio(scene)
     if ratio <= 0.0:
         advice = 'enlarge lead or pitch radius, or write screw = "rigid" under [ingredients]: the groove leaves no material'
         yield Fault(("track.lead",), "a lead at which the groove is smaller than the screw's volume per turn", advice)
         return
     factor = {"groove": math.sqrt(ratio), "groove squared": ratio, "full": 1.0}[scene.ingredients.section]
     if scene.screw.bore >= factor * scene.screw.outer_diameter:
-        allowed = f"below {mm(factor * scene.screw.outer_diameter)}, the diameter reduced by the groove"
+        allowed = f"below {length_text(factor * scene.screw.outer_diameter)}, the diameter reduced by the groove"
         yield Fault(("screw.bore",), allowed, 'choose a smaller bore, or write section = "full" under [ingredients]')
 
 
@@ -195,18 +209,21 @@ def _beyond_screw_faults(scene: Scene) -> Iterator[Fault]:
     ends = (nut.position - nut.length / 2.0, nut.position + nut.length / 2.0)
     if ends[0] < -TOLERANCE or ends[1] > length + TOLERANCE:
         if nut.length > length:
-            allowed = f"up to {mm(length)}, the screw's length"
+            allowed = f"up to {length_text(length)}, the screw's length"
             yield Fault(("nut.length",), allowed, "shorten the nut or lengthen the screw")
         else:
-            allowed = f"{mm(nut.length / 2.0)} to {mm(length - nut.length / 2.0)}"
-            advice = f"move the nut, {mm(ends[0])} to {mm(ends[1])}, so that it lies on the screw, 0 mm to {mm(length)}"
+            allowed = f"{length_text(nut.length / 2.0)} to {length_text(length - nut.length / 2.0)}"
+            advice = (
+                f"move the nut, {length_text(ends[0])} to {length_text(ends[1])}, so that it lies on the screw, 0 mm to "
+                f"{length_text(length)}"
+            )
             yield Fault(("nut.position",), allowed, advice)
     stations = [(f"supports[{i}].at", s.at) for i, s in enumerate(scene.supports)]
     stations += [(f"loads[{i}].at", p.at) for i, p in enumerate(scene.loads)]
     for where, at in stations:
         if at > length + TOLERANCE:
             advice = "check the position, which is measured from the screw's left end, or lengthen the screw"
-            yield Fault((where,), f"0 mm to {mm(length)}, the screw's length", advice)
+            yield Fault((where,), f"0 mm to {length_text(length)}, the screw's length", advice)
 
 
 def _rigid_screw_support_faults(scene: Scene) -> Iterator[Fault]:
@@ -219,25 +236,27 @@ def _rigid_screw_support_faults(scene: Scene) -> Iterator[Fault]:
     held, others = clash.held, ", ".join(f"{x.freedom} of supports[{x.support}]" for x in clash.by)
     where = f"supports[{held.support}]"
     advice = f'correct one of the supports, or write screw = "beam": for a rigid screw, {others} determine this value'
-    value = f"{held.freedom} = {show(held)} at {mm(scene.supports[held.support].at)}"
-    allowed = show(Held(held.support, held.freedom, clash.implied))
+    value = f"{held.freedom} = {describe_prescribed_value(held)} at {length_text(scene.supports[held.support].at)}"
+    allowed = describe_prescribed_value(PrescribedMotion(held.support, held.freedom, clash.implied))
     yield Fault((f"{where}.displace.{held.freedom}", f"{where}.fix"), allowed, advice, value)
 
 
-def _solid_faults(scene: Scene) -> Iterator[Fault]:
+def _solid_table_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of the table ``[solid]``, whose dimensions only the 3D finite-element reference uses."""
     solid, R = scene.solid, scene.track.pitch_radius
-    of_screw, of_nut = groove_depths(scene)
+    of_screw, of_nut = largest_groove_depths(scene)
     if solid.nut_inner_diameter is not None:
         most = min(2.0 * (R + of_nut), scene.nut.outer_diameter)
         if not 2.0 * R < solid.nut_inner_diameter < most:
             advice = "check the diameter: the nut's lands lie outside the pitch cylinder and leave a groove and a wall"
-            yield Fault(("solid.nut_inner_diameter",), f"above {mm(2.0 * R)}, below {mm(most)}", advice)
+            yield Fault(("solid.nut_inner_diameter",), f"above {length_text(2.0 * R)}, below {length_text(most)}", advice)
     if solid.hole_diameter is not None:
         most = 2.0 * (R - of_screw)
         if not scene.screw.bore <= solid.hole_diameter < most:
             advice = "check the diameter: the hole is at least as wide as the bore and leaves a wall under the groove"
-            yield Fault(("solid.hole_diameter",), f"from {mm(scene.screw.bore)}, below {mm(most)}", advice)
+            yield Fault(
+                ("solid.hole_diameter",), f"from {length_text(scene.screw.bore)}, below {length_text(most)}", advice
+            )
     if solid.screw_held == "bore" and scene.screw.bore <= 0.0:
         yield Fault(("solid.screw_held",), '"ends" for a screw without bore', 'give screw.bore, or write "ends"')
 
@@ -246,23 +265,25 @@ def _flange_faults(nut: Nut, flange: Flange) -> Iterator[Fault]:
     """Yield the faults of a flange that is narrower or longer than the nut, or whose fixed annulus exceeds its face."""
     if flange.diameter <= nut.outer_diameter + SMALLEST_WIDTH:
         advice = "check that this is a diameter, not a radius: a flange is wider than its nut"
-        yield Fault(("nut.flange.diameter",), f"above {mm(nut.outer_diameter + SMALLEST_WIDTH)}", advice)
+        yield Fault(("nut.flange.diameter",), f"above {length_text(nut.outer_diameter + SMALLEST_WIDTH)}", advice)
         return
     if flange.thickness + flange.centring > nut.length - TOLERANCE:
         room = nut.length - (flange.thickness if flange.centring else 0.0)
         advice = "shorten flange or centring fit, or lengthen the nut: both lie within the nut's length"
-        yield Fault(("nut.flange.centring" if flange.centring else "nut.flange.thickness",), f"below {mm(room)}", advice)
+        yield Fault(
+            ("nut.flange.centring" if flange.centring else "nut.flange.thickness",), f"below {length_text(room)}", advice
+        )
     low, high = (2.0 * r for r in flange.seat)
     advice = "check the diameters of the fixed annulus: it lies on the flange's face"
     if not nut.outer_diameter - TOLERANCE <= low < flange.diameter - SMALLEST_WIDTH:
-        allowed = f"{mm(nut.outer_diameter)} to {mm(flange.diameter - SMALLEST_WIDTH)}"
+        allowed = f"{length_text(nut.outer_diameter)} to {length_text(flange.diameter - SMALLEST_WIDTH)}"
         yield Fault(("nut.held.inner_diameter", "nut.flange"), allowed, advice)
     elif not low + SMALLEST_WIDTH <= high <= flange.diameter + TOLERANCE:
-        allowed = f"{mm(low + SMALLEST_WIDTH)} to {mm(flange.diameter)}"
+        allowed = f"{length_text(low + SMALLEST_WIDTH)} to {length_text(flange.diameter)}"
         yield Fault(("nut.held.outer_diameter", "nut.flange"), allowed, advice)
 
 
-def _packing_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
+def _ball_position_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
     """Yield the faults of balls that lie outside the nut or overlap each other; ``radii``: radii of all balls (n,) [m]."""
     track, nut = scene.track, scene.nut
     centres = ball_layout(scene).centre
@@ -271,15 +292,15 @@ def _packing_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
     if outside.size:
         first = int(outside[0])
         ends = (nut.position - nut.length / 2.0, nut.position + nut.length / 2.0)
-        allowed = f"{mm(ends[0])} to {mm(ends[1])}, inside the nut"
+        allowed = f"{length_text(ends[0])} to {length_text(ends[1])}, inside the nut"
         advice = "lengthen the nut, or fill fewer turns"
-        value = f"ball {first + 1} at z = {mm(float(centres[first, 2]))}"
+        value = f"ball {first + 1} at z = {length_text(float(centres[first, 2]))}"
         yield Fault(("balls.azimuths", "balls.turns"), allowed, advice, value)
     span = max(scene.balls.azimuths) - min(scene.balls.azimuths)
     slope = math.cos(lead_angle(track))
     gap = track.lead / track.starts * slope
     if track.lead > 0.0 and (track.starts > 1 or span > 2.0 * math.pi) and gap <= 2.0 * radii.max():
-        allowed = f"above {mm(2.0 * float(radii.max()) * track.starts / slope)} with these balls"
+        allowed = f"above {length_text(2.0 * float(radii.max()) * track.starts / slope)} with these balls"
         advice = "enlarge the lead or use smaller balls: those of neighbouring turns would overlap"
         yield Fault(("track.lead",), allowed, advice)
         return
@@ -287,8 +308,8 @@ def _packing_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
     if pair is not None:
         i, j = pair
         apart = float(np.linalg.norm(centres[i] - centres[j]))
-        value = f"overlapping balls {i + 1} and {j + 1} with centres {mm(apart)} apart"
-        allowed = f"centres at least {mm(float(radii[i] + radii[j]))} apart"
+        value = f"overlapping balls {i + 1} and {j + 1} with centres {length_text(apart)} apart"
+        allowed = f"centres at least {length_text(float(radii[i] + radii[j]))} apart"
         yield Fault(where, allowed, "use fewer or smaller balls, or spread them over more turns", value)
 
 
@@ -304,30 +325,33 @@ def overlapping_pair(centres: Array, radii: Array) -> tuple[int, int] | None:
     """
     following = np.arange(len(radii) - 1)[:, None] + np.array([0, 1])
     for pairs in (following, None):  # neighbours first: if they overlap, there may be very many close pairs
-        i, j = (close_pairs(centres, 2.0 * float(radii.max(initial=0.0))) if pairs is None else pairs).T
+        i, j = (pairs_of_close_points(centres, 2.0 * float(radii.max(initial=0.0))) if pairs is None else pairs).T
         bad = np.flatnonzero(np.linalg.norm(centres[i] - centres[j], axis=1) < radii[i] + radii[j] - TOLERANCE)
         if bad.size:
             return int(i[bad[0]]), int(j[bad[0]])
     return None
 
 
-def _circuit_faults(scene: Scene) -> Iterator[Fault]:
+def _ball_circuit_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of ball circuits that cannot be built.
 
     Also of a simulation over time that would move the nut off the screw.
     """
-    from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits, travel
+    from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits_of_scene, nut_travel
 
     try:
-        circuits(scene)
+        circuits_of_scene(scene)
     except CircuitError as error:
         yield Fault(
             (f"circulation.{error.key}", "circulation", "balls.count", "balls.azimuths"), error.allowed, error.advice
         )
-    ends = travel(scene) + scene.nut.position
+    ends = nut_travel(scene) + scene.nut.position
     half, length = 0.5 * scene.nut.length, scene.screw.length
     if ends.min() < half - TOLERANCE or ends.max() > length - half + TOLERANCE:
-        allowed = f"a run with the nut's centre from {mm(half)} to {mm(length - half)}, so that the nut is on the screw"
-        path = f"the nut's centre would move from {mm(float(ends[0]))} to {mm(float(ends[1]))}"
+        allowed = (
+            f"a run with the nut's centre from {length_text(half)} to {length_text(length - half)}, so that the nut is on "
+            "the screw"
+        )
+        path = f"the nut's centre would move from {length_text(float(ends[0]))} to {length_text(float(ends[1]))}"
         advice = f"shorten the run or lengthen the screw: {path}"
         yield Fault(("time.angle", "time.duration"), allowed, advice)

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from rollbench.compare.case import find_case_file, shipped_files
+from rollbench.compare.case import find_case_file, shipped_toml_files
 from rollbench.compare.errors import InputError
 from rollbench.compare.files import did_you_mean, similar_names
 from rollbench.compare.scenes.duty_cycle import AXIS, KINDS
@@ -24,7 +24,7 @@ Of = TypeVar("Of", bound="KindScene")
 @cache
 def scene_names() -> tuple[str, ...]:
     """Return the names of the shipped scenes of all kinds, sorted."""
-    return tuple(shipped_files("scenes"))
+    return tuple(shipped_toml_files("scenes"))
 
 
 @cache
@@ -33,17 +33,17 @@ def top_level_keys(name: str) -> dict[str, Any]:
 
     InputError for an unknown name.
     """
-    return tomllib.loads(scene_text(name).partition("\n[")[0])
+    return tomllib.loads(shipped_scene_text(name).partition("\n[")[0])
 
 
-def kind_of_shipped(name: str) -> str:
+def kind_of_shipped_scene(name: str) -> str:
     """Return the kind of a shipped scene, such as "ball screw" or "bearing"."""
-    ring = re.search(r'(?m)^lead = "0 mm"', scene_text(name))
+    ring = re.search(r'(?m)^lead = "0 mm"', shipped_scene_text(name))
     return str(top_level_keys(name).get("kind", "bearing" if ring else "ball screw"))
 
 
 @cache
-def single_set_names() -> tuple[str, ...]:
+def names_of_single_set_scenes() -> tuple[str, ...]:
     """Return the names of the shipped scenes with a single nut or bearing row, sorted."""
     return tuple(n for n in scene_names() if top_level_keys(n).get("kind") not in (AXIS, *KINDS))
 
@@ -54,7 +54,7 @@ def names_with_role(role: str) -> tuple[str, ...]:
     return tuple(name for name in scene_names() if top_level_keys(name).get("role", "").startswith(role))
 
 
-def scene_text(name: str) -> str:
+def shipped_scene_text(name: str) -> str:
     """Return the text of a shipped scene's file by name; InputError for an unknown name."""
     path = find_case_file("scenes", name)
     if path is None:
@@ -63,20 +63,22 @@ def scene_text(name: str) -> str:
 
 
 @cache
-def shipped(name: str) -> Described:
+def shipped_scene(name: str) -> Described:
     """Return the shipped scene ``name``, of any kind; InputError for an unknown name."""
     from rollbench.compare.scenes import scene_file
 
-    return scene_file.parse_scene(scene_text(name), f"{name}.toml")
+    return scene_file.parse_scene(shipped_scene_text(name), f"{name}.toml")
 
 
-def case(name: str, of: type[Of]) -> Of:
-    """Return the shipped scene ``name``; InputError if it is not of the kind ``of``, a class of records."""
-    described = shipped(name)
-    if not isinstance(described, of):
+def shipped_scene_of_kind(name: str, kind: type[Of]) -> Of:
+    """Return the shipped scene ``name``; InputError if it is not of the kind ``kind``, a class of records."""
+    described = shipped_scene(name)
+    if not isinstance(described, kind):
         from rollbench.compare.scenes import scene_file
 
-        raise InputError(name, "kind", f'"{scene_file.kind_of(described)}"', f'"{of.kind}"', "choose a scene of this kind")
+        raise InputError(
+            name, "kind", f'"{scene_file.kind_of_scene(described)}"', f'"{kind.kind}"', "choose a scene of this kind"
+        )
     return described
 
 
@@ -102,11 +104,11 @@ def any_scene(name_or_path: str) -> Described:
         If there is no such scene; its subclass SceneError if the file is faulty.
     """
     if name_or_path in scene_names():
-        return shipped(name_or_path)
+        return shipped_scene(name_or_path)
     if looks_like_path(name_or_path):
         from rollbench.compare.scenes import scene_file
 
-        return scene_file.parse_scene(scene_file.read_text(name_or_path), name_or_path)
+        return scene_file.parse_scene(scene_file.read_scene_text(name_or_path), name_or_path)
     raise _unknown_name_error(name_or_path)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.quantity import quantity, record
+from rollbench.meshes.quantity import quantity_field, result_record
 
 if TYPE_CHECKING:
     from rollbench.compare.scenes.friction_kinds.common import KindScene
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 Described: TypeAlias = "Scene | KindScene | Assembly | DutyCycle"
 
 
-@record
+@result_record
 class LoadCase:
     """One load case of a duty cycle: the parts under its loads, with its share of the revolutions."""
 
     #: Name of the load case.
-    name: str = quantity("case", "name of the load case")
+    name: str = quantity_field("case", "name of the load case")
     #: Share of the revolutions; 0 for a static check.
-    share: float = quantity("share", "part of the revolutions; 0 for a static check")
+    share: float = quantity_field("share", "part of the revolutions; 0 for a static check")
     #: Speed of the turning part [rad/s]; None if the shares are given.
     speed: float | None
     #: Parts under the loads, supports and oversize of the load case.
@@ -47,15 +47,15 @@ class DutyCycle:
 
     def to_toml(self) -> str:
         """Return the duty cycle as the text of a scene file."""
-        from rollbench.meshes.scene_text import axis_tables, case_table, scene_tables, to_toml
+        from rollbench.meshes.scene_text import axis_tables, load_case_table, scene_tables, toml_of_tables
 
         parts = self.parts
         tables = scene_tables(parts) if isinstance(parts, Scene) else axis_tables(parts)
         cases = []
         for case in self.cases:
-            table = case_table(case.share, case.time, case.speed, parts, case.scene)
+            table = load_case_table(case.share, case.time, case.speed, parts, case.scene)
             cases.append({"name": case.scene.name.removeprefix(f"{parts.name}-"), **table})
-        return to_toml(tables | {"cases": cases})
+        return toml_of_tables(tables | {"cases": cases})
 
     @property
     def name(self) -> str:
@@ -100,7 +100,7 @@ class CaseOfCycle:
         return {"scene": self.cycle.name, "case": self.case.name, "share": self.case.share}
 
 
-def cases_by_name(described: Iterable[object]) -> dict[str, CaseOfCycle]:
+def load_cases_by_scene_name(described: Iterable[object]) -> dict[str, CaseOfCycle]:
     """Return the load cases of all duty cycles among ``described``, by the name of the load case's scene."""
     cycles = [cycle for cycle in described if isinstance(cycle, DutyCycle)]
     return {case.scene.name: CaseOfCycle(cycle, case) for cycle in cycles for case in cycle.cases}

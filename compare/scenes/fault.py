@@ -17,7 +17,7 @@ from pydantic import BaseModel, ValidationError
 
 from rollbench.compare import files
 from rollbench.compare.errors import SceneError
-from rollbench.compare.scenes.keys import tidy_schema
+from rollbench.compare.scenes.keys import scene_schema_of_kind
 from rollbench.meshes.units import toml_text
 
 #: Lengths that differ by less than this [m] count as equal.
@@ -46,7 +46,7 @@ class Fault:
     value: str = ""
 
 
-def mm(length: float) -> str:
+def length_text(length: float) -> str:
     """Return a length [m] as text with its unit: in mm, or in um below 0.1 mm."""
     return f"{length * 1e6:.6g} um" if 0.0 < abs(length) < 1e-4 else f"{length * 1e3:.7g} mm"
 
@@ -64,7 +64,7 @@ class FaultText(NamedTuple):
     advice: str
 
 
-def scene_error(origin: str, texts: Sequence[FaultText]) -> SceneError:
+def combined_scene_error(origin: str, texts: Sequence[FaultText]) -> SceneError:
     """Return one SceneError for all faults of the file ``origin``: it shows the first fault and contains the others."""
     errors = [SceneError(origin, *one) for one in texts]
     return SceneError(origin, *texts[0], len(texts) - 1, tuple(errors[1:]))
@@ -83,7 +83,7 @@ def raise_faults(origin: str, raw: Mapping[str, Any], faults: Sequence[Fault]) -
         The faults.
     """
     if faults:
-        raise scene_error(origin, fault_texts(raw, faults))
+        raise combined_scene_error(origin, fault_texts(raw, faults))
 
 
 def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[FaultText]:
@@ -93,8 +93,8 @@ def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[FaultTe
     """
     out = []
     for fault in faults:
-        names = [name for key in fault.keys for name in (key, *_aliases(key))]
-        present = ((name, value) for name in names if (value := _value_at(raw, name)) is not None)
+        names = [name for key in fault.keys for name in (key, *_alias_keys(key))]
+        present = ((name, value) for name in names if (value := _value_at_path(raw, name)) is not None)
         key, given = next(present, (fault.keys[-1], None))
         value = fault.value or ("nothing" if given is None else toml_text(given))
         half = key not in fault.keys and key.endswith("diameter")
@@ -103,14 +103,14 @@ def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[FaultTe
     return out
 
 
-def _aliases(key: str) -> Iterator[str]:
+def _alias_keys(key: str) -> Iterator[str]:
     """Yield the keys that a file may have in place of ``key``, such as a diameter in place of a radius (`ALIASES`)."""
     for suffix, others in ALIASES.items():
         if key.endswith(suffix):
             yield from (key.removesuffix(suffix) + other for other in others)
 
 
-def _value_at(raw: Any, path: str) -> Any:
+def _value_at_path(raw: Any, path: str) -> Any:
     """Return the value of a key in the tables ``raw`` of a file; None if it is missing.
 
     ``path``: path of the key, such as ``sets[0].balls``.
@@ -134,7 +134,7 @@ INDEPENDENT_TABLES = {"title", "source", "assumed", "role", "members", "kind", "
 UNKNOWN_KEY_ERRORS = ("extra_forbidden", "unexpected_keyword_argument")
 
 #: Frequent unknown keys, in lower case with underscores, and the scene's keys for them.
-WORDS: dict[str, str] = files.shipped_table("words.toml")
+WORDS: dict[str, str] = files.read_shipped_toml("words.toml")
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ class KeyFaults:
         """Whether bodies, supports and loads are those of the file: no replaced table affects them."""
         return self.replaced <= INDEPENDENT_TABLES
 
-    def stem_from_file(self, keys: Sequence[str]) -> bool:
+    def are_in_file(self, keys: Sequence[str]) -> bool:
         """Return whether a fault of these keys is due to the file itself.
 
         It is not if one of their tables was replaced so that reading could continue.
@@ -174,10 +174,10 @@ def validate_or_raise(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> 
     try:
         return keys.model_validate(raw)
     except ValidationError as error:
-        raise scene_error(origin, key_faults(keys, error)) from None
+        raise combined_scene_error(origin, key_fault_texts(keys, error)) from None
 
 
-def validate_leniently(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, KeyFaults]:
+def validate_beyond_faults(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, KeyFaults]:
     """Return the validated keys of a file with the tables ``raw``, and all faults of keys; reading continues after a fault.
 
     ``keys``: pydantic model of the keys. A faulty value is replaced by the example of its key, and an unknown key is left
@@ -187,13 +187,13 @@ def validate_leniently(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys |
         return keys.model_validate(raw), KeyFaults()
     except ValidationError as error:
         faults = error.errors(include_url=False)
-        texts = tuple(key_faults(keys, error))
-    schema, rest, names = tidy_schema(keys), deepcopy(dict(raw)), set()
+        texts = tuple(key_fault_texts(keys, error))
+    schema, rest, names = scene_schema_of_kind(keys), deepcopy(dict(raw)), set()
     for fault in faults:
         where = fault["loc"]
         whole = len(where) == 1 and fault["type"] in UNKNOWN_KEY_ERRORS  # the key that is probably meant is missing
         names |= {unknown_key_text(schema, fault)[1]} - {""} if whole else {str(key) for key in where[:1]}
-        if not where or not _replace_faulty_value(rest, where, fault["type"], schema_part(schema, where)):
+        if not where or not _replace_faulty_value(rest, where, fault["type"], schema_part_at_path(schema, where)):
             return None, KeyFaults(texts, frozenset(names))
     try:
         return keys.model_validate(rest), KeyFaults(texts, frozenset(names))
@@ -222,13 +222,13 @@ def _replace_faulty_value(raw: Any, where: Sequence[int | str], kind: str, node:
     return False
 
 
-def key_faults(keys: type[BaseModel], error: ValidationError) -> list[FaultText]:
+def key_fault_texts(keys: type[BaseModel], error: ValidationError) -> list[FaultText]:
     """Return the message parts of all faults that pydantic found in ``keys``, unknown keys first.
 
     A missing key is not reported if an unknown key was probably meant for it, because the advice on that key names it.
     """
     faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] not in UNKNOWN_KEY_ERRORS)
-    schema, named = tidy_schema(keys), set()
+    schema, named = scene_schema_of_kind(keys), set()
     out = []
     for fault in faults:
         where = fault["loc"]
@@ -236,12 +236,12 @@ def key_faults(keys: type[BaseModel], error: ValidationError) -> list[FaultText]
             words, name = unknown_key_text(schema, fault)
             named.add((*where[:-1], name))
             out.append(words)
-        elif not ((fault["type"] == "missing" and where in named) or _is_short_by_faulty_entries(fault)):
+        elif not ((fault["type"] == "missing" and where in named) or _is_list_short_by_faulty_entries(fault)):
             out.append(_refused_value_text(schema, fault))
     return out
 
 
-def _is_short_by_faulty_entries(fault: Any) -> bool:
+def _is_list_short_by_faulty_entries(fault: Any) -> bool:
     """Return whether pydantic reports a list as too short only because it does not count the list's faulty entries.
 
     ``fault``: an entry of pydantic's list of errors.
@@ -260,7 +260,7 @@ def unknown_key_text(schema: dict[str, Any], fault: Any) -> tuple[FaultText, str
     ``schema``: JSON Schema of the scene; ``fault``: an entry of pydantic's list of errors.
     """
     where = fault["loc"]
-    known, word = list(schema_part(schema, where[:-1]).get("properties", {})), known_key_for(str(where[-1]))
+    known, word = list(schema_part_at_path(schema, where[:-1]).get("properties", {})), key_meant_by_word(str(where[-1]))
     near = difflib.get_close_matches(str(where[-1]), known, n=1, cutoff=0.5)
     meant = next((name for name in known if word.startswith((f"{name} ", f"{name}:"))), "")
     if word:
@@ -277,7 +277,7 @@ def _refused_value_text(schema: dict[str, Any], fault: Any) -> FaultText:
     ``schema``: JSON Schema of the scene; ``fault``: an entry of pydantic's list of errors.
     """
     where, context, kind = fault["loc"], fault.get("ctx", {}), fault["type"]
-    node = schema_part(schema, where)
+    node = schema_part_at_path(schema, where)
     allowed = str(context.get("allowed") or _allowed_values(node))
     advice = str(context.get("advice") or _advice_for_key(node, str(where[-1]) if where else "", kind, fault["input"]))
     other = next((o for key, (o, *_) in ALIASES.items() if _key_path(where) == key and o.endswith("diameter")), "")
@@ -286,7 +286,7 @@ def _refused_value_text(schema: dict[str, Any], fault: Any) -> FaultText:
     return FaultText(_key_path(where), "nothing" if kind == "missing" else toml_text(fault["input"]), allowed, advice)
 
 
-def schema_part(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any]:
+def schema_part_at_path(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any]:
     """Return the part of the JSON Schema for the key at the path ``where``; empty if the schema has no such key."""
     node: dict[str, Any] = schema
     for key in (*where, None):
@@ -339,6 +339,6 @@ def _advice_for_key(node: Mapping[str, Any], name: str, kind: str, given: object
     return f"write e.g. {toml_text(examples[0])}" if examples else "see the key in the output of: rollbench schema"
 
 
-def known_key_for(name: str) -> str:
+def key_meant_by_word(name: str) -> str:
     """Return the key of a scene that is meant by a frequent unknown key, from the table `WORDS`; empty for other keys."""
     return WORDS.get(name.strip().lower().replace("-", "_").replace(" ", "_"), "")

@@ -14,13 +14,13 @@ from rollbench.compare.errors import escape_unprintable
 from rollbench.compare.measure import error_percent
 from rollbench.compare.scenes import schema
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.compare.scenes.fault import Fault, mm, raise_faults
+from rollbench.compare.scenes.fault import Fault, length_text, raise_faults
 from rollbench.compare.scenes.keys import MaterialKeys
 from rollbench.compare.scenes.schema import CaseKeys, SceneKeys
 from rollbench.meshes import parts
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.helix import lead_angle, spread_over_turns
-from rollbench.meshes.one_arc import rest_angle
+from rollbench.meshes.helix import evenly_spaced_azimuths, lead_angle
+from rollbench.meshes.one_arc import free_contact_angle
 from rollbench.meshes.parts import Errors, Motion, Scene, Support
 from rollbench.meshes.ranges import ShareOfRating
 from rollbench.meshes.section import MERGE
@@ -29,18 +29,20 @@ if TYPE_CHECKING:
     from rollbench.compare.scenes.schema import AxisKeys, HousingKeys
 
 
-def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
+def scene_from_keys(keys: schema.SceneKeys, name: str) -> parts.Scene:
     """Return the scene ``name`` (ball screw or bearing) from the validated keys of its file."""
     track, e, nut, held = keys.track, keys.errors, keys.nut, keys.solid.nut_held
     listed = tuple(sorted((int(k), v) for k, v in e.balls.listed.items()))
-    material = material_of(keys.balls.material, keys.material)
+    material = material_from_keys(keys.balls.material, keys.material)
     former = () if held is None else (f'The former key solid.nut_held = "{held}" is read as nut.held.at.',)
     return parts.Scene(
         name=name,
         title=escape_unprintable(keys.title),
-        track=_track_record(keys),
-        screw=parts.Screw(bore=keys.screw.bore, **_shared_fields(keys, keys.screw)),
-        nut=parts.Nut(position=nut.position, azimuth=nut.azimuth, flange=_flange_record(nut), **_shared_fields(keys, nut)),
+        track=_track_from_keys(keys),
+        screw=parts.Screw(bore=keys.screw.bore, **_fields_of_screw_or_nut(keys, keys.screw)),
+        nut=parts.Nut(
+            position=nut.position, azimuth=nut.azimuth, flange=_flange_from_keys(nut), **_fields_of_screw_or_nut(keys, nut)
+        ),
         balls=parts.Balls(keys.balls.radius, material, _ball_azimuths(keys.balls, track)),
         errors=parts.Errors(
             balls=parts.BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution),
@@ -48,14 +50,14 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
             lead_offset=0.0 if keys.preload is None else keys.preload.lead_offset or 0.0,
             **{side: getattr(e, side) for side in parts.SIDES},
         ),
-        supports=tuple(support_of(s) for s in keys.supports),
+        supports=tuple(support_from_keys(s) for s in keys.supports),
         loads=tuple(keys.loads),
         ingredients=keys.ingredients,
         solid=replace(keys.solid, nut_held=nut.held.at or held),
         source=escape_unprintable(keys.source),
         assumed=(*map(escape_unprintable, keys.assumed), *former),
         members=keys.members,
-        friction=None if keys.friction is None else friction_of(keys.friction),
+        friction=None if keys.friction is None else friction_from_keys(keys.friction),
         motion=keys.motion,
         lubricant=keys.lubricant,
         role=keys.role,
@@ -66,7 +68,7 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
     )
 
 
-def _track_record(keys: schema.SceneKeys) -> parts.Track:
+def _track_from_keys(keys: schema.SceneKeys) -> parts.Track:
     """Return the record of the path of the ball centres.
 
     With a clearance it is the path of a bearing with one arc per groove, whose contact angle follows from the clearance.
@@ -74,30 +76,34 @@ def _track_record(keys: schema.SceneKeys) -> parts.Track:
     fields, clearance = keys.track.model_dump(exclude={"clearance"}), keys.track.clearance
     if clearance is not None:
         apart = groove_centre_distance(keys)
-        fields |= {"contact_angle": rest_angle(apart, clearance.radial, clearance.axial), "arcs": "+z"}
+        fields |= {"contact_angle": free_contact_angle(apart, clearance.radial, clearance.axial), "arcs": "+z"}
     return parts.Track(**fields)
 
 
 def groove_centre_distance(keys: schema.SceneKeys) -> float:
     """Return the distance between the centres of both grooves' arcs [m] at which a ball touches both grooves."""
-    return groove_radius_of(keys, keys.screw) + groove_radius_of(keys, keys.nut) - 2.0 * keys.balls.radius
+    return groove_radius_of_part(keys, keys.screw) + groove_radius_of_part(keys, keys.nut) - 2.0 * keys.balls.radius
 
 
-def groove_radius_of(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> float:
+def groove_radius_of_part(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> float:
     """Return the groove radius of the screw or nut ``part`` [m], as given or as conformity times ball diameter."""
     return part.groove_radius or (part.conformity or 0.0) * (2.0 * keys.balls.radius)
 
 
-def _shared_fields(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
+def _fields_of_screw_or_nut(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
     """Return the fields that the records of screw and nut have in common: length, diameter, groove radius and material.
 
     ``part``: keys of the screw or nut.
     """
-    shape = {"length": part.length, "outer_diameter": part.outer_diameter, "groove_radius": groove_radius_of(keys, part)}
-    return {**shape, "material": material_of(part.material, keys.material)}
+    shape = {
+        "length": part.length,
+        "outer_diameter": part.outer_diameter,
+        "groove_radius": groove_radius_of_part(keys, part),
+    }
+    return {**shape, "material": material_from_keys(part.material, keys.material)}
 
 
-def _flange_record(nut: schema.NutKeys) -> parts.Flange | None:
+def _flange_from_keys(nut: schema.NutKeys) -> parts.Flange | None:
     """Return the nut's flange, fixed at its whole face unless an annulus is given; None if the nut has no flange."""
     if nut.flange is None:
         return None
@@ -110,7 +116,7 @@ def _flange_record(nut: schema.NutKeys) -> parts.Flange | None:
     )
 
 
-def friction_of(keys: schema.FrictionKeys) -> parts.Friction:
+def friction_from_keys(keys: schema.FrictionKeys) -> parts.Friction:
     """Return the record of a scene's friction: coefficients, and whether friction affects the loads of the balls."""
     screw, nut = (keys.coefficient if given is None else given for given in (keys.screw, keys.nut))
     if screw is None or nut is None:  # choice_faults has refused this
@@ -125,7 +131,7 @@ def friction_of(keys: schema.FrictionKeys) -> parts.Friction:
     return parts.Friction(screw, nut, assumed, feedback, keys.balls, neighbours)
 
 
-def material_of(keys: MaterialKeys | None, default: MaterialKeys) -> parts.Material:
+def material_from_keys(keys: MaterialKeys | None, default: MaterialKeys) -> parts.Material:
     """Return the material of a part from the keys of its table; missing values are those of [material], ``default``."""
     keys = keys or default
     modulus = default.youngs_modulus if keys.youngs_modulus is None else keys.youngs_modulus
@@ -144,8 +150,8 @@ def _ball_azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[flo
     if balls.azimuths is not None:
         return tuple(balls.azimuths)
     if balls.arcs is None:
-        n = balls_of_circuit(balls, track)
-        return spread_over_turns(n, balls.turns or 1.0, track.phase, balls.circuits, balls.circuit_gap or 0.0)
+        n = ball_count_of_circuit(balls, track)
+        return evenly_spaced_azimuths(n, balls.turns or 1.0, track.phase, balls.circuits, balls.circuit_gap or 0.0)
     n = (balls.count or 0) // track.starts
     ends = np.array(balls.arcs)
     fill = np.concatenate([[0.0], np.cumsum(ends[:, 1] - ends[:, 0])])
@@ -154,7 +160,7 @@ def _ball_azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[flo
     return tuple(float(x) for x in track.phase + ends[arc, 0] + at - fill[arc])
 
 
-def balls_of_circuit(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
+def ball_count_of_circuit(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
     """Return the number of balls of one circuit, an equal part of the count of all balls.
 
     Without a count, it follows from the ``filling``, the part of the turns that the balls would fill if they touched; it is
@@ -166,34 +172,34 @@ def balls_of_circuit(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
     return max(1, floor((balls.filling or 0.0) * 2.0 * pi * (balls.turns or 1.0) / touching + 1e-9))
 
 
-def angle_of_touching_balls(radius: float, lead: float, ball: float) -> float:
+def angle_of_touching_balls(pitch_radius: float, lead: float, ball_diameter: float) -> float:
     """Return the angle phi around the axis [rad] between touching balls on a helix, whose chord is the ball diameter.
 
     chord^2 = (2 R sin(phi/2))^2 + (lead phi / 2 pi)^2; pi if even the chord of half a turn is shorter than a ball.
 
     Parameters
     ----------
-    radius
+    pitch_radius
         Pitch radius R [m].
     lead
         Lead [m].
-    ball
+    ball_diameter
         Ball diameter [m].
     """
     from rollbench.meshes.numerics import brentq
 
     def gap(angle: float) -> float:
-        return hypot(2.0 * radius * sin(angle / 2.0), lead * angle / (2.0 * pi)) - ball
+        return hypot(2.0 * pitch_radius * sin(angle / 2.0), lead * angle / (2.0 * pi)) - ball_diameter
 
     return float(brentq(gap, 0.0, pi, xtol=1e-14)) if gap(pi) > 0.0 else pi
 
 
-def ball_total(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
+def loaded_ball_count(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
     """Return the number of loaded balls over all starts and circuits."""
-    return balls.count or balls_of_circuit(balls, track) * balls.circuits * track.starts
+    return balls.count or ball_count_of_circuit(balls, track) * balls.circuits * track.starts
 
 
-def support_of(support: schema.SupportKeys | HousingKeys) -> parts.Support:
+def support_from_keys(support: schema.SupportKeys | HousingKeys) -> parts.Support:
     """Return the record of a support or of a housing's fixing: position, and prescribed value of each fixed freedom."""
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
     held |= support.displace.given
@@ -227,22 +233,22 @@ def oversize_for_preload(scene: parts.Scene, force: float) -> float:
     return float(0.5 * pair * each ** (2.0 / 3.0))
 
 
-def preload_force(scene: parts.Scene, given: float | ShareOfRating) -> tuple[float, str]:
+def preload_force(scene: parts.Scene, force_or_share: float | ShareOfRating) -> tuple[float, str]:
     """Return the preload [N], and a text on the load rating from which it was computed.
 
-    ``given``: force [N], for which the text is empty; or fraction of the dynamic load rating of the nut or bearing
+    ``force_or_share``: force [N], for which the text is empty; or fraction of the dynamic load rating of the nut or bearing
     ``scene``.
     """
-    if not isinstance(given, ShareOfRating):
-        return given, ""
+    if not isinstance(force_or_share, ShareOfRating):
+        return force_or_share, ""
     from rollbench.lowfi.rating.life import dynamic_rating
 
     C = dynamic_rating(scene)
-    percent = float(error_percent(given.share * C, 0.0, C))
-    return given.share * C, f" ({percent:.3g} % of the dynamic load rating as computed, {C:.4g} N)"
+    percent = float(error_percent(force_or_share.share * C, 0.0, C))
+    return force_or_share.share * C, f" ({percent:.3g} % of the dynamic load rating as computed, {C:.4g} N)"
 
 
-def with_preload(scene: parts.Scene, keys: schema.PreloadKeys | None) -> parts.Scene:
+def with_preload_as_oversize(scene: parts.Scene, keys: schema.PreloadKeys | None) -> parts.Scene:
     """Return the scene with its preload as an oversize of the balls; the conversion of a force is stated as an assumption.
 
     ``keys``: table of the preload; None or a lead offset leaves the scene unchanged.
@@ -292,14 +298,14 @@ def with_load_cases(
     """
     if not keys:
         return parts
-    cycle = duty_cycle(parts, keys)
+    cycle = duty_cycle_from_keys(parts, keys)
     raise_faults(
-        origin, raw, [fault_of_case(fault, k) for k, case in enumerate(cycle.cases) for fault in faults(case.scene)]
+        origin, raw, [fault_in_load_case(fault, k) for k, case in enumerate(cycle.cases) for fault in faults(case.scene)]
     )
     return cycle
 
 
-def duty_cycle(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
+def duty_cycle_from_keys(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
     """Return the duty cycle of a scene from validated keys of its load cases.
 
     If times are given, the share of a load case is the number of its revolutions, time times absolute speed, divided by
@@ -310,12 +316,13 @@ def duty_cycle(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
     shares = [k.share or 0.0 for k in keys] if whole == 0.0 else [x / whole for x in turned]
     speed = whole / time if whole else None if scene.motion is None else abs(scene.motion.speed)
     cases = (
-        LoadCase(k.name, share, k.speed, _scene_of_case(scene, k), k.time) for k, share in zip(keys, shares, strict=True)
+        LoadCase(k.name, share, k.speed, _scene_under_load_case(scene, k), k.time)
+        for k, share in zip(keys, shares, strict=True)
     )
     return DutyCycle(scene, tuple(cases), speed)
 
 
-def _scene_of_case(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
+def _scene_under_load_case(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
     """Return the scene under one load case, named SCENE-CASE, so that its stored runs and files have separate names."""
     motion = scene.motion
     if keys.speed is not None:
@@ -328,9 +335,12 @@ def _scene_of_case(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
         motion=motion,
     )
     if isinstance(case, Scene):
-        return replace(case, errors=_errors_of_case(case, keys))
+        return replace(case, errors=_errors_under_load_case(case, keys))
     each = ((s, s.parts) for s in case.sets)
-    sets = (replace(s, parts=replace(p, errors=_errors_of_case(p, keys))) if isinstance(p, Scene) else s for s, p in each)
+    sets = (
+        replace(s, parts=replace(p, errors=_errors_under_load_case(p, keys))) if isinstance(p, Scene) else s
+        for s, p in each
+    )
     loaded: dict[str, dict[str, Any]] = {
         h.name: {"force": h.force, "moment": h.moment} for h in getattr(keys, "housings", ())
     }
@@ -338,7 +348,7 @@ def _scene_of_case(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
     return replace(case, sets=tuple(sets), housings=tuple(housings))
 
 
-def _errors_of_case(scene: Scene, keys: CaseKeys) -> Errors:
+def _errors_under_load_case(scene: Scene, keys: CaseKeys) -> Errors:
     """Return the geometric errors of a scene in a load case, with the ball oversize of the load case if it states one."""
     oversize = scene.errors.balls.oversize if keys.oversize is None else keys.oversize
     return replace(scene.errors, balls=replace(scene.errors.balls, oversize=oversize))
@@ -353,7 +363,7 @@ def _displaced_support(support: Support, keys: CaseKeys) -> Support:
     return replace(support, fixed=tuple((name, moved.get(name, value)) for name, value in support.fixed))
 
 
-def case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
+def load_case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
     """Yield the faults of load cases: of their names, of shares that do not sum to 1, and of displaced supports."""
     names = [case.name for case in keys.cases]
     for k, case in enumerate(keys.cases):
@@ -364,7 +374,7 @@ def case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
         if case.name in names[:k]:
             yield Fault((f"{where}.name",), "a unique name", "rename one of the two: results are identified by it")
         yield from _share_faults(case, where)
-        yield from _support_faults(keys, case, where)
+        yield from _case_support_faults(keys, case, where)
     if not keys.cases or any((case.share is None) == (case.time is None) for case in keys.cases):
         return
     timed = [k for k, case in enumerate(keys.cases) if case.time is not None]
@@ -380,39 +390,39 @@ def case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
         yield Fault((f"cases[{(shared or [0])[-1]}].share",), "shares that sum to 1", advice, f"a sum of {total:.7g}")
 
 
-def _share_faults(case: CaseKeys, where: str) -> Iterator[Fault]:
+def _share_faults(case: CaseKeys, case_path: str) -> Iterator[Fault]:
     """Yield a fault unless a load case has either a share of the revolutions, or both time and speed.
 
-    ``where``: path of the case in the file, such as ``cases[0]``.
+    ``case_path``: path of the case in the file, such as ``cases[0]``.
     """
     if (case.share is None) == (case.time is None):
         given = "neither" if case.share is None else "both share and time"
         advice = 'write share = 0.5, or time = "20 s" with speed = "200 rpm"'
-        yield Fault((f"{where}.share",), "either share or time", advice, given)
+        yield Fault((f"{case_path}.share",), "either share or time", advice, given)
     elif case.time is not None and case.speed is None:
         advice = 'write e.g. speed = "200 rpm": the share of the revolutions follows from time and speed'
-        yield Fault((f"{where}.speed",), "a speed together with a time", advice, "nothing")
+        yield Fault((f"{case_path}.speed",), "a speed together with a time", advice, "nothing")
     if case.speed == 0.0:
         advice = "write share = 0 in place of the speed for a case at rest, which is checked statically only"
-        yield Fault((f"{where}.speed",), "any angular speed but zero", advice)
+        yield Fault((f"{case_path}.speed",), "any angular speed but zero", advice)
 
 
-def _support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, where: str) -> Iterator[Fault]:
+def _case_support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, case_path: str) -> Iterator[Fault]:
     """Yield the faults of displacements in a load case: no support of the scene fixes the freedom, or it is given twice.
 
-    ``keys``: keys of the scene; ``where``: path of the case in the file, such as ``cases[0]``.
+    ``keys``: keys of the scene; ``case_path``: path of the case in the file, such as ``cases[0]``.
     """
     seen: set[tuple[int, str]] = set()
     for j, other in enumerate(case.supports):
         supports = [(i, s) for i, s in enumerate(keys.supports) if abs(s.at - other.at) <= MERGE]
         if not supports:
-            places = ", ".join(mm(s.at) for s in keys.supports) or "none, as the scene has no supports"
+            places = ", ".join(length_text(s.at) for s in keys.supports) or "none, as the scene has no supports"
             advice = "correct the position, or add the support to the scene"
-            yield Fault((f"{where}.supports[{j}].at",), f"position of a support of the scene ({places})", advice)
+            yield Fault((f"{case_path}.supports[{j}].at",), f"position of a support of the scene ({places})", advice)
             continue
         held = {name: i for i, s in supports for name in s.held}
         for name in other.displace.given:
-            key = f"{where}.supports[{j}].displace.{name}"
+            key = f"{case_path}.supports[{j}].displace.{name}"
             if name not in held:
                 allowed = f"a freedom that the scene's support fixes ({', '.join(held) or 'none'})"
                 yield Fault((key,), allowed, f"add {name} to fix of the scene's support", name)
@@ -422,11 +432,11 @@ def _support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, where: str) -> I
                 seen.add((held[name], name))
 
 
-def fault_of_case(fault: Fault, k: int) -> Fault:
-    """Return a fault of the scene under load case ``k``, with the keys of that load case before those of the scene.
+def fault_in_load_case(fault: Fault, case_number: int) -> Fault:
+    """Return a fault of the scene under load case ``case_number``, with the load case's keys before the scene's.
 
     The message then names a key of the load case, ``cases[k].KEY``, where the file has it.
     """
-    blamed = tuple(f"cases[{k}].{key}" for key in fault.keys if key.startswith(("loads", "supports")))
-    oversize = () if blamed else (f"cases[{k}].oversize",)
+    blamed = tuple(f"cases[{case_number}].{key}" for key in fault.keys if key.startswith(("loads", "supports")))
+    oversize = () if blamed else (f"cases[{case_number}].oversize",)
     return replace(fault, keys=(*blamed, *oversize, *fault.keys))

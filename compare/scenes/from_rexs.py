@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.compare.errors import ArgumentError, SceneError
-from rollbench.compare.scenes.rexs_model import UNITS, RexsComponent, RexsModel, Value, read_model
+from rollbench.compare.scenes.rexs_model import UNITS, RexsComponent, RexsModel, Value, read_rexs_file
 
 BEARINGS = ("rolling_bearing_with_detailed_geometry", "rolling_bearing_with_catalog_geometry")
 #: Thrust of a row in a scene, for each value of the REXS attribute for the axial force on the inner ring that it carries.
@@ -53,7 +53,9 @@ class RexsReader:
     assumed: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
-    def need(self, component: RexsComponent, attribute: str, key: str, names: Iterable[str] = ()) -> str | None:
+    def quantity_or_fault(
+        self, component: RexsComponent, attribute: str, key: str, names: Iterable[str] = ()
+    ) -> str | None:
         """Return a quantity as text with a unit: the user's value of ``key``, else that of the component's attribute.
 
         ``names``: other attributes that may give the quantity. Without any value, the attribute is recorded as missing, and
@@ -63,11 +65,11 @@ class RexsReader:
             return self.given.pop(key)
         for name in (attribute, *names):
             if (value := component.number(name)) is not None:
-                return quantity_text(name, value)
-        self.lack(component, attribute, key)
+                return attribute_text(name, value)
+        self.record_missing_attribute(component, attribute, key)
         return None
 
-    def lack(self, component: RexsComponent, attribute: str, key: str, unit: str = "") -> None:
+    def record_missing_attribute(self, component: RexsComponent, attribute: str, key: str, unit: str = "") -> None:
         """Record a fault for a missing attribute of a component, with the key by which the user can give its value."""
         unit = unit or UNITS[attribute]
         where = f"component {component.id} ({component.type} {component.name}), attribute {attribute}"
@@ -76,7 +78,7 @@ class RexsReader:
         self.missing.append(SceneError(str(self.path), where, "nothing", example, advice))
 
 
-def quantity_text(attribute: str, value: float) -> str:
+def attribute_text(attribute: str, value: float) -> str:
     """Return ``value``, that of a REXS attribute, as text with its unit for a scene file.
 
     ``attribute``: name of the attribute, from which the unit follows.
@@ -85,7 +87,7 @@ def quantity_text(attribute: str, value: float) -> str:
     return f"{value!r} {SCENE_UNITS.get(unit, unit)}"
 
 
-def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, list[str]]:
+def scene_tables_from_rexs(path: Path, shaft: str, user_values: dict[str, str]) -> tuple[Table, list[str]]:
     """Return the tables of a scene file for one shaft of a REXS file and its bearings.
 
     Parameters
@@ -94,7 +96,7 @@ def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, lis
         Path of the REXS file.
     shaft
         Name or id of the shaft; empty if the file has only one shaft with bearings.
-    given
+    user_values
         The user's values for missing attributes, as text by their keys; ``NAME.KEY`` for the bearing row NAME.
 
     Returns
@@ -111,14 +113,14 @@ def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, lis
     InputError
         If the file cannot be read or is no REXS file.
     """
-    model = read_model(path)
-    reader = RexsReader(path, model, dict(given))
+    model = read_rexs_file(path)
+    reader = RexsReader(path, model, dict(user_values))
     chosen = _chosen_shaft(reader, shaft)
     if len(model.cases) == 1:
         for k, attributes in model.cases[0].items():
             model.components[k].attributes |= attributes
     try:
-        table = _scene_tables(reader, chosen)
+        table = _tables_of_shaft(reader, chosen)
     except (ValueError, OverflowError) as error:  # a user's value that is not a quantity, or a count that is not a number
         advice = "correct the values of --set"
         raise ArgumentError("set", str(error), "numbers with their units", advice, str(path)) from None
@@ -155,7 +157,7 @@ def _is_bearing(model: RexsModel, roles: dict[str, int]) -> bool:
     return {"assembly", "inner_part", "outer_part"} <= set(roles) and model.components[roles["assembly"]].type in BEARINGS
 
 
-def _scene_tables(reader: RexsReader, shaft: RexsComponent) -> Table:
+def _tables_of_shaft(reader: RexsReader, shaft: RexsComponent) -> Table:
     """Return all tables of a scene file for a shaft with its bearings, supports, loads and load cases."""
     model = reader.model
     sections = model.parts(shaft.id, "shaft_section")
@@ -164,20 +166,22 @@ def _scene_tables(reader: RexsReader, shaft: RexsComponent) -> Table:
         _material_of_elements(model, b) for b in _bearings_on_shaft(model, shaft) if b.word("bearing_type") in ROLLERS
     )
     shared = next((x for x in of_rollers if x is not None), steel)
-    plain = [_plain_section(reader, x) for x in sections]
+    plain = [_plain_section_table(reader, x) for x in sections]
     ends = [float(x["end"].split()[0]) for x in plain if x["end"]]
     widest = max((x.number("outer_diameter_begin") or 0.0 for x in sections), default=0.0)
     if not sections:
-        reader.lack(shaft, "length", "shaft_section", "mm (of a shaft_section that is part of it)")
+        reader.record_missing_attribute(shaft, "length", "shaft_section", "mm (of a shaft_section that is part of it)")
     sets: list[Table] = []
     for bearing in _bearings_on_shaft(model, shaft):
         sets += _tables_of_bearing(reader, bearing, (steel, shared), {x["name"] for x in sets})
     seats = [x for x in sets if "housing" in x]
     supports = [{"at": "0 mm", "fix": ["rz"]}]
-    supports += [s for x in _components_beside(model, shaft, "concept_bearing") if (s := _support_table(reader, x))]
+    supports += [
+        s for x in _components_attached_to_shaft(model, shaft, "concept_bearing") if (s := _support_table(reader, x))
+    ]
     loads = model.parts(shaft.id, "external_load")
     _note_unmapped_parts(reader, shaft)
-    speed, oil = shaft.number("rotational_speed"), _viscosity(model, shaft)
+    speed, oil = shaft.number("rotational_speed"), _lubricant_viscosity(model, shaft)
     reader.assumed.append("REXS: the drive holds the rotation of the shaft, at its end.")
     return {
         "title": reader.given.pop("title", f"{shaft.name or 'Shaft'} of {reader.path.name}"),
@@ -186,27 +190,30 @@ def _scene_tables(reader: RexsReader, shaft: RexsComponent) -> Table:
         "kind": "axis",
         "material": _material_table(reader, shared or shaft, "material"),
         "screw": {"length": f"{max(ends, default=0.0)!r} mm", "outer_diameter": f"{widest!r} mm", "plain": plain}
-        | _own_material(reader, steel, shared, "screw"),
+        | _own_material_table(reader, steel, shared, "screw"),
         "sets": sets,
         "housings": [{"name": x["housing"], "at": x["nut"]["position"], "fix": list(SEAT)} for x in seats],
         "supports": supports,
         "loads": [_load_table(x, {}) for x in loads],
         "cases": _case_tables(model, shaft, loads) if len(model.cases) > 1 else [],
-        "motion": {} if speed is None or len(model.cases) > 1 else {"speed": quantity_text("rotational_speed", speed)},
-        "lubricant": {} if oil is None else {"viscosity": quantity_text("operating_viscosity", oil)},
+        "motion": {} if speed is None or len(model.cases) > 1 else {"speed": attribute_text("rotational_speed", speed)},
+        "lubricant": {} if oil is None else {"viscosity": attribute_text("operating_viscosity", oil)},
     }
 
 
-def _plain_section(reader: RexsReader, x: RexsComponent) -> Table:
-    """Return the table of the plain section ``x`` of the shaft; a cone becomes a cylinder of its mean diameters."""
+def _plain_section_table(reader: RexsReader, section: RexsComponent) -> Table:
+    """Return the table of the plain section ``section`` of the shaft; a cone becomes a cylinder of its mean diameters."""
     needed = ("u_coordinate_on_shaft", "length", "outer_diameter_begin")
     for name in needed:
-        if x.number(name) is None:
-            reader.lack(x, name, f"shaft_section {x.id}")
-    start, length, first = (x.number(name) or 0.0 for name in needed)
-    last, bores = x.number("outer_diameter_end"), [x.number(f"inner_diameter_{end}") or 0.0 for end in ("begin", "end")]
+        if section.number(name) is None:
+            reader.record_missing_attribute(section, name, f"shaft_section {section.id}")
+    start, length, first = (section.number(name) or 0.0 for name in needed)
+    last, bores = (
+        section.number("outer_diameter_end"),
+        [section.number(f"inner_diameter_{end}") or 0.0 for end in ("begin", "end")],
+    )
     if last not in (None, first) or bores[0] != bores[1]:
-        reader.assumed.append(f"REXS: the conical section {x.id} is a cylinder of its mean diameters.")
+        reader.assumed.append(f"REXS: the conical section {section.id} is a cylinder of its mean diameters.")
     outer = 0.5 * (first + (first if last is None else last))
     bore = 0.5 * (bores[0] + bores[1])
     table = {"start": f"{start!r} mm", "end": f"{start + length!r} mm", "diameter": f"{outer!r} mm"}
@@ -226,7 +233,7 @@ def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steel
         advice = "change the type, or remove the bearing; models cover only these types"
         reader.missing.append(SceneError(str(reader.path), where, kind or "nothing", allowed, advice))
         return []
-    middle = reader.need(bearing, "u_coordinate_on_shaft_inner_side", f"{name}.position")
+    middle = reader.quantity_or_fault(bearing, "u_coordinate_on_shaft_inner_side", f"{name}.position")
     apart = bearing.number("distance_between_bearing_rows") or 0.0
     found = []
     for k, row in enumerate(rows):
@@ -241,19 +248,19 @@ def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steel
     return found
 
 
-def _shift_position(place: str, by: float) -> str:
-    """Return the position ``place`` along the shaft, a text in mm, shifted by a distance [mm]."""
-    value, _, unit = place.partition(" ")
-    return f"{float(value) + by!r} {unit}"
+def _shift_position(position: str, shift: float) -> str:
+    """Return the position ``position`` along the shaft, a text in mm, shifted by a distance [mm]."""
+    value, _, unit = position.partition(" ")
+    return f"{float(value) + shift!r} {unit}"
 
 
 def _table_of_row(
-    reader: RexsReader, bearing: RexsComponent, row: RexsComponent, steels: Steels, name: str, place: str
+    reader: RexsReader, bearing: RexsComponent, row: RexsComponent, steels: Steels, name: str, position: str
 ) -> Table:
     """Return the table ``[[sets]]`` for one row of a bearing.
 
-    ``steels``: material of the shaft, and default material of all parts; ``name``: name of the set; ``place``: position of
-    the row along the shaft, as text.
+    ``steels``: material of the shaft, and default material of all parts; ``name``: name of the set; ``position``: position
+    of the row along the shaft, as text.
     """
     model, kind = reader.model, bearing.word("bearing_type")
     elements = model.parts(row.id, "rolling_element")
@@ -270,7 +277,7 @@ def _table_of_row(
         allowed = "positive or negative" if one_way else ", ".join(THRUST)
         reader.missing.append(SceneError(str(reader.path), where, takes or "nothing", allowed, advice))
     if not count:
-        reader.lack(row, "number_of_rolling_elements", f"{name}.count")
+        reader.record_missing_attribute(row, "number_of_rolling_elements", f"{name}.count")
     shift = bearing.number("preload_distance") or 0.0
     force = bearing.number("preload_force") or 0.0
     table: Table = {"name": name}
@@ -280,40 +287,42 @@ def _table_of_row(
     if floats:
         table["housing"] = f"{name} seat"
     if shift:
-        table["offset"] = quantity_text("preload_distance", -shift if takes == "+z" else shift)
+        table["offset"] = attribute_text("preload_distance", -shift if takes == "+z" else shift)
     if force:
-        table["preload"] = quantity_text("preload_force", force)
+        table["preload"] = attribute_text("preload_force", force)
     if kind in ROLLERS:
         table.pop("housing", None)  # rollers on a cone carry thrust
-        return table | _roller_tables(reader, row, element, name, place, count)
-    return table | _ball_tables(reader, bearing, row, elements, steels, name, place, count)
+        return table | _roller_tables(reader, row, element, name, position, count)
+    return table | _ball_tables(reader, bearing, row, elements, steels, name, position, count)
 
 
 def _roller_tables(
-    reader: RexsReader, row: RexsComponent, element: RexsComponent, name: str, place: str, count: int
+    reader: RexsReader, row: RexsComponent, element: RexsComponent, name: str, position: str, count: int
 ) -> Table:
     """Return the tables of position and rollers for a row of tapered rollers.
 
-    ``element``: component of a roller; ``name``: name of the set; ``place``: position of the row along the shaft, as text;
-    ``count``: number of rollers.
+    ``element``: component of a roller; ``name``: name of the set; ``position``: position of the row along the shaft, as
+    text; ``count``: number of rollers.
     """
     of = f"{name}.rollers"
     depth = reader.given.pop(f"{of}.ring_depth", None)
     if depth is None:
-        reader.lack(row, "ring_depth", f"{of}.ring_depth", "no such attribute: the depth of rings that deforms, in mm")
+        reader.record_missing_attribute(
+            row, "ring_depth", f"{of}.ring_depth", "no such attribute: the depth of rings that deforms, in mm"
+        )
     rollers: Table = {
         "count": count,
-        "diameter": reader.need(element, "diameter_of_rolling_element", f"{of}.diameter"),
-        "length": reader.need(element, "length_of_rolling_element", f"{of}.length"),
-        "cup_angle": _without_sign(reader.need(row, "pressure_angle", f"{of}.cup_angle")),
-        "roller_angle": reader.need(element, "roller_angle", f"{of}.roller_angle"),
+        "diameter": reader.quantity_or_fault(element, "diameter_of_rolling_element", f"{of}.diameter"),
+        "length": reader.quantity_or_fault(element, "length_of_rolling_element", f"{of}.length"),
+        "cup_angle": _without_sign(reader.quantity_or_fault(row, "pressure_angle", f"{of}.cup_angle")),
+        "roller_angle": reader.quantity_or_fault(element, "roller_angle", f"{of}.roller_angle"),
         "ring_depth": depth,
     }
     crown = element.number("roller_crowning_radius")
-    rollers |= {} if crown is None else {"crown": quantity_text("roller_crowning_radius", crown)}
+    rollers |= {} if crown is None else {"crown": attribute_text("roller_crowning_radius", crown)}
     rounded = reader.given.pop(f"{of}.edge_radius", None)  # REXS has no attribute for it
     rollers |= {} if rounded is None else {"edge_radius": rounded}
-    return {"position": place, "rollers": rollers}
+    return {"position": position, "rollers": rollers}
 
 
 def _ball_tables(
@@ -323,55 +332,57 @@ def _ball_tables(
     elements: list[RexsComponent],
     steels: Steels,
     name: str,
-    place: str,
+    position: str,
     count: int,
 ) -> Table:
     """Return the tables of ball path, inner ring, outer ring and balls for a row of balls.
 
     ``elements``: components of the balls; ``steels``: material of the shaft, and default material of all parts; ``name``:
-    name of the set; ``place``: position of the row along the shaft, as text; ``count``: number of balls.
+    name of the set; ``position``: position of the row along the shaft, as text; ``count``: number of balls.
     """
     model, element = reader.model, elements[0] if elements else row
     rings = {x.word("bearing_ring_type"): x for x in model.parts(bearing.id, "bearing_ring")}
     inner, outer = rings.get("inner_ring", bearing), rings.get("outer_ring", bearing)
-    pitch = reader.need(row, "reference_diameter", f"{name}.track.pitch_diameter")
+    pitch = reader.quantity_or_fault(row, "reference_diameter", f"{name}.track.pitch_diameter")
     track: Table = {"pitch_diameter": pitch, "lead": "0 mm"}
     clearance = next((a for a in CLEARANCES if bearing.number(a) is not None), "")
     angle = row.number("pressure_angle")
     if clearance and not angle and f"{name}.track.contact_angle" not in reader.given:
-        track["clearance"] = {"radial": quantity_text(clearance, bearing.number(clearance) or 0.0)}
+        track["clearance"] = {"radial": attribute_text(clearance, bearing.number(clearance) or 0.0)}
     else:
-        track["contact_angle"] = _without_sign(reader.need(row, "pressure_angle", f"{name}.track.contact_angle"))
+        track["contact_angle"] = _without_sign(
+            reader.quantity_or_fault(row, "pressure_angle", f"{name}.track.contact_angle")
+        )
     if inner is bearing and f"{name}.screw.outer_diameter" not in reader.given:
         unit = "mm (of a bearing_ring of type inner_ring: its shoulders)"
-        reader.lack(bearing, "outer_diameter", f"{name}.screw.outer_diameter", unit)
+        reader.record_missing_attribute(bearing, "outer_diameter", f"{name}.screw.outer_diameter", unit)
         shoulder = None
     else:
-        shoulder = reader.need(inner, "outer_diameter", f"{name}.screw.outer_diameter")
+        shoulder = reader.quantity_or_fault(inner, "outer_diameter", f"{name}.screw.outer_diameter")
     angles = [x.number("angular_position_around_u") for x in elements]
     of_shaft, shared = steels
     own = {
-        "screw": _own_material(reader, model.material(inner.id, bearing.id), of_shaft, f"{name}.screw"),
-        "nut": _own_material(reader, model.material(outer.id, bearing.id), shared, f"{name}.nut"),
-        "balls": _own_material(reader, model.material(element.id, bearing.id), shared, f"{name}.balls"),
+        "screw": _own_material_table(reader, model.material(inner.id, bearing.id), of_shaft, f"{name}.screw"),
+        "nut": _own_material_table(reader, model.material(outer.id, bearing.id), shared, f"{name}.nut"),
+        "balls": _own_material_table(reader, model.material(element.id, bearing.id), shared, f"{name}.balls"),
     }
-    balls: Table = {"diameter": reader.need(element, "diameter_of_rolling_element", f"{name}.balls.diameter")}
+    balls: Table = {"diameter": reader.quantity_or_fault(element, "diameter_of_rolling_element", f"{name}.balls.diameter")}
     if len(angles) == count and None not in angles:
-        balls["azimuths"] = [quantity_text("angular_position_around_u", x) for x in angles if x is not None]
+        balls["azimuths"] = [attribute_text("angular_position_around_u", x) for x in angles if x is not None]
     else:
         balls |= {"count": count, "turns": 1}
     return {
         "track": track,
         "screw": {
-            "groove_radius": reader.need(row, "raceway_radius_of_inner_ring", f"{name}.screw.groove_radius"),
+            "groove_radius": reader.quantity_or_fault(row, "raceway_radius_of_inner_ring", f"{name}.screw.groove_radius"),
             "outer_diameter": shoulder,
         }
         | own["screw"],
         "nut": {
-            "position": place,
-            "length": reader.need(bearing, "width", f"{name}.nut.length"),
-            "outer_diameter": reader.need(bearing, "outer_diameter", f"{name}.nut.outer_diameter"),
-            "groove_radius": reader.need(row, "raceway_radius_of_outer_ring", f"{name}.nut.groove_radius"),
+            "position": position,
+            "length": reader.quantity_or_fault(bearing, "width", f"{name}.nut.length"),
+            "outer_diameter": reader.quantity_or_fault(bearing, "outer_diameter", f"{name}.nut.outer_diameter"),
+            "groove_radius": reader.quantity_or_fault(row, "raceway_radius_of_outer_ring", f"{name}.nut.groove_radius"),
         }
         | own["nut"],
         "balls": balls | own["balls"],
@@ -383,22 +394,24 @@ def _without_sign(text: str | None) -> str | None:
     return None if text is None else text.removeprefix("-")
 
 
-def _material_table(reader: RexsReader, of: RexsComponent, key: str) -> Table:
-    """Return the table of a material from the elastic constants of the component ``of``; missing ones are faults.
+def _material_table(reader: RexsReader, component: RexsComponent, key: str) -> Table:
+    """Return the table of a material from the elastic constants of the component ``component``; missing ones are faults.
 
     ``key``: prefix of the keys with which the user can give missing constants, such as ``material``.
     """
-    ratio = reader.need(of, "poisson_ratio", f"{key}.poissons_ratio")
-    modulus = reader.need(of, "elastic_modulus", f"{key}.youngs_modulus")
+    ratio = reader.quantity_or_fault(component, "poisson_ratio", f"{key}.poissons_ratio")
+    modulus = reader.quantity_or_fault(component, "elastic_modulus", f"{key}.youngs_modulus")
     return {"youngs_modulus": modulus, "poissons_ratio": None if ratio is None else float(ratio.split()[0])}
 
 
-def _own_material(reader: RexsReader, steel: RexsComponent | None, usual: RexsComponent | None, key: str) -> Table:
-    """Return the material table of a part if its material differs from the default material ``usual``, else an empty table.
+def _own_material_table(
+    reader: RexsReader, steel: RexsComponent | None, default_steel: RexsComponent | None, key: str
+) -> Table:
+    """Return the material table of a part if its material differs from ``default_steel``, else an empty table.
 
     ``key``: prefix of the keys with which the user can give missing constants.
     """
-    if steel is None or (usual is not None and steel.attributes == usual.attributes):
+    if steel is None or (default_steel is not None and steel.attributes == default_steel.attributes):
         return {}
     return {"material": _material_table(reader, steel, f"{key}.material")}
 
@@ -415,28 +428,28 @@ def _material_of_elements(model: RexsModel, bearing: RexsComponent) -> RexsCompo
     return model.material(*(x.id for row in rows for x in model.parts(row.id, "rolling_element")), bearing.id)
 
 
-def _components_beside(model: RexsModel, shaft: RexsComponent, type: str) -> list[RexsComponent]:
+def _components_attached_to_shaft(model: RexsModel, shaft: RexsComponent, type: str) -> list[RexsComponent]:
     """Return the components of a type, such as "concept_bearing", that a relation of type "side" attaches to the shaft."""
     sides = (r.roles for r in model.relations if r.type == "side" and shaft.id in r.roles.values())
     return [x for roles in sides if (x := model.components[roles["assembly"]]).type == type]
 
 
-def _support_table(reader: RexsReader, x: RexsComponent) -> Table:
-    """Return the table of a rigid support for the concept bearing ``x``; empty if it carries no force or moment."""
-    fix = ["ux", "uy"] if x.attributes.get("radial_force_absorption") else []
-    fix += ["uz"] if x.word("axial_force_absorption") == "both_directions" else []
-    fix += ["rx", "ry"] if (x.number("bending_stiffness") or 0.0) >= RIGID else []
-    reader.assumed.append(f"REXS: the concept bearing {x.id} ({x.name}) is rigid.")
-    at = reader.need(x, "u_coordinate_on_shaft_inner_side", f"{x.name or x.id}.at")
+def _support_table(reader: RexsReader, bearing: RexsComponent) -> Table:
+    """Return the table of a rigid support for the concept bearing ``bearing``; empty if it carries no force or moment."""
+    fix = ["ux", "uy"] if bearing.attributes.get("radial_force_absorption") else []
+    fix += ["uz"] if bearing.word("axial_force_absorption") == "both_directions" else []
+    fix += ["rx", "ry"] if (bearing.number("bending_stiffness") or 0.0) >= RIGID else []
+    reader.assumed.append(f"REXS: the concept bearing {bearing.id} ({bearing.name}) is rigid.")
+    at = reader.quantity_or_fault(bearing, "u_coordinate_on_shaft_inner_side", f"{bearing.name or bearing.id}.at")
     return {"at": at, "fix": fix} if fix else {}
 
 
-def _load_table(x: RexsComponent, case: dict[str, Value]) -> Table:
-    """Return the table of the load ``x`` on the shaft; attributes that the load case ``case`` states take precedence.
+def _load_table(load: RexsComponent, case: dict[str, Value]) -> Table:
+    """Return the table of the load ``load`` on the shaft; attributes that the load case ``case`` states take precedence.
 
     The torque about the axis is balanced by the support at the end of the shaft.
     """
-    known = RexsComponent(x.id, x.type, x.name, x.attributes | case)
+    known = RexsComponent(load.id, load.type, load.name, load.attributes | case)
     force = [known.number(f"force_{axis}_direction") or 0.0 for axis in "vwu"]
     moment = [known.number(f"torque_around_{axis}_axis") or 0.0 for axis in "vwu"]
     table: Table = {"at": f"{known.number('u_coordinate_on_shaft') or 0.0!r} mm", "force": [f"{F!r} N" for F in force]}
@@ -459,12 +472,12 @@ def _case_tables(model: RexsModel, shaft: RexsComponent, loads: list[RexsCompone
         even = 1.0 / len(parts) if not total else (part or 0.0) / total
         share: Table = {"share": even}
         if total and part and None not in (*parts, *speeds):
-            share = {"time": f"{part!r} s", "speed": quantity_text("rotational_speed", speed or 0.0)}
+            share = {"time": f"{part!r} s", "speed": attribute_text("rotational_speed", speed or 0.0)}
         found.append({"name": f"case-{k}", **share, "loads": [_load_table(x, case.get(x.id, {})) for x in loads]})
     return found
 
 
-def _viscosity(model: RexsModel, shaft: RexsComponent) -> float | None:
+def _lubricant_viscosity(model: RexsModel, shaft: RexsComponent) -> float | None:
     """Return the operating viscosity [mm2/s] of the first bearing on the shaft that states one; None if none does."""
     found = (bearing.number("operating_viscosity") for bearing in _bearings_on_shaft(model, shaft))
     return next((x for x in found if x is not None), None)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 
-from rollbench.compare.scenes.fault import TOLERANCE, Fault, mm
-from rollbench.compare.scenes.from_keys import ball_total, groove_centre_distance
+from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text
+from rollbench.compare.scenes.from_keys import groove_centre_distance, loaded_ball_count
 from rollbench.compare.scenes.keys import GrooveKeys
 from rollbench.compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys
 from rollbench.meshes.parts import Motion, Time
@@ -17,37 +17,37 @@ from rollbench.meshes.section import MERGE
 SAME = 1e-9
 
 
-def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
+def conflicting_key_faults(keys: SceneKeys) -> Iterator[Fault]:
     """Yield the faults of a scene's keys that exclude or need each other, and of invalid counts and supports."""
     for part in ("screw", "nut", "balls"):
-        yield from _material_faults(keys, part)
+        yield from _missing_elastic_constant_faults(keys, part)
     yield from _kind_against_lead_faults(keys)
-    yield from groove_choice_faults(keys.screw, "screw")
-    yield from groove_choice_faults(keys.nut, "nut")
-    yield from _angle_faults(keys)
+    yield from groove_definition_faults(keys.screw, "screw")
+    yield from groove_definition_faults(keys.nut, "nut")
+    yield from _contact_angle_faults(keys)
     yield from _nut_fixing_faults(keys)
-    yield from _ball_choice_faults(keys)
+    yield from _ball_arrangement_faults(keys)
     yield from _support_faults(keys)
-    yield from motion_faults(keys.motion)
+    yield from zero_speed_faults(keys.motion)
     if keys.lubricant is not None and keys.track.lead != 0.0:
         advice = "leave [lubricant] out: the friction of a nut is given by [friction]"
         yield Fault(("lubricant",), "only for a bearing (track.lead of 0 mm)", advice, "a lubricant for a ball screw")
-    yield from friction_choice_faults(keys.friction)
-    yield from _circulation_table_faults(keys)
-    yield from _redundant_key_faults(keys)
+    yield from conflicting_friction_key_faults(keys.friction)
+    yield from _circulation_and_time_faults(keys)
+    yield from _contradictory_diameter_and_count_faults(keys)
     yield from _circuit_faults(keys)
     yield from _preload_faults(keys)
-    yield from _operation_faults(keys)
+    yield from _life_factor_faults(keys)
 
 
-def motion_faults(motion: Motion | None) -> Iterator[Fault]:
+def zero_speed_faults(motion: Motion | None) -> Iterator[Fault]:
     """Yield a fault if the angular speed of the moving part is zero."""
     if motion is not None and motion.speed == 0.0:
         advice = "give the speed at which the part turns: friction at rest may have any value up to its limit"
         yield Fault(("motion.speed",), "any angular speed but zero", advice)
 
 
-def _circulation_table_faults(keys: SceneKeys) -> Iterator[Fault]:
+def _circulation_and_time_faults(keys: SceneKeys) -> Iterator[Fault]:
     """Yield the faults of the tables ``[circulation]``, the ball circuits, and ``[time]``, a simulation over time."""
     circulation = keys.circulation
     if circulation is not None:
@@ -58,10 +58,10 @@ def _circulation_table_faults(keys: SceneKeys) -> Iterator[Fault]:
             allowed, advice = "either gap or filling", "leave one of the two out: one follows from the other"
             yield Fault(("circulation.gap",), allowed, advice, "both gap and filling")
     if keys.time is not None:
-        yield from time_faults(keys.time)
+        yield from simulation_time_faults(keys.time)
 
 
-def time_faults(time: Time) -> Iterator[Fault]:
+def simulation_time_faults(time: Time) -> Iterator[Fault]:
     """Yield a fault unless the settings of a simulation over time have either an angle or a duration."""
     if (time.angle is None) == (time.duration is None):
         value = "neither" if time.angle is None else "both angle and duration"
@@ -69,7 +69,7 @@ def time_faults(time: Time) -> Iterator[Fault]:
         yield Fault(("time.angle", "time"), "either angle or duration", advice, value)
 
 
-def friction_choice_faults(friction: FrictionKeys | None) -> Iterator[Fault]:
+def conflicting_friction_key_faults(friction: FrictionKeys | None) -> Iterator[Fault]:
     """Yield the faults of [friction]: a groove without coefficient, or the former key ``coupling`` with its successors."""
     if friction is not None and friction.coefficient is None and None in (friction.screw, friction.nut):
         advice = "write e.g. coefficient = 0.1, or a coefficient for each groove, screw and nut"
@@ -88,7 +88,7 @@ def _kind_against_lead_faults(keys: SceneKeys) -> Iterator[Fault]:
         yield Fault(("kind",), f'"{kind}" with this lead', advice)
 
 
-def groove_choice_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
+def groove_definition_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
     """Yield a fault unless a groove has either a radius or a conformity; ``table``: name of its table in the file."""
     if (groove.groove_radius is None) == (groove.conformity is None):
         given = "neither" if groove.conformity is None else "both groove_radius and conformity"
@@ -96,7 +96,7 @@ def groove_choice_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
         yield Fault((f"{table}.groove_radius",), "either groove_radius or conformity", advice, given)
 
 
-def _angle_faults(keys: SceneKeys) -> Iterator[Fault]:
+def _contact_angle_faults(keys: SceneKeys) -> Iterator[Fault]:
     """Yield the faults of the nominal contact angle, and of the bearing clearance that may replace it.
 
     A clearance needs a bearing, excludes the angle, is either radial or axial, and is small enough for the balls to touch
@@ -126,7 +126,7 @@ def _angle_faults(keys: SceneKeys) -> Iterator[Fault]:
     if len(given) == 1 and grooves and getattr(clearance, given[0]) >= 2.0 * groove_centre_distance(keys):
         most = max(0.0, 2.0 * groove_centre_distance(keys))
         advice = "check the unit and the groove radii: with this clearance the contact angle would reach 90 deg"
-        yield Fault((f"track.clearance.{given[0]}",), f"below {mm(most)} with these grooves", advice)
+        yield Fault((f"track.clearance.{given[0]}",), f"below {length_text(most)} with these grooves", advice)
 
 
 def _nut_fixing_faults(keys: SceneKeys) -> Iterator[Fault]:
@@ -149,7 +149,7 @@ def _nut_fixing_faults(keys: SceneKeys) -> Iterator[Fault]:
         yield Fault(("nut.held.centring",), '"free" for a flange without centring fit', advice)
 
 
-def _material_faults(keys: SceneKeys, part: str) -> Iterator[Fault]:
+def _missing_elastic_constant_faults(keys: SceneKeys, part: str) -> Iterator[Fault]:
     """Yield the faults of a part that lacks Young's modulus or Poisson's ratio; ``part``: name of its table."""
     material = getattr(keys, part).material
     for name, unit in (("youngs_modulus", '"210 GPa"'), ("poissons_ratio", "0.28")):
@@ -159,7 +159,7 @@ def _material_faults(keys: SceneKeys, part: str) -> Iterator[Fault]:
             yield Fault((where,), "a value in this table or under [material]", advice, "nothing")
 
 
-def _ball_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
+def _ball_arrangement_faults(keys: SceneKeys) -> Iterator[Fault]:
     """Yield the faults of the keys for number and positions of the balls: count and turns, arcs, or azimuths."""
     balls, starts, ring = keys.balls, keys.track.starts, keys.track.lead == 0.0
     if ring and starts > 1:
@@ -175,7 +175,7 @@ def _ball_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
         yield Fault(("balls.count",), "either azimuths, or count with turns", advice, "nothing")
         return
     if balls.arcs is not None:
-        yield from _arc_faults(balls)
+        yield from _ball_arc_faults(balls)
     elif balls.azimuths is None and balls.turns is None and not ring:
         advice = "write the number of turns that the balls of one start fill, e.g. turns = 2"
         yield Fault(("balls.turns",), "a number above 0", advice, "nothing")
@@ -188,11 +188,11 @@ def _ball_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
         groups = "starts" if balls.circuits == 1 else "circuits"
         advice = f"write e.g. count = {near}, so that all {groups} have equally many balls"
         yield Fault(("balls.count",), f"a multiple of {shares}, the number of {groups}", advice)
-    total = ball_total(balls, keys.track) if balls.azimuths is None else len(balls.azimuths) * starts
-    yield from _listed_faults(keys, total)
+    total = loaded_ball_count(balls, keys.track) if balls.azimuths is None else len(balls.azimuths) * starts
+    yield from _listed_ball_error_faults(keys, total)
 
 
-def _arc_faults(balls: BallKeys) -> Iterator[Fault]:
+def _ball_arc_faults(balls: BallKeys) -> Iterator[Fault]:
     """Yield the faults of the angle ranges filled with balls: empty, out of order, or given in addition to ``turns``."""
     ends = [end for arc in balls.arcs or [] for end in arc]
     if balls.turns is not None:
@@ -202,21 +202,21 @@ def _arc_faults(balls: BallKeys) -> Iterator[Fault]:
         yield Fault(("balls.arcs",), "angle ranges in ascending order that do not overlap", advice)
 
 
-def _listed_faults(keys: SceneKeys, total: int) -> Iterator[Fault]:
+def _listed_ball_error_faults(keys: SceneKeys, ball_count: int) -> Iterator[Fault]:
     """Yield the faults of too many balls, and of radius errors that are listed for a missing ball or twice.
 
-    ``total``: number of balls of the scene.
+    ``ball_count``: number of balls of the scene.
     """
-    if total > MAX_BALLS:
+    if ball_count > MAX_BALLS:
         allowed = f"at most {MAX_BALLS} balls"
-        yield Fault(("balls.azimuths",), allowed, "list fewer azimuths", f"{total} balls")
+        yield Fault(("balls.azimuths",), allowed, "list fewer azimuths", f"{ball_count} balls")
     seen: set[int] = set()
     for text in keys.errors.balls.listed:
         where = (f"errors.balls.listed.{text}",)
         whole = text.isascii() and text.isdecimal() and len(text) <= 9
-        if not whole or not 1 <= int(text) <= total:
-            advice = f"correct the number: the scene has {total} balls, numbered start by start"
-            yield Fault(where, f"a ball number from 1 to {total}", advice, f"ball {text}")
+        if not whole or not 1 <= int(text) <= ball_count:
+            advice = f"correct the number: the scene has {ball_count} balls, numbered start by start"
+            yield Fault(where, f"a ball number from 1 to {ball_count}", advice, f"ball {text}")
         elif int(text) in seen:
             advice = f"keep one of the two errors of ball {int(text)}"
             yield Fault(where, "each ball once", advice, f"ball {int(text)} twice")
@@ -236,15 +236,15 @@ def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
         for name, where in given:
             for at, other, first in taken:
                 if other == name and abs(at - support.at) <= MERGE * (1.0 + TOLERANCE):
-                    advice = f"keep one of the two: {name} at {mm(at)} is already fixed by {first}"
-                    allowed = f"each freedom once per position (positions up to {mm(MERGE)} apart count as one)"
+                    advice = f"keep one of the two: {name} at {length_text(at)} is already fixed by {first}"
+                    allowed = f"each freedom once per position (positions up to {length_text(MERGE)} apart count as one)"
                     yield Fault((where,), allowed, advice, f'"{name}" twice')
                     break
             else:
                 taken.append((support.at, name, where))
 
 
-def _redundant_key_faults(keys: SceneKeys) -> Iterator[Fault]:
+def _contradictory_diameter_and_count_faults(keys: SceneKeys) -> Iterator[Fault]:
     """Yield the faults of a diameter that is not twice the radius given too, and of a ball count given with a filling."""
     pairs = (
         ("track.pitch_diameter", keys.track.pitch_diameter, keys.track.pitch_radius),
@@ -252,7 +252,9 @@ def _redundant_key_faults(keys: SceneKeys) -> Iterator[Fault]:
     )
     for where, diameter, radius in pairs:
         if diameter is not None and abs(diameter - 2.0 * radius) > SAME * radius:
-            yield Fault((where,), f"{mm(2.0 * radius)}, twice the radius that is given too", "leave one of the two out")
+            yield Fault(
+                (where,), f"{length_text(2.0 * radius)}, twice the radius that is given too", "leave one of the two out"
+            )
     if keys.balls.count is not None and keys.balls.filling is not None:
         yield Fault(("balls.filling",), "either count or filling", "leave one of the two out", "both count and filling")
 
@@ -271,7 +273,7 @@ def _circuit_faults(keys: SceneKeys) -> Iterator[Fault]:
             advice = "write the number of circuits, or leave circuit_gap out"
             yield Fault(("balls.circuits",), "2 or more together with circuit_gap", advice, "one circuit")
         if len(balls.arcs or []) > 1:
-            yield from _circulation_faults(keys, len(balls.arcs or []))
+            yield from _circulating_ball_faults(keys, len(balls.arcs or []))
         return
     if listed:
         yield Fault(("balls.circuits",), f"1 together with {listed}", remedy)
@@ -283,10 +285,10 @@ def _circuit_faults(keys: SceneKeys) -> Iterator[Fault]:
         value = f"{circuits} circuits without circuit_gap"
         allowed = "only together with circuit_gap, the number of turns without balls between circuits"
         yield Fault(("balls.circuits",), allowed, advice, value)
-    yield from _circulation_faults(keys, circuits)
+    yield from _circulating_ball_faults(keys, circuits)
 
 
-def _operation_faults(keys: SceneKeys) -> Iterator[Fault]:
+def _life_factor_faults(keys: SceneKeys) -> Iterator[Fault]:
     """Yield a fault if only one of viscosity ratio and contamination, which the life factor a_ISO needs, is given."""
     of = keys.operation
     if (of.viscosity_ratio is None) != (of.contamination is None):
@@ -295,7 +297,7 @@ def _operation_faults(keys: SceneKeys) -> Iterator[Fault]:
         yield Fault((f"operation.{given}",), f"only together with {lacking}", advice, f"{given} without {lacking}")
 
 
-def _circulation_faults(keys: SceneKeys, circuits: int) -> Iterator[Fault]:
+def _circulating_ball_faults(keys: SceneKeys, circuits: int) -> Iterator[Fault]:
     """Yield the faults of circulating balls: [circulation] and [balls] state different circuits, or arcs are unequal.
 
     ``circuits``: number of circuits of each start according to [balls].

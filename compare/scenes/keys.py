@@ -53,7 +53,7 @@ MATERIAL_NAMES = (
 OTHER_NAME = "any other name with youngs_modulus and poissons_ratio"
 
 
-def fill_in_material(table: Any) -> Any:
+def fill_in_elastic_constants(table: Any) -> Any:
     """Return the unchecked table of a material with missing elastic constants filled in from its name.
 
     An unknown name is dropped if the table gives both constants; the name is then only a remark for readers of the file.
@@ -82,7 +82,7 @@ def fill_in_radius(table: Any, radius: str, diameter: str) -> Any:
     return table | {radius: f"{min(max(half, 1e-5), 1.0)!r} m"}
 
 
-def needs_one_of(radius: str, diameter: str) -> ConfigDict:
+def config_requiring_one_of(radius: str, diameter: str) -> ConfigDict:
     """Return the configuration of a table whose JSON Schema requires one of two keys, a radius or a diameter."""
 
     def change(schema: dict[str, Any]) -> None:
@@ -129,7 +129,7 @@ class MaterialKeys(Table):
     @classmethod
     def _fill_in_constants(cls, value: Any) -> Any:
         """Return the unchecked table with elastic constants filled in from the material's name."""
-        return fill_in_material(value)
+        return fill_in_elastic_constants(value)
 
     @field_validator("youngs_modulus")
     @classmethod
@@ -199,49 +199,49 @@ class SpeedKeys(Table):
 
 
 @cache
-def tidy_schema(keys: type[BaseModel]) -> dict[str, Any]:
+def scene_schema_of_kind(keys: type[BaseModel]) -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of one kind of scene, with description, unit, range and example of every key.
 
     The returned object is cached and must not be changed.
     """
-    schema: dict[str, Any] = without_null(keys.model_json_schema())
+    schema: dict[str, Any] = schema_without_null(keys.model_json_schema())
     return schema
 
 
-def without_null(node: Any) -> Any:
+def schema_without_null(node: Any) -> Any:
     """Return a JSON Schema, or a part of it, without ``null``, which TOML does not have.
 
     Pydantic's titles and the defaults of tables are removed too.
     """
     if isinstance(node, list):
-        return [without_null(v) for v in node]
+        return [schema_without_null(v) for v in node]
     if not isinstance(node, dict):
         return node
     out: dict[str, Any] = {}
     for name, value in node.items():
         if name == "anyOf":
             (kept,) = (v for v in value if v != {"type": "null"})
-            out |= {k: v for k, v in without_null(kept).items() if k not in node}
+            out |= {k: v for k, v in schema_without_null(kept).items() if k not in node}
         elif name == "properties" or name == "$defs":
-            out[name] = {k: without_null(v) for k, v in value.items()}
+            out[name] = {k: schema_without_null(v) for k, v in value.items()}
         elif name == "default":
             if value is not None and not isinstance(value, dict):
-                out[name] = _with_unit(value, node)
+                out[name] = _default_with_unit(value, node)
         elif name == "description":
             out[name] = value.partition("\n\n")[0]
         elif not (name == "title" and isinstance(value, str)):
-            out[name] = value if name == "examples" else without_null(value)
+            out[name] = value if name == "examples" else schema_without_null(value)
     return out
 
 
-def _with_unit(default: Any, node: dict[str, Any]) -> Any:
+def _default_with_unit(default: Any, node: dict[str, Any]) -> Any:
     """Return a default value in SI units as text with a unit, as it would be written in a file.
 
     ``node``: part of the JSON Schema for the key.
     """
     if isinstance(default, list):
-        return [_with_unit(x, node.get("items", {})) for x in default]
+        return [_default_with_unit(x, node.get("items", {})) for x in default]
     if isinstance(default, float) and "x-unit" in node:
         of = Rate if node["x-dimension"] in RATES else Quantity
-        return of(node["x-dimension"], 0, 0, node["examples"][0]).written(default)
+        return of(node["x-dimension"], 0, 0, node["examples"][0]).text_with_unit(default)
     return default

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.scenes.scene_file import read_text
+from rollbench.compare.scenes.scene_file import read_scene_text
 
 VERSION = "1.7"
 
@@ -130,7 +130,7 @@ class RexsModel:
         self.components[k] = RexsComponent(k, type, name, {a: v for a, v in attributes.items() if v is not None})
         return k
 
-    def relate(self, type: str, order: int | None = None, **roles: int) -> None:
+    def add_relation(self, type: str, order: int | None = None, **roles: int) -> None:
         """Add a relation between components to the REXS model.
 
         Parameters
@@ -161,7 +161,7 @@ class RexsModel:
         return None
 
 
-def read_model(path: Path) -> RexsModel:
+def read_rexs_file(path: Path) -> RexsModel:
     """Read a REXS file.
 
     Parameters
@@ -179,7 +179,7 @@ def read_model(path: Path) -> RexsModel:
     InputError
         If the file is not REXS 1.x, or contains an unknown id, an unexpected unit, or a number that cannot be read.
     """
-    text = read_text(path).lstrip("\ufeff")
+    text = read_scene_text(path).lstrip("\ufeff")
     if "<!DOCTYPE" in text:
         raise InputError(str(path), "DOCTYPE", "a document type", "an XML file without one", "remove it")
     try:
@@ -236,7 +236,7 @@ def _known_attributes(component: ET.Element, path: Path) -> dict[str, Value]:
             raise InputError(str(path), where, f"unit {unit!r}", f"unit {UNITS[name]!r}", advice)
         cells, text = one.findall("array/c"), (one.text or "").strip()
         try:
-            value = tuple(float(c.text or "") for c in cells) if cells else _attribute_value(text, UNITS[name])
+            value = tuple(float(c.text or "") for c in cells) if cells else _parse_attribute(text, UNITS[name])
         except ValueError:
             advice = "write a number with a decimal point and without unit"
             raise InputError(str(path), where, text or "no number", f"a number in {UNITS[name]}", advice) from None
@@ -245,14 +245,14 @@ def _known_attributes(component: ET.Element, path: Path) -> dict[str, Value]:
     return found
 
 
-def _attribute_value(text: str, unit: str) -> Value:
+def _parse_attribute(text: str, unit: str) -> Value:
     """Return the value of an attribute from its text: true or false, a number, or a word if the unit is "none"."""
     if text in ("true", "false"):
         return text == "true"
     return float(text) if text and unit != "none" else text
 
 
-def text_of(model: RexsModel, version: str, date: str) -> str:
+def rexs_file_text(model: RexsModel, version: str, writing_date: str) -> str:
     """Return a REXS model as the text of an XML file.
 
     Parameters
@@ -261,7 +261,7 @@ def text_of(model: RexsModel, version: str, date: str) -> str:
         Components, relations and load cases.
     version
         Version of this program.
-    date
+    writing_date
         Date of writing (ISO 8601).
 
     Returns
@@ -269,7 +269,7 @@ def text_of(model: RexsModel, version: str, date: str) -> str:
     str
         XML text.
     """
-    head = {"version": VERSION, "applicationId": "rollbench", "applicationVersion": version, "date": date}
+    head = {"version": VERSION, "applicationId": "rollbench", "applicationVersion": version, "date": writing_date}
     root = ET.Element("model", head | {"applicationLanguage": "en"})
     relations, components = ET.SubElement(root, "relations"), ET.SubElement(root, "components")
     for k, relation in enumerate(model.relations, 1):
@@ -298,12 +298,12 @@ def _write_component(parent: ET.Element, component: RexsComponent, attributes: d
         if isinstance(value, tuple):
             array = ET.SubElement(attribute, "array")
             for x in value:
-                ET.SubElement(array, "c").text = _value_text(float(x))
+                ET.SubElement(array, "c").text = _attribute_text(float(x))
         else:
-            attribute.text = _value_text(value)
+            attribute.text = _attribute_text(value)
 
 
-def _value_text(value: str | float | bool) -> str:
+def _attribute_text(value: str | float | bool) -> str:
     """Return the value of an attribute as text; numbers have 15 digits, enough to recover those of a scene file."""
     if isinstance(value, bool):
         return str(value).lower()

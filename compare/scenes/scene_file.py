@@ -10,15 +10,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rollbench.compare.case import shipped_files
+from rollbench.compare.case import shipped_toml_files
 from rollbench.compare.errors import SceneError
-from rollbench.compare.files import ENCODING, NotTextError, similar_paths, text_of
-from rollbench.compare.quantities import count_of
+from rollbench.compare.files import ENCODING, NotTextError, decode_text, similar_paths
+from rollbench.compare.quantities import count_with_noun
 from rollbench.compare.scenes.duty_cycle import WHOLE, Described, DutyCycle
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.cache import kept
+from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.units import COMMA, has_comma
+from rollbench.meshes.units import COMMA, has_comma_in_number
 
 #: Largest number of parts of a dotted key, because time and memory of the TOML reader grow with its square.
 MAX_PARTS = 32
@@ -30,17 +30,17 @@ MAX_BYTES, MAX_LINE = 4_000_000, 2_500_000
 
 def read_scene_file(path: str | Path) -> Scene:
     """Read a ball screw or bearing from a scene file, whose name without suffix it gets; SceneError for faults."""
-    return scene_of_text(read_text(path), str(path))
+    return scene_from_text(read_scene_text(path), str(path))
 
 
-def scene_of_text(text: str, origin: str) -> Scene:
+def scene_from_text(text: str, file_name: str) -> Scene:
     """Return the ball screw or bearing that the text of a scene file describes.
 
     Parameters
     ----------
     text
         Text of a scene file.
-    origin
+    file_name
         Name of the file, for error messages.
 
     Returns
@@ -53,43 +53,45 @@ def scene_of_text(text: str, origin: str) -> Scene:
     SceneError
         If the text has faults, or describes a scene of another kind.
     """
-    return single_set_or_raise(parse_scene(text, origin), origin)
+    return single_set_or_raise(parse_scene(text, file_name), file_name)
 
 
-def scene_or_assembly(scene: Described, origin: str) -> Scene | Assembly:
+def scene_or_assembly_or_raise(scene: Described, file_name: str) -> Scene | Assembly:
     """Return the scene if it is a ball screw, a bearing, or a shaft with several of them; SceneError for other kinds.
 
-    ``origin``: name of the file, for messages.
+    ``file_name``: name of the file, for messages.
     """
-    return scene if isinstance(scene, Assembly) else single_set_or_raise(scene, origin)
+    return scene if isinstance(scene, Assembly) else single_set_or_raise(scene, file_name)
 
 
-def each_case(scene: Described, origin: str) -> list[Scene] | list[Assembly]:
+def scenes_of_load_cases(scene: Described, file_name: str) -> list[Scene] | list[Assembly]:
     """Return the scenes to be solved: the scene of each load case in order, or the scene itself if it has no load cases.
 
-    ``origin``: name of the file, for messages. SceneError for kinds of scenes of which only friction is computed.
+    ``file_name``: name of the file, for messages. SceneError for kinds of scenes of which only friction is computed.
     """
     if isinstance(scene, DutyCycle):
         return [case.scene for case in scene.cases]  # type: ignore[return-value]
-    single = scene_or_assembly(scene, origin)
+    single = scene_or_assembly_or_raise(scene, file_name)
     return [single]  # type: ignore[return-value]
 
 
-def single_set_or_raise(scene: Described, origin: str) -> Scene:
+def single_set_or_raise(scene: Described, file_name: str) -> Scene:
     """Return the scene if it is a ball screw or bearing with a single nut or row; SceneError for other kinds.
 
-    ``origin``: name of the file, for messages.
+    ``file_name``: name of the file, for messages.
     """
     if isinstance(scene, Scene):
         return scene
     if isinstance(scene, DutyCycle):
         advice = "delete the cases, or use solve, compare, check, friction, sweep or report, which accept them"
-        raise SceneError(origin, "cases", count_of(len(scene.cases), "case"), "a scene without [[cases]]", advice)
+        raise SceneError(file_name, "cases", count_with_noun(len(scene.cases), "case"), "a scene without [[cases]]", advice)
     if isinstance(scene, Assembly):
         advice = "describe one nut or ring with its balls, or use solve, view, compare, check, friction or sweep"
-        raise SceneError(origin, "sets", count_of(len(scene.sets), "set"), "one set whose outer part is fixed", advice)
-    advice = f"use the command that solves this kind: rollbench friction {shlex.quote(origin)}"
-    raise SceneError(origin, "kind", f'"{scene.kind}"', ", ".join(f'"{kind}"' for kind in WHOLE), advice)
+        raise SceneError(
+            file_name, "sets", count_with_noun(len(scene.sets), "set"), "one set whose outer part is fixed", advice
+        )
+    advice = f"use the command that solves this kind: rollbench friction {shlex.quote(file_name)}"
+    raise SceneError(file_name, "kind", f'"{scene.kind}"', ", ".join(f'"{kind}"' for kind in WHOLE), advice)
 
 
 @dataclass(frozen=True)
@@ -100,14 +102,14 @@ class ParsedScene:
     described: Described
 
 
-def parse_scene(text: str, origin: str) -> Described:
+def parse_scene(text: str, file_name: str) -> Described:
     """Return the scene, of any kind, that the text of a scene file describes.
 
     Parameters
     ----------
     text
         Text of a scene file.
-    origin
+    file_name
         Name of the file, for error messages.
 
     Returns
@@ -120,18 +122,18 @@ def parse_scene(text: str, origin: str) -> Described:
     SceneError
         If the text has faults.
     """
-    return _parsed(text, origin).described
+    return _parse_scene_cached(text, file_name).described
 
 
-@kept(ParsedScene)
-def _parsed(text: str, origin: str) -> ParsedScene:
+@cached_on_disk(ParsedScene)
+def _parse_scene_cached(text: str, file_name: str) -> ParsedScene:
     """Return the scene that a text describes, read from the cache on disk where it was stored before."""
-    from rollbench.compare.scenes.scene_tables import read_tables  # heavy import, not needed for a cached text
+    from rollbench.compare.scenes.scene_tables import scene_from_tables  # heavy import, not needed for a cached text
 
-    return ParsedScene(read_tables(read_toml(text, origin), origin))
+    return ParsedScene(scene_from_tables(parse_toml(text, file_name), file_name))
 
 
-def kind_of(scene: Described) -> str:
+def kind_of_scene(scene: Described) -> str:
     """Return the kind of a scene as in its file, such as "ball screw", "bearing" or "axis"."""
     scene = scene.parts if isinstance(scene, DutyCycle) else scene
     if not isinstance(scene, Scene):
@@ -139,7 +141,7 @@ def kind_of(scene: Described) -> str:
     return "bearing" if scene.track.lead == 0.0 else "ball screw"
 
 
-def read_text(path: str | Path) -> str:
+def read_scene_text(path: str | Path) -> str:
     """Return the text of a scene file; SceneError if the file cannot be read, is not text, or is too large."""
     allowed = "a readable TOML file"
     try:
@@ -151,7 +153,7 @@ def read_text(path: str | Path) -> str:
             data = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        near = similar_paths(Path(path), shipped_files("scenes")) if isinstance(error, FileNotFoundError) else ""
+        near = similar_paths(Path(path), shipped_toml_files("scenes")) if isinstance(error, FileNotFoundError) else ""
         advice = near or "check the path, or see the shipped scenes with: rollbench list"
         raise SceneError(str(path), "file", reason.lower(), allowed, advice) from None
     if len(data) > MAX_BYTES:
@@ -159,7 +161,7 @@ def read_text(path: str | Path) -> str:
         allowed = f"up to {MAX_BYTES // 1_000_000} MB"
         raise SceneError(str(path), "file", value, allowed, "check whether this is a scene file")
     try:
-        text = text_of(data)
+        text = decode_text(data)
     except NotTextError as error:
         raise SceneError(str(path), "file", error.value, ENCODING, error.advice) from None
     longest = max(map(len, text.splitlines()), default=0)
@@ -170,18 +172,18 @@ def read_text(path: str | Path) -> str:
     return text
 
 
-def scene_hash(text: str) -> str:
+def hash_of_scene_text(text: str) -> str:
     """Return the first 16 hexadecimal digits of the SHA-256 of a scene's text without the line of the key ``role``."""
     described = re.sub(r"(?m)^role = .*\n", "", text)
     return hashlib.sha256(described.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
-def read_toml(text: str, origin: str) -> dict[str, Any]:
-    """Return the tables and keys of a TOML text; SceneError if it is not valid (``origin``: name of the file)."""
+def parse_toml(text: str, file_name: str) -> dict[str, Any]:
+    """Return the tables and keys of a TOML text; SceneError if it is not valid (``file_name``: name of the file)."""
     if long := _DOTTED.search(text):
         row = text.count("\n", 0, long.start()) + 1
         advice = "use the keys that rollbench schema lists, which have up to four parts"
-        raise SceneError(origin, f"line {row}", f"{long[0][:40]}...", f"a key of up to {MAX_PARTS} parts", advice)
+        raise SceneError(file_name, f"line {row}", f"{long[0][:40]}...", f"a key of up to {MAX_PARTS} parts", advice)
     try:
         return tomllib.loads(text)
     except RecursionError:
@@ -193,6 +195,6 @@ def read_toml(text: str, origin: str) -> dict[str, Any]:
     numbered = re.match(r"line (\d+)", place)
     line = text.splitlines()[int(numbered[1]) - 1].strip() if numbered else "text that is not TOML"
     advice = f'correct the line ({reason[:1].lower()}{reason[1:]}); put texts in double quotes, e.g. length = "800 mm"'
-    if has_comma(line.partition("=")[2]):
+    if has_comma_in_number(line.partition("=")[2]):
         advice = COMMA
-    raise SceneError(origin, place, line or "an empty line", "TOML: [table] and key = value lines", advice)
+    raise SceneError(file_name, place, line or "an empty line", "TOML: [table] and key = value lines", advice)

@@ -7,20 +7,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import SceneError, escape_unprintable
-from rollbench.compare.scenes.body_checks import contact_faults, geometry_faults
+from rollbench.compare.scenes.body_checks import geometry_faults, hertz_constant_faults
 from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE, Described, DutyCycle
 from rollbench.compare.scenes.fault import (
     Fault,
+    combined_scene_error,
     fault_texts,
     raise_faults,
-    scene_error,
-    validate_leniently,
+    validate_beyond_faults,
     validate_or_raise,
 )
-from rollbench.compare.scenes.from_keys import case_faults, scene_of, with_load_cases, with_preload
-from rollbench.compare.scenes.key_checks import choice_faults
+from rollbench.compare.scenes.from_keys import load_case_faults, scene_from_keys, with_load_cases, with_preload_as_oversize
+from rollbench.compare.scenes.key_checks import conflicting_key_faults
 from rollbench.compare.scenes.schema import SceneKeys
-from rollbench.meshes.one_arc import as_one_arc
+from rollbench.meshes.one_arc import with_single_arc_grooves
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.units import toml_text
 
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
 FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
 
 
-def read_tables(raw: dict[str, Any], origin: str) -> Described:
+def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
     """Return the scene, of any kind, that the tables of a file describe.
 
     Parameters
     ----------
-    raw
+    tables
         Tables of the file.
-    origin
+    file_name
         Name of the file, for errors and for the scene's name.
 
     Raises
@@ -46,73 +46,78 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
     SceneError
         For faulty keys, and for parts that cannot be built.
     """
-    kind = raw.get("kind")
-    if _is_axis(raw):
-        from rollbench.compare.scenes.axis_file import read_axis
+    kind = tables.get("kind")
+    if _describes_several_sets(tables):
+        from rollbench.compare.scenes.axis_file import build_axis_scene
 
-        return read_axis(_axis_keys(raw, origin), raw, origin, Path(origin).stem)
-    nut = raw.get("nut")
+        return build_axis_scene(_validated_axis_keys(tables, file_name), tables, file_name, Path(file_name).stem)
+    nut = tables.get("nut")
     bodies = isinstance(nut, dict) and "length" in nut  # a ball screw or bearing with a misspelt key
-    if kind is None and FOREIGN & raw.keys() and not bodies:
-        name = sorted(FOREIGN & raw.keys())[0]
+    if kind is None and FOREIGN & tables.keys() and not bodies:
+        name = sorted(FOREIGN & tables.keys())[0]
         advice = f'write e.g. kind = "{KINDS[0]}"; the table [{name}] exists only in kinds that rollbench friction solves'
-        raise SceneError(origin, "kind", "nothing", ", ".join(map(toml_text, KINDS)), advice)
+        raise SceneError(file_name, "kind", "nothing", ", ".join(map(toml_text, KINDS)), advice)
     if kind is None or kind in WHOLE:
-        return single_set_scene(raw, origin)
+        return single_set_scene_from_tables(tables, file_name)
     if kind not in KINDS:
         near = difflib.get_close_matches(str(kind), (*WHOLE, *KINDS), n=1, cutoff=0.5)
         advice = f"did you mean {toml_text(near[0])}?" if near else "leave the key out for a whole ball screw or bearing"
-        raise SceneError(origin, "kind", toml_text(kind), ", ".join(map(toml_text, (*WHOLE, *KINDS))), advice)
-    from rollbench.compare.scenes.friction_kinds.table import kind_named
+        raise SceneError(file_name, "kind", toml_text(kind), ", ".join(map(toml_text, (*WHOLE, *KINDS))), advice)
+    from rollbench.compare.scenes.friction_kinds.table import scene_kind_by_name
 
-    of = kind_named(kind)
-    keys = validate_or_raise(raw, of.keys, origin)
-    raise_faults(origin, raw, list(of.faults(keys)))
-    return of.record(keys, escape_unprintable(Path(origin).stem))
+    of = scene_kind_by_name(kind)
+    keys = validate_or_raise(tables, of.keys, file_name)
+    raise_faults(file_name, tables, list(of.faults(keys)))
+    return of.record(keys, escape_unprintable(Path(file_name).stem))
 
 
-def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
+def validated_keys(tables: dict[str, Any], file_name: str) -> SceneKeys | AxisKeys:
     """Return the validated keys of a ball screw, a bearing, or a shaft with several of them; SceneError for faulty keys.
 
-    ``raw``: tables of the file; ``origin``: name of the file, for messages.
+    ``tables``: tables of the file; ``file_name``: name of the file, for messages.
     """
-    return _axis_keys(raw, origin) if _is_axis(raw) else validate_or_raise(raw, SceneKeys, origin)
+    return (
+        _validated_axis_keys(tables, file_name)
+        if _describes_several_sets(tables)
+        else validate_or_raise(tables, SceneKeys, file_name)
+    )
 
 
-def _axis_keys(raw: dict[str, Any], origin: str) -> AxisKeys:
+def _validated_axis_keys(tables: dict[str, Any], file_name: str) -> AxisKeys:
     """Return the validated keys of a shaft with several nuts or bearings; SceneError for faulty keys."""
     from rollbench.compare.scenes.schema import AxisKeys
 
-    return validate_or_raise(raw, AxisKeys, origin)
+    return validate_or_raise(tables, AxisKeys, file_name)
 
 
-def _is_axis(raw: dict[str, Any]) -> bool:
+def _describes_several_sets(tables: dict[str, Any]) -> bool:
     """Return whether the tables of a file describe a shaft with several nuts or bearings."""
-    return "sets" in raw or raw.get("kind") == AXIS
+    return "sets" in tables or tables.get("kind") == AXIS
 
 
-def single_set_scene(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
-    """Return the ball screw or bearing that the tables ``raw`` describe, in one load case or several.
+def single_set_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scene | DutyCycle:
+    """Return the ball screw or bearing that the tables ``tables`` describe, in one load case or several.
 
-    SceneError for a faulty file ``origin``; it lists all faults that can be detected before the first ones are corrected.
+    SceneError for a faulty file ``file_name``; it lists all faults that can be detected before the first ones are
+    corrected.
     """
-    keys, key_faults = validate_leniently(raw, SceneKeys)
+    keys, key_faults = validate_beyond_faults(tables, SceneKeys)
     texts = list(key_faults.texts)
     if keys is not None:
-        faults = (*choice_faults(keys), *case_faults(keys))
-        texts += fault_texts(raw, [fault for fault in faults if key_faults.stem_from_file(fault.keys)])
+        faults = (*conflicting_key_faults(keys), *load_case_faults(keys))
+        texts += fault_texts(tables, [fault for fault in faults if key_faults.are_in_file(fault.keys)])
     if keys is None or not key_faults.bodies_unchanged or len(texts) > len(key_faults.texts):
-        raise scene_error(origin, texts)
-    scene = scene_of(keys, escape_unprintable(Path(origin).stem))
-    texts += fault_texts(raw, _geometry_or_contact_faults(scene))
+        raise combined_scene_error(file_name, texts)
+    scene = scene_from_keys(keys, escape_unprintable(Path(file_name).stem))
+    texts += fault_texts(tables, _geometry_or_contact_faults(scene))
     if texts:
-        raise scene_error(origin, texts)
+        raise combined_scene_error(file_name, texts)
     if keys.preload is not None:
-        scene = with_preload(scene, keys.preload)
-        raise_faults(origin, raw, _geometry_or_contact_faults(scene))
-    return with_load_cases(as_one_arc(scene), keys.cases, raw, origin, _geometry_or_contact_faults)
+        scene = with_preload_as_oversize(scene, keys.preload)
+        raise_faults(file_name, tables, _geometry_or_contact_faults(scene))
+    return with_load_cases(with_single_arc_grooves(scene), keys.cases, tables, file_name, _geometry_or_contact_faults)
 
 
 def _geometry_or_contact_faults(scene: Scene) -> list[Fault]:
     """Return the faults of bodies that cannot be built; if there are none, those of contacts that cannot be solved."""
-    return list(geometry_faults(scene)) or list(contact_faults(scene))
+    return list(geometry_faults(scene)) or list(hertz_constant_faults(scene))

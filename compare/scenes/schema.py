@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from rollbench.compare.scenes import keys
-from rollbench.compare.scenes.keys import fill_in_radius, key, needs_one_of
+from rollbench.compare.scenes.keys import config_requiring_one_of, fill_in_radius, key
 from rollbench.meshes import parts, ranges
 from rollbench.meshes.axis import Drive, Segment
 from rollbench.meshes.parts import Flange, Friction, Motion, NutHeld
@@ -38,7 +38,7 @@ class ClearanceKeys(keys.Table):
 class TrackKeys(keys.HelixKeys):
     """Nominal path of the ball centres: a helix, or a circle for a bearing."""
 
-    model_config = needs_one_of("pitch_radius", "pitch_diameter")
+    model_config = config_requiring_one_of("pitch_radius", "pitch_diameter")
 
     contact_angle: ranges.ContactAngle | None = key(  # type: ignore[assignment]
         "nominal angle of the contact normal against the radius; of a bearing it may follow from clearance", None, "45 deg"
@@ -124,7 +124,7 @@ Arc = Annotated[list[ranges.Azimuth], Field(min_length=2, max_length=2)]
 class BallKeys(keys.BallSizeKeys):
     """Balls: their size, and their positions by count or filling with turns, by count with arcs, or by single azimuths."""
 
-    model_config = needs_one_of("radius", "diameter")
+    model_config = config_requiring_one_of("radius", "diameter")
 
     diameter: Annotated[BallDiameter | None, Field(exclude=True)] = key("nominal diameter (or radius)", None, "5.556 mm")
     count: keys.Count | None = key("number of balls over all starts and circuits, spread evenly (with turns)", None, 32)

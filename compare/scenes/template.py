@@ -15,10 +15,10 @@ from typing import Any
 
 from rollbench.compare import files
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.scenes.catalogue import scene_text
+from rollbench.compare.scenes.catalogue import shipped_scene_text
 from rollbench.compare.scenes.duty_cycle import KINDS, WHOLE
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls
-from rollbench.compare.scenes.keys import tidy_schema
+from rollbench.compare.scenes.keys import scene_schema_of_kind
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.meshes.units import toml_text
 
@@ -48,7 +48,7 @@ INTRODUCTION = """\
 Node = Mapping[str, Any]
 
 
-def text_of(kind: str = "ball screw", size: str = "") -> str:
+def new_scene_text(kind: str = "ball screw", size: str = "") -> str:
     """Return the text of a new scene file: a commented template of a kind, or a ball screw of a nominal size.
 
     Parameters
@@ -72,21 +72,21 @@ def text_of(kind: str = "ball screw", size: str = "") -> str:
     kind = (kind or "ball-screw").replace("-", " ")
     sized = {"ball screw": ball_screw_text, "double nut": double_nut_text}
     if not size:
-        return template(kind)
+        return commented_template(kind)
     if kind not in sized:
         allowed = "without --kind, or with --kind double-nut"
         raise ArgumentError("like", size, allowed, "leave --kind out; only ball screws have a nominal size")
     return sized[kind](size)
 
 
-def template(kind: str = "ball screw") -> str:
+def commented_template(kind: str = "ball screw") -> str:
     """Return the text of a commented scene of a kind, which can be solved unchanged.
 
     ``kind``: name with spaces or hyphens between its words; InputError if it is unknown.
     """
     name = kind.replace("-", " ")
     if name in AXES:
-        lines = scene_text(AXES[name]).splitlines()
+        lines = shipped_scene_text(AXES[name]).splitlines()
         kept = [x for x in lines if not x.startswith(("source = ", "assumed = "))]
         return "\n".join(f'title = "My {name}"' if x.startswith("title = ") else x for x in kept) + "\n"
     if name not in (*WHOLE, *BEARINGS, *KINDS):
@@ -95,7 +95,7 @@ def template(kind: str = "ball screw") -> str:
     if name == "ball screw" or name in BEARINGS:
         file = "template.toml" if name == "ball screw" else f"template-{name.replace(' ', '-')}.toml"
         return files.text(file)
-    values = tomllib.loads(scene_text(EXAMPLES[name])) | {"title": f"My {name}", "kind": name}
+    values = tomllib.loads(shipped_scene_text(EXAMPLES[name])) | {"title": f"My {name}", "kind": name}
     for key in ("source", "assumed"):
         values.pop(key, None)
     schema = _schema_of_kind(name)
@@ -106,15 +106,15 @@ def template(kind: str = "ball screw") -> str:
 def _schema_of_kind(kind: str) -> dict[str, Any]:
     """Return the JSON Schema of scene files of a kind."""
     if kind in WHOLE:
-        schema = tidy_schema(SceneKeys)
+        schema = scene_schema_of_kind(SceneKeys)
         if kind == "bearing":  # a bearing has no ball return and no flange
             schema = deepcopy(schema)
             schema["properties"].pop("circulation")
             schema["$defs"]["NutKeys"]["properties"].pop("flange")
         return schema
-    from rollbench.compare.scenes.friction_kinds.table import kind_named
+    from rollbench.compare.scenes.friction_kinds.table import scene_kind_by_name
 
-    return tidy_schema(kind_named(kind).keys)
+    return scene_schema_of_kind(scene_kind_by_name(kind).keys)
 
 
 def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
@@ -132,15 +132,15 @@ def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[st
             yield from _key_line(name, entry, content)
     for name, entry in inner.items():
         yield ""
-        yield f"# {_description(entry)}"
+        yield f"# {_key_description(entry)}"
         where = f"{path}{name}"
         content = values[name]
         if isinstance(content, dict):
             yield f"[{where}]"
-            yield from _table_lines(_referenced_table(entry, defs), defs, content, f"{where}.")
+            yield from _table_lines(_definition_of_table(entry, defs), defs, content, f"{where}.")
         else:
             yield f"[[{where}]]"
-            yield from _table_lines(_referenced_table(entry["items"], defs), defs, content[0], f"{where}.")
+            yield from _table_lines(_definition_of_table(entry["items"], defs), defs, content[0], f"{where}.")
         for row in () if isinstance(content, dict) else content[1:]:
             yield from ("", f"[[{where}]]", *(f"{key} = {toml_text(value)}" for key, value in row.items()))
 
@@ -150,7 +150,7 @@ def _key_line(name: str, entry: Node, value: Any) -> Iterator[str]:
 
     ``entry``: part of the JSON Schema for the key.
     """
-    text = _description(entry)
+    text = _key_description(entry)
     if "x-allowed" in entry:
         text += f" ({entry['x-allowed']})"
     elif "enum" in entry:
@@ -162,12 +162,12 @@ def _key_line(name: str, entry: Node, value: Any) -> Iterator[str]:
     yield f"# {name} = {toml_text(entry['default'] if entry.get('default') not in (None, [], '') else shown)}  # {text}"
 
 
-def _description(entry: Node) -> str:
+def _key_description(entry: Node) -> str:
     """Return the description of a key from its entry in the JSON Schema."""
     return str(entry["description"])
 
 
-def _referenced_table(entry: Node, defs: Node) -> Node:
+def _definition_of_table(entry: Node, defs: Node) -> Node:
     """Return the definition of the table to which an entry of the JSON Schema refers.
 
     ``defs``: definitions of the schema, by their names.
@@ -209,8 +209,8 @@ def ball_screw_text(size: str) -> str:
 
     InputError for a size out of range.
     """
-    values = catalogue_values(size)
-    return _without_unused_gap(_filled_text("screw", values), values)
+    values = typical_dimensions(size)
+    return _without_circuit_gap(_fill_in_text("screw", values), values)
 
 
 def double_nut_text(size: str) -> str:
@@ -218,17 +218,17 @@ def double_nut_text(size: str) -> str:
 
     InputError for a size out of range.
     """
-    values = catalogue_values(size)
+    values = typical_dimensions(size)
     apart = values["nut"] + max(1.0, round(SPACER * values["nut"]))
     places = [values["middle"] - 0.5 * apart, values["middle"] + 0.5 * apart]
     nuts = [
-        _filled_text("nut", values, number=k + 1, thrust=thrust, at=at)
+        _fill_in_text("nut", values, number=k + 1, thrust=thrust, at=at)
         for k, (thrust, at) in enumerate(zip(("-z", "+z"), places, strict=True))
     ]
-    return _without_unused_gap("".join((_filled_text("double-nut", values), *nuts)), values)
+    return _without_circuit_gap("".join((_fill_in_text("double-nut", values), *nuts)), values)
 
 
-def _filled_text(name: str, values: Mapping[str, Any], **words: object) -> str:
+def _fill_in_text(name: str, values: Mapping[str, Any], **words: object) -> str:
     """Return the text ``name`` of the folder ``like_texts``, with ``values`` and ``words`` in its placeholders.
 
     Its title and assumptions do not repeat values that a user may change later.
@@ -236,20 +236,20 @@ def _filled_text(name: str, values: Mapping[str, Any], **words: object) -> str:
     return files.text(f"scenes/like_texts/{name}.txt").format(**values, **words)
 
 
-def _without_unused_gap(text: str, values: dict[str, Any]) -> str:
+def _without_circuit_gap(text: str, values: dict[str, Any]) -> str:
     """Return the text of a scene, without the line ``circuit_gap = ...`` if the nut has a single circuit of balls.
 
-    ``values``: dimensions from `catalogue_values`.
+    ``values``: dimensions from `typical_dimensions`.
     """
     return text if values["circuits"] > 1 else re.sub(r"(?m)^circuit_gap = .*\n", "", text)
 
 
-def catalogue_values(size: str) -> dict[str, Any]:
+def typical_dimensions(size: str) -> dict[str, Any]:
     """Return typical dimensions of a ball screw of a nominal size, by their names in the texts, lengths in mm.
 
     InputError for a size out of range.
     """
-    outer, lead = _nominal_size(size)
+    outer, lead = _parse_nominal_size(size)
     ball = max(b for b in STOCK if b <= max(STOCK[0], 1.01 * min(PER_LEAD * lead, PER_DIAMETER * outer)))
     pitch = round(outer + 2.0 * BEYOND * ball, 2)
     circuits = 2 if lead <= 0.5 * outer else 1
@@ -291,7 +291,7 @@ def catalogue_values(size: str) -> dict[str, Any]:
     }
 
 
-def _nominal_size(size: str) -> tuple[float, float]:
+def _parse_nominal_size(size: str) -> tuple[float, float]:
     """Return nominal diameter and lead [mm] from a text such as ``40x10``; InputError if it is not a size in the range."""
     allowed = f"DIAMETERxLEAD in mm, {DIAMETERS[0]:g} to {DIAMETERS[1]:g} x {LEADS[0]:g} to {LEADS[1]:g}, e.g. 40x10"
     match = re.fullmatch(r"\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*[xX×]\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*", size)

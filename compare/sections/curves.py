@@ -15,7 +15,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Series
 
 
-def plain_numbers(values: Array, factor: float = 1.0) -> list[float]:
+def scale_to_python_floats(values: Array, factor: float = 1.0) -> list[float]:
     """Return an array times a factor as a list of Python floats, as a figure needs it."""
     return [factor * float(v) for v in values]
 
@@ -38,27 +38,27 @@ def lateral_displacement_curves(
     emphasis
         Whether the curves are drawn bold.
     """
-    z = plain_numbers(stations, 1e3)
+    z = scale_to_python_floats(stations, 1e3)
     x, y = (
-        Series(name.format(axis), z, plain_numbers(moved[:, k], 1e6), style, emphasis=emphasis)
+        Series(name.format(axis), z, scale_to_python_floats(moved[:, k], 1e6), style, emphasis=emphasis)
         for k, axis in enumerate("xy")
     )
     return x, y
 
 
-def load_panel(title: str, *series: Series, zero: bool = False) -> Panel:
+def contact_load_panel(title: str, *series: Series, zero: bool = False) -> Panel:
     """Return a panel of contact loads [N] over the number of the ball, filled with the curves ``series``."""
     return Panel(title, "ball", "contact load / N", series, zero=zero, integer_x=True)
 
 
-def load_curve(
+def contact_load_curve(
     label: str,
     result: StaticResult | Loads | Reference,
     side: int,
     style: str = "line+markers",
     *,
     emphasis: bool = False,
-    bar: Array | None = None,
+    uncertainty: Array | None = None,
 ) -> Series:
     """Return the curve of the contact loads [N] on one flank over the number of the ball.
 
@@ -74,20 +74,24 @@ def load_curve(
         Style of the curve.
     emphasis
         Whether the curve is drawn bold.
-    bar
+    uncertainty
         Uncertainty of the loads, (n, 4) [N], drawn as bars; None: no bars.
     """
     load = result.load[:, side]
     balls = [float(i + 1) for i in range(load.size)]
-    ends = None if bar is None else (plain_numbers(load - bar[:, side]), plain_numbers(load + bar[:, side]))
-    return Series(label, balls, plain_numbers(load), style, emphasis=emphasis, bars=ends)
+    ends = (
+        None
+        if uncertainty is None
+        else (scale_to_python_floats(load - uncertainty[:, side]), scale_to_python_floats(load + uncertainty[:, side]))
+    )
+    return Series(label, balls, scale_to_python_floats(load), style, emphasis=emphasis, bars=ends)
 
 
 #: Largest number of curves in a panel.
 MOST = 8
 
 
-def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference) -> Figure | None:
+def mesh_convergence_figure(name: str, study_rows: Sequence[Mapping[str, Any]], reference: Reference) -> Figure | None:
     """Draw the convergence of the largest and smallest loads and of displacements with the cell size.
 
     The curves are differences from the finest mesh level, in per cent of the largest value in the panel, over the cell size
@@ -98,22 +102,22 @@ def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference
     ----------
     name
         Name of the scene.
-    table
+    study_rows
         Table of the mesh study: each quantity on every level.
-    found
+    reference
         3D reference of the scene.
     """
-    if len(found.runs) < 2:
+    if len(reference.runs) < 2:
         return None
-    sizes = [size / found.sizes[-1] for size in found.sizes]
-    keys = [f"level {run.level}" for run in found.runs]
+    sizes = [size / reference.sizes[-1] for size in reference.sizes]
+    keys = [f"level {run.level}" for run in reference.runs]
     panels = []
     for title, rows in (
-        ("contact loads", [row for row in table if "est load" in row["quantity"]]),
-        ("displacement of the centreline", [row for row in table if row["quantity"].startswith("centreline")]),
+        ("contact loads", [row for row in study_rows if "est load" in row["quantity"]]),
+        ("displacement of the centreline", [row for row in study_rows if row["quantity"].startswith("centreline")]),
     ):
         scale = max((abs(row[keys[-1]]) for row in rows), default=0.0)
-        series = [s for row in rows[:MOST] for s in _curve_and_power_law(row, keys, sizes, scale)]
+        series = [s for row in rows[:MOST] for s in _convergence_curve_and_power_law(row, keys, sizes, scale)]
         if series:
             label = f"difference from the finest level / % of {scale:.3g} {rows[0]['unit']}"
             panels.append(Panel(title, "cell size / cell size of the finest level", label, tuple(series)))
@@ -124,7 +128,9 @@ def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference
     return Figure(f"mesh-study-{name}", title, tuple(panels), caption)
 
 
-def _curve_and_power_law(row: Mapping[str, Any], keys: Sequence[str], sizes: Sequence[float], scale: float) -> list[Series]:
+def _convergence_curve_and_power_law(
+    row: Mapping[str, Any], keys: Sequence[str], sizes: Sequence[float], scale: float
+) -> list[Series]:
     """Return the curve of one quantity over the cell size and, if it was extrapolated, its power law to cell size zero.
 
     Parameters

@@ -12,9 +12,14 @@ import numpy as np
 
 from rollbench.compare.gate import judged
 from rollbench.compare.gate.verdict import LIMIT
-from rollbench.compare.models.applicability import DESCRIPTORS, Descriptor, compared_values, descriptors_in_range
+from rollbench.compare.models.applicability import (
+    DESCRIPTORS,
+    Descriptor,
+    descriptor_values_of_compared,
+    descriptors_with_ranges,
+)
 from rollbench.compare.models.comparison import RULE
-from rollbench.compare.models.model_form import Point, shipped_points
+from rollbench.compare.models.model_form import Point, errors_on_compared_scenes
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.meshes.arrays import Array
@@ -95,7 +100,7 @@ class ModelErrors:
         }
 
 
-def errors_by_quantity(points: Sequence[Point]) -> list[ModelErrors]:
+def errors_by_model_and_quantity(points: Sequence[Point]) -> list[ModelErrors]:
     """Return the absolute errors of every model in every compared quantity.
 
     ``points``: errors of one model on one scene each.
@@ -109,7 +114,7 @@ def errors_by_quantity(points: Sequence[Point]) -> list[ModelErrors]:
     return found
 
 
-def fitness_sentence(found: Sequence[ModelErrors]) -> str:
+def accurate_quantities_sentence(found: Sequence[ModelErrors]) -> str:
     """Return the sentence that states for which quantities the default model is accurate enough, and Lin's model is not.
 
     A model is accurate enough if its error is within the gate's limit on at least 95 % of the compared scenes. ``found``:
@@ -134,7 +139,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
     ``study`` is not used. ``step`` is called with each line of progress.
     """
     step("all compared scenes")
-    found = errors_by_quantity(shipped_points())
+    found = errors_by_model_and_quantity(errors_on_compared_scenes())
     note = (
         "Errors against the 3D reference on all shipped and all randomly drawn scenes. Verdict: yes if at least 95 % of "
         f"the scenes are within the gate's limit. This is {LIMIT:g} % for contact loads {RULE}; for other quantities it is "
@@ -148,20 +153,20 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
         "fit",
         "Quantities for which each model is accurate enough",
         (table, Text(NOT_FIT, bullets=True)),
-        conclusion=fitness_sentence(found),
+        conclusion=accurate_quantities_sentence(found),
     )
 
 
-def range_table(scene: Scene | None = None) -> Table:
+def validated_range_table(scene: Scene | None = None) -> Table:
     """Return the table of the range of compared scenes in each descriptor (sizes, angle, load and so on).
 
     If ``scene`` is not None, its values are added, and whether they lie inside the ranges.
     """
     rows: list[Row] = []
-    placed = {} if scene is None else {p.descriptor.name: p for p in descriptors_in_range(scene)}
+    placed = {} if scene is None else {p.descriptor.name: p for p in descriptors_with_ranges(scene)}
     ring = scene is not None and scene.track.lead == 0.0
     for d in DESCRIPTORS:
-        values = compared_values(d, ring=ring)
+        values = descriptor_values_of_compared(d, ring=ring)
         row: Row = {
             Quantity("name", "descriptor of a scene", "", "s"): d.name,
             "unit": d.unit or "–",
@@ -185,7 +190,7 @@ def range_table(scene: Scene | None = None) -> Table:
     )
 
 
-def range_figure(scene: Scene | None = None) -> Figure:
+def validated_range_figure(scene: Scene | None = None) -> Figure:
     """Draw the compared scenes over pairs of descriptors (sizes, angle, load and so on).
 
     If ``scene`` is not None, it is marked.
@@ -194,7 +199,14 @@ def range_figure(scene: Scene | None = None) -> Figure:
     ring = scene is not None and scene.track.lead == 0.0
     panels = []
     for a, b in (tuple(DESCRIPTORS[k] for k in pair) for pair in pairs):
-        series = [Series("compared scenes", compared_values(a, ring=ring), compared_values(b, ring=ring), "markers")]
+        series = [
+            Series(
+                "compared scenes",
+                descriptor_values_of_compared(a, ring=ring),
+                descriptor_values_of_compared(b, ring=ring),
+                "markers",
+            )
+        ]
         if scene is not None:
             series.append(Series(scene.name, [a.value(scene)], [b.value(scene)], "markers", emphasis=True))
         panels.append(Panel("", _descriptor_label(a), _descriptor_label(b), tuple(series)))
@@ -208,9 +220,9 @@ def _descriptor_label(d: Descriptor) -> str:
     return f"{d.name} / {d.unit}" if d.unit else d.name
 
 
-def range_items(study: Study) -> tuple[Table | Figure, ...]:  # noqa: ARG001 - as every part of a section
+def validated_range_items(study: Study) -> tuple[Table | Figure, ...]:  # noqa: ARG001 - as every part of a section
     """Return table and figure of the range of compared scenes, without marking a scene.
 
     ``study`` is not used.
     """
-    return range_table(), range_figure()
+    return validated_range_table(), validated_range_figure()

@@ -60,7 +60,7 @@ TERMS = (
 )
 
 
-def explain_one_row(study: Study) -> str:
+def example_of_verdict(study: Study) -> str:
     """Return a paragraph that explains error, uncertainty and verdict on one contact; empty without the 3D reference."""
     found = study.reference(SCENE)
     if found is None:
@@ -87,10 +87,12 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     ``step`` is called with each line of progress.
     """
     step("example of an error and its uncertainty")
-    return Section("how-to-read", "How to read this report", (Text((explain_one_row(study),)), Text(TERMS, bullets=True)))
+    return Section(
+        "how-to-read", "How to read this report", (Text((example_of_verdict(study),)), Text(TERMS, bullets=True))
+    )
 
 
-def collect_assumptions(study: Study) -> list[dict[str, Cell]]:
+def assumption_rows(study: Study) -> list[dict[str, Cell]]:
     """Return table rows of the assumptions that scenes make where a publication leaves an input open.
 
     Each row has the text of the assumption ("assumed") and the names of the scenes that make it ("scenes").
@@ -106,7 +108,7 @@ def collect_assumptions(study: Study) -> list[dict[str, Cell]]:
     ]
 
 
-def _explain_verdict(f: Evidence) -> str:
+def _verdict_explanation(f: Evidence) -> str:
     """Return the explanation of the verdict on a printed number: the remark on its computed value, else the printed one.
 
     ``f``: printed number with its computed value and verdict.
@@ -114,7 +116,7 @@ def _explain_verdict(f: Evidence) -> str:
     return f.words if f.words and f.agrees is not None else f.printed.remark
 
 
-def numbers_not_reproduced(found: Sequence[Evidence]) -> list[Row]:
+def rows_not_reproduced(found: Sequence[Evidence]) -> list[Row]:
     """Return the rows of printed numbers that are contradicted, or that the text of the publication does not determine.
 
     ``found``: printed numbers with their computed values and verdicts.
@@ -125,7 +127,7 @@ def numbers_not_reproduced(found: Sequence[Evidence]) -> list[Row]:
             "place": p.place,
             "class": p.cls,
             "verdict": verdict,
-            Quantity("why", "best explanation and its evidence", "", "s"): _explain_verdict(f),
+            Quantity("why", "best explanation and its evidence", "", "s"): _verdict_explanation(f),
         }
         for f in found
         for p, verdict in ((f.printed, f.verdict),)
@@ -146,13 +148,13 @@ def notes_section(study: Study, step: Callable[[str], None]) -> Section:
             Table.of(
                 "not-reproduced",
                 "Printed numbers that are contradicted, or that the text does not determine",
-                numbers_not_reproduced(evidence(study)),
+                rows_not_reproduced(evidence(study)),
             ),
             Table(
                 "assumptions",
                 "Assumptions for inputs that a publication leaves open",
                 (Quantity("assumed", "assumption", "", "s"), Quantity("scenes", "scenes", "", "s")),
-                collect_assumptions(study),
+                assumption_rows(study),
             ),
             Text(MODEL_ASSUMPTIONS, bullets=True),
         ),

@@ -10,7 +10,7 @@ import numpy as np
 from rollbench.compare.measure import LoadError, error_percent, load_error, mean_load
 from rollbench.compare.models.comparison import REFERENCED
 from rollbench.compare.models.model_form import SHARE
-from rollbench.compare.models.modelling import RUNGS, UNSEEN, Rung, errors_by_replaced_body, ladder, left_out_one
+from rollbench.compare.models.modelling import RUNGS, UNSEEN, Rung, errors_by_replaced_body, ladder, leave_one_out_rows
 from rollbench.compare.models.study import Study
 from rollbench.lowfi.compliance.bodies import PARTS
 from rollbench.lowfi.compliance.parts import REFINED, Backend
@@ -53,7 +53,7 @@ class ChoiceEffect:
     error: LoadError
 
 
-def vary_choices(study: Study, name: str) -> Iterator[ChoiceEffect]:
+def modelling_choice_effects(study: Study, name: str) -> Iterator[ChoiceEffect]:
     """Yield the effect on contact loads of each modelling choice of the refined model, first of none, on one scene.
 
     ``name``: name of the scene. Yields nothing for a scene without a stored 3D reference.
@@ -69,7 +69,7 @@ def vary_choices(study: Study, name: str) -> Iterator[ChoiceEffect]:
         yield ChoiceEffect(name, label, change, load_error(load, reference.load, reference.contacts))
 
 
-def ladder_table(rungs: Sequence[Rung]) -> Table:
+def model_error_table(rungs: Sequence[Rung]) -> Table:
     """Return the table of the errors of every model, from the simplest to the refined one, on every scene.
 
     ``rungs``: solution of each scene by each model, with its errors against the 3D reference.
@@ -97,7 +97,7 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
     return Table.of("ladder", "Errors of the models on each scene, from the simplest model to the refined one", rows, note)
 
 
-def ladder_figure(rungs: Sequence[Rung]) -> Figure:
+def model_error_figure(rungs: Sequence[Rung]) -> Figure:
     """Draw the largest and the RMS error of each model: a line for every scene, and one for the median of the scenes.
 
     ``rungs``: solution of each scene by each model, with its errors against the 3D reference.
@@ -128,7 +128,7 @@ def ladder_figure(rungs: Sequence[Rung]) -> Figure:
     )
 
 
-def choices_table(study: Study, step: Callable[[str], None]) -> Table:
+def choice_effects_table(study: Study, step: Callable[[str], None]) -> Table:
     """Return the table of the effect of each modelling choice of the refined model, changed one at a time on three scenes.
 
     ``step`` is called with each line of progress.
@@ -144,7 +144,7 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
                 Quantity("max", "largest error of the changed model", "% of mean", ".2f"): c.error.max_percent,
                 Quantity("rms", "RMS error of the changed model", "% of mean", ".2f"): c.error.rms_percent,
             }
-            for c in vary_choices(study, name)
+            for c in modelling_choice_effects(study, name)
         ]
     note = (
         "The choices of the refined model follow from arguments and are not fitted. The loaded patch is as wide as the "
@@ -155,12 +155,12 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
     return Table.of("ladder-choices", "Errors of the refined model if one of its modelling choices is changed", rows, note)
 
 
-def shares_table(study: Study) -> Table:
+def body_simplification_table(study: Study) -> Table:
     """Return the table of how much the simplified screw and nut contribute to the refined model's error.
 
     For each scene, the model is also solved with the compliance of screw, nut or both taken from the 3D reference.
     """
-    found = study.once(errors_by_replaced_body)
+    found = study.compute_once(errors_by_replaced_body)
     names: dict[tuple[str, ...], str] = {(): "none", ("screw",): "screw", ("nut",): "nut", PARTS: "both"}
     rows: list[Row] = []
     for share in found:
@@ -181,12 +181,12 @@ def shares_table(study: Study) -> Table:
     return Table.of("ladder-shares", title, rows, note)
 
 
-def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
+def expected_error_test_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
     """Return table and figure that test the error to expect: it is estimated for each screw from all others, and measured.
 
     ``rungs``: solution of each scene by each model, with its errors against the 3D reference.
     """
-    rows = left_out_one(study, rungs)
+    rows = leave_one_out_rows(study, rungs)
     lines: list[Row] = []
     panels = []
     for model in dict.fromkeys(row["model"] for row in rows):
@@ -261,7 +261,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     ``step`` is called with each line of progress.
     """
     step("every model on every scene with a 3D reference")
-    rungs = study.once(ladder)
+    rungs = study.compute_once(ladder)
     title = "Errors of the models from Lin's model to the refined one"
     if not rungs:
         return Section("ladder", title, (Text(("No run of the 3D reference is stored.",)),))
@@ -279,7 +279,13 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         largest_errors_sentence(rungs),
     )
     step("refined model with the compliance of bodies from 3D")
-    items = (Text(text), ladder_table(rungs), ladder_figure(rungs), shares_table(study), choices_table(study, step))
+    items = (
+        Text(text),
+        model_error_table(rungs),
+        model_error_figure(rungs),
+        body_simplification_table(study),
+        choice_effects_table(study, step),
+    )
     median = {
         name: float(np.median([r.error.max_percent for r in rungs if r.model == name])) for name in ("lin", "refined")
     }
@@ -287,4 +293,4 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         f"Median over the scenes of the largest error: {median['lin']:.1f} % of the mean load by Lin's model, "
         f"{median['refined']:.1f} % by the refined model."
     )
-    return Section("ladder", title, (*items, *estimate_items(study, rungs)), conclusion=conclusion)
+    return Section("ladder", title, (*items, *expected_error_test_items(study, rungs)), conclusion=conclusion)

@@ -16,9 +16,9 @@ import numpy as np
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.levels import PRODUCTION
-from rollbench.compare.reference.tasks import settings_of
+from rollbench.compare.reference.tasks import mesh_settings
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import (
@@ -105,7 +105,7 @@ def pressure_profiles_figure(found: dict[str, ContactPressure]) -> Figure:
     )
 
 
-def step_along(found: ContactPressure) -> float:
+def node_spacing_along_groove(found: ContactPressure) -> float:
     """Return the mean distance of neighbouring nodes of a contact patch along the groove [m].
 
     ``found``: pressures of the contact, with the positions of its nodes.
@@ -128,7 +128,9 @@ def pressure_table(groups: dict[str, dict[str, ContactPressure]]) -> Table:
             Quantity("ratio", "3D / Hertz", "", ".3f"): float(x.pressure.max() / x.hertz.pole_pressure),
             Quantity("a", "Semi-axis a across the groove", "mm", ".3f"): MM * x.hertz.semi_x,
             Quantity("b", "Semi-axis b along the groove", "mm", ".3f"): MM * x.hertz.semi_y,
-            Quantity("cells", "Node spacings in the width 2b", "", ".1f"): 2.0 * x.hertz.semi_y / step_along(x),
+            Quantity("cells", "Node spacings in the width 2b", "", ".1f"): 2.0
+            * x.hertz.semi_y
+            / node_spacing_along_groove(x),
         }
         for scene, found in groups.items()
         for name, x in found.items()
@@ -161,7 +163,7 @@ BESIDE = 0.02e-3
 
 
 @dataclass(frozen=True)
-class Solved:
+class PicturedSolution:
     """Solution of a scene by the 3D reference on the coarsest mesh, from which pictures are drawn."""
 
     #: Scene that is shown.
@@ -179,7 +181,7 @@ class Solved:
 
 
 @dataclass(frozen=True)
-class Stresses:
+class StressFields:
     """Stress fields of the 3D reference around one ball, in the ball's frame."""
 
     #: Fields in the coarse meshes of screw and nut.
@@ -192,13 +194,13 @@ class Stresses:
     patches: dict[int, SolidField]
 
 
-def solve_pictured(study: Study, step: Step) -> Solved:
+def solve_pictured_scene(study: Study, step: Step) -> PicturedSolution:
     """Solve the scene of the pictures by the 3D reference on the coarsest mesh level, and choose its most loaded ball.
 
     Two flanks are meshed, SL and NR. ``step`` is called with each line of progress. Raises RuntimeError if the solution
     does not converge.
     """
-    from rollbench.hifi.fields import contact_forces
+    from rollbench.hifi.fields import pressure_function_forces_by_flank
     from rollbench.hifi.meshing.part_meshes import mesh_parts
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.setup import prepare
@@ -206,7 +208,7 @@ def solve_pictured(study: Study, step: Step) -> Solved:
 
     scene = study.scene(SCENE)
     sides = (0, 3)
-    settings = settings_of([scene], LEVEL)
+    settings = mesh_settings([scene], LEVEL)
     step(f"{SCENE} on mesh level {LEVEL}")
     with TemporaryDirectory() as folder:
         store = Cache(study.cache or Path(folder))  # the meshes are needed twice
@@ -215,26 +217,34 @@ def solve_pictured(study: Study, step: Step) -> Solved:
     result = solve_reference(setup, scene, sides=sides)
     if not result.contact.converged:
         raise RuntimeError(f"pictures: {SCENE} on level {LEVEL}: {result.status}")
-    return Solved(scene, setup, meshes, result, contact_forces(setup, result), int(result.load[:, 0].argmax()))
+    return PicturedSolution(
+        scene, setup, meshes, result, pressure_function_forces_by_flank(setup, result), int(result.load[:, 0].argmax())
+    )
 
 
-def compute_stresses(solved: Solved, step: Step) -> Stresses:
+def compute_stresses(solved: PicturedSolution, step: Step) -> StressFields:
     """Compute the stress fields around the ball that is drawn, in screw, nut, ball and their fine patches.
 
     ``solved``: solution of the scene under its loads. ``step`` is called with each line of progress.
     """
-    from rollbench.hifi.fields import ball_fields, coarse_field, groove_patch_field, nut_displacement, screw_displacement
+    from rollbench.hifi.fields import (
+        groove_patch_field,
+        nut_displacement,
+        screw_displacement,
+        stress_field_near_ball,
+        stress_fields_of_ball,
+    )
 
     step("displacements and stresses around the ball")
     setup, meshes, ball, forces = solved.setup, solved.meshes, solved.ball, solved.forces
     scene, reach = solved.scene, 3.2 * setup.map.ball
     u = screw_displacement(setup, meshes.screw, forces), nut_displacement(setup, meshes.nut, forces)
-    of_ball = ball_fields(setup, meshes, ball, forces)
+    of_ball = stress_fields_of_ball(setup, meshes, ball, forces)
     centre = np.array([setup.map.R, 0.0, 0.0])
-    return Stresses(
+    return StressFields(
         (
-            coarse_field(setup, meshes.screw, u[0], ball, scene.screw.material, reach),
-            coarse_field(setup, meshes.nut, u[1], ball, scene.nut.material, reach),
+            stress_field_near_ball(setup, meshes.screw, u[0], ball, scene.screw.material, reach),
+            stress_field_near_ball(setup, meshes.nut, u[1], ball, scene.nut.material, reach),
         ),
         replace(of_ball[None], points=of_ball[None].points + centre),
         {s: groove_patch_field(setup, meshes, u[s >= 2], ball, s, forces) for s in setup.sides},
@@ -242,7 +252,7 @@ def compute_stresses(solved: Solved, step: Step) -> Stresses:
     )
 
 
-def groove_frame(solved: Solved) -> tuple[Array, Array, Array]:
+def groove_unit_vectors(solved: PicturedSolution) -> tuple[Array, Array, Array]:
     """Return unit vectors (3,) of the groove's cross-section at azimuth 0: radial, along the groove, and normal to both.
 
     The screw's axis is z. The groove rises along the axis with the lead angle.
@@ -255,15 +265,15 @@ def groove_frame(solved: Solved) -> tuple[Array, Array, Array]:
     )
 
 
-def contact_point(solved: Solved, side: int) -> Array:
+def contact_point(solved: PicturedSolution, side: int) -> Array:
     """Return the nominal contact point [m] of the ball at azimuth 0 with a flank, in the ball's frame.
 
     ``side`` is the index of the flank in SL, SR, NL, NR.
     """
-    from rollbench.meshes.ball_body import directions
+    from rollbench.meshes.ball_body import contact_frame_vectors
 
     m = solved.setup.map
-    return np.asarray(np.array([m.R, 0.0, 0.0]) + m.ball * directions(m, side)[0])
+    return np.asarray(np.array([m.R, 0.0, 0.0]) + m.ball * contact_frame_vectors(m, side)[0])
 
 
 def keep_used_nodes(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
@@ -284,19 +294,19 @@ def keep_used_nodes(points: Array, cells: Index, kind: str, colour: str) -> Mesh
     return MeshPart(points[nodes], local.reshape(cells.shape), kind, colour=colour)
 
 
-def mesh_overview(solved: Solved) -> FieldPicture:
+def mesh_overview(solved: PicturedSolution) -> FieldPicture:
     """Return the picture of the meshes of the screw and half of the nut, with the fine patches at all contacts.
 
     ``solved``: solution of the scene on the coarsest mesh level.
     """
     from rollbench.hifi.fields import mesh_groove_patch
-    from rollbench.hifi.meshing.part_meshes import body_kind, rotation_about_z
+    from rollbench.hifi.meshing.part_meshes import element_order_of_bodies, rotation_about_z
 
     setup, meshes = solved.setup, solved.meshes
     toward = np.array([0.55, -0.83, 0.0])
     nut = meshes.nut
     behind = nut.points[nut.cells[:, :4]].mean(axis=1) @ toward < 0.0
-    kind = body_kind(setup.settings)
+    kind = element_order_of_bodies(setup.settings)
     parts = [
         keep_used_nodes(meshes.screw.points, meshes.screw.cells, kind, STEEL),
         keep_used_nodes(nut.points, nut.cells[behind], kind, NUT),
@@ -326,7 +336,7 @@ def mesh_overview(solved: Solved) -> FieldPicture:
     )
 
 
-def _pieces_around_ball(found: Stresses, *, values: bool) -> tuple[MeshPart, ...]:
+def _mesh_parts_around_ball(found: StressFields, *, values: bool) -> tuple[MeshPart, ...]:
     """Return the meshes of screw, nut, ball and fine patches around the ball, as parts to be drawn.
 
     ``found``: their stress fields. With ``values`` the parts are coloured by the von Mises stress [MPa]; otherwise the
@@ -346,8 +356,15 @@ def _pieces_around_ball(found: Stresses, *, values: bool) -> tuple[MeshPart, ...
     )
 
 
-def section_picture(
-    solved: Solved, found: Stresses, name: str, title: str, caption: str, *, height: float, side: int | None = None
+def groove_section_picture(
+    solved: PicturedSolution,
+    found: StressFields,
+    name: str,
+    title: str,
+    caption: str,
+    *,
+    height: float,
+    side: int | None = None,
 ) -> FieldPicture:
     """Return the picture of the mesh in the groove's cross-section through the ball; the screw is below, the nut above.
 
@@ -355,7 +372,7 @@ def section_picture(
     ``height``: height of the shown region [m]. ``side``: index in SL, SR, NL, NR of the flank whose contact alone is shown,
     enlarged; None: the whole ball is shown.
     """
-    x3, y3, _ = groove_frame(solved)
+    x3, y3, _ = groove_unit_vectors(solved)
     m = solved.setup.map
     centre = np.array([m.R, 0.0, 0.0])
     focus = centre if side is None else contact_point(solved, side)
@@ -363,7 +380,7 @@ def section_picture(
     return FieldPicture(
         name,
         title,
-        _pieces_around_ball(found, values=False),
+        _mesh_parts_around_ball(found, values=False),
         sight=tuple(y3),
         up=tuple(x3),
         focus=tuple(focus),
@@ -376,12 +393,12 @@ def section_picture(
     )
 
 
-def contact_picture(solved: Solved, found: Stresses) -> FieldPicture:
+def contact_picture(solved: PicturedSolution, found: StressFields) -> FieldPicture:
     """Return the picture of the mesh of the screw's groove around one contact, seen from the ball along the normal.
 
     ``solved``: solution of the scene. ``found``: meshes and stresses around the ball. The contact is that with flank SL.
     """
-    x3, y3, _ = groove_frame(solved)
+    x3, y3, _ = groove_unit_vectors(solved)
     point, b = contact_point(solved, 0), solved.setup.map.ball
     normal = point - np.array([solved.setup.map.R, 0.0, 0.0])
     body, patch = found.bodies[0], found.grooves[0]
@@ -404,12 +421,12 @@ def contact_picture(solved: Solved, found: Stresses) -> FieldPicture:
     )
 
 
-def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
+def ball_picture(solved: PicturedSolution, found: StressFields) -> FieldPicture:
     """Return the picture of the mesh of a ball with its fine patches, with the contact with the screw in front.
 
     ``solved``: solution of the scene. ``found``: meshes and stresses around the ball.
     """
-    x3, y3, _ = groove_frame(solved)
+    x3, y3, _ = groove_unit_vectors(solved)
     m = solved.setup.map
     centre = np.array([m.R, 0.0, 0.0])
     whole = [found.ball, *found.patches.values()]
@@ -448,15 +465,15 @@ def solve_contact_pressures(study: Study, name: str) -> tuple[int, dict[str, Con
         low = study.solve(name, DEFAULT)
         load, angle = low.load, low.contact_angle
     ball = int(load[:, (load > 0.0).any(axis=0)].min(axis=1).argmax())
-    pressures = ball_contact_pressures(scene, settings_of([scene], FINE_LEVEL), ball, load[ball], angle[ball])
+    pressures = ball_contact_pressures(scene, mesh_settings([scene], FINE_LEVEL), ball, load[ball], angle[ball])
     return ball, {f"ball {ball + 1}, {SIDES[s]}": x for s, x in pressures.items()}
 
 
-def loaded_balls_picture(solved: Solved) -> LoadedScrew:
+def loaded_balls_picture(solved: PicturedSolution) -> LoadedScrew:
     """Return the picture of the contact loads on all balls by the 3D reference."""
     scene, result = solved.scene, solved.result
     layout, m = ball_layout(scene), solved.setup.map
-    ball = float(specimen(scene, layout).ball_radius.max())
+    ball = float(draw_specimen(scene, layout).ball_radius.max())
     points, forces = [], []
     for s in result.sides:
         sx, sz = m.signs[s]
@@ -477,7 +494,7 @@ def loaded_balls_picture(solved: Solved) -> LoadedScrew:
     )
 
 
-def stress_caption(solved: Solved, found: Stresses) -> str:
+def von_mises_caption(solved: PicturedSolution, found: StressFields) -> str:
     """Return the caption with the largest von Mises stresses near the screw contact, by the 3D reference and by Hertz.
 
     ``solved``: solution of the scene. ``found``: stress fields around the ball.
@@ -512,7 +529,7 @@ def make_section(study: Study, step: Step) -> Section:
 
     ``step`` is called with each line of progress.
     """
-    solved = solve_pictured(study, step)
+    solved = solve_pictured_scene(study, step)
     found = compute_stresses(solved, step)
     ball, b = f"ball {solved.ball + 1}", solved.setup.map.ball
     step(f"pressures of a ball of {SCENE}, mesh level {FINE_LEVEL}")
@@ -540,13 +557,15 @@ def make_section(study: Study, step: Step) -> Section:
         f"{solved.setup.dims.nut_held}. The colour scale is logarithmic."
     )
     title = f"Mesh around {ball} in the cross-section of the groove"
-    whole = section_picture(solved, found, "mesh-section", title, mesh, height=3.3 * b)
-    stressed = _pieces_around_ball(found, values=True)
+    whole = groove_section_picture(solved, found, "mesh-section", title, mesh, height=3.3 * b)
+    stressed = _mesh_parts_around_ball(found, values=True)
     shown = replace(whole, parts=stressed, label="von Mises stress [MPa]", words=())
     title = f"Von Mises stress around {ball} in the cross-section of the groove"
     around = replace(shown, name="stress-section", title=title, caption=stress, limits=(2.0, 2000.0), log=True)
     title = f"Von Mises stress at the contact of {ball} with the screw"
-    near = section_picture(solved, found, "stress-contact", title, stress_caption(solved, found), side=0, height=0.5 * b)
+    near = groove_section_picture(
+        solved, found, "stress-contact", title, von_mises_caption(solved, found), side=0, height=0.5 * b
+    )
     near = replace(near, parts=stressed, label=shown.label, limits=(0.0, 1800.0), scale_bar=0.2e-3)
     return Section(
         "pictures",

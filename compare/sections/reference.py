@@ -14,22 +14,33 @@ from rollbench.compare.models.comparison import (
     REFERENCED,
     RULE,
     Loads,
-    from_result,
-    gate_points,
+    contact_load_errors,
     known_exceedances,
     load_ratio,
-    reference_answers,
+    loads_from_result,
+    loads_of_reference_runs,
     suitable_models,
 )
-from rollbench.compare.models.modelling import VARIED, Modelling, combine_effects, modelling_percent, varied
+from rollbench.compare.models.modelling import (
+    VARIED,
+    Modelling,
+    combine_effects,
+    effects_of_variants,
+    largest_modelling_uncertainty,
+)
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import entry
-from rollbench.compare.reference.estimate import Reference, uncertainty_percent
+from rollbench.compare.printed import printed_entry
+from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, load_run
-from rollbench.compare.sections.curves import lateral_displacement_curves, load_curve, load_panel, plain_numbers
-from rollbench.compare.sections.reference_time import time_items
+from rollbench.compare.sections.curves import (
+    contact_load_curve,
+    contact_load_panel,
+    lateral_displacement_curves,
+    scale_to_python_floats,
+)
+from rollbench.compare.sections.reference_time import run_time_items
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
@@ -41,9 +52,9 @@ def case_studies(study: Study) -> dict[str, Reference]:
     return study.references(REFERENCED)
 
 
-def modelling_uncertainties(study: Study) -> dict[str, Modelling]:
+def modelling_uncertainty_by_scene(study: Study) -> dict[str, Modelling]:
     """Return the modelling uncertainty of the 3D reference for the scenes on which modelling choices were varied."""
-    return study.once(_compute_modelling_uncertainty)
+    return study.compute_once(_compute_modelling_uncertainty)
 
 
 def _compute_modelling_uncertainty(study: Study) -> dict[str, Modelling]:
@@ -52,41 +63,41 @@ def _compute_modelling_uncertainty(study: Study) -> dict[str, Modelling]:
     Scenes without stored runs with varied modelling choices are left out.
     """
     scenes = [study.scene(name) for name in VARIED]
-    found = {scene.name: combine_effects(scene, varied(scene, study.stores)) for scene in scenes}
+    found = {scene.name: combine_effects(scene, effects_of_variants(scene, study.stores)) for scene in scenes}
     return {name: m for name, m in found.items() if m is not None}
 
 
-def solve_by_model(study: Study, name: str, model: str) -> Loads:
+def solve_loads_by_model(study: Study, name: str, model: str) -> Loads:
     """Return contact loads and displacements of a scene by a low-order model.
 
     ``name``: name of the scene. ``model``: name of the model.
     """
-    return from_result(study.solve(name, model))
+    return loads_from_result(study.solve(name, model))
 
 
-def error_table(study: Study, found: References) -> Table:
+def load_error_table(study: Study, found: References) -> Table:
     """Return the table of errors against the finest level of the 3D reference, for each scene.
 
     It lists the low-order models, the mesh of Lin's thesis, and coarser mesh levels. ``found``: 3D reference of each scene,
     by name of the scene.
     """
     rows: list[Row] = []
-    modelled = modelling_uncertainties(study)
+    modelled = modelling_uncertainty_by_scene(study)
     for name, ref in found.items():
-        scene, bars = study.scene(name), (uncertainty_percent(ref), modelling_percent(name, modelled))
+        scene, bars = study.scene(name), (largest_uncertainty_percent(ref), largest_modelling_uncertainty(name, modelled))
         keys = PRINTED.get(name)
         for model in suitable_models(scene):
             result = study.solve(name, model.name)
             e = load_error(result.load, ref.load, ref.contacts)
             shown = keys[:2] if keys and model.name == "lin" else ()
-            printed = " / ".join(entry("lin-2.4.1", k).printed for k in shown) or "–"
-            rows.append(_error_row((name, model.label), e, load_ratio(result.load), printed, bars))
+            printed = " / ".join(printed_entry("lin-2.4.1", k).printed for k in shown) or "–"
+            rows.append(_load_error_row((name, model.label), e, load_ratio(result.load), printed, bars))
         source = load_run(scene, SOURCE_LEVEL, stores=study.stores)
-        for coarser in reference_answers(ref, source):
+        for coarser in loads_of_reference_runs(ref, source):
             if coarser.model != f"3D level {ref.best.level}":
                 e = load_error(coarser.load, ref.load, ref.contacts)
-                rows.append(_error_row((name, LABELS[coarser.model]), e, load_ratio(coarser.load), "–", bars))
-        rows.append(_error_row((name, LABELS[f"3D level {ref.best.level}"]), None, load_ratio(ref.load), None, bars))
+                rows.append(_load_error_row((name, LABELS[coarser.model]), e, load_ratio(coarser.load), "–", bars))
+        rows.append(_load_error_row((name, LABELS[f"3D level {ref.best.level}"]), None, load_ratio(ref.load), None, bars))
     note = (
         "Errors against the finest mesh level of the 3D reference. Printed: errors that Lin's thesis prints for its "
         "low-order model against its ANSYS model (whose loads are not printed), relative to the load of each contact. Grid "
@@ -103,16 +114,20 @@ LABELS = {
 }
 
 
-def _error_row(
-    named: tuple[str, str], e: LoadError | None, ratio: float, printed: str | None, bars: tuple[float | None, float | None]
+def _load_error_row(
+    named: tuple[str, str],
+    load_error: LoadError | None,
+    ratio: float,
+    printed: str | None,
+    bars: tuple[float | None, float | None],
 ) -> Row:
-    """Return one row of `error_table`: errors of one model on one scene.
+    """Return one row of `load_error_table`: errors of one model on one scene.
 
     Parameters
     ----------
     named
         Names of scene and model.
-    e
+    load_error
         Errors of the contact loads; None for the finest mesh level itself.
     ratio
         Ratio of the largest to the smallest load on flank SL.
@@ -122,13 +137,15 @@ def _error_row(
         Grid uncertainty and modelling uncertainty of the 3D reference [% of the mean load].
     """
     errors: Sequence[float | None] = (None,) * 4
-    if e is not None:
-        errors = e.max_percent, e.rms_percent, e.own_max_percent, e.own_rms_percent
+    if load_error is not None:
+        errors = load_error.max_percent, load_error.rms_percent, load_error.own_max_percent, load_error.own_rms_percent
     return {
         "scene": named[0],
         "model": named[1],
         Quantity("max", "largest error", "% of mean", ".2f"): errors[0],
-        Quantity("at", "ball and flank of the largest", "", "s"): None if e is None else f"{e.ball} {e.side}",
+        Quantity("at", "ball and flank of the largest", "", "s"): None
+        if load_error is None
+        else f"{load_error.ball} {load_error.side}",
         Quantity("rms", "RMS error", "% of mean", ".2f"): errors[1],
         Quantity("own_max", "largest error", "% of own load", ".2f"): errors[2],
         Quantity("own_rms", "RMS error", "% of own load", ".2f"): errors[3],
@@ -139,7 +156,7 @@ def _error_row(
     }
 
 
-def load_tables(study: Study, found: References) -> list[Table]:
+def contact_load_tables(study: Study, found: References) -> list[Table]:
     """Return a table for each scene with the load of every contact by every model, and its contact angle.
 
     ``found``: 3D reference of each scene, by name of the scene.
@@ -147,8 +164,8 @@ def load_tables(study: Study, found: References) -> list[Table]:
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
-        answers = [solve_by_model(study, name, m.name) for m in suitable_models(scene)]
-        answers += reference_answers(ref, load_run(scene, SOURCE_LEVEL, stores=study.stores))
+        answers = [solve_loads_by_model(study, name, m.name) for m in suitable_models(scene)]
+        answers += loads_of_reference_runs(ref, load_run(scene, SOURCE_LEVEL, stores=study.stores))
         headings = [MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model) for a in answers]
         loads = [Quantity(f"m{k}", head, "N", ".1f") for k, head in enumerate(headings)]
         rows: list[Row] = []
@@ -178,14 +195,14 @@ def _number_or_none(value: Any) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def line_table(study: Study, found: References) -> Table:
+def centreline_displacement_table(study: Study, found: References) -> Table:
     """Return the table of displacements of the screw's centreline along its length, by refined model and 3D reference.
 
     ``found``: 3D reference of each scene, by name of the scene.
     """
     rows: list[Row] = []
     for name, ref in found.items():
-        low = solve_by_model(study, name, "refined")
+        low = solve_loads_by_model(study, name, "refined")
         line = ref.best.centreline
         for row in line:
             cells: Row = {"scene": name, Quantity("z", "axial position", "mm", ".1f"): 1e3 * float(row[0])}
@@ -202,7 +219,7 @@ def line_table(study: Study, found: References) -> Table:
     return Table.of("reference-centreline", title, rows, note)
 
 
-def load_figures(study: Study, found: References) -> list[Figure]:
+def contact_load_figures(study: Study, found: References) -> list[Figure]:
     """Draw the contact loads of each scene by all models, with the uncertainty of the 3D reference as a band.
 
     ``found``: 3D reference of each scene, by name of the scene. There is one figure for each scene, with a panel for each
@@ -212,31 +229,33 @@ def load_figures(study: Study, found: References) -> list[Figure]:
     for name, ref in found.items():
         scene = study.scene(name)
         answers = {
-            m: solve_by_model(study, name, m.name) for m in suitable_models(scene) if m.name != "lin-source-partition"
+            m: solve_loads_by_model(study, name, m.name) for m in suitable_models(scene) if m.name != "lin-source-partition"
         }
         panels = []
         for s in range(4):
             if not (ref.load[:, s] > 0.0).any() or (s >= 2 and len(ref.best.sides) == 2):
                 continue
-            series = [load_curve(f"3D reference, level {ref.best.level}", ref, s, emphasis=True)]
+            series = [contact_load_curve(f"3D reference, level {ref.best.level}", ref, s, emphasis=True)]
             if ref.uncertainty is not None:
                 low, high = ref.load[:, s] - ref.uncertainty[:, s], ref.load[:, s] + ref.uncertainty[:, s]
                 words = "uncertainty of the 3D reference"
-                series.insert(0, Series(words, series[0].x, plain_numbers(low), "band", plain_numbers(high)))
-            series += [load_curve(m.label, a, s) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
-            panels.append(load_panel(SIDES[s], *series))
+                series.insert(
+                    0, Series(words, series[0].x, scale_to_python_floats(low), "band", scale_to_python_floats(high))
+                )
+            series += [contact_load_curve(m.label, a, s) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
+            panels.append(contact_load_panel(SIDES[s], *series))
         out.append(Figure(f"reference-loads-{name}", f"Contact load of every ball of {name} by all models", tuple(panels)))
     return out
 
 
-def line_figure(study: Study, found: References) -> Figure:
+def centreline_displacement_figure(study: Study, found: References) -> Figure:
     """Draw the lateral displacement of the screw's centreline over its length, by refined model and 3D reference.
 
     ``found``: 3D reference of each scene, by name of the scene.
     """
     panels = []
     for name, ref in found.items():
-        low = solve_by_model(study, name, "refined")
+        low = solve_loads_by_model(study, name, "refined")
         line = ref.best.centreline
         model = lateral_displacement_curves(low.stations, low.line, "u{}, refined model")
         solid = lateral_displacement_curves(line[:, 0], line[:, 1:], "u{}, 3D reference", "markers", emphasis=True)
@@ -245,14 +264,14 @@ def line_figure(study: Study, found: References) -> Figure:
     return Figure("reference-centreline", "Lateral displacement of the screw's centreline over its length", tuple(panels))
 
 
-def gate_text(found: References, study: Study) -> str:
+def lin_model_gate_paragraph(found: References, study: Study) -> str:
     """Return the paragraph on the errors of Lin's model by the gate's rule: largest error, contacts beyond the limit.
 
     The gate is ``rollbench check``. ``found``: 3D reference of each scene, by name of the scene.
     """
     worst = []
     for name, ref in found.items():
-        points = gate_points(name, ref, LIMIT, study.solve(name, "lin").load)
+        points = contact_load_errors(name, ref, LIMIT, study.solve(name, "lin").load)
         top = max(points, key=lambda p: abs(p.error_percent))
         over = [p for p in points if p.exceeds]
         worst.append(
@@ -288,7 +307,7 @@ def exceedance_table(found: References, study: Study) -> Table:
     causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
     rows: list[Row] = []
     for name, ref in found.items():
-        for p in gate_points(name, ref, LIMIT, study.solve(name, "lin").load):
+        for p in contact_load_errors(name, ref, LIMIT, study.solve(name, "lin").load):
             if p.exceeds:
                 k, rigid = SIDES.index(p.side), rigid_nut_error(study, name, p.ball, p.side)
                 rows.append(
@@ -331,7 +350,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         "The grid uncertainty follows from the convergence of the mesh levels, fitted by least squares (Eca and Hoekstra "
         "2014) with one order for all contacts of a scene, and from the scatter of each contact about this fit; with two "
         "levels, it is three times their difference. Flanks are " + ", ".join(SIDES) + " (screw and nut, left and right).",
-        gate_text(found, study),
+        lin_model_gate_paragraph(found, study),
     ]
     if study.quick:
         text.insert(
@@ -342,8 +361,13 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     elif any(ref.best.level < PRODUCTION for ref in found.values()):
         text.insert(0, f"Some references were not computed up to mesh level {PRODUCTION}; their uncertainty is larger.")
     over = exceedance_table(found, study)
-    items: list[Any] = [Text(tuple(text)), error_table(study, found)]
+    items: list[Any] = [Text(tuple(text)), load_error_table(study, found)]
     items += [over] if over.rows else []
-    items += [*load_figures(study, found), *load_tables(study, found), line_figure(study, found), line_table(study, found)]
-    items += time_items(study, step)
+    items += [
+        *contact_load_figures(study, found),
+        *contact_load_tables(study, found),
+        centreline_displacement_figure(study, found),
+        centreline_displacement_table(study, found),
+    ]
+    items += run_time_items(study, step)
     return Section("reference", title, tuple(items))

@@ -9,16 +9,16 @@ import numpy as np
 
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED
-from rollbench.compare.models.modelling import REFINED, UNSEEN, VARIED, varied
+from rollbench.compare.models.modelling import REFINED, UNSEEN, VARIED, effects_of_variants
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.uncertainty import SHARED, beside_face
-from rollbench.compare.reference.estimate import Reference, uncertainty_percent
+from rollbench.compare.models.uncertainty import SHARED, largest_face_error
+from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, NOT_VARIED, SOURCE_LEVEL, SOURCE_MESH, VARIANTS
-from rollbench.compare.reference.store import Measured, Run, load_run, most_of
-from rollbench.compare.sections.curves import study_figure
-from rollbench.compare.sections.reference import case_studies, modelling_uncertainties
-from rollbench.compare.sections.u_val import MANY, UncertaintyTest, coverage, share_of
-from rollbench.compare.studies.mesh_study import accuracy_sentence, reference_from_stored_runs, study_table
+from rollbench.compare.reference.store import Measured, Run, load_run, most_frequent_conditions
+from rollbench.compare.sections.curves import mesh_convergence_figure
+from rollbench.compare.sections.reference import case_studies, modelling_uncertainty_by_scene
+from rollbench.compare.sections.u_val import MANY, UncertaintyTest, share_of_covered_contacts, test_all_mesh_levels
+from rollbench.compare.studies.mesh_study import accuracy_sentence, mesh_study_table_of_scene, reference_from_stored_runs
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.reports.content import Cell, Figure, Quantity, Row, Section, Table, Text
 
@@ -42,13 +42,13 @@ def _refines_one_choice(variant: str) -> bool:
     return variant in VARIANTS and bool(VARIANTS[variant].refined)
 
 
-def level_table(study: Study, found: References) -> Table:
+def mesh_level_table(study: Study, found: References) -> Table:
     """Return the table of the mesh levels of every scene: unknowns, times, load changes to finer levels, mesh quality.
 
     ``found``: 3D reference of each scene, by name of the scene.
     """
     rows: list[Row] = []
-    common = most_of(run.measured for ref in found.values() for run in ref.runs)
+    common = most_frequent_conditions(run.measured for ref in found.values() for run in ref.runs)
     for name, ref in found.items():
         source = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
         runs = ([source] if source else []) + list(ref.runs)
@@ -95,7 +95,7 @@ def level_table(study: Study, found: References) -> Table:
     )
 
 
-def convergence_table(found: References) -> Table:
+def mesh_uncertainty_table(found: References) -> Table:
     """Return the table of the mesh uncertainty of contact loads in every scene, with its contributions.
 
     ``found``: 3D reference of each scene, by name of the scene.
@@ -112,8 +112,8 @@ def convergence_table(found: References) -> Table:
                 Quantity("sockets", "cut-outs for the fine patches", "% of mean", ".3f"): p.sockets,
                 Quantity("common", "common to all contacts", "% of mean", ".3f"): p.common,
                 Quantity("bar", "uncertainty (95 %), RMS", "% of mean", ".3f"): p.bar,
-                Quantity("beside", "largest next to a free nut face", "% of mean", ".3f"): beside_face(ref)[0],
-                Quantity("largest", "largest uncertainty", "% of mean", ".3f"): uncertainty_percent(ref),
+                Quantity("beside", "largest next to a free nut face", "% of mean", ".3f"): largest_face_error(ref)[0],
+                Quantity("largest", "largest uncertainty", "% of mean", ".3f"): largest_uncertainty_percent(ref),
                 Quantity("from", "estimated from", "", "s"): "other scenes"
                 if p.by_experience
                 else "its levels and other scenes",
@@ -136,22 +136,22 @@ def convergence_table(found: References) -> Table:
     return Table.of("reference-convergence", title, rows, note)
 
 
-def coverage_table(study: Study) -> Table | None:
+def uncertainty_coverage_table(study: Study) -> Table | None:
     """Return the table that tests the stated uncertainty of each mesh level by the loads on a finer level.
 
     Returns None if runs are missing.
     """
-    found = coverage(study)
+    found = test_all_mesh_levels(study)
     if not found:
         return None
     levels = sorted({h.level for h in found})
     groups = {name: [h for h in found if h.scene == name] for name in dict.fromkeys(h.scene for h in found)}
     several = [h for h in found if h.level > min(LEVELS)]
-    rows: list[dict[str, Cell]] = [_coverage_row(name, group) for name, group in groups.items()]
-    rows.append(_coverage_row("all shipped scenes", [h for h in found if not h.drawn]))
+    rows: list[dict[str, Cell]] = [_uncertainty_coverage_row(name, group) for name, group in groups.items()]
+    rows.append(_uncertainty_coverage_row("all shipped scenes", [h for h in found if not h.drawn]))
     if any(h.drawn for h in found):
-        rows.append(_coverage_row("all drawn screws", [h for h in found if h.drawn]))
-    rows.append(_coverage_row("all", found))
+        rows.append(_uncertainty_coverage_row("all drawn screws", [h for h in found if h.drawn]))
+    rows.append(_uncertainty_coverage_row("all", found))
     columns = [Quantity("scene", "scene", "", "s"), Quantity("contacts", "contacts", "", "s")]
     columns.append(Quantity("judge", "finer level for the test", "", "s"))
     for k in levels:
@@ -161,7 +161,8 @@ def coverage_table(study: Study) -> Table | None:
     worst = min((h for h in several if h.contacts >= MANY), key=lambda h: h.share)
     note = (
         f"Of {sum(h.contacts for h in several)} loads with an uncertainty from two mesh levels or more, "
-        f"{100.0 * share_of(several):.1f} % change by less than it on the finer level; in the worst scene with {MANY} "
+        f"{100.0 * share_of_covered_contacts(several):.1f} % change by less than it on the finer level; in the worst "
+        f"scene with {MANY} "
         f"contacts or more, {100.0 * worst.share:.1f} % ({worst.scene}, levels up to {worst.level}). The aim is 95 %. "
         "Neither the finer level nor data of scenes with the same parts are used to estimate the uncertainty that is "
         "tested. Rows for several scenes show medians. Errors common to all meshes cannot be detected by this test."
@@ -175,8 +176,8 @@ def coverage_table(study: Study) -> Table | None:
     )
 
 
-def _coverage_row(name: str, group: Sequence[UncertaintyTest]) -> dict[str, Cell]:
-    """Return the row of `coverage_table` for one scene, or for several scenes with medians over them.
+def _uncertainty_coverage_row(name: str, group: Sequence[UncertaintyTest]) -> dict[str, Cell]:
+    """Return the row of `uncertainty_coverage_table` for one scene, or for several scenes with medians over them.
 
     ``name``: text in the first cell. ``group``: tests of the mesh uncertainty of the scene or scenes, on all levels.
     """
@@ -184,16 +185,19 @@ def _coverage_row(name: str, group: Sequence[UncertaintyTest]) -> dict[str, Cell
     row["judge"] = ", ".join(map(str, sorted({h.judge for h in group})))
     for k in sorted({h.level for h in group}):
         of_level = [h for h in group if h.level == k]
-        row |= {f"bar {k}": float(np.median([h.bar for h in of_level])), f"held {k}": 100.0 * share_of(of_level)}
+        row |= {
+            f"bar {k}": float(np.median([h.bar for h in of_level])),
+            f"held {k}": 100.0 * share_of_covered_contacts(of_level),
+        }
     return row
 
 
-def shared_text(study: Study) -> str:
+def common_error_paragraph(study: Study) -> str:
     """Return the paragraph on the error that is common to all contacts and that the stated uncertainty does not include."""
     low, high = SHARED
     moves = [
         f"{e.choice} {float(e.change[e.change != 0.0].mean()):+.3f} %"
-        for e in varied(study.scene(REFINED), study.stores)
+        for e in effects_of_variants(study.scene(REFINED), study.stores)
         if _refines_one_choice(e.variant)
     ]
     changes = ", ".join(moves)
@@ -219,7 +223,7 @@ def stage_table(found: References) -> Table:
     ``found``: 3D reference of each scene, by name of the scene.
     """
     rows: list[dict[str, Cell]] = []
-    common = most_of(ref.best.measured for ref in found.values())
+    common = most_frequent_conditions(ref.best.measured for ref in found.values())
     for name, ref in found.items():
         if ref.best.measured != common:
             continue
@@ -233,7 +237,7 @@ def stage_table(found: References) -> Table:
     return Table("reference-stages", title, columns, rows, note)
 
 
-def study_items(study: Study, found: References) -> list[Table | Figure]:
+def mesh_study_items(study: Study, found: References) -> list[Table | Figure]:
     """Return the table and figure of the mesh study of every scene that was solved on at least two mesh levels.
 
     ``found``: 3D reference of each scene, by name of the scene.
@@ -243,7 +247,7 @@ def study_items(study: Study, found: References) -> list[Table | Figure]:
         ref = reference_from_stored_runs(study.scene(name), study.stores)
         if ref is None or len(ref.runs) < 2:
             continue
-        table = study_table(study.scene(name), study.stores)
+        table = mesh_study_table_of_scene(study.scene(name), study.stores)
         rows = [dict(r) for r in table if "load of ball" not in r["quantity"]]
         columns = [
             Quantity("quantity", "quantity", "", "s"),
@@ -259,7 +263,7 @@ def study_items(study: Study, found: References) -> list[Table | Figure]:
             columns.append(Quantity("modelling_spread", "modelling uncertainty", "", "g2"))
             columns.append(Quantity("scene_choices", "largest effect of choices of the scene", "", "g2"))
         out.append(Table(f"mesh-study-{name}", f"Mesh study of {name}", columns, rows, accuracy_sentence(ref)))
-        figure = study_figure(name, table, ref)
+        figure = mesh_convergence_figure(name, table, ref)
         if figure is not None:
             out.append(figure)
     return out
@@ -269,7 +273,7 @@ def study_items(study: Study, found: References) -> list[Table | Figure]:
 KINDS = {"modelling": "modelling", "numerical": "numerical", "scene": "of the scene"}
 
 
-def spread_table(study: Study) -> Table | None:
+def modelling_choice_table(study: Study) -> Table | None:
     """Return the table of the load changes caused by modelling choices of the 3D reference; None if no run is stored.
 
     It also has the error of Lin's model against the 3D reference with each changed choice.
@@ -278,7 +282,7 @@ def spread_table(study: Study) -> Table | None:
     for name in VARIED:
         scene = study.scene(name)
         low = study.solve(name, "lin")
-        for e in varied(scene, study.stores):
+        for e in effects_of_variants(scene, study.stores):
             if _refines_one_choice(e.variant):
                 continue
             run = load_run(scene, min(LEVELS), e.variant, study.stores)
@@ -307,7 +311,7 @@ def spread_table(study: Study) -> Table | None:
     return Table.of("reference-spread", title, rows, note) if rows else None
 
 
-def single_choice_table(study: Study) -> Table | None:
+def numerical_choice_table(study: Study) -> Table | None:
     """Return the table of the load changes when each numerical choice of the finest mesh level is refined alone.
 
     The changes are compared with the grid uncertainty. Returns None if no run is stored.
@@ -316,7 +320,7 @@ def single_choice_table(study: Study) -> Table | None:
     if found is None:
         return None
     grid = np.abs(error_percent(found.uncertainty, 0.0, found.mean))
-    for e in varied(scene, study.stores):
+    for e in effects_of_variants(scene, study.stores):
         if not _refines_one_choice(e.variant):
             continue
         at = np.unravel_index(int(np.abs(e.change).argmax()), e.change.shape)
@@ -340,12 +344,12 @@ def single_choice_table(study: Study) -> Table | None:
     return Table.of("reference-choices", title, rows, note) if rows else None
 
 
-def modelling_table(study: Study) -> Table | None:
+def modelling_uncertainty_table(study: Study) -> Table | None:
     """Return the table of the modelling uncertainty of the 3D reference, by choice and in total; None without runs.
 
     Choices that were not varied are listed with the reason.
     """
-    found = modelling_uncertainties(study)
+    found = modelling_uncertainty_by_scene(study)
     if not found:
         return None
     choices = dict.fromkeys(c for m in found.values() for c in m.choices)
@@ -385,7 +389,7 @@ INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
 }
 
 
-def _scenes_without_ingredients(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
+def _scenes_with_effects_left_out(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
     """Yield the case studies for which runs of the 3D reference are stored that leave out one of its effects at a time.
 
     Yields the name of the scene, its run on the coarsest mesh level, and the solution by Lin's model.
@@ -396,14 +400,14 @@ def _scenes_without_ingredients(study: Study) -> Iterator[tuple[str, Run, Static
             yield name, run, study.solve(name, "lin")
 
 
-def ablation_table(study: Study) -> Table | None:
+def left_out_effects_table(study: Study) -> Table | None:
     """Return the table of how loads [%] and run time [s] change if one effect is left out of the 3D reference.
 
     Returns None if no run is stored.
     """
     rows: list[Row] = []
-    common = most_of(run.measured for _, run, _ in _scenes_without_ingredients(study))
-    for name, run, low in _scenes_without_ingredients(study):
+    common = most_frequent_conditions(run.measured for _, run, _ in _scenes_with_effects_left_out(study))
+    for name, run, low in _scenes_with_effects_left_out(study):
         full = load_error(low.load, run.load).max_percent
         for ingredient, loads in run.without.items():
             e, model = load_error(loads, run.load), load_error(low.load, loads)
@@ -429,10 +433,10 @@ def ablation_table(study: Study) -> Table | None:
     return Table.of("reference-ablation", title, rows, note) if rows else None
 
 
-def ablation_text(study: Study) -> str:
+def rigid_nut_paragraph(study: Study) -> str:
     """Return the paragraph on the error of Lin's model, which has a rigid nut, against a 3D reference with a rigid nut."""
     parts = []
-    for name, run, low in _scenes_without_ingredients(study):
+    for name, run, low in _scenes_with_effects_left_out(study):
         if "elastic nut" not in run.without:
             continue
         before, after = load_error(low.load, run.load), load_error(low.load, run.without["elastic nut"])
@@ -450,7 +454,7 @@ def mesh_uncertainty_sentence(found: References) -> str:
 
     ``found``: 3D reference of each scene, by name of the scene.
     """
-    bars = [uncertainty_percent(ref) for ref in found.values()]
+    bars = [largest_uncertainty_percent(ref) for ref in found.values()]
     if not bars:
         return ""
     return (
@@ -480,12 +484,12 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         text.append("Assumptions where Lin's thesis prints no value: " + " ".join(assumed))
     items: list[Any] = [Text(tuple(text))]
     if everything:
-        items += [convergence_table(everything), Text((shared_text(study),))]
-        items += [coverage_table(study), level_table(study, everything)]
+        items += [mesh_uncertainty_table(everything), Text((common_error_paragraph(study),))]
+        items += [uncertainty_coverage_table(study), mesh_level_table(study, everything)]
     if found:
-        items += [stage_table(found), *study_items(study, found)]
-    items += [single_choice_table(study), modelling_table(study), spread_table(study)]
-    cause, ablation = ablation_text(study), ablation_table(study)
+        items += [stage_table(found), *mesh_study_items(study, found)]
+    items += [numerical_choice_table(study), modelling_uncertainty_table(study), modelling_choice_table(study)]
+    cause, ablation = rigid_nut_paragraph(study), left_out_effects_table(study)
     items += [Text((cause,)) if cause and ablation else None, ablation]
     shown = tuple(item for item in items if item is not None)
     return Section(

@@ -11,29 +11,36 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from rollbench.compare.measure import error_percent, gate_scale, load_error
-from rollbench.compare.models.comparison import REFERENCED, finest_bodies, suitable_models
+from rollbench.compare.measure import error_percent, load_error, scale_of_gate_errors
+from rollbench.compare.models.comparison import REFERENCED, path_of_condensed_bodies, suitable_models
 from rollbench.compare.models.modelling import UNSEEN, Rung, ladder
 from rollbench.compare.models.registry import MODELS, Model, Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import entry
+from rollbench.compare.printed import printed_entry
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.reference.store import Measured, Run, load_run, measuring_conditions, one_run, shipped_store
+from rollbench.compare.reference.store import (
+    Measured,
+    Run,
+    common_conditions,
+    load_run,
+    measuring_conditions,
+    shipped_store,
+)
 from rollbench.compare.studies.run_times import (
     COMMANDS,
     NEW,
     TYPED,
     ColdLevelTime,
-    Kept,
     RunTime,
     SetUpCosts,
+    StoredRunTimes,
     load_costs,
     load_times,
-    measure_level,
-    measure_model,
     save_times,
-    time_command,
+    time_command_in_empty_home,
+    time_mesh_level_in_new_process,
+    time_model_in_new_process,
     today,
 )
 from rollbench.lowfi.statics.result import StaticResult
@@ -65,8 +72,8 @@ PANELS = 6
 
 
 @dataclass(frozen=True)
-class Largest:
-    """Largest error of a contact load [%], with its range due to the grid uncertainty of the reference (`error_range`)."""
+class LargestError:
+    """Largest error of a contact load [%], with its range due to the grid uncertainty of the reference."""
 
     #: Largest error [%].
     error: float
@@ -103,7 +110,7 @@ class TimePoint:
     #: Short name.
     name: str
     #: Largest error by the gate's rule.
-    gate: Largest
+    gate: LargestError
     #: Status of the solver, such as "converged".
     status: str = "converged"
     #: Conditions of the time measurement.
@@ -112,7 +119,7 @@ class TimePoint:
     older: str = ""
 
 
-def error_range(value: Array, found: Reference, scale: Array) -> Largest:
+def largest_error_with_range(loads: Array, reference: Reference, scale: Array) -> LargestError:
     """Return the largest error of contact loads against the 3D reference, and its range due to the grid uncertainty.
 
     If e is the error and U the uncertainty of a contact, the true largest error lies between max(|e| - U) and max(|e| + U)
@@ -120,9 +127,9 @@ def error_range(value: Array, found: Reference, scale: Array) -> Largest:
 
     Parameters
     ----------
-    value
+    loads
         Contact loads of n balls on the four groove flanks, (n, 4) [N].
-    found
+    reference
         Contact loads of the 3D reference with their uncertainty.
     scale
         Load by which the error of each contact is divided, (n, 4) [N], such as the mean load for all contacts.
@@ -132,25 +139,25 @@ def error_range(value: Array, found: Reference, scale: Array) -> Largest:
     Largest
         Largest error and the ends of its range [%].
     """
-    off = np.abs(error_percent(value, found.load, scale))
-    bar = np.abs(error_percent(found.uncertainty, 0.0, scale))
-    return Largest(float(off.max()), max(0.0, float((off - bar).max())), float((off + bar).max()))
+    off = np.abs(error_percent(loads, reference.load, scale))
+    bar = np.abs(error_percent(reference.uncertainty, 0.0, scale))
+    return LargestError(float(off.max()), max(0.0, float((off - bar).max())), float((off + bar).max()))
 
 
-def errors_against_reference(value: Array, found: Reference) -> dict[str, Any]:
+def errors_against_reference(loads: Array, reference: Reference) -> dict[str, Any]:
     """Return the errors of contact loads against the 3D reference, as keyword arguments of a `TimePoint`.
 
-    ``value``: contact loads of n balls on the four groove flanks, (n, 4) [N]. ``found``: the 3D reference. The values of
-    the dictionary are the largest and the RMS error with the range of the largest one [% of the mean load] (error, rms,
+    ``loads``: contact loads of n balls on the four groove flanks, (n, 4) [N]. ``reference``: the 3D reference. The values
+    of the dictionary are the largest and the RMS error with the range of the largest one [% of the mean load] (error, rms,
     low, high), and the largest error by the gate's rule (gate).
     """
-    e = load_error(value, found.load, found.contacts)
-    of_mean = error_range(value, found, np.full(value.shape, found.mean))
-    gate = error_range(value, found, gate_scale(found.load, found.mean))
+    e = load_error(loads, reference.load, reference.contacts)
+    of_mean = largest_error_with_range(loads, reference, np.full(loads.shape, reference.mean))
+    gate = largest_error_with_range(loads, reference, scale_of_gate_errors(reference.load, reference.mean))
     return {"error": e.max_percent, "rms": e.rms_percent, "low": of_mean.low, "high": of_mean.high, "gate": gate}
 
 
-def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
+def further_solution_seconds(model: Model, scene: Scene, options: Options) -> float:
     """Return the time in which a model solves a scene again [s], when body compliances and compiled kernels are ready.
 
     It is the median of `WARM_CALLS` solutions, after one that is not timed.
@@ -163,7 +170,7 @@ def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
     return float(np.median(spent[1:]))
 
 
-def measure_run_times(study: Study, names: Sequence[str], step: Step, *, levels: bool) -> Kept:
+def measure_run_times(study: Study, names: Sequence[str], step: Step, *, levels: bool) -> StoredRunTimes:
     """Measure the times in which all models solve the named scenes: in a new process (cold) and in a running one (warm).
 
     Parameters
@@ -187,20 +194,20 @@ def measure_run_times(study: Study, names: Sequence[str], step: Step, *, levels:
     for name, found in study.references(names).items():
         for model, bodies in models_with_bodies(name, found, study):
             step(f"{name}, {model.label}: cold and warm")
-            cold = measure_model(name, model.name, condensed=bodies, repeats=1)
+            cold = time_model_in_new_process(name, model.name, condensed=bodies, repeats=1)
             options = Options(discretisation=False, engine="compiled", condensed=bodies)
-            warm = warm_seconds(model, study.scene(name), options)
+            warm = further_solution_seconds(model, study.scene(name), options)
             times[name, model.name] = RunTime(cold.process, warm, cold.memory)
-        for run in reference_runs(name, found, study) if levels else ():
+        for run in stored_reference_runs(name, found, study) if levels else ():
             step(f"{name}, level {run.level} of the 3D reference, cold")
-            cold_levels.append(measure_level(name, run.level))
+            cold_levels.append(time_mesh_level_in_new_process(name, run.level))
     for name, engine in product(SAMPLE, ("interpreted", "compiled")) if levels else ():
         step(f"{FIRST}, {name} {engine}: first process")
-        first[name, engine] = measure_model(FIRST, name, engine=engine)
-    return Kept(measuring_conditions(), today(), times, first, cold_levels)
+        first[name, engine] = time_model_in_new_process(FIRST, name, engine=engine)
+    return StoredRunTimes(measuring_conditions(), today(), times, first, cold_levels)
 
 
-def measure_commands(step: Step) -> Kept:
+def measure_commands(step: Step) -> StoredRunTimes:
     """Measure the run times of the commands in `COMMANDS`, each started with an empty home directory, without caches.
 
     ``step`` is called with each line of progress.
@@ -208,11 +215,11 @@ def measure_commands(step: Step) -> Kept:
     commands = []
     for command in COMMANDS:
         step(f"{command}, with an empty home directory")
-        commands.append(time_command(command))
-    return Kept(measuring_conditions(), today(), {}, {}, typed=commands)
+        commands.append(time_command_in_empty_home(command))
+    return StoredRunTimes(measuring_conditions(), today(), {}, {}, typed=commands)
 
 
-def measuring_run(study: Study, step: Step) -> Kept | None:
+def run_times_to_show(study: Study, step: Step) -> StoredRunTimes | None:
     """Return the run times that a report shows: the stored ones or, for a timed study, newly measured ones.
 
     A new measurement times every model and mesh level on every compared scene (about an hour) and is written to the study's
@@ -241,13 +248,13 @@ def models_with_bodies(name: str, found: Reference, study: Study) -> list[tuple[
     ``name``: name of the scene. ``found``: its 3D reference, whose finest run supplies the condensed bodies. The model
     "condensed" is left out if there is no such file.
     """
-    scene, bodies = study.scene(name), finest_bodies(study.scene(name), found, study.stores)
+    scene, bodies = study.scene(name), path_of_condensed_bodies(study.scene(name), found, study.stores)
     further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
     every = [(m, bodies if m.name == "condensed" else None) for m in (*suitable_models(scene), *further)]
     return [(m, file) for m, file in every if m.name != "condensed" or file is not None]
 
 
-def reference_runs(name: str, found: Reference, study: Study) -> list[Run]:
+def stored_reference_runs(name: str, found: Reference, study: Study) -> list[Run]:
     """Return the stored runs of a scene's 3D reference: that on the mesh of Lin's thesis, if stored, then the mesh levels.
 
     ``name``: name of the scene. ``found``: its 3D reference on the mesh levels.
@@ -256,7 +263,7 @@ def reference_runs(name: str, found: Reference, study: Study) -> list[Run]:
     return [*(() if source is None else (source,)), *found.runs]
 
 
-def time_points(name: str, found: Reference, study: Study, step: Step) -> list[TimePoint]:
+def error_and_time_points(name: str, found: Reference, study: Study, step: Step) -> list[TimePoint]:
     """Return the errors and run times of all models and mesh levels on a scene.
 
     Times from other measurements than the one shown are stated as text, with the conditions of their measurement.
@@ -272,7 +279,7 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
     step
         Called with each line of progress.
     """
-    kept, out = study.once(measuring_run, step), []
+    kept, out = study.compute_once(run_times_to_show, step), []
     measured = None if kept is None else kept.measured
     for model, bodies in models_with_bodies(name, found, study):
         known = None if kept is None else kept.times.get((name, model.name))
@@ -285,7 +292,7 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
                 model.label, "model", **errors_against_reference(result.load, found), **costs, name=model.name, **notes
             )
         )
-    for run in reference_runs(name, found, study):
+    for run in stored_reference_runs(name, found, study):
         cold, warm, older = None, None, f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}"
         for level in () if kept is None else kept.levels:
             if (level.scene, level.level) == (name, run.level):
@@ -316,7 +323,7 @@ def _solve_scene(name: str, model: Model, study: Study, bodies: Path | None) -> 
     return run_model(study.scene(name), model.name, Options(discretisation=False, condensed=bodies))
 
 
-def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") -> Table:
+def error_and_time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") -> Table:
     """Return the table of errors and run times of every model and mesh level on every scene.
 
     Parameters
@@ -358,10 +365,10 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
     return Table.of("reference-time", "Largest error of each model and mesh level over its run time", rows, note)
 
 
-def compile_table(kept: Kept) -> Table:
+def kernel_compilation_table(run_times: StoredRunTimes) -> Table:
     """Return the table of run times in a new process on the scene `FIRST`, with interpreted and with compiled kernels.
 
-    ``kept``: measured run times.
+    ``run_times``: measured run times.
     """
     rows: list[Row] = [
         {
@@ -372,21 +379,21 @@ def compile_table(kept: Kept) -> Table:
             Quantity("warm", "a further solution", "s", "g3"): cold.warm,
             Quantity("memory", "peak memory", "MB", ".0f"): cold.memory,
         }
-        for (name, engine), cold in kept.first.items()
+        for (name, engine), cold in run_times.first.items()
     ]
     note = (
         "Kernels are compiled once per machine and stored in the user's cache; the command line solves single "
         "scenes with interpreted kernels. Each row is a separate process; the first solution of the refined model also "
-        f"computes the compliance of the bodies. {kept}"
+        f"computes the compliance of the bodies. {run_times}"
     )
     title = f"Run times of a new process on {FIRST}, with interpreted and with compiled kernels"
     return Table.of("reference-cold", title, rows, note)
 
 
-def typed_table(kept: Kept) -> Table:
+def command_time_table(run_times: StoredRunTimes) -> Table:
     """Return the table of waiting times of commands that are started with an empty home directory, without caches.
 
-    ``kept``: measured run times.
+    ``run_times``: measured run times.
     """
     rows: list[Row] = [
         {
@@ -401,21 +408,21 @@ def typed_table(kept: Kept) -> Table:
             Quantity("beside_cpu", "CPU time next to a busy process", "s", "g3"): c.beside_cpu,
             Quantity("note", "note", "", "s"): c.note,
         }
-        for c in kept.typed
+        for c in run_times.typed
     ]
     note = (
         f"Each command is run as typed, without a set number of threads, in a home directory without any cache; rollbench "
         f"{NEW} wrote my.toml. The second run finds compiled kernels and stored body compliances, so its time is the least "
         "that caches can achieve. CPU time is the sum over all processes of the command; it depends less on other work on "
-        f"the machine. {kept}"
+        f"the machine. {run_times}"
     )
     return Table.of("reference-typed", "Waiting times of commands with an empty home directory", rows, note)
 
 
-def level_table(kept: Kept) -> Table:
+def cold_level_time_table(run_times: StoredRunTimes) -> Table:
     """Return the table of run times of each mesh level of the 3D reference on a scene without stored meshes or parts.
 
-    ``kept``: measured run times.
+    ``run_times``: measured run times.
     """
     rows: list[Row] = [
         {
@@ -429,20 +436,20 @@ def level_table(kept: Kept) -> Table:
             Quantity("memory", "peak memory", "MB", ".0f"): c.memory,
             "status": c.status,
         }
-        for c in kept.levels
+        for c in run_times.levels
     ]
     note = (
         "Each level is computed in a separate process on all cores, from the start of the interpreter to the loads, "
         "without any stored mesh, part or run. Peak memory: sum of the peaks of all processes of one "
         "set-up. Targets were 12 s for level 1 of a screw with 64 contacts, 40 s for its levels 1 to 3, 0.3 s for a "
         "further load case, and 45 s of processor time for level 1 with 200 contacts. Where a target is missed, the tables "
-        f"reference-set-up-costs and reference-set-up-ways show the causes. {kept}"
+        f"reference-set-up-costs and reference-set-up-ways show the causes. {run_times}"
     )
     title = "Run times of the mesh levels of the 3D reference from a cold start"
     return Table.of("reference-levels-cold", title, rows, note)
 
 
-def cost_tables(costs: SetUpCosts) -> list[Table]:
+def set_up_cost_tables(costs: SetUpCosts) -> list[Table]:
     """Return two tables on the set-up of the 3D reference: its processor time by stage, and the effect of cheaper variants.
 
     ``costs``: measured processor times, and for each cheaper variant of the set-up the time that it saves and the load
@@ -458,9 +465,11 @@ def cost_tables(costs: SetUpCosts) -> list[Table]:
             **{Quantity(kind, words, "s", ".2f"): spent.get(kind, 0.0) for kind, words in WORK.items()},
         }
         for job in costs.jobs
-        for stage, spent in (*job.stages.items(), ("all", {kind: job.seconds_of(kind) for kind in WORK}))
+        for stage, spent in (*job.stages.items(), ("all", {kind: job.processor_time_of_work(kind) for kind in WORK}))
     ]
-    floors = ", ".join(f"{job.seconds_of('all') / 2.0:.1f} s ({job.scene}, level {job.level})" for job in costs.jobs)
+    floors = ", ".join(
+        f"{job.processor_time_of_work('all') / 2.0:.1f} s ({job.scene}, level {job.level})" for job in costs.jobs
+    )
     note = (
         "One process with one thread, without start and imports. The work of elimination is determined by the meshes; its "
         f"dense algebra runs in LAPACK. Two cores that never wait for each other need at least {floors}. {measured}"
@@ -495,7 +504,7 @@ def _costliest_stages(level: ColdLevelTime) -> str:
     return ", ".join(f"{name} {seconds:.1f} s" for name, seconds in stages[:DEAREST])
 
 
-def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
+def speed_ratio_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
     """Return the table of run times of the 3D reference on its finest mesh level, divided by those of Lin's model.
 
     The ratio is given for each scene, for a new process up to the loads and for a further load case of a known geometry.
@@ -506,7 +515,7 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
         low = next(p for p in several if p.name == "lin")
         best = [p for p in several if p.kind == "level"][-1]
         if low.cold and low.warm and best.cold and best.warm:
-            one_run(p.measured for p in (low, best) if p.measured is not None)
+            common_conditions(p.measured for p in (low, best) if p.measured is not None)
             rows.append(
                 {
                     "scene": scene,
@@ -518,12 +527,12 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
                     Quantity("warm", "ratio, further load case", "", ".0f"): best.warm / low.warm,
                 }
             )
-    printed = entry("lin-2.4.1", "speed_ratio").printed
+    printed = printed_entry("lin-2.4.1", "speed_ratio").printed
     title = f"Run time of the 3D reference over that of Lin's model (Lin's thesis: ANSYS over its model, over {printed})"
     return Table.of("reference-speed", title, rows)
 
 
-def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
+def error_over_time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
     """Return the panel of the largest error over the time of a cold start on one scene, with the error's range as bars.
 
     ``scene``: name of the scene, the title of the panel. ``of_scene``: errors and run times of all models and mesh levels
@@ -547,7 +556,7 @@ def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
     return Panel(scene, label, "largest error / % of the mean load", tuple(drawn), log="xy")
 
 
-def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
+def error_over_time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
     """Draw the error over run time, in one figure for each group of scenes.
 
     The groups are the case studies without preload, those with preload, and the screws not used in development. ``points``:
@@ -567,7 +576,7 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
         Figure(
             f"reference-time{tail}",
             "Largest error of each model and mesh level over its run time from a cold start",
-            tuple(time_panel(n, points[n]) for n in names),
+            tuple(error_over_time_panel(n, points[n]) for n in names),
             caption,
         )
         for tail, names in groups.items()
@@ -575,38 +584,38 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
     ]
 
 
-def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
+def points_of_all_scenes(study: Study, step: Step) -> dict[str, list[TimePoint]]:
     """Return errors and run times of all models and mesh levels on all compared scenes, by name of the scene.
 
     ``step`` is called with each line of progress. Raises ValueError if the times come from several measurements.
     """
-    study.once(ladder)  # its solutions are used here too
-    points = {name: time_points(name, ref, study, step) for name, ref in compared_scenes(study).items()}
-    one_run(p.measured for several in points.values() for p in several if p.measured is not None)
+    study.compute_once(ladder)  # its solutions are used here too
+    points = {name: error_and_time_points(name, ref, study, step) for name, ref in compared_scenes(study).items()}
+    common_conditions(p.measured for several in points.values() for p in several if p.measured is not None)
     return points
 
 
-def when_measured(study: Study, step: Step) -> str:
+def measurement_conditions_sentence(study: Study, step: Step) -> str:
     """Return a sentence on the conditions of the time measurement: program version, machine and date.
 
     The sentence is "No run times are stored." if there are none. ``step`` is called with each line of progress.
     """
-    kept = study.once(measuring_run, step)
+    kept = study.compute_once(run_times_to_show, step)
     return "No run times are stored." if kept is None else str(kept)
 
 
-def time_items(study: Study, step: Step) -> list[Table | Figure]:
+def run_time_items(study: Study, step: Step) -> list[Table | Figure]:
     """Return the tables and figures of the section on run times.
 
     In a quick study, the tables on new processes, mesh levels, commands and set-ups are left out. ``step`` is called with
     each line of progress.
     """
-    points, kept = study.once(all_points, step), study.once(measuring_run, step)
-    items: list[Table | Figure] = [time_table(points, when_measured(study, step))]
+    points, kept = study.compute_once(points_of_all_scenes, step), study.compute_once(run_times_to_show, step)
+    items: list[Table | Figure] = [error_and_time_table(points, measurement_conditions_sentence(study, step))]
     if not study.quick:
         costs = load_costs((*(study.stores or ()), shipped_store()))
-        items += [] if kept is None else [compile_table(kept), level_table(kept)]
+        items += [] if kept is None else [kernel_compilation_table(kept), cold_level_time_table(kept)]
         commands = load_times((*(study.stores or ()), shipped_store()), TYPED)
-        items += [] if commands is None else [typed_table(commands)]
-        items += [] if costs is None else cost_tables(costs)
-    return [*items, speed_table(points), *time_figures(points)]
+        items += [] if commands is None else [command_time_table(commands)]
+        items += [] if costs is None else set_up_cost_tables(costs)
+    return [*items, speed_ratio_table(points), *error_over_time_figures(points)]

@@ -8,8 +8,8 @@ from math import degrees
 import numpy as np
 
 from rollbench.compare.gate.verdict import LIMIT, Limits, Verdict
-from rollbench.compare.gate.verdict import judge as by_gate
-from rollbench.compare.models.comparison import REFERENCED, RULE, from_result, from_run
+from rollbench.compare.gate.verdict import judge_contact_loads as by_gate
+from rollbench.compare.models.comparison import REFERENCED, RULE, loads_from_result, loads_from_run
 from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
@@ -24,10 +24,10 @@ def sketch_scene(scene: Scene, name: str, title: str) -> Sketch:
 
     ``name``: file name of the sketch. ``title``: title of the sketch.
     """
-    return Sketch(name, title, scene, describe_inputs(scene))
+    return Sketch(name, title, scene, scene_inputs_sentence(scene))
 
 
-def describe_inputs(scene: Scene) -> str:
+def scene_inputs_sentence(scene: Scene) -> str:
     """Return a sentence on the inputs that a sketch does not show: balls, lead, contact angle, conformity, errors."""
     track, balls, errors = scene.track, scene.balls, scene.errors.balls
     lead = f"lead {1e3 * track.lead:.4g} mm" + (f", {track.starts} starts" if track.starts > 1 else "")
@@ -92,7 +92,7 @@ def errors_by_model(study: Study, name: str) -> Judged:
         (model, quantity.name): one
         for model in MODELS
         for quantity in QUANTITIES
-        if (one := validated_error(study, name, model, quantity, from_result(study.solve(name, model)))) is not None
+        if (one := validated_error(study, name, model, quantity, loads_from_result(study.solve(name, model)))) is not None
     }
 
 
@@ -134,11 +134,11 @@ def data_sheet(study: Study, name: str, reference: Reference, judged: Judged) ->
     """
     scene = study.scene(name)
     gate = gate_verdicts(study, name, reference)
-    words = (verdict_sentence(gate), uncertainty_sentence(reference, judged[DEFAULT, CONTACTS]))
+    words = (gate_verdict_sentence(gate), uncertainty_sentence(reference, judged[DEFAULT, CONTACTS]))
     return (
         Text(words, heading=f"{name}: {scene.title}"),
         sketch_scene(scene, f"sketch-{name}", f"Geometry and loads of {name}"),
-        results_table(study, scene, reference, judged, gate),
+        data_sheet_table(study, scene, reference, judged, gate),
     )
 
 
@@ -154,7 +154,7 @@ def gate_verdicts(study: Study, name: str, reference: Reference) -> dict[str, Ve
     return {model: by_gate(model, study.solve(name, model).load, reference, Limits())[0] for model in MODELS}
 
 
-def verdict_sentence(found: Mapping[str, Verdict]) -> str:
+def gate_verdict_sentence(found: Mapping[str, Verdict]) -> str:
     """Return the sentence on the gate's verdict on each model, with error and number of the decisive contact.
 
     ``found``: verdicts of ``rollbench check`` on the contact loads, by model.
@@ -183,15 +183,17 @@ def uncertainty_sentence(reference: Reference, bounds: Validated) -> str:
     return f"Uncertainty: mesh levels {levels} of the 3D reference; {bounds.bar}, of which {known}.{also}"
 
 
-def results_table(study: Study, scene: Scene, reference: Reference, judged: Judged, gate: Mapping[str, Verdict]) -> Table:
+def data_sheet_table(
+    study: Study, scene: Scene, reference: Reference, judged: Judged, gate: Mapping[str, Verdict]
+) -> Table:
     """Return the table of a scene's data sheet: each quantity by the 3D reference and by the models, with their errors.
 
     ``judged``: errors by model and quantity. ``gate``: verdicts of ``rollbench check`` on the contact loads, by model. For
     contact loads only the errors are shown (by the gate's rule, and in per cent of the mean load), because the worst
     contact differs from model to model.
     """
-    answers = {"3D reference": from_run(reference.best, "")}
-    answers |= {model: from_result(study.solve(scene.name, model)) for model in MODELS}
+    answers = {"3D reference": loads_from_run(reference.best, "")}
+    answers |= {model: loads_from_result(study.solve(scene.name, model)) for model in MODELS}
 
     def quantity_row(
         quantity: str, errors: Mapping[str, float | None], u_val: float, values: Mapping[str, float | None]

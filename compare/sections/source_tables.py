@@ -16,10 +16,10 @@ from typing import Any
 
 from rollbench.compare.case import Case
 from rollbench.compare.errors import InputError
-from rollbench.compare.evidence import Evidence, computations, joined_remarks, source
+from rollbench.compare.evidence import Evidence, all_computations, join_remarks, publication_title_of
 from rollbench.compare.measure import error_percent
-from rollbench.compare.printed import Printed, entry, load_table
-from rollbench.compare.sections.verdicts import shown_error
+from rollbench.compare.printed import Printed, load_table, printed_entry
+from rollbench.compare.sections.verdicts import finite_error_or_none
 from rollbench.reports.content import Quantity, Row, Table
 
 #: Further cells of a row, by name of the printed number ("table:key").
@@ -27,7 +27,7 @@ More = Mapping[str, Row]
 
 
 @dataclass(frozen=True)
-class Layout:
+class PrintedLayout:
     """Layout of one table of a publication: title, columns, and which printed number stands in each cell."""
 
     #: Name of the publication's case, such as "lin".
@@ -40,7 +40,7 @@ class Layout:
     title: str
     #: Name of the file of printed numbers that has most of its numbers.
     printed: str
-    #: ``inputs_table``, ``results`` or ``sentences``.
+    #: ``input_data_table``, ``results`` or ``sentences``.
     kind: str
     #: Headings of the columns.
     columns: tuple[str, ...]
@@ -70,22 +70,22 @@ class Layout:
         return self.short if self.kind == "sentences" or self.number[:1].islower() else f"Table {self.number}: {self.short}"
 
     @property
-    def digits(self) -> int:
+    def significant_digits(self) -> int:
         """Number of significant digits with which all printed digits can be shown; at least five."""
-        texts = (entry(*name.split(":")).printed.partition("e")[0] for name in self.names)
+        texts = (printed_entry(*name.split(":")).printed.partition("e")[0] for name in self.names)
         return max(5, *(len(text.replace(".", "").lstrip("-0")) for text in texts))
 
 
-def read_layouts(case: Case) -> list[Layout]:
+def read_layouts(case: Case) -> list[PrintedLayout]:
     """Read the layouts of the printed tables of a publication, in the order of its file ``layout.toml``.
 
     ``case``: the publication. Raises InputError for an unknown printed number.
     """
     path = case.folder / "layout.toml"
-    return [_read_layout(case.name, str(path), one) for one in tomllib.loads(path.read_text("utf-8"))["table"]]
+    return [_layout_from_record(case.name, str(path), one) for one in tomllib.loads(path.read_text("utf-8"))["table"]]
 
 
-def _read_layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
+def _layout_from_record(case: str, path: str, one: Mapping[str, Any]) -> PrintedLayout:
     """Return the layout of one printed table from its record in ``layout.toml``.
 
     ``case``: name of the publication's case. ``path``: path of the file, for error messages. ``one``: the record. Raises
@@ -96,16 +96,16 @@ def _read_layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
         names = tuple(key if ":" in key or not key else f"{one['printed']}:{key}" for key in keys)
         for name in filter(None, names):
             try:
-                entry(*name.split(":"))
+                printed_entry(*name.split(":"))
             except KeyError as error:
                 advice = "correct the key in the layout"
                 raise InputError(path, one["number"], name, "the key of a printed number", advice) from error
         rows.append((label, names))
     texts = {key: one[key] for key in ("number", "short", "title", "printed", "kind")}
-    return Layout(case, **texts, columns=tuple(one["columns"]), rows=tuple(rows))
+    return PrintedLayout(case, **texts, columns=tuple(one["columns"]), rows=tuple(rows))
 
 
-def as_printed_digits(value: float | None, printed: str) -> str:
+def format_like_printed_number(value: float | None, printed: str) -> str:
     """Return a value as text with as many decimals as a printed number has; a dash for None.
 
     Examples
@@ -123,7 +123,7 @@ def as_printed_digits(value: float | None, printed: str) -> str:
     return text.removeprefix("-") if not float(text) else text
 
 
-def table_in_printed_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, str]) -> Table:
+def side_by_side_table_of_layout(layout: PrintedLayout, found: Mapping[str, Evidence], ours: Mapping[str, str]) -> Table:
     """Return a table in the publication's layout, with the computed number next to each printed one.
 
     The computed number has as many digits as the printed one. If it repeats an error of the publication, the correct value
@@ -161,7 +161,7 @@ def table_in_printed_layout(layout: Layout, found: Mapping[str, Evidence], ours:
                     key: text if key == "ours" and name in ours else f"{text} {unit}".rstrip()
                     for key, text in texts.items()
                 }
-                texts["right"] = "" if right is None else f"{as_printed_digits(right, p.printed)} {unit}".rstrip()
+                texts["right"] = "" if right is None else f"{format_like_printed_number(right, p.printed)} {unit}".rstrip()
             for key, text in texts.items():
                 if key != "right" or faulty[k]:
                     row[Quantity(f"{key}-{k}", f"{head}, {key}", heading, "s")] = text
@@ -183,17 +183,17 @@ def _printed_units(names: Iterable[str], found: Mapping[str, Evidence]) -> set[s
     return {found[name].printed.unit for name in names if name and not found[name].printed.claim}
 
 
-def computed_value_text(f: Evidence) -> str:
+def computed_value_text(evidence: Evidence) -> str:
     """Return the computed value of a printed number as text, with as many decimals as the printed one.
 
-    ``f``: the printed number with its computed values. The text shows the first of these values that exists: computed with
-    the error of the publication repeated, correct, by the 3D reference. For a claim in words the text states whether it
-    holds.
+    ``evidence``: the printed number with its computed values. The text shows the first of these values that exists:
+    computed with the error of the publication repeated, correct, by the 3D reference. For a claim in words the text states
+    whether it holds.
     """
-    if f.printed.claim:
-        return "–" if f.holds is None else "holds" if f.holds else "does not hold"
-    values = (f.as_printed, f.value, f.reference)
-    return as_printed_digits(next((v for v in values if v is not None), None), f.printed.printed)
+    if evidence.printed.claim:
+        return "–" if evidence.holds is None else "holds" if evidence.holds else "does not hold"
+    values = (evidence.as_printed, evidence.value, evidence.reference)
+    return format_like_printed_number(next((v for v in values if v is not None), None), evidence.printed.printed)
 
 
 #: Columns of the table of all printed numbers: values, their errors against the printed number, and scenes.
@@ -208,8 +208,8 @@ AGAINST = Quantity("against", "error: low-order against 3D, both ours", "%", "+.
 SCENES = Quantity("scenes", "scenes, or why there are none", "", "s")
 
 
-def compared_table(
-    layout: Layout,
+def printed_and_computed_table(
+    layout: PrintedLayout,
     found: Mapping[str, Evidence],
     more: More,
     why: Mapping[str, str],
@@ -242,9 +242,9 @@ def compared_table(
         for head, name in zip(layout.columns, names, strict=True):
             if name and name not in columns and found[name].printed.cls != "input":
                 f = found[name]
-                base = _compared_row(layout, f, why.get(name, ""))
+                base = _printed_and_computed_row(layout, f, why.get(name, ""))
                 row = base | {q: None for q in further if q not in base} | more.get(name, {})
-                reason = joined_remarks(f.reason, _band_text(f.printed))
+                reason = join_remarks(f.reason, _tolerance_band_text(f.printed))
                 remark = remarks.setdefault(reason, len(remarks) + 1) if reason else None
                 first: Row = {Quantity("label", "number", "", "s"): label or f.printed.label}
                 first[Quantity("column", "column", "", "s")] = "" if head == "Value" or not label else head
@@ -256,42 +256,53 @@ def compared_table(
     return Table.of(layout.stem("compared"), title, _drop_empty_columns(rows), text, unfolded=True)
 
 
-def _compared_row(layout: Layout, f: Evidence, why: str) -> Row:
+def _printed_and_computed_row(layout: PrintedLayout, evidence: Evidence, why: str) -> Row:
     """Return the row of one printed number: printed value, computed values, and their errors against it [%].
 
-    ``f``: the printed number with its computed values. ``why``: text that is shown instead of a 3D value that does not
-    exist.
+    ``evidence``: the printed number with its computed values. ``why``: text that is shown instead of a 3D value that does
+    not exist.
     """
-    p, form = f.printed, f"g{layout.digits}"
-    values = {"right": f.value, "faulty": f.as_printed, "reading": f.reading, "solid": f.reference}
-    off = {key: _error_or_none(value, p.value) for key, value in values.items()}
+    p, form = evidence.printed, f"g{layout.significant_digits}"
+    values = {
+        "right": evidence.value,
+        "faulty": evidence.as_printed,
+        "reading": evidence.reading,
+        "solid": evidence.reference,
+    }
+    off = {key: _percent_error_or_none(value, p.value) for key, value in values.items()}
     return {
         PRINTED: f"{p.printed or p.claim} {p.unit}".rstrip(),
-        Quantity("right", "low-order, ours", "", form): _round_off(f.value),
-        Quantity("faulty", "with the publication's errors", "", form): _round_off(f.as_printed),
-        Quantity("reading", "with inferred assumption", "", form): f.reading,
-        SOLID: f"{_round_off(f.reference) or 0.0:.{layout.digits}g}" if f.reference is not None else why,
+        Quantity("right", "low-order, ours", "", form): _zero_if_round_off(evidence.value),
+        Quantity("faulty", "with the publication's errors", "", form): _zero_if_round_off(evidence.as_printed),
+        Quantity("reading", "with inferred assumption", "", form): evidence.reading,
+        SOLID: f"{_zero_if_round_off(evidence.reference) or 0.0:.{layout.significant_digits}g}"
+        if evidence.reference is not None
+        else why,
         OFF["right"]: off["right"],
         OFF["faulty"]: off["faulty"],
         OFF["reading"]: off["reading"],
         OFF["solid"]: off["solid"],
-        AGAINST: _error_or_none(f.value, f.reference),
+        AGAINST: _percent_error_or_none(evidence.value, evidence.reference),
     }
 
 
-def _band_text(p: Printed) -> str:
+def _tolerance_band_text(printed_number: Printed) -> str:
     """Return the tolerance band of a printed number and the origin of the band as text; empty without a band."""
-    return f"Tolerance band: {p.low:g} to {p.high:g}. {p.origin}" if p.low is not None and p.high is not None else ""
+    return (
+        f"Tolerance band: {printed_number.low:g} to {printed_number.high:g}. {printed_number.origin}"
+        if printed_number.low is not None and printed_number.high is not None
+        else ""
+    )
 
 
-def _error_or_none(value: float | None, reference: float | None) -> float | None:
+def _percent_error_or_none(value: float | None, reference: float | None) -> float | None:
     """Return the error of a value against a reference [%]; None if one of them is None, or if both are round-off."""
     if value is None or reference is None or max(abs(value), abs(reference)) < 1e-9:
         return None
-    return shown_error(float(error_percent(value, reference)))
+    return finite_error_or_none(float(error_percent(value, reference)))
 
 
-def _round_off(value: float | None) -> float | None:
+def _zero_if_round_off(value: float | None) -> float | None:
     """Replace a value by zero if it is below 1e-9, which is round-off; return other values unchanged."""
     return 0.0 if value is not None and abs(value) < 1e-9 else value
 
@@ -303,7 +314,7 @@ def _drop_empty_columns(rows: Sequence[Row]) -> list[Row]:
     return [{q: row.get(q) for q in order if q in filled} for row in rows]
 
 
-def inputs_table(layout: Layout, found: Mapping[str, Evidence]) -> Table:
+def input_data_table(layout: PrintedLayout, found: Mapping[str, Evidence]) -> Table:
     """Return the table of the input data of a printed table: printed value, value used in the scene, remark.
 
     Parameters
@@ -318,8 +329,8 @@ def inputs_table(layout: Layout, found: Mapping[str, Evidence]) -> Table:
             Quantity("label", "parameter (symbol)", "", "s"): label,
             Quantity("printed", "printed value", "", "s"): f.printed.printed,
             Quantity("unit", "unit", "", "s"): f.printed.unit,
-            Quantity("scene", "value in the scene", "", "s"): as_printed_digits(f.value, f.printed.printed),
-            Quantity("name", "scene", "", "s"): ", ".join(computations()[f.printed.table].origin(f.printed)[0]),
+            Quantity("scene", "value in the scene", "", "s"): format_like_printed_number(f.value, f.printed.printed),
+            Quantity("name", "scene", "", "s"): ", ".join(all_computations()[f.printed.table].origin(f.printed)[0]),
             "verdict": f.verdict,
             "how": f"how-{f.printed.table}",
             Quantity("remark", "remark", "", "s"): f.reason,
@@ -336,13 +347,13 @@ def computation_tables(tables: Iterable[str]) -> Iterator[Table]:
     ``tables`` are the names of the files.
     """
     for name in tables:
-        one = computations()[name]
-        places = ", ".join(sorted({row.place.partition(", ")[2] for row in load_table(name)}, key=_place_sort_key))
+        one = all_computations()[name]
+        places = ", ".join(sorted({row.place.partition(", ")[2] for row in load_table(name)}, key=_sort_key_of_place))
         rows: list[Row] = [
             {
                 Quantity("keys", "keys of printed numbers", "", "s"): pattern,
                 SCENES: behind if isinstance(behind, str) else ", ".join(behind),
-                Quantity("function", "computed by", "", "s"): one.function,
+                Quantity("function", "computed by", "", "s"): one.function_name,
                 Quantity("test", "tested in", "", "s"): one.test or "–",
                 Quantity("command", "recomputed by", "", "s"): f"rollbench check --printed --only {name}",
             }
@@ -351,7 +362,7 @@ def computation_tables(tables: Iterable[str]) -> Iterator[Table]:
         yield Table.of(f"how-{name}", f"How the numbers of {name} are computed ({places})", rows)
 
 
-def _place_sort_key(place: str) -> tuple[bool, list[int], str]:
+def _sort_key_of_place(place: str) -> tuple[bool, list[int], str]:
     """Return the sort key of a place in a publication, such as "Table 2.1": chapter, then tables before sections.
 
     Appendices come last.
@@ -362,7 +373,7 @@ def _place_sort_key(place: str) -> tuple[bool, list[int], str]:
     return letter is not None, [*numbers[:1], int(in_text), *numbers[1:]], text
 
 
-def counts_by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfolded: bool = False) -> Table:
+def reproduced_counts_table(found: Sequence[Evidence], name: str = "printed-by-table", *, unfolded: bool = False) -> Table:
     """Return the table that counts the printed numbers of each table and section, and how many are reproduced.
 
     Parameters
@@ -376,14 +387,14 @@ def counts_by_place(found: Sequence[Evidence], name: str = "printed-by-table", *
     """
     groups: dict[str, list[Evidence]] = {}
     for f in found:
-        groups.setdefault(source(f.printed), []).append(f)
+        groups.setdefault(publication_title_of(f.printed), []).append(f)
     rows = []
     for title, of_source in groups.items():
-        rows.append(_count_row(f"{title}, all", of_source))
+        rows.append(_reproduced_counts_row(f"{title}, all", of_source))
         places: dict[str, list[Evidence]] = {}
         for f in of_source:
             places.setdefault(f.printed.place, []).append(f)
-        rows += [_count_row(place, places[place]) for place in sorted(places, key=_place_sort_key)]
+        rows += [_reproduced_counts_row(place, places[place]) for place in sorted(places, key=_sort_key_of_place)]
     note = (
         "A result is a printed number that is neither an input, nor an identity, nor zero by symmetry; only results can be "
         "reproduced. The table printed shows every number."
@@ -397,8 +408,8 @@ def counts_by_place(found: Sequence[Evidence], name: str = "printed-by-table", *
     )
 
 
-def _count_row(place: str, found: Sequence[Evidence]) -> Row:
-    """Return the row of `counts_by_place` for one table or section of a publication.
+def _reproduced_counts_row(place: str, found: Sequence[Evidence]) -> Row:
+    """Return the row of `reproduced_counts_table` for one table or section of a publication.
 
     ``place``: text in the first cell. ``found``: printed numbers and claims of the table or section, with their verdicts.
     """
@@ -421,7 +432,9 @@ def _count_row(place: str, found: Sequence[Evidence]) -> Row:
     }
 
 
-def shown_tables(printed: Sequence[str], listed: Sequence[Layout], found: Mapping[str, Evidence]) -> Iterator[Table]:
+def tables_of_printed_numbers(
+    printed: Sequence[str], listed: Sequence[PrintedLayout], found: Mapping[str, Evidence]
+) -> Iterator[Table]:
     """Yield the report's tables of all printed numbers from some files of a publication.
 
     Tables with a layout are shown in that layout and row by row; then follow the numbers and claims of the text.
@@ -437,9 +450,9 @@ def shown_tables(printed: Sequence[str], listed: Sequence[Layout], found: Mappin
     """
     for layout in listed:
         if layout.printed in printed:
-            yield table_in_printed_layout(layout, found, {})
+            yield side_by_side_table_of_layout(layout, found, {})
             if any(found[name].printed.cls != "input" for name in layout.names):
-                yield replace(compared_table(layout, found, {}, {}), unfolded=False)
+                yield replace(printed_and_computed_table(layout, found, {}, {}), unfolded=False)
     laid = {name for layout in listed for name in layout.names}
     rest = [f.printed for f in found.values() if f.printed.table in printed and f.printed.name not in laid]
     for what in ("inputs", "numbers and claims"):
@@ -447,5 +460,5 @@ def shown_tables(printed: Sequence[str], listed: Sequence[Layout], found: Mappin
         rows = tuple((f"{p.label} ({p.place.partition(', ')[2]})", (p.name,)) for p in of)
         if rows:
             title = f"{what[:1].upper()}{what[1:]} of the text"
-            layout = Layout(printed[-1], "text", title, title, printed[-1], "sentences", ("Value",), rows)
-            yield inputs_table(layout, found) if what == "inputs" else compared_table(layout, found, {}, {})
+            layout = PrintedLayout(printed[-1], "text", title, title, printed[-1], "sentences", ("Value",), rows)
+            yield input_data_table(layout, found) if what == "inputs" else printed_and_computed_table(layout, found, {}, {})

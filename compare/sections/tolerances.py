@@ -9,8 +9,8 @@ from typing import Any
 
 from rollbench.compare import files
 from rollbench.compare.models.study import Study
-from rollbench.compare.studies.sweep.keys import Vary, read_vary
-from rollbench.compare.studies.sweep.run import summary_figures
+from rollbench.compare.studies.sweep.keys import VariedKey, read_vary
+from rollbench.compare.studies.sweep.run import figures_from_sweep_summary
 from rollbench.compare.studies.sweep.sample import MAIN
 from rollbench.reports.content import Cell, Quantity, Section, Table, Text
 
@@ -43,22 +43,22 @@ def sweep_command(found: Mapping[str, Any]) -> str:
     return f"rollbench sweep {found['scene'].removesuffix('.toml')}{vary}{options}"
 
 
-def short_key_name(vary: Vary) -> str:
+def short_tolerance_name(vary: VariedKey) -> str:
     """Return the short name of a varied tolerance, such as "ball grade"."""
-    return key_description(vary).partition(":")[0]
+    return tolerance_description(vary).partition(":")[0]
 
 
-def key_description(vary: Vary) -> str:
+def tolerance_description(vary: VariedKey) -> str:
     """Return the description of a varied tolerance, such as "misalignment: offset of the right end"."""
     return next((text for start, text in WORDS.items() if vary.key.startswith(start)), vary.name)
 
 
 def _tolerance_name(row: Mapping[str, Cell]) -> str:
-    """Return the short name of the tolerance in a row of `effect_rows`, capitalised."""
+    """Return the short name of the tolerance in a row of `tolerance_effect_rows`, capitalised."""
     return str(row["key"]).partition(":")[0].capitalize()
 
 
-def effect_rows(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
+def tolerance_effect_rows(keys: Sequence[VariedKey], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
     """Return the table rows on the effect of each tolerance on the largest contact load, largest total Sobol index first.
 
     ``keys``: varied tolerances with their ranges. ``found``: summary of the sweep. Each row has the varied range, the range
@@ -71,7 +71,7 @@ def effect_rows(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str
         row = indices[vary.key]
         rows.append(
             {
-                "key": key_description(vary),
+                "key": tolerance_description(vary),
                 "range": "any" if vary.key == "errors.seed" else f"{vary.low:g} to {vary.high:g} {vary.unit}",
                 "low": min(means),
                 "high": max(means),
@@ -89,9 +89,9 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """
     step("stored sweep of tolerances")
     found = stored_sweep()
-    study.uses((found["scene"].removesuffix(".toml"),))
+    study.record_used_scenes((found["scene"].removesuffix(".toml"),))
     keys = read_vary(found["vary"])
-    rows = effect_rows(keys, found)
+    rows = tolerance_effect_rows(keys, found)
     load = found["outputs"][MAIN]
     luck = next(row for row in rows if row["range"] == "any")
     first, second = [row for row in rows if row is not luck][:2]
@@ -122,7 +122,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         Quantity("total_band", "interval of the total index", "", "s"),
     )
     table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
-    figures = summary_figures("tolerances", keys, found, short_key_name)
+    figures = figures_from_sweep_summary("tolerances", keys, found, short_tolerance_name)
     return Section(
         "tolerances",
         "Effect of each tolerance on the largest contact load in Lin's case 3",

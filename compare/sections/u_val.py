@@ -18,9 +18,18 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.measure import error_percent, mean_load
-from rollbench.compare.models.comparison import REFERENCED, from_result
+from rollbench.compare.models.comparison import REFERENCED, loads_from_result
 from rollbench.compare.models.model_form import SHARE
-from rollbench.compare.models.modelling import REFINED, RUNGS, SPOKEN_FOR, UNSEEN, Rung, base_run, ladder, left_out_one
+from rollbench.compare.models.modelling import (
+    REFINED,
+    RUNGS,
+    SPOKEN_FOR,
+    UNSEEN,
+    Rung,
+    ladder,
+    leave_one_out_rows,
+    unchanged_run,
+)
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import (
@@ -29,8 +38,8 @@ from rollbench.compare.models.uncertainty import (
     QUANTITIES,
     Scatter,
     Validated,
-    bound_shares,
-    scatter,
+    bias_and_scatter,
+    count_within_expected_error,
     validated_error,
 )
 from rollbench.compare.reference.estimate import (
@@ -40,12 +49,12 @@ from rollbench.compare.reference.estimate import (
     error_near_faces,
     excess_near_faces,
     loaded_on_any_level,
-    parts,
+    mesh_uncertainty,
 )
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.sections.fit import range_items
+from rollbench.compare.sections.fit import validated_range_items
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
@@ -103,7 +112,7 @@ class UncertaintyTest:
 
 
 @cache
-def loads_for_tests(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
+def stored_loads_and_scenes_for_tests(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
     """Return the contact loads that are stored for tests of the mesh uncertainty only, and the randomly drawn scenes.
 
     ``store``: folder with the file. Returns first the loads of n balls on the four flanks, (n, 4) [N], by name of the scene
@@ -112,19 +121,19 @@ def loads_for_tests(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str,
     path = store / JUDGES
     data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     drawn = {
-        name: scene_file.scene_of_text(record.pop(SCENE), f"{name}.toml")
+        name: scene_file.scene_from_text(record.pop(SCENE), f"{name}.toml")
         for name, record in data.items()
         if SCENE in record
     }
     return {name: {int(k): np.array(rows, float) for k, rows in by_level.items()} for name, by_level in data.items()}, drawn
 
 
-def loads_by_level(study: Study) -> dict[str, dict[int, Array]]:
+def loads_by_scene_and_level(study: Study) -> dict[str, dict[int, Array]]:
     """Return the contact loads (n, 4) [N] of every compared scene with at least two mesh levels, by scene and level.
 
     Randomly drawn scenes come last.
     """
-    out, extra = {}, dict(loads_for_tests(shipped_store())[0])
+    out, extra = {}, dict(stored_loads_and_scenes_for_tests(shipped_store())[0])
     for name in SHIPPED:
         runs = [run for k in LEVELS if (run := load_run(study.scene(name), k, stores=study.stores)) is not None]
         if len(runs) > 1:
@@ -132,14 +141,14 @@ def loads_by_level(study: Study) -> dict[str, dict[int, Array]]:
     return out | extra
 
 
-def socket_scatter(study: Study) -> float | None:
+def load_scatter_by_sockets(study: Study) -> float | None:
     """Return the standard deviation of contact loads due to the cut-outs for the fine patches [% of the mean load].
 
     It follows from two runs with different cut-outs. Their difference contains two such errors, hence the division by the
     root of two. Returns None if the runs are not stored.
     """
     scene = study.scene(REFINED)
-    finer, base = load_run(scene, PRODUCTION, SOCKETS, study.stores), base_run(scene, PRODUCTION, study.stores)
+    finer, base = load_run(scene, PRODUCTION, SOCKETS, study.stores), unchanged_run(scene, PRODUCTION, study.stores)
     if finer is None or base is None:
         return None
     on = base.load > 0.0
@@ -147,22 +156,22 @@ def socket_scatter(study: Study) -> float | None:
     return float(np.sqrt((change**2).mean() / 2.0))
 
 
-def experience(study: Study) -> Experience | None:
+def uncertainty_parameters(study: Study) -> Experience | None:
     """Return the parameters of the mesh uncertainty that are estimated from all compared scenes; None if runs are missing.
 
     They are used for contributions to the uncertainty that the mesh levels of a single scene do not show.
     """
-    loads, sockets = loads_by_level(study), socket_scatter(study)
+    loads, sockets = loads_by_scene_and_level(study), load_scatter_by_sockets(study)
     return (
         None
         if sockets is None or len(loads) < len(UNSEEN)
-        else derive_experience(loads, sockets, study.once(_errors_near_faces))
+        else derive_experience(loads, sockets, study.compute_once(_errors_near_faces))
     )
 
 
 def _shipped_or_drawn_scene(study: Study, name: str) -> Scene:
     """Return the scene of this name: one that comes with the package, or a randomly drawn screw with stored loads."""
-    return loads_for_tests(shipped_store())[1].get(name) or study.scene(name)
+    return stored_loads_and_scenes_for_tests(shipped_store())[1].get(name) or study.scene(name)
 
 
 def _errors_near_faces(study: Study) -> dict[str, Array]:
@@ -175,53 +184,57 @@ def _errors_near_faces(study: Study) -> dict[str, Array]:
         name: error_percent(
             error_near_faces(_shipped_or_drawn_scene(study, name), loads[first], first), 0.0, mean_load(loads[max(loads)])
         )
-        for name, loads in loads_by_level(study).items()
+        for name, loads in loads_by_scene_and_level(study).items()
         if first in loads
     }
 
 
-def coverage(study: Study) -> list[UncertaintyTest]:
+def test_all_mesh_levels(study: Study) -> list[UncertaintyTest]:
     """Test the mesh uncertainty of every level of every compared scene by the loads on its finest level.
 
     Returns an empty list if runs are missing.
     """
-    return study.once(_coverage)
+    return study.compute_once(_compute_level_tests)
 
 
-def coverage_of(study: Study, levels: tuple[int, ...]) -> list[UncertaintyTest]:
+def test_given_mesh_levels(study: Study, levels: tuple[int, ...]) -> list[UncertaintyTest]:
     """Test the mesh uncertainty estimated from the mesh levels ``levels`` by the loads on a finer level.
 
     All compared scenes that were solved on these levels and on a finer one are tested.
     """
-    return _uncertainty_tests(
+    return _test_uncertainty_of_scenes(
         study, lambda loads: [levels] if set(levels) <= set(loads) and max(levels) < max(loads) else []
     )
 
 
-def _coverage(study: Study) -> list[UncertaintyTest]:
+def _compute_level_tests(study: Study) -> list[UncertaintyTest]:
     """Test the mesh uncertainties of every scene: from its first level, from its first two levels, and so on."""
-    return _uncertainty_tests(study, lambda loads: [tuple(sorted(loads)[:k]) for k in range(1, len(loads))])
+    return _test_uncertainty_of_scenes(study, lambda loads: [tuple(sorted(loads)[:k]) for k in range(1, len(loads))])
 
 
-def _uncertainty_tests(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -> list[UncertaintyTest]:
+def _test_uncertainty_of_scenes(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -> list[UncertaintyTest]:
     """Test the mesh uncertainties of all scenes by their finest level.
 
     ``choose`` gets the contact loads of a scene by mesh level, and returns the groups of levels from each of which an
     uncertainty is estimated and tested. Returns an empty list if runs are missing.
     """
-    scenes, sockets = loads_by_level(study), socket_scatter(study)
+    scenes, sockets = loads_by_scene_and_level(study), load_scatter_by_sockets(study)
     if sockets is None or len(scenes) < len(UNSEEN):
         return []
-    beside = study.once(_errors_near_faces)
+    beside = study.compute_once(_errors_near_faces)
     return [
-        _uncertainty_test(_shipped_or_drawn_scene(study, name), levels, scenes, sockets, beside)
+        _test_uncertainty_of_scene(_shipped_or_drawn_scene(study, name), levels, scenes, sockets, beside)
         for name, loads in scenes.items()
         for levels in choose(loads)
     ]
 
 
-def _uncertainty_test(
-    scene: Scene, levels: tuple[int, ...], scenes: Mapping[str, Levelled], sockets: float, beside: Mapping[str, Array]
+def _test_uncertainty_of_scene(
+    scene: Scene,
+    levels: tuple[int, ...],
+    loads_by_scene: Mapping[str, Levelled],
+    sockets: float,
+    errors_by_scene_near_faces: Mapping[str, Array],
 ) -> UncertaintyTest:
     """Test the mesh uncertainty of one scene by the loads on its finest level.
 
@@ -233,27 +246,27 @@ def _uncertainty_test(
         Scene that is tested.
     levels
         Mesh levels from which the tested uncertainty is estimated.
-    scenes
+    loads_by_scene
         Contact loads (n, 4) [N] of all scenes, by name of the scene and mesh level.
     sockets
         Standard deviation of contact loads due to the cut-outs for the fine patches [% of the mean load].
-    beside
+    errors_by_scene_near_faces
         Errors of contact loads near free nut faces on level 1, (n, 4) [% of the mean load], by name of the scene.
     """
     name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
-    others = {other: by_level for other, by_level in scenes.items() if SPOKEN_FOR.get(other, other) != family}
-    known = derive_experience(others, sockets, beside)
-    loads, judge = scenes[name], max(scenes[name])
+    others = {other: by_level for other, by_level in loads_by_scene.items() if SPOKEN_FOR.get(other, other) != family}
+    known = derive_experience(others, sockets, errors_by_scene_near_faces)
+    loads, judge = loads_by_scene[name], max(loads_by_scene[name])
     on, mean = loaded_on_any_level(loads), mean_load(loads[judge])
     coarser = {k: loads[k] for k in levels}
-    grid, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
+    grid, off = mesh_uncertainty(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
     beside_faces = error_near_faces if grid.by_experience else excess_near_faces
     bars = grid.bars(coarser) + error_percent(beside_faces(scene, loads[level], level), 0.0, mean)
     return UncertaintyTest(name, level, judge, int(on.sum()), grid.bar, int((off <= bars[on]).sum()), name not in SHIPPED)
 
 
-def share_of(rows: Sequence[UncertaintyTest]) -> float:
+def share_of_covered_contacts(rows: Sequence[UncertaintyTest]) -> float:
     """Return the share (0 to 1) of all contacts in several tests whose load changes by less than its uncertainty.
 
     ``rows``: the tests, each of one scene and mesh level.
@@ -265,12 +278,12 @@ def share_of(rows: Sequence[UncertaintyTest]) -> float:
 SHOWN = (DEFAULT, "lin")
 
 
-def validation_rows(study: Study, rungs: Sequence[Rung]) -> list[Validated]:
+def validated_errors_of_models(study: Study, rungs: Sequence[Rung]) -> list[Validated]:
     """Return error and validation uncertainty of every model, for each scene and quantity.
 
     ``rungs``: solution of each scene by each model.
     """
-    found = [validated_error(study, r.scene, r.model, q, from_result(r.result)) for r in rungs for q in QUANTITIES]
+    found = [validated_error(study, r.scene, r.model, q, loads_from_result(r.result)) for r in rungs for q in QUANTITIES]
     return [row for row in found if row is not None]
 
 
@@ -311,7 +324,7 @@ def u_val_table(rows: Sequence[Validated]) -> Table:
     )
 
 
-def scatter_table(found: Sequence[Scatter]) -> Table:
+def bias_and_scatter_table(found: Sequence[Scatter]) -> Table:
     """Return the table of bias and scatter of the errors, for each model and quantity, over all scenes.
 
     ``found``: bias and scatter by model and quantity.
@@ -337,7 +350,7 @@ def scatter_table(found: Sequence[Scatter]) -> Table:
     return Table.of("bias-scatter", "Mean error (bias) and its scatter for each model", cells, note)
 
 
-def scatter_figure(found: Sequence[Scatter]) -> Figure:
+def bias_and_scatter_figure(found: Sequence[Scatter]) -> Figure:
     """Draw bias and scatter of the errors of each model, with a panel for each quantity.
 
     ``found``: bias and scatter by model and quantity. Bars extend over two standard deviations to either side.
@@ -356,18 +369,18 @@ def scatter_figure(found: Sequence[Scatter]) -> Figure:
     return Figure("bias-scatter", "Mean error (bias) and its scatter for each model", tuple(panels))
 
 
-def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
+def stated_bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
     """Return the table of stated error bounds, with the number of values that lie within each.
 
     The bounds are the largest error to expect of each model, and the mesh uncertainty of coarser levels. ``rungs``:
     solution of each scene by each model.
     """
-    rows = left_out_one(study, rungs)
+    rows = leave_one_out_rows(study, rungs)
     counts = [
         (f"largest error to expect of the model {name}, estimated without the scene", held, total)
-        for name, (held, total) in bound_shares(rows).items()
+        for name, (held, total) in count_within_expected_error(rows).items()
     ]
-    bars = [h for h in coverage(study) if h.level > min(LEVELS)]
+    bars = [h for h in test_all_mesh_levels(study) if h.level > min(LEVELS)]
     if bars:
         words = f"mesh uncertainty of coarser levels: loads of {len({h.scene for h in bars})} scenes on their finest level"
         counts.append((words, sum(h.held for h in bars), sum(h.contacts for h in bars)))
@@ -394,12 +407,12 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """
     title = "Bias, scatter and uncertainty of the models"
     step("every model on every scene with a 3D reference")
-    rungs = study.once(ladder)
+    rungs = study.compute_once(ladder)
     if not rungs:
         return Section("u-val", title, (Text(("No run of the 3D reference is stored.",)),))
     step("uncertainty by mesh, modelling choices and input tolerances of every scene")
-    rows = validation_rows(study, rungs)
-    found = scatter(rows)
+    rows = validated_errors_of_models(study, rungs)
+    found = bias_and_scatter(rows)
     of_loads = {s.model: s for s in found if s.quantity == CONTACTS}
     words = [
         f"{name}: mean error (bias) of contact loads {s.bias:+.2f} %, scatter {s.scatter:.2f} %; {100.0 * s.within:.0f} % "
@@ -418,10 +431,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     items: tuple[Text | Figure | Table, ...] = (
         Text(text),
         u_val_table(rows),
-        scatter_table(found),
-        scatter_figure(found),
-        bounds_table(study, rungs),
-        *range_items(study),
+        bias_and_scatter_table(found),
+        bias_and_scatter_figure(found),
+        stated_bounds_table(study, rungs),
+        *validated_range_items(study),
     )
     stated = [
         f"{s.bias:+.1f} % with a scatter of {s.scatter:.1f} % by the model {name}"

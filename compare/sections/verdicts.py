@@ -10,8 +10,17 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.compare.evidence import APART, Evidence, audit, counts, joined_remarks, misprints, numbers_left_out, trust
-from rollbench.compare.evidence import counts as audited_counts
+from rollbench.compare.evidence import (
+    APART,
+    Evidence,
+    count_entries_by_verdict,
+    evidence_of_all_tables,
+    join_remarks,
+    misprint_rows,
+    reproduction_sentence,
+    uncompared_number_rows,
+)
+from rollbench.compare.evidence import count_entries_by_verdict as audited_counts
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import KINDS, VERDICTS
 from rollbench.reports.content import Cell, Quantity, Row, Section, Table, Text
@@ -25,8 +34,8 @@ ROUND_OFF = 1e-9
 FAULTS = "With errors repeated: computed with the errors of the publication; empty where no such error changes the number."
 
 
-def printed_table(
-    name: str, title: str, found: Sequence[Evidence], note: str = "", *, digits: int = 5, place: bool = False
+def printed_numbers_table(
+    name: str, title: str, found: Sequence[Evidence], note: str = "", *, digits: int = 5, with_place: bool = False
 ) -> Table:
     """Return the table of printed numbers and claims, each with computed values, error, class, verdict and remark.
 
@@ -44,34 +53,34 @@ def printed_table(
         Note below the table.
     digits
         Number of significant digits of computed values.
-    place
+    with_place
         Whether all numbers are listed, with a column for their place in the publication. If not, inputs, which test no
         model, are left out, and the place is added to the label only where it differs from that of most numbers.
     """
-    given = 0 if place else sum(f.verdict == "input" for f in found)
+    given = 0 if with_place else sum(f.verdict == "input" for f in found)
     found = [f for f in found if f.verdict != "input"] if given else found
-    columns = _verdict_columns(found, digits, place)
+    columns = _columns_of_printed_table(found, digits, with_place)
     usual = Counter(f.printed.place for f in found).most_common(1)[0][0]
     keys = [c.key for c in columns]
-    rows = [{key: cells[key] for key in keys} for cells in (_verdict_cells(f, usual, place) for f in found)]
-    common = _number_remarks(rows)
+    rows = [{key: cells[key] for key in keys} for cells in (_cells_of_printed_number(f, usual, with_place) for f in found)]
+    common = _replace_remarks_by_numbers(rows)
     notes = [note, FAULTS if "as_printed" in keys else ""]
     notes += [f"The {given} inputs are listed in the table printed."] if given else []
     notes += [f"Remark {i}: {text}" for i, text in enumerate(common, 1)]
     return Table(name, title, columns, rows, " ".join(sentence for sentence in notes if sentence))
 
 
-def _verdict_columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Quantity, ...]:
-    """Return the columns of `printed_table` that the listed numbers need.
+def _columns_of_printed_table(found: Sequence[Evidence], digits: int, with_place: bool) -> tuple[Quantity, ...]:
+    """Return the columns of `printed_numbers_table` that the listed numbers need.
 
-    ``found``: printed and computed values. ``digits``: number of significant digits of computed values. ``place``: whether
-    there is a column for the place in the publication.
+    ``found``: printed and computed values. ``digits``: number of significant digits of computed values. ``with_place``:
+    whether there is a column for the place in the publication.
     """
     form = f"g{digits}"
     faulty, inferred = any(f.as_printed is not None for f in found), any(f.reading is not None for f in found)
     wanted = (
         (True, Quantity("label", "quantity or claim", "", "s")),
-        (place, Quantity("place", "place", "", "s")),
+        (with_place, Quantity("place", "place", "", "s")),
         (True, Quantity("verdict", "verdict", "", "s")),
         (True, Quantity("class", "class", "", "s")),
         (True, Quantity("unit", "unit", "", "s")),
@@ -86,39 +95,41 @@ def _verdict_columns(found: Sequence[Evidence], digits: int, place: bool) -> tup
     return tuple(column for shown, column in wanted if shown)
 
 
-def _verdict_cells(f: Evidence, usual: str, place: bool) -> dict[str, Cell]:
-    """Return the cells of `printed_table` for one printed number or claim, by key of the column.
+def _cells_of_printed_number(evidence: Evidence, usual_place: str, with_place: bool) -> dict[str, Cell]:
+    """Return the cells of `printed_numbers_table` for one printed number or claim, by key of the column.
 
-    ``f``: the printed number with its computed values. ``usual``: place in the publication of most numbers; a different
-    place is added to the label. ``place``: whether the table has a column for the place.
+    ``evidence``: the printed number with its computed values. ``usual_place``: place in the publication of most numbers; a
+    different place is added to the label. ``with_place``: whether the table has a column for the place.
     """
-    p = f.printed
+    p = evidence.printed
     section = p.place.removeprefix("Lin (2019), ")
-    where = "" if place or p.place == usual else f" ({section})"
+    where = "" if with_place or p.place == usual_place else f" ({section})"
     return {
         "label": (p.claim or p.label) + where,
         "place": section,
         "unit": p.unit,
         "printed": p.printed or "–",
-        "as_printed": f.as_printed,
-        "reading": f.reading,
-        "right": 0.0 if p.value == 0.0 and abs(f.value or 0.0) < ROUND_OFF and f.value is not None else f.value,
-        "reading_error": shown_error(f.reading_error_percent),
-        "error": shown_error(f.error_percent),
+        "as_printed": evidence.as_printed,
+        "reading": evidence.reading,
+        "right": 0.0
+        if p.value == 0.0 and abs(evidence.value or 0.0) < ROUND_OFF and evidence.value is not None
+        else evidence.value,
+        "reading_error": finite_error_or_none(evidence.reading_error_percent),
+        "error": finite_error_or_none(evidence.error_percent),
         "class": p.cls,
-        "verdict": f.verdict,
-        "remark": joined_remarks(f.words, p.remark, p.origin and f"Tolerance band: {p.origin}"),
+        "verdict": evidence.verdict,
+        "remark": join_remarks(evidence.words, p.remark, p.origin and f"Tolerance band: {p.origin}"),
     }
 
 
-def shown_error(error: float | None) -> float | None:
+def finite_error_or_none(error: float | None) -> float | None:
     """Return an error [%] as it is shown in a table: None if infinite (the printed number is 0), 0 if it is round-off."""
     if error is None or not np.isfinite(error):
         return None
     return error if abs(error) > ROUND_OFF else 0.0
 
 
-def _number_remarks(rows: Sequence[dict[str, Cell]]) -> list[str]:
+def _replace_remarks_by_numbers(rows: Sequence[dict[str, Cell]]) -> list[str]:
     """Replace remarks that are the same in several rows of ``rows``, in place, by a number such as "remark 1".
 
     Returns the replaced remarks, in the order of their numbers. `SHARED` is the number of rows above which a remark is
@@ -142,7 +153,7 @@ INFERRED = (
 )
 
 
-def total_text(rows: Sequence[Evidence]) -> str:
+def verdict_counts_sentence(rows: Sequence[Evidence]) -> str:
     """Return the sentence on the number of printed numbers and claims by verdict, and on the kinds of reproduced ones.
 
     ``rows``: printed numbers and claims with their verdicts.
@@ -154,7 +165,7 @@ def total_text(rows: Sequence[Evidence]) -> str:
     return f"Of {total['all']} printed numbers and claims: {words}. Among the reproduced ones are {parts}."
 
 
-def kinds_table(rows: Sequence[Evidence]) -> Table:
+def counts_by_kind_table(rows: Sequence[Evidence]) -> Table:
     """Return the table that counts the printed numbers and claims by kind and verdict.
 
     Kinds are computed numbers, claims in words, arithmetic on printed numbers, zeros by symmetry, and inputs. ``rows``:
@@ -178,7 +189,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     ``step`` is called with each line of progress.
     """
     step("every printed number and claim")
-    audited = audit(study)
+    audited = evidence_of_all_tables(study)
     tally: dict[tuple[str, str], int] = Counter((r.printed.cls, r.verdict) for r in audited)
     rows: list[Row] = [
         {"class": c, "verdict": v, Quantity("count", "number", "", "s"): n} for (c, v), n in sorted(tally.items())
@@ -196,33 +207,33 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
                 )
             ),
             Table.of("verdicts", "Number of printed numbers and claims of all publications by class and verdict", rows),
-            kinds_table(audited),
-            printed_table(
+            counts_by_kind_table(audited),
+            printed_numbers_table(
                 "printed",
                 "Each number and claim that a publication prints, with the computed value and the verdict",
                 audited,
-                place=True,
+                with_place=True,
             ),
         ),
-        conclusion=total_text(audited),
+        conclusion=verdict_counts_sentence(audited),
     )
 
 
-def text_columns(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
+def make_text_columns(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
     """Return columns of text for a table, from pairs of key and heading."""
     return tuple(Quantity(key, label, "", "s") for key, label in columns)
 
 
-def counts_table(rows: Sequence[Evidence]) -> Table:
+def counts_by_publication_table(rows: Sequence[Evidence]) -> Table:
     """Return the table that counts the printed numbers and claims by publication and verdict.
 
     ``rows``: printed numbers and claims with their verdicts.
     """
     headings = [(v, f"{v}, not judged" if v in APART else v) for v in VERDICTS]
-    columns = text_columns(("source", "publication"), *headings, ("judged", "judged"), ("all", "all"))
+    columns = make_text_columns(("source", "publication"), *headings, ("judged", "judged"), ("all", "all"))
     note = "Judged: all except inputs and identities, which do not test a model."
     title = "Number of printed numbers and claims by publication and verdict"
-    return Table("audit-counts", title, columns, counts(rows), note)
+    return Table("audit-counts", title, columns, count_entries_by_verdict(rows), note)
 
 
 def misprints_table(case: str = "") -> Table:
@@ -230,7 +241,7 @@ def misprints_table(case: str = "") -> Table:
 
     ``case``: name of the publication's case, such as "lin"; empty: all publications.
     """
-    columns = text_columns(
+    columns = make_text_columns(
         *(() if case else (("source", "publication"),)),
         ("place", "place"),
         ("wrong", "as printed"),
@@ -239,7 +250,7 @@ def misprints_table(case: str = "") -> Table:
         ("command", "command that shows it"),
         ("test", "test"),
     )
-    rows = [row for row in misprints() if row["source"] == case or not case]
+    rows = [row for row in misprint_rows() if row["source"] == case or not case]
     return Table(
         f"{case or 'audit'}-misprints",
         "Misprints in the publications, each with a command that shows it and a test that checks it",
@@ -254,10 +265,10 @@ def audit_section(study: Study, step: Callable[[str], None]) -> Section:
     ``step`` is called with each line of progress.
     """
     step("every printed number and claim, by publication")
-    rows = audit(study)
-    words = [trust(row) for row in counts(rows)]
+    rows = evidence_of_all_tables(study)
+    words = [reproduction_sentence(row) for row in count_entries_by_verdict(rows)]
     meanings = [f"{verdict}: {text}." for verdict, text in VERDICTS.items()]
-    missing = text_columns(
+    missing = make_text_columns(
         ("source", "publication"),
         ("place", "place"),
         ("what", "contents"),
@@ -266,9 +277,11 @@ def audit_section(study: Study, step: Callable[[str], None]) -> Section:
     )
     items = (
         Text(words),
-        counts_table(rows),
+        counts_by_publication_table(rows),
         Text(meanings, bullets=True),
         misprints_table(),
-        Table("audit-left-out", "Printed numbers that are not compared, with the reason", missing, numbers_left_out()),
+        Table(
+            "audit-left-out", "Printed numbers that are not compared, with the reason", missing, uncompared_number_rows()
+        ),
     )
     return Section("audit", "Misprints and contradictions found in each publication", items)

@@ -15,17 +15,17 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.studies.crosscheck.results import (
     COLUMNS,
-    CrossData,
+    CalculixRunsOfScene,
     Extrapolation,
     agreement_sentence,
-    contact_rows,
+    columns_of_load_table,
+    compare_contact_loads,
     extrapolate_loads,
     load_results,
-    mesh_columns,
-    mesh_identity,
+    mesh_options_of_run,
     shipped_results,
 )
-from rollbench.compare.studies.crosscheck.study import STUDIES, load_nut, scene_key
+from rollbench.compare.studies.crosscheck.study import STUDIES, digest_of_shipped_scene, load_nut
 from rollbench.hifi.contact.block import (
     ALONG,
     BALL,
@@ -64,7 +64,7 @@ WHAT = {"A": "ball on a flat", "B": "ball in a groove"}
 
 
 @dataclass(frozen=True)
-class Level:
+class HertzComputation:
     """Computation of one Hertz contact on one 3D mesh, with its errors against the closed form."""
 
     #: Label of the mesh.
@@ -75,7 +75,7 @@ class Level:
     errors: Mapping[str, float]
 
 
-def time_level(label: str, run: HertzRun) -> Level:
+def errors_of_hertz_run(label: str, run: HertzRun) -> HertzComputation:
     """Return the computation of a Hertz contact together with its errors against the closed form [%].
 
     ``label``: name of the mesh. ``run``: the computation. The error "semi-axes" is the larger one of the errors of both
@@ -85,10 +85,10 @@ def time_level(label: str, run: HertzRun) -> Level:
     values = run.approach, run.semi_x, run.semi_y, run.pole_pressure, run.pole_fitted
     closed = exact.approach, exact.semi_x, exact.semi_y, exact.pole_pressure, exact.pole_pressure
     errors = dict(zip(ERRORS, error_percent(values, closed).tolist(), strict=True))
-    return Level(label, run, errors | {"semi-axes": max(errors["semi-axis a"], errors["semi-axis b"], key=abs)})
+    return HertzComputation(label, run, errors | {"semi-axes": max(errors["semi-axis a"], errors["semi-axis b"], key=abs)})
 
 
-def time_levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -> list[Level]:
+def compute_hertz_contacts(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -> list[HertzComputation]:
     """Compute each Hertz contact on the meshes of every element type, and on the mesh of Lin's thesis.
 
     Parameters
@@ -104,12 +104,12 @@ def time_levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float
     for job in JOBS.values():
         for element, refinements in wanted.items():
             step(f"job {job.name}, {NAMES[element]}")
-            out += [time_level(NAMES[element], solve_block(job, element, float(n))) for n in refinements]
-        out.append(time_level(SOURCE, solve_hertz_contact_like_lin(job)))
+            out += [errors_of_hertz_run(NAMES[element], solve_block(job, element, float(n))) for n in refinements]
+        out.append(errors_of_hertz_run(SOURCE, solve_hertz_contact_like_lin(job)))
     return out
 
 
-def production_run(found: Sequence[Level]) -> list[Level]:
+def computations_on_production_mesh(found: Sequence[HertzComputation]) -> list[HertzComputation]:
     """Return the computations on the production mesh, one for each Hertz contact.
 
     ``found``: computations on all meshes.
@@ -117,15 +117,18 @@ def production_run(found: Sequence[Level]) -> list[Level]:
     return [one for one in found if (one.run.element, one.run.b_over_h) == PRODUCTION and one.label != SOURCE]
 
 
-def verdict_sentence(found: Sequence[Level]) -> list[str]:
+def error_target_sentences(found: Sequence[HertzComputation]) -> list[str]:
     """Return sentences on whether the production mesh meets its error targets, and on the errors of Lin's mesh.
 
     ``found``: computations of each Hertz contact on all meshes.
     """
-    return [*map(_meets_tolerance, production_run(found)), *(_source_errors(one) for one in found if one.label == SOURCE)]
+    return [
+        *map(_error_target_sentence, computations_on_production_mesh(found)),
+        *(_lin_mesh_error_sentence(one) for one in found if one.label == SOURCE),
+    ]
 
 
-def _meets_tolerance(one: Level) -> str:
+def _error_target_sentence(one: HertzComputation) -> str:
     """Return the sentence that states the errors on the production mesh and whether they are within the targets.
 
     ``one``: computation of one Hertz contact on the production mesh.
@@ -141,7 +144,7 @@ def _meets_tolerance(one: Level) -> str:
     )
 
 
-def _source_errors(one: Level) -> str:
+def _lin_mesh_error_sentence(one: HertzComputation) -> str:
     """Return the sentence that states the errors on the mesh of Lin's thesis.
 
     ``one``: computation of one Hertz contact on that mesh.
@@ -159,29 +162,33 @@ TIMES = ("mesh", "assembly", "factor", "solve", "contact")
 STAGES = {"mesh": "meshing"}
 
 
-def mesh_row(one: Level) -> Row:
+def mesh_row(computation: HertzComputation) -> Row:
     """Return the first cells of a table row: job, mesh, and number b/h of cells across the short semi-axis.
 
-    ``one``: computation of one Hertz contact on one mesh.
+    ``computation``: computation of one Hertz contact on one mesh.
     """
-    return {"job": one.run.job, "mesh": one.label, Quantity("b_over_h", "b/h", "", ".1f"): one.run.b_over_h}
+    return {
+        "job": computation.run.job,
+        "mesh": computation.label,
+        Quantity("b_over_h", "b/h", "", ".1f"): computation.run.b_over_h,
+    }
 
 
-def error_row(one: Level) -> Row:
+def hertz_error_row(computation: HertzComputation) -> Row:
     """Return the row of the error table for one computation of a Hertz contact: mesh, size, time and errors [%].
 
-    ``one``: the computation.
+    ``computation``: the computation.
     """
     counts: Row = {
-        "unknowns": one.run.unknowns,
-        Quantity("contact_nodes", "contact nodes", "", "s"): one.run.contact_nodes,
-        "iterations": one.run.iterations,
-        Quantity("seconds", "time", "s", "g2"): one.run.total_seconds,
+        "unknowns": computation.run.unknowns,
+        Quantity("contact_nodes", "contact nodes", "", "s"): computation.run.contact_nodes,
+        "iterations": computation.run.iterations,
+        Quantity("seconds", "time", "s", "g2"): computation.run.total_seconds,
     }
-    return mesh_row(one) | counts | {Quantity(name, name, "%", ".2f"): one.errors[name] for name in ERRORS}
+    return mesh_row(computation) | counts | {Quantity(name, name, "%", ".2f"): computation.errors[name] for name in ERRORS}
 
 
-def value_rows(found: Sequence[Level]) -> list[Row]:
+def computed_and_hertz_rows(found: Sequence[HertzComputation]) -> list[Row]:
     """Return the rows that compare the production mesh with Hertz: approach, semi-axes and pole pressure of each contact.
 
     ``found``: computations on all meshes.
@@ -193,7 +200,7 @@ def value_rows(found: Sequence[Level]) -> list[Row]:
         ("semi-axis b", "mm", 1e3, "semi_y"),
         ("pole pressure", "MPa", 1e-6, "pole_pressure"),
     )
-    for one in production_run(found):
+    for one in computations_on_production_mesh(found):
         run = one.run
         for name, unit, scale, key in quantities:
             most, error = TARGETS.get(name, TARGETS["semi-axes"]), one.errors[name]
@@ -212,7 +219,7 @@ def value_rows(found: Sequence[Level]) -> list[Row]:
     return rows
 
 
-def error_figure(found: Sequence[Level], job: str) -> Figure:
+def hertz_error_figure(found: Sequence[HertzComputation], job: str) -> Figure:
     """Draw the errors of approach and pole pressure over the number of unknowns and over run time, all logarithmic.
 
     ``found``: computations on all meshes. ``job``: name of the Hertz contact, "A" (ball on a flat) or "B" (ball in a
@@ -245,7 +252,7 @@ def error_figure(found: Sequence[Level], job: str) -> Figure:
     )
 
 
-def times_table(found: Sequence[Level]) -> Table:
+def times_table(found: Sequence[HertzComputation]) -> Table:
     """Return the table of the time of each stage (meshing, assembly and so on) for every computation [s].
 
     ``found``: computations of each Hertz contact on all meshes.
@@ -260,10 +267,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
     ``step`` is called with each line of progress.
     """
-    return hertz_section(time_levels(step, QUICK if study.quick else LEVELS))
+    return hertz_section(compute_hertz_contacts(step, QUICK if study.quick else LEVELS))
 
 
-def hertz_section(found: Sequence[Level]) -> Section:
+def hertz_section(found: Sequence[HertzComputation]) -> Section:
     """Return the section that compares computed 3D contacts with Hertz theory.
 
     ``found``: computations of each Hertz contact on all meshes.
@@ -284,14 +291,16 @@ def hertz_section(found: Sequence[Level]) -> Section:
     )
     items: tuple[Text | Table | Figure, ...] = (
         Text(text),
-        Text(verdict_sentence(found), bullets=True),
-        Table.of("verification-targets", f"Error of the production mesh ({mesh}) against Hertz", value_rows(found)),
+        Text(error_target_sentences(found), bullets=True),
+        Table.of(
+            "verification-targets", f"Error of the production mesh ({mesh}) against Hertz", computed_and_hertz_rows(found)
+        ),
         Table.of(
             "verification-errors",
             "Hertz contact in 3D: error against the closed form, unknowns and run time of each element type and mesh",
-            map(error_row, found),
+            map(hertz_error_row, found),
         ),
-        *(error_figure(found, job) for job in JOBS),
+        *(hertz_error_figure(found, job) for job in JOBS),
         times_table(found),
     )
     return Section("verification", "Error of the 3D contact elements against Hertz theory", items)
@@ -324,16 +333,16 @@ NUT = (
 )
 
 
-def run_table(data: CrossData) -> Table:
+def calculix_run_table(data: CalculixRunsOfScene) -> Table:
     """Return the table of the runs of CalculiX on one scene: mesh, contact stiffness, time and residual forces.
 
     ``data``: stored results of CalculiX on the scene.
     """
     rows: list[Row] = []
-    base = {(mesh_identity(r), r.stiffness): r for r in data.runs if not r.nlgeom}
+    base = {(mesh_options_of_run(r), r.stiffness): r for r in data.runs if not r.nlgeom}
     for run in data.runs:
         mean = mean_load(run.load)
-        twin = base.get((mesh_identity(run), run.stiffness))
+        twin = base.get((mesh_options_of_run(run), run.stiffness))
         loose = float(error_percent(run.unbalanced, 0.0, mean))
         change = load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None
         rows.append(
@@ -366,7 +375,7 @@ def run_table(data: CrossData) -> Table:
     return Table.of(f"crosscheck-runs-{data.scene}", title, rows, note)
 
 
-def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> list[Table]:
+def calculix_contact_tables(data: CalculixRunsOfScene, ours: Reference, limit: Extrapolation) -> list[Table]:
     """Return two tables of contact loads by the 3D reference and by CalculiX: extrapolated, and on every mesh.
 
     Parameters
@@ -378,8 +387,8 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
     limit
         Loads by CalculiX extrapolated to zero element size.
     """
-    rows = contact_rows(data, ours, limit)
-    headings = mesh_columns(data, ours)
+    rows = compare_contact_loads(data, ours, limit)
+    headings = columns_of_load_table(data, ours)
     ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (COLUMNS, headings))
     fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
     note = (
@@ -407,15 +416,15 @@ def crosscheck_section(study: Study, step: Callable[[str], None], folder: Path |
     for name in STUDIES:
         step(f"{name}: the 3D reference and CalculiX")
         data, ours = load_results(folder or shipped_results(), name), study.reference(name)
-        if data is None or data.key != scene_key(name):
+        if data is None or data.key != digest_of_shipped_scene(name):
             items.append(Text((f"{name}: no results of CalculiX are stored for the present scene.",)))
             continue
         if ours is None:
             items.append(Text((f"{name}: no run of the 3D reference is stored.",)))
         else:
-            items += contact_tables(data, ours, extrapolate_loads(data.runs))
-        items.append(run_table(data))
+            items += calculix_contact_tables(data, ours, extrapolate_loads(data.runs))
+        items.append(calculix_run_table(data))
     alone = load_nut(folder or shipped_results())
-    if alone is not None and alone.key == scene_key(alone.scene):
-        items.append(Text((NUT, alone.sentence())))
+    if alone is not None and alone.key == digest_of_shipped_scene(alone.scene):
+        items.append(Text((NUT, alone.sentence_on_agreement())))
     return Section("crosscheck", "Contact loads of the 3D reference compared with CalculiX", tuple(items))

@@ -17,12 +17,12 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.files import replace_file
-from rollbench.compare.reference.tasks import Solvable, needed_sides, settings_of
-from rollbench.compare.running import need_gmsh
+from rollbench.compare.reference.tasks import Solvable, flanks_to_mesh, mesh_settings
+from rollbench.compare.running import check_gmsh
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck, raise_first_fault
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.deck import UNITS, deck_text
-from rollbench.meshes.exchange.mesh_files import keep_boundaries
+from rollbench.meshes.exchange.mesh_files import with_only_boundaries
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Load, Scene, Support
 
@@ -56,29 +56,29 @@ def exported_parts(scene: Scene) -> tuple[str, ...]:
     tuple of str
         Whole bodies, bodies with sockets, patches of groove and ball on the flanks that may touch, and the block.
     """
-    sides = [SIDES[s] for s in needed_sides(scene)]
+    sides = [SIDES[s] for s in flanks_to_mesh(scene)]
     patches = (f"{kind}-{s}" for kind in ("patch", "ball-patch") for s in sides)
     return (*BODIES, *(body + SOCKETS for body in BODIES), *patches, BLOCK)
 
 
-def placed_sets(described: Solvable) -> list[PlacedSet]:
+def nuts_and_bearings_on_shaft(described: Solvable) -> list[PlacedSet]:
     """Return each nut or ball bearing of a scene at its axial position, with both ends of its 3D piece of shaft [m].
 
     Outside these ends the shaft is a beam. Raises ValueError for a row of rollers, whose geometry cannot be written.
     """
-    from rollbench.hifi.several_sets import meshed_bodies
+    from rollbench.hifi.several_sets import describe_bodies_of_each_set
     from rollbench.meshes.exchange.step_files import PlacedSet
-    from rollbench.meshes.solid import solid_dimensions
+    from rollbench.meshes.solid import dimensions_of_3d_parts
 
     if isinstance(described, Scene):
-        return [PlacedSet(described, 0.0, solid_dimensions(described).ends(described))]
+        return [PlacedSet(described, 0.0, dimensions_of_3d_parts(described).ends(described))]
     out = []
-    for s, bodies in zip(described.sets, meshed_bodies(described), strict=True):
+    for s, bodies in zip(described.sets, describe_bodies_of_each_set(described), strict=True):
         if not isinstance(s.parts, Scene):
             raise ValueError(
                 f"the geometry of {s.name} cannot be written, because it has rollers: only ball nuts and ball bearings can"
             )
-        low, high = solid_dimensions(bodies.bodies).ends(bodies.bodies)
+        low, high = dimensions_of_3d_parts(bodies.bodies).ends(bodies.bodies)
         out.append(PlacedSet(s.parts, s.offset, (low + bodies.shift, high + bodies.shift)))
     return out
 
@@ -109,37 +109,39 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     """
     if part == BLOCK:
         from rollbench.hifi.contact.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
-        from rollbench.meshes.block import Influence, tetrahedral_block
+        from rollbench.meshes.block import BodyOfInfluence, mesh_block_with_tetrahedra
 
-        influence = Influence(SOURCE_FINE, (SOURCE_RADIUS,) * 3, 0.2, SOURCE_COARSE)
-        return keep_boundaries(tetrahedral_block(1, influence, SOURCE_COARSE).mesh, "contact")
+        influence = BodyOfInfluence(SOURCE_FINE, (SOURCE_RADIUS,) * 3, 0.2, SOURCE_COARSE)
+        return with_only_boundaries(mesh_block_with_tetrahedra(1, influence, SOURCE_COARSE).mesh, "contact")
     if part in BODIES:
         return _whole_body_mesh(scene, part, level)
-    from rollbench.hifi.bodies.coarse import mesh_of_order
-    from rollbench.hifi.meshing.part_meshes import ball_socket_and_map, body_kind, mesh_parts, mesh_patch
+    from rollbench.hifi.bodies.coarse import convert_mesh_order
+    from rollbench.hifi.meshing.part_meshes import ball_socket_and_map, element_order_of_bodies, mesh_parts, mesh_patch
     from rollbench.meshes.cache import Cache
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.helix import ball_layout
-    from rollbench.meshes.sockets import local_points
-    from rollbench.meshes.solid import solid_dimensions
+    from rollbench.meshes.sockets import points_in_reference_socket
+    from rollbench.meshes.solid import dimensions_of_3d_parts
 
-    settings, sides, m = settings_of([scene], level), needed_sides(scene), GrooveMap.of(scene)
-    meshes = mesh_parts(scene, m, ball_layout(scene), solid_dimensions(scene), sides, settings, Cache(cache))
+    settings, sides, m = mesh_settings([scene], level), flanks_to_mesh(scene), GrooveMap.of(scene)
+    meshes = mesh_parts(scene, m, ball_layout(scene), dimensions_of_3d_parts(scene), sides, settings, Cache(cache))
     bodies: dict[str, Any] = {"ball": meshes.ball, "screw": meshes.screw, "nut": meshes.nut}
     if part.endswith(SOCKETS):  # the inner faces of the sockets, the flat ends
         mesh = bodies[part.removesuffix(SOCKETS)].mesh
         names = [name for name in mesh.boundaries if "socket" in name or " end" in name or name in ("seat", "centring")]
-        return keep_boundaries(mesh_of_order(mesh, body_kind(settings)), *names)
+        return with_only_boundaries(convert_mesh_order(mesh, element_order_of_bodies(settings)), *names)
     kind, _, name = part.rpartition("-")
     side = SIDES.index(name)
     body = bodies["ball" if kind == "ball-patch" else "screw" if side < 2 else "nut"]
-    place: Any = partial(local_points, m, meshes.size, side)
+    place: Any = partial(points_in_reference_socket, m, meshes.size, side)
     if kind == "ball-patch":
         place = ball_socket_and_map(m, meshes.size, side, meshes.zone)[1]
-    return keep_boundaries(mesh_patch(meshes, body.sockets[side], place, settings).mesh, "contact", "interface")
+    return with_only_boundaries(mesh_patch(meshes, body.sockets[side], place, settings).mesh, "contact", "interface")
 
 
-def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | None = None) -> dict[str, Array]:
+def displacement_and_stress_of_part(
+    scene: Scene, part: str, level: int, ball: int, cache: Path | None = None
+) -> dict[str, Array]:
     """Compute displacement and stress at the nodes of one part from the contact loads of the 3D reference.
 
     Parameters
@@ -167,19 +169,19 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
         If the scene cannot be solved, or its screw is fixed or loaded beyond the low end.
     """
     from rollbench.hifi import fields
-    from rollbench.hifi.bodies.coarse import mesh_of_order
-    from rollbench.hifi.meshing.part_meshes import body_kind, mesh_parts
+    from rollbench.hifi.bodies.coarse import convert_mesh_order
+    from rollbench.hifi.meshing.part_meshes import element_order_of_bodies, mesh_parts
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
 
-    settings, sides, store = settings_of([scene], level), needed_sides(scene), Cache(cache)
+    settings, sides, store = mesh_settings([scene], level), flanks_to_mesh(scene), Cache(cache)
     setup = prepare(scene, sides, settings, cache=store)
     result = solve_reference(setup, scene)
     if result.status != "converged" and result.moving == 0.0:
         raise ValueError(result.status)
     meshes = mesh_parts(scene, setup.map, setup.layout, setup.dims, sides, settings, store)
-    forces = fields.contact_forces(setup, result)
+    forces = fields.pressure_function_forces_by_flank(setup, result)
 
     def body_displacement(screw: bool) -> Array:
         """Return the nodal displacements of the screw or the nut, (n, 3) [m]."""
@@ -191,13 +193,15 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     if side in ("screw", "nut"):
         body, material = (meshes.screw, scene.screw.material) if side == "screw" else (meshes.nut, scene.nut.material)
         u = body_displacement(side == "screw")
-        stress = fields.nodal_stress(mesh_of_order(body.mesh, body_kind(settings)), u, material)
+        stress = fields.nodal_stress(convert_mesh_order(body.mesh, element_order_of_bodies(settings)), u, material)
     else:
         if kind == "patch":
             u = body_displacement(side.startswith("S"))
             field = fields.groove_patch_field(setup, meshes, u, ball, SIDES.index(side), forces)
         else:
-            field = fields.ball_fields(setup, meshes, ball, forces)[SIDES.index(side) if kind == "ball-patch" else None]
+            field = fields.stress_fields_of_ball(setup, meshes, ball, forces)[
+                SIDES.index(side) if kind == "ball-patch" else None
+            ]
         u, stress = field.displacement, field.stress
     six = {f"stress_{name}": stress[:, k] for k, name in enumerate(("xx", "yy", "zz", "yz", "xz", "xy"))}
     return {"displacement": u, "von_mises": fields.von_mises(stress), **six}
@@ -208,19 +212,25 @@ def _whole_body_mesh(scene: Scene, part: str, level: int) -> Mesh:
 
     ``part``: "screw" (its piece that is modelled in 3D), "nut" or "ball"; ``level``: mesh level of the 3D reference.
     """
-    from rollbench.hifi.bodies.coarse import mesh_of_order
-    from rollbench.hifi.meshing.part_meshes import body_kind, choose_socket_size, contacts_on_body
-    from rollbench.meshes.exchange.whole_bodies import Refinement, groove_points, sphere_points, whole_ball, whole_body
+    from rollbench.hifi.bodies.coarse import convert_mesh_order
+    from rollbench.hifi.meshing.part_meshes import choose_socket_size, contacts_on_body, element_order_of_bodies
+    from rollbench.meshes.exchange.whole_bodies import (
+        Refinement,
+        mesh_whole_ball,
+        mesh_whole_body,
+        points_on_ball_surface,
+        points_on_groove,
+    )
     from rollbench.meshes.groove import BodySpec
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.helix import ball_layout
-    from rollbench.meshes.solid import solid_dimensions
+    from rollbench.meshes.solid import dimensions_of_3d_parts
 
-    settings, sides, m = settings_of([scene], level), needed_sides(scene), GrooveMap.of(scene)
-    layout, dims, middle = ball_layout(scene), solid_dimensions(scene), np.zeros((1, 2))
+    settings, sides, m = mesh_settings([scene], level), flanks_to_mesh(scene), GrooveMap.of(scene)
+    layout, dims, middle = ball_layout(scene), dimensions_of_3d_parts(scene), np.zeros((1, 2))
     if part == "ball":
-        near = np.concatenate([sphere_points(m, side, m.ball, middle) for side in sides])
-        body = whole_ball(m, m.ball, Refinement(near, settings.ball_fine, AWAY, settings.ball_coarse))
+        near = np.concatenate([points_on_ball_surface(m, side, m.ball, middle) for side in sides])
+        body = mesh_whole_ball(m, m.ball, Refinement(near, settings.ball_fine, AWAY, settings.ball_coarse))
     else:
         screw, half = part == "screw", scene.nut.length / 2.0
         radii = (dims.hole, scene.screw.outer_diameter / 2.0) if screw else (dims.land, scene.nut.outer_diameter / 2.0)
@@ -229,10 +239,10 @@ def _whole_body_mesh(scene: Scene, part: str, level: int) -> Mesh:
         filled = dims.groove_ends and not screw
         flange = None if screw else scene.nut.flange
         spec = BodySpec(*radii, *ends, screw, places, size, settings.fine, settings.coarse, filled, flange)
-        near = np.concatenate([groove_points(m, place, middle) for place in places])
-        body = whole_body(m, spec, Refinement(near, settings.fine, AWAY, settings.coarse))
-    mesh = mesh_of_order(body.mesh, body_kind(settings))
-    return keep_boundaries(mesh, *sorted(mesh.boundaries))
+        near = np.concatenate([points_on_groove(m, place, middle) for place in places])
+        body = mesh_whole_body(m, spec, Refinement(near, settings.fine, AWAY, settings.coarse))
+    mesh = convert_mesh_order(body.mesh, element_order_of_bodies(settings))
+    return with_only_boundaries(mesh, *sorted(mesh.boundaries))
 
 
 #: Programs for which decks are written; Abaqus reads the deck of CalculiX.
@@ -292,9 +302,9 @@ def write_deck(
     for there, *said in faults:
         if there:
             raise ArgumentError(*said)
-    need_gmsh()
+    check_gmsh()
     if balls:
-        scene = cut_scene(scene, *parse_balls(balls, scene))
+        scene = cut_balls_out_of_screw(scene, *parse_balls(balls, scene))
     out = out or Path(f"{scene.name}.inp")
     deck = build_deck(scene, DeckOptions(b_over_h, growth, 1e9 * stiffness)).deck
     replace_file(out, deck_text(deck, unit))
@@ -305,20 +315,20 @@ def write_deck(
     )
 
 
-def parse_balls(text: str, scene: Scene) -> tuple[int, int]:
+def parse_balls(range_text: str, scene: Scene) -> tuple[int, int]:
     """Return the numbers of the first and last ball (from 1) in a range such as ``3:5``.
 
     Raises InputError for another text, and for balls that the scene does not have.
     """
     allowed = f"FIRST:LAST with balls from 1 to {scene.ball_count}"
-    words = re.fullmatch(r"([0-9]{1,9}):([0-9]{1,9})", text)
+    words = re.fullmatch(r"([0-9]{1,9}):([0-9]{1,9})", range_text)
     first, last = (int(words[1]), int(words[2])) if words else (0, 0)
     if not 1 <= first <= last <= scene.ball_count:
-        raise ArgumentError("balls", text, allowed, "give a range such as 3:5, which keeps balls 3, 4 and 5")
+        raise ArgumentError("balls", range_text, allowed, "give a range such as 3:5, which keeps balls 3, 4 and 5")
     return first, last
 
 
-def cut_scene(scene: Scene, first: int, last: int) -> Scene:
+def cut_balls_out_of_screw(scene: Scene, first: int, last: int) -> Scene:
     """Cut a few neighbouring balls out of a screw with one start, with short pieces of nut and screw around them.
 
     Every load and support moves to the nearer end of the piece of screw. Loads are multiplied by the share of the balls

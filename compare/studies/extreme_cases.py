@@ -12,11 +12,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from rollbench.compare.models.study import with_balls
+from rollbench.compare.models.study import with_ball_count
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.parts import BallErrors, Errors, Load, Material, Scene, Support
-from rollbench.meshes.section import volume_ratio
+from rollbench.meshes.section import grooved_volume_ratio
 
 #: Status of a solved scene.
 CONVERGED = "converged"
@@ -49,12 +49,12 @@ class StabilityCase:
 # --- scenes of one ball screw
 
 
-def _with_load(base: Scene, force: tuple[float, float, float], moment: float = 0.0, at: float = 0.0) -> Scene:
+def _with_load(base: Scene, force: tuple[float, float, float], moment: float = 0.0, z: float = 0.0) -> Scene:
     """Return a scene with a single load.
 
-    ``force``: force along x, y, z [N]; ``moment``: moment about x [N m]; ``at``: axial position of the load [m].
+    ``force``: force along x, y, z [N]; ``moment``: moment about x [N m]; ``z``: axial position of the load [m].
     """
-    return replace(base, loads=(Load(at, force, (moment, 0.0, 0.0)),))
+    return replace(base, loads=(Load(z, force, (moment, 0.0, 0.0)),))
 
 
 def _with_ball_errors(base: Scene, oversize: float, half_width: float = 0.0, seed: int = 0) -> Scene:
@@ -67,7 +67,7 @@ def _with_ball_errors(base: Scene, oversize: float, half_width: float = 0.0, see
     return replace(base, errors=Errors(balls=drawn, seed=seed))
 
 
-def _with_moduli(base: Scene, screw: float, nut: float, balls: float) -> Scene:
+def _with_scaled_youngs_moduli(base: Scene, screw: float, nut: float, balls: float) -> Scene:
     """Return a scene with the Young's moduli of screw, nut and balls multiplied by one factor each."""
 
     def scaled_material(m: Material, factor: float) -> Material:
@@ -91,12 +91,12 @@ def with_shaft_stiffness(base: Scene, factor: float) -> Scene:
     For factors below about 0.2 the wall is thinner than the groove is deep, which a scene file does not allow.
     """
     if factor >= 1.0:
-        return _with_moduli(base, factor, factor, 1.0 / (2.0 - 1.0 / factor))
-    outer = base.screw.outer_diameter * math.sqrt(volume_ratio(base))
+        return _with_scaled_youngs_moduli(base, factor, factor, 1.0 / (2.0 - 1.0 / factor))
+    outer = base.screw.outer_diameter * math.sqrt(grooved_volume_ratio(base))
     return replace(base, screw=replace(base.screw, bore=outer * math.sqrt(1.0 - factor)))
 
 
-def with_conformity(base: Scene, ratio: float) -> Scene:
+def with_groove_radius_ratio(base: Scene, ratio: float) -> Scene:
     """Return a scene whose groove radii of screw and nut are ``ratio`` times the ball radius."""
     radius = ratio * base.balls.radius
     return replace(base, screw=replace(base.screw, groove_radius=radius), nut=replace(base.nut, groove_radius=radius))
@@ -115,7 +115,7 @@ def with_lead(base: Scene, lead: float) -> Scene:
     if lead > 6e-3:
         return long
     ratio = base.screw.groove_radius / base.balls.radius
-    return with_conformity(replace(long, balls=replace(long.balls, radius=1.5e-3)), ratio)
+    return with_groove_radius_ratio(replace(long, balls=replace(long.balls, radius=1.5e-3)), ratio)
 
 
 def _with_axial_support_only(base: Scene) -> Scene:
@@ -123,7 +123,7 @@ def _with_axial_support_only(base: Scene) -> Scene:
     return replace(base, supports=(Support(0.0, (("uz", 0.0), ("rz", 0.0))),))
 
 
-def _with_offset_end(base: Scene, offset: float, oversize: float) -> Scene:
+def _with_displaced_screw_end(base: Scene, offset: float, oversize: float) -> Scene:
     """Return a scene with an oversize of all balls, and with a support that displaces the right end of the screw along x.
 
     ``offset``: displacement of the end [m]; ``oversize``: excess of the ball radii [m].
@@ -144,17 +144,19 @@ def _load_cases(base: Scene) -> Iterator[StabilityCase]:
     for moment in (0.5, 50.0):
         scene = _with_load(_with_axial_support_only(base), (0.0, 0.0, 0.0), moment)
         yield StabilityCase(f"moment {moment:g} N m", "moment only", scene)
-    clear = _with_load(_with_ball_errors(base, -5e-6), (0.0, 0.0, 0.0), 0.01, at=0.3)
+    clear = _with_load(_with_ball_errors(base, -5e-6), (0.0, 0.0, 0.0), 0.01, z=0.3)
     yield StabilityCase("moment 0.01 N m, clearance, clamped", "moment only", clear)
-    alone = _with_offset_end(with_balls(base, 1), -3e-3, -5e-6)
+    alone = _with_displaced_screw_end(with_ball_count(base, 1), -3e-3, -5e-6)
     yield StabilityCase("offset -3 mm, away from one loose ball", "offset", replace(alone, loads=()))
     for oversize in (0.0, 7e-6):
         for force in (0.0, 5000.0):
             name = f"offset 3 mm, {force:g} N, {'preloaded' if oversize else 'no preload'}"
-            yield StabilityCase(name, "offset", _with_load(_with_offset_end(base, 3e-3, oversize), (0.0, 0.0, force)))
+            yield StabilityCase(
+                name, "offset", _with_load(_with_displaced_screw_end(base, 3e-3, oversize), (0.0, 0.0, force))
+            )
 
 
-def _fit_cases(base: Scene) -> Iterator[StabilityCase]:
+def _clearance_and_preload_cases(base: Scene) -> Iterator[StabilityCase]:
     """Yield scenes of a screw with clearance, preload and random ball sizes."""
     for gap in (5e-6, 50e-6):
         for force in (0.01, 1.0, 5000.0):
@@ -178,21 +180,21 @@ def _stiffness_cases(base: Scene) -> Iterator[StabilityCase]:
         yield StabilityCase(f"shaft x {f:g}, contacts unchanged", "shaft stiffness", with_shaft_stiffness(base, f))
     for f in (1e-3, 1e3):
         name = f"screw modulus x {f:g}, its contacts with it"
-        yield StabilityCase(name, "shaft stiffness", _with_moduli(base, f, 1.0, 1.0))
+        yield StabilityCase(name, "shaft stiffness", _with_scaled_youngs_moduli(base, f, 1.0, 1.0))
     for f in factors:
-        yield StabilityCase(f"all moduli x {f:g}", "moduli", _with_moduli(base, f, f, f))
+        yield StabilityCase(f"all moduli x {f:g}", "moduli", _with_scaled_youngs_moduli(base, f, f, f))
 
 
 def _geometry_cases(base: Scene) -> Iterator[StabilityCase]:
     """Yield scenes of a screw with other conformities, numbers of balls, leads and contact angles."""
     for ratio in (1.01, 1.001, 1.0001, 1.00001):
-        close = with_conformity(base, ratio)
+        close = with_groove_radius_ratio(base, ratio)
         yield StabilityCase(f"r_G/r_B {ratio:g}, axial", "conformity", close)
         yield StabilityCase(
             f"r_G/r_B {ratio:g}, lateral", "conformity", _with_load(_with_axial_support_only(close), (1000.0, 0.0, 0.0))
         )
     for count in (3, 10, 32, 100, 300, 1000):
-        yield StabilityCase(f"{count} balls", "ball count", with_balls(base, count))
+        yield StabilityCase(f"{count} balls", "ball count", with_ball_count(base, count))
     for lead in (0.0, 5e-3, 7e-3, 20e-3, 40e-3):
         yield StabilityCase(f"lead {lead * 1e3:g} mm", "lead", with_lead(base, lead))
     for angle in (5, 15, 30, 45, 60, 75, 85):
@@ -204,7 +206,7 @@ def _geometry_cases(base: Scene) -> Iterator[StabilityCase]:
             yield StabilityCase(f"contact angle {angle} deg, lateral", "contact angle", loaded)
 
 
-def _mechanism_cases(base: Scene) -> Iterator[StabilityCase]:
+def _cases_with_free_rigid_motion(base: Scene) -> Iterator[StabilityCase]:
     """Yield scenes with one or two balls or with missing supports, each with the free rigid motion to expect, if any."""
     one = replace(base, balls=replace(base.balls, azimuths=(0.0,)))
     for force in (0.01, 5000.0):
@@ -240,7 +242,7 @@ PULLED = (
 )
 
 
-def _part_cases(base: Scene) -> Iterator[StabilityCase]:
+def _material_and_size_cases(base: Scene) -> Iterator[StabilityCase]:
     """Yield scenes of a screw with other materials, one large ball, four balls and a long shaft."""
     nut = replace(base, nut=replace(base.nut, material=POLYMER))
     balls = replace(base, balls=replace(base.balls, material=CERAMIC))
@@ -253,7 +255,7 @@ def _part_cases(base: Scene) -> Iterator[StabilityCase]:
         for force in (0.0, 0.01, 5000.0):
             name = f"one ball {excess * 1e6:g} um too large, {force:g} N"
             yield StabilityCase(name, "one large ball", _with_load(large, (0.0, 0.0, force)))
-    four = with_balls(base, 4)
+    four = with_ball_count(base, 4)
     yield StabilityCase("4 balls, 0.01 N", "four balls", _with_load(four, (0.0, 0.0, 0.01)))
     yield StabilityCase("4 balls, 100 kN", "four balls", _with_load(four, (0.0, 0.0, 1e5)))
     yield StabilityCase("4 balls, lateral", "four balls", _with_load(_with_axial_support_only(four), (1000.0, 0.0, 0.0)))
@@ -263,16 +265,16 @@ def _part_cases(base: Scene) -> Iterator[StabilityCase]:
     yield StabilityCase(
         "6 m shaft, moment at its end",
         "long shaft",
-        _with_load(_with_axial_support_only(long), (0.0, 0.0, 0.0), 50.0, at=LONG),
+        _with_load(_with_axial_support_only(long), (0.0, 0.0, 0.0), 50.0, z=LONG),
     )
 
 
-def shipped_axis(name: str) -> Assembly:
+def shipped_shaft_scene(name: str) -> Assembly:
     """Return a scene of the package for a shaft with several nuts and bearings; raises TypeError for another scene.
 
     ``name``: name of the scene.
     """
-    found = catalogue.shipped(name)
+    found = catalogue.shipped_scene(name)
     if not isinstance(found, Assembly):
         raise TypeError(f"{name} has a single nut or bearing, not several on a shaft")
     return found
@@ -283,7 +285,7 @@ def axis_of_balls_and_rollers() -> Assembly:
 
     The bearings are preloaded by axial offsets.
     """
-    axis, row = _axis_preloaded_by_offsets(), shipped_axis("smith-axis-taper").sets[0].parts
+    axis, row = _axis_preloaded_by_offsets(), shipped_shaft_scene("smith-axis-taper").sets[0].parts
     right = tuple(replace(s, kind="tapered roller bearing", parts=row) for s in axis.sets[3:])
     return replace(axis, sets=(*axis.sets[:3], *right))
 
@@ -294,25 +296,25 @@ def _axis_preloaded_by_offsets() -> Assembly:
     With this kind of preload all formulations solve the same equations.
     """
     towards = {"+z": -OFFSET, "-z": OFFSET, "both": 0.0}
-    return _change_each_row(
-        shipped_axis("axis-fixed-fixed"), lambda s: replace(s, preload=0.0, offset=towards.get(s.thrust, 0.0))
+    return _change_every_nut_and_bearing(
+        shipped_shaft_scene("axis-fixed-fixed"), lambda s: replace(s, preload=0.0, offset=towards.get(s.thrust, 0.0))
     )
 
 
-def _with_axis_loads(axis: Assembly, along: float, across: float = 0.0, moment: float = 0.0) -> Assembly:
+def _with_axis_loads(axis: Assembly, axial_force: float, lateral_force: float = 0.0, moment: float = 0.0) -> Assembly:
     """Return a shaft scene with other loads.
 
-    ``along``: axial force [N], which acts on the carriage, or on the shaft without a carriage; ``across``: lateral force on
-    the shaft along x [N], half of which also acts along y; ``moment``: moment on the shaft about x [N m].
+    ``axial_force``: axial force [N], which acts on the carriage, or on the shaft without a carriage; ``lateral_force``:
+    lateral force on the shaft along x [N], half of which also acts along y; ``moment``: moment on the shaft about x [N m].
     """
     at = axis.screw.length / 3.0
     carriage = tuple(h for h in axis.housings if h.name == "carriage")
-    side = Load(at, (across, 0.5 * across, 0.0 if carriage else along), (moment, 0.0, 0.0))
-    moved = tuple(replace(h, force=(0.0, 0.0, along)) if h in carriage else h for h in axis.housings)
+    side = Load(at, (lateral_force, 0.5 * lateral_force, 0.0 if carriage else axial_force), (moment, 0.0, 0.0))
+    moved = tuple(replace(h, force=(0.0, 0.0, axial_force)) if h in carriage else h for h in axis.housings)
     return replace(axis, housings=moved, loads=(side,))
 
 
-def _change_each_row(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Assembly:
+def _change_every_nut_and_bearing(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Assembly:
     """Return a shaft scene with each nut and each row of a bearing replaced.
 
     ``change``: function that takes a nut or row and returns its replacement.
@@ -325,19 +327,21 @@ def _change_ball_rows(axis: Assembly, change: Callable[[Scene], Scene]) -> Assem
 
     ``change``: function that takes the geometry and returns its replacement.
     """
-    return _change_each_row(axis, lambda s: replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) else s)
+    return _change_every_nut_and_bearing(
+        axis, lambda s: replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) else s
+    )
 
 
 def _change_roller_rows(axis: Assembly, **changes: Any) -> Assembly:
     """Return a shaft scene with new values for some fields of each row of rollers; ``changes``: values by field name."""
-    return _change_each_row(
+    return _change_every_nut_and_bearing(
         axis, lambda s: replace(s, parts=replace(s.parts, **changes)) if isinstance(s.parts, RollerRow) else s
     )
 
 
 def _without_preload(axis: Assembly) -> Assembly:
     """Return a shaft scene without preload, axial offsets and geometric errors."""
-    bare = _change_each_row(axis, lambda s: replace(s, preload=0.0, offset=0.0))
+    bare = _change_every_nut_and_bearing(axis, lambda s: replace(s, preload=0.0, offset=0.0))
     return _change_ball_rows(bare, lambda p: replace(p, errors=Errors()))
 
 
@@ -367,7 +371,7 @@ def _lengthen_axis(axis: Assembly, length: float) -> Assembly:
         return replace(s, position=at)
 
     return replace(
-        _change_each_row(axis, moved_row),
+        _change_every_nut_and_bearing(axis, moved_row),
         screw=replace(axis.screw, length=length),
         housings=tuple(replace(h, at=moved_position(h.at)) for h in axis.housings),
         segments=tuple(replace(x, start=moved_position(x.start), end=moved_position(x.end)) for x in axis.segments),
@@ -401,7 +405,7 @@ def _axis_part_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
         _change_ball_rows(axis, lambda p: replace(p, nut=replace(p.nut, material=POLYMER)) if is_nut(p) else p),
     )
     yield "ceramic balls", _change_ball_rows(axis, lambda p: replace(p, balls=replace(p.balls, material=CERAMIC)))
-    yield "conformity 0.505", _change_ball_rows(axis, lambda p: with_conformity(p, 1.01))
+    yield "conformity 0.505", _change_ball_rows(axis, lambda p: with_groove_radius_ratio(p, 1.01))
     one = Errors(balls=BallErrors(listed=((7, 20e-6),)))
     yield "one ball 20 um too large in each set", _change_ball_rows(axis, lambda p: replace(p, errors=one))
     four = _change_ball_rows(axis, lambda p: _with_ball_count(p, 4))
@@ -427,7 +431,11 @@ def _roller_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
 def _axis_cases() -> Iterator[StabilityCase]:
     """Yield scenes of shafts with a ball nut, ball bearings and tapered roller bearings."""
-    mixed, rollers, balls = axis_of_balls_and_rollers(), shipped_axis("smith-axis-taper"), _axis_preloaded_by_offsets()
+    mixed, rollers, balls = (
+        axis_of_balls_and_rollers(),
+        shipped_shaft_scene("smith-axis-taper"),
+        _axis_preloaded_by_offsets(),
+    )
     for kind, axis, groups in (
         ("balls and rollers", mixed, (_axis_load_cases, _axis_part_cases, _roller_cases)),
         ("rollers", rollers, (_axis_load_cases, _roller_cases)),
@@ -449,6 +457,13 @@ def _axis_cases() -> Iterator[StabilityCase]:
 def extreme_cases() -> list[StabilityCase]:
     """Return all hard scenes in a fixed order: variants of the screw ``lin-case1``, then shafts with several bearings."""
     base = catalogue.scene("lin-case1")
-    groups = (_load_cases, _fit_cases, _stiffness_cases, _geometry_cases, _mechanism_cases, _part_cases)
+    groups = (
+        _load_cases,
+        _clearance_and_preload_cases,
+        _stiffness_cases,
+        _geometry_cases,
+        _cases_with_free_rigid_motion,
+        _material_and_size_cases,
+    )
     found = [*(c for group in groups for c in group(base)), *_axis_cases()]
     return [replace(c, scene=replace(c.scene, name=c.name)) for c in found]

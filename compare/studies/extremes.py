@@ -27,23 +27,23 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.scenes.catalogue import scene as shipped
 from rollbench.compare.studies.extreme_cases import CONVERGED, StabilityCase, extreme_cases
-from rollbench.lowfi.as_source import Start, solve_source
+from rollbench.lowfi.as_source import Start, solve_by_source_equations
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.rollers import slice_middles, tapered_bearing
 from rollbench.lowfi.statics.axis.elastic import solve_refined
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.problem import build
+from rollbench.lowfi.statics.problem import build_problem
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.lowfi.statics.summary import BALANCE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.processes import local_workers
+from rollbench.meshes.processes import single_thread_workers
 from rollbench.reports.content import Cell, Row
 
 #: Name of the formulation by the energy solver.
@@ -80,7 +80,7 @@ SAME = 1e-4
 
 
 @dataclass(frozen=True)
-class Attempt:
+class FormulationOutcome:
     """Outcome of solving one hard scene by one formulation of the equations."""
 
     #: Name of the scene.
@@ -112,7 +112,7 @@ class Attempt:
     reason: str = ""
 
     @property
-    def was_tried(self) -> bool:
+    def is_formulation_applicable(self) -> bool:
         """Whether the formulation can be applied to the scene and was tried."""
         return not self.status.startswith("not attempted")
 
@@ -120,7 +120,7 @@ class Attempt:
 # --- solution of the hard scenes
 
 
-def attempt_case(case: StabilityCase, formulation: str) -> Attempt:
+def solve_case_by_formulation(case: StabilityCase, formulation: str) -> FormulationOutcome:
     """Solve one hard scene by one formulation; a failure of the solver becomes part of the result and raises no exception.
 
     The energy solver has a beam node at every contact. Newton's method as in Lin's thesis has its nodes every 15 mm, with
@@ -148,37 +148,37 @@ def attempt_case(case: StabilityCase, formulation: str) -> Attempt:
 
 
 @cache
-def _load_kernels() -> None:
+def _compile_kernels_before_timing() -> None:
     """Load or compile the numerical kernels in this process, so that their compilation is not timed."""
     solve_static(shipped("lin-case1"), engine="compiled")
 
 
 def _solve_by_energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
     """Solve a scene by the energy solver with compiled kernels."""
-    _load_kernels()
+    _compile_kernels_before_timing()
     if isinstance(scene, Assembly):
         return solve_assembly(scene, engine="compiled")
     return solve_static(scene, engine="compiled")
 
 
-def _attempt_by_energy_solver(case: StabilityCase, result: StaticResult | AxisResult | None = None) -> Attempt:
+def _attempt_by_energy_solver(case: StabilityCase, result: StaticResult | AxisResult | None = None) -> FormulationOutcome:
     """Return the outcome of the energy solver for a hard scene.
 
     ``result``: its static result; None: the scene is solved.
     """
     begin = perf_counter()
-    row = _attempt_of_result(case, ENERGY, result or _solve_by_energy(case.scene), begin)
+    row = _outcome_from_result(case, ENERGY, result or _solve_by_energy(case.scene), begin)
     return replace(row, difference_percent=0.0 if row.converged else None)
 
 
 def _attempt_by_force_formulation(
-    case: StabilityCase, formulation: str, ours: StaticResult | AxisResult | None = None
-) -> Attempt:
+    case: StabilityCase, formulation: str, energy_result: StaticResult | AxisResult | None = None
+) -> FormulationOutcome:
     """Solve a hard scene by a formulation whose unknowns are the contact loads, and return the outcome.
 
-    ``formulation``: a key of `BACKENDS`; ``ours``: static result of the energy solver, None to compute it. The formulation
-    is not applied to scenes whose dimensions leave no solid body (no land between grooves, no wall), to scenes with more
-    than `ELASTIC_LIMIT` balls, which would take minutes, and to scenes with rollers only.
+    ``formulation``: a key of `BACKENDS`; ``energy_result``: static result of the energy solver, None to compute it. The
+    formulation is not applied to scenes whose dimensions leave no solid body (no land between grooves, no wall), to scenes
+    with more than `ELASTIC_LIMIT` balls, which would take minutes, and to scenes with rollers only.
     """
     begin, backend = perf_counter(), BACKENDS[formulation]
     try:
@@ -191,15 +191,19 @@ def _attempt_by_force_formulation(
     except ValueError as error:
         status, spent = f"not attempted: {error}", perf_counter() - begin
         return _make_attempt(case, formulation, status, seconds=spent, reason=status)
-    row = _attempt_of_result(case, formulation, result, begin)
+    row = _outcome_from_result(case, formulation, result, begin)
     if formulation != FORCES or not row.converged:
         return row
-    ours = ours or _solve_by_energy(case.scene)
-    apart = _largest_load_difference(_all_loads(result), _all_loads(ours)) if ours.converged else None
-    return replace(row, difference_percent=apart, reason=row.reason + _difference_clause(apart))
+    energy_result = energy_result or _solve_by_energy(case.scene)
+    apart = (
+        _largest_load_difference(_loads_of_all_contacts(result), _loads_of_all_contacts(energy_result))
+        if energy_result.converged
+        else None
+    )
+    return replace(row, difference_percent=apart, reason=row.reason + _clause_on_load_difference(apart))
 
 
-def _all_loads(result: StaticResult | AxisResult) -> Array:
+def _loads_of_all_contacts(result: StaticResult | AxisResult) -> Array:
     """Return the loads [N] of all ball contacts and rollers of a result as one array.
 
     Its shape is (N, 4) for a scene of N balls, and (n,) for a shaft with n contacts and rollers in all.
@@ -207,12 +211,14 @@ def _all_loads(result: StaticResult | AxisResult) -> Array:
     return np.concatenate([s.loads.ravel() for s in result.sets]) if isinstance(result, AxisResult) else result.load
 
 
-def _attempt_of_result(case: StabilityCase, formulation: str, result: StaticResult | AxisResult, begin: float) -> Attempt:
+def _outcome_from_result(
+    case: StabilityCase, formulation: str, result: StaticResult | AxisResult, begin: float
+) -> FormulationOutcome:
     """Return the outcome of a formulation from its static result, without the difference from the energy solver.
 
     ``begin``: value of ``perf_counter`` [s] at which the solution began.
     """
-    status, s = _false_convergence_reason(result) or result.status, result.solver
+    status, s = _reason_for_false_convergence(result) or result.status, result.solver
     return _make_attempt(
         case,
         formulation,
@@ -222,16 +228,16 @@ def _attempt_of_result(case: StabilityCase, formulation: str, result: StaticResu
         round_off_bound=s.round_off_bound,
         seconds=perf_counter() - begin,
         unknowns=s.unknowns,
-        reason="; ".join((_short_status(status), *result.warnings)),
+        reason="; ".join((_first_clause_of_status(status), *result.warnings)),
     )
 
 
-def _make_attempt(case: StabilityCase, formulation: str, status: str, **found: Any) -> Attempt:
+def _make_attempt(case: StabilityCase, formulation: str, status: str, **found: Any) -> FormulationOutcome:
     """Return the outcome of a formulation for a hard scene with a given status; ``found``: further fields by name."""
-    return Attempt(case.name, case.group, formulation, status, case.expected, status == CONVERGED, **found)
+    return FormulationOutcome(case.name, case.group, formulation, status, case.expected, status == CONVERGED, **found)
 
 
-def _false_convergence_reason(result: StaticResult | AxisResult) -> str:
+def _reason_for_false_convergence(result: StaticResult | AxisResult) -> str:
     """Return why a result that is reported as converged is wrong; empty if it is right, or not reported as converged.
 
     Checked are finite numbers, the residual, the balance of forces and moments, and the law of the roller slices.
@@ -239,7 +245,7 @@ def _false_convergence_reason(result: StaticResult | AxisResult) -> str:
     if not result.converged:
         return ""
     s, balance = result.solver, result.equilibrium
-    if not (np.all(np.isfinite(_all_loads(result))) and np.all(np.isfinite(result.centreline))):
+    if not (np.all(np.isfinite(_loads_of_all_contacts(result))) and np.all(np.isfinite(result.centreline))):
         return "claims convergence, but loads or displacements are not finite"
     if not s.residual <= max(ACCEPTED, s.round_off_bound):
         return f"claims convergence, but the residual is {s.residual:.1e}"
@@ -249,12 +255,12 @@ def _false_convergence_reason(result: StaticResult | AxisResult) -> str:
         if any(not h.residual <= BALANCE for h in result.housings):
             return "claims convergence, but forces and moments on a housing do not balance"
         for row in result.sets if result.model == "lin" else ():
-            if slice_load_error(row, result) > SLICES:
+            if slice_law_residual(row, result) > SLICES:
                 return f"claims convergence, but slice loads of {row.of.name} do not follow from their approach"
     return ""
 
 
-def slice_load_error(row: SetResult, result: AxisResult) -> float:
+def slice_law_residual(row: SetResult, result: AxisResult) -> float:
     """Return the largest deviation of a roller slice's line load from its load-displacement law, over the largest load.
 
     ``row``: solved row of tapered rollers; ``result``: solution of the shaft. The approach of a slice follows from the
@@ -283,7 +289,7 @@ def slice_load_error(row: SetResult, result: AxisResult) -> float:
     return float(np.abs(expected - lines).max() / (lines.max() + noise / SLICES))
 
 
-def _with_source_partition(scene: Scene) -> Scene:
+def _with_beam_nodes_of_source(scene: Scene) -> Scene:
     """Return a scene whose beam has its nodes at the axial positions that Lin's thesis takes."""
     return replace(scene, ingredients=replace(scene.ingredients, partition="source"))
 
@@ -291,20 +297,22 @@ def _with_source_partition(scene: Scene) -> Scene:
 def source_unknowns(scene: Scene) -> int:
     """Return the number of unknowns in the equations of Lin's thesis for a scene."""
     layout = ball_layout(scene)
-    problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
+    problem = build_problem(scene, draw_specimen(scene, layout), layout, np.ones(4, dtype=bool))
     return 6 * layout.z.size + problem.unknowns
 
 
-def _attempt_by_source_newton(case: StabilityCase, formulation: str, ours: StaticResult | None = None) -> Attempt:
+def _attempt_by_source_newton(
+    case: StabilityCase, formulation: str, energy_result: StaticResult | None = None
+) -> FormulationOutcome:
     """Solve a hard scene by Newton's method as in Lin's thesis, and return the outcome.
 
-    ``formulation``: a key of `SOURCE`; ``ours``: static result of the energy solver with the same beam nodes, None to
-    compute it.
+    ``formulation``: a key of `SOURCE`; ``energy_result``: static result of the energy solver with the same beam nodes, None
+    to compute it.
     """
     if isinstance(case.scene, Assembly):
         status = "not attempted: Lin's thesis has a single nut on its shaft"
         return _make_attempt(case, formulation, status, reason=status)
-    scene = _with_source_partition(case.scene)
+    scene = _with_beam_nodes_of_source(case.scene)
     unknowns = source_unknowns(scene)
     iterations, residual, seconds, difference = 0, math.nan, 0.0, None
     if unknowns > DENSE_LIMIT:
@@ -312,11 +320,11 @@ def _attempt_by_source_newton(case: StabilityCase, formulation: str, ours: Stati
     elif scene.ingredients.screw == "rigid":
         status = "not attempted: the screw of Lin's thesis is a beam, not rigid"
     else:
-        found = solve_source(scene, kinematics="arc", start=SOURCE[formulation])
+        found = solve_by_source_equations(scene, kinematics="arc", start=SOURCE[formulation])
         status, iterations, residual, seconds = found.status, found.iterations, found.residual, found.seconds
         if found.converged:
-            ours = ours if ours is not None else solve_static(scene, engine="compiled")
-            difference = _largest_load_difference(found.load, ours.load) if ours.converged else None
+            energy_result = energy_result if energy_result is not None else solve_static(scene, engine="compiled")
+            difference = _largest_load_difference(found.load, energy_result.load) if energy_result.converged else None
     return _make_attempt(
         case,
         formulation,
@@ -326,19 +334,19 @@ def _attempt_by_source_newton(case: StabilityCase, formulation: str, ours: Stati
         seconds=seconds,
         unknowns=unknowns,
         difference_percent=difference,
-        reason=_short_status(status) + _difference_clause(difference),
+        reason=_first_clause_of_status(status) + _clause_on_load_difference(difference),
     )
 
 
-def _difference_clause(difference: float | None) -> str:
+def _clause_on_load_difference(difference_percent: float | None) -> str:
     """Return a clause that says by how much contact loads differ from the energy solver's; empty if they are equal.
 
-    ``difference``: largest difference of a load [% of the largest load]; None if it is not known.
+    ``difference_percent``: largest difference of a load [% of the largest load]; None if it is not known.
     """
-    if difference is None or difference <= SAME:
+    if difference_percent is None or difference_percent <= SAME:
         return ""
     root = "another root of the contact conditions (beyond the arc)"
-    return f"; loads differ from the energy solver's by {difference:.3g} %: {root}"
+    return f"; loads differ from the energy solver's by {difference_percent:.3g} %: {root}"
 
 
 def _finite_or_none(value: float) -> float | None:
@@ -346,33 +354,35 @@ def _finite_or_none(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def _largest_load_difference(load: Array, ours: Array) -> float:
-    """Return the largest difference between the contact loads of two solutions [% of the largest load in ``ours``].
+def _largest_load_difference(load: Array, reference_load: Array) -> float:
+    """Return the largest difference between the contact loads of two solutions [% of the largest ``reference_load``].
 
-    ``load`` and ``ours``: contact loads [N], arrays of the same shape.
+    ``load`` and ``reference_load``: contact loads [N], arrays of the same shape.
     """
-    top = float(ours.max(initial=0.0))
-    change = float(np.abs(load - ours).max())
+    top = float(reference_load.max(initial=0.0))
+    change = float(np.abs(load - reference_load).max())
     return float(np.abs(error_percent(change, 0.0, top))) if top > 0.0 else 0.0
 
 
-def _short_status(status: str) -> str:
+def _first_clause_of_status(status: str) -> str:
     """Return the first clause of a solver's status, or the first two if the first is "not held" (a free rigid motion)."""
     parts = status.split(": ")
     return ": ".join(parts[:2]) if parts[0] == "not held" else status.split(" (")[0]
 
 
-def _attempt_all_formulations(case: StabilityCase) -> list[Attempt]:
+def _attempt_all_formulations(case: StabilityCase) -> list[FormulationOutcome]:
     """Solve a hard scene by every formulation and return the outcomes, the energy solver's first."""
     found, ours = _solve_by_energy(case.scene), None
     if isinstance(case.scene, Scene):
-        scene = _with_source_partition(case.scene)
+        scene = _with_beam_nodes_of_source(case.scene)
         ours = solve_static(scene, engine="compiled") if source_unknowns(scene) <= DENSE_LIMIT else None
     rows = [_attempt_by_energy_solver(case, found)] + [_attempt_by_force_formulation(case, f, found) for f in BACKENDS]
     return rows + [_attempt_by_source_newton(case, f, ours) for f in SOURCE]
 
 
-def solve_cases(progress: Callable[[int, int, str], None] = lambda *_: None, *, n_jobs: int = 2) -> list[Attempt]:
+def solve_all_hard_cases(
+    progress: Callable[[int, int, str], None] = lambda *_: None, *, n_jobs: int = 2
+) -> list[FormulationOutcome]:
     """Solve every hard scene by every formulation, in several processes.
 
     Parameters
@@ -389,8 +399,8 @@ def solve_cases(progress: Callable[[int, int, str], None] = lambda *_: None, *, 
     """
     from joblib import Parallel, delayed
 
-    every, rows = extreme_cases(), list[Attempt]()
-    with local_workers():
+    every, rows = extreme_cases(), list[FormulationOutcome]()
+    with single_thread_workers():
         workers = Parallel(n_jobs=n_jobs, return_as="generator")
     for i, found in enumerate(workers(delayed(_attempt_all_formulations)(c) for c in every)):
         rows += found
@@ -398,20 +408,22 @@ def solve_cases(progress: Callable[[int, int, str], None] = lambda *_: None, *, 
     return rows
 
 
-def unexpected_attempts(rows: Sequence[Attempt]) -> list[Attempt]:
+def unexpected_attempts(rows: Sequence[FormulationOutcome]) -> list[FormulationOutcome]:
     """Return the outcomes of this program's own formulations that differ from what is expected.
 
     Expected is convergence, or the status that names a free rigid motion. Also returned are outcomes whose contact loads
     differ from those of the energy solver.
     """
     ours = [r for r in rows if r.formulation == ENERGY or r.formulation in BACKENDS]
-    return [r for r in ours if (r.status != r.expected and r.was_tried) or (r.difference_percent or 0.0) > SAME]
+    return [
+        r for r in ours if (r.status != r.expected and r.is_formulation_applicable) or (r.difference_percent or 0.0) > SAME
+    ]
 
 
 # --- rows of the report's table
 
 
-def rows_by_case(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:
+def stability_table_rows(rows: Sequence[FormulationOutcome]) -> list[dict[str, Cell]]:
     """Return the rows of the stability table: one for each hard scene, with the status of each formulation."""
     by_case: dict[str, dict[str, Cell]] = {}
     for row in rows:
@@ -425,7 +437,7 @@ def rows_by_case(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:
     return list(by_case.values())
 
 
-def status_cell(row: Attempt) -> str:
+def status_cell(row: FormulationOutcome) -> str:
     """Return an outcome as text for a table cell: iterations if it converged, else the solver's status."""
     if row.status == CONVERGED:
         apart = row.difference_percent
@@ -434,7 +446,7 @@ def status_cell(row: Attempt) -> str:
     return row.status.split(" (")[0]
 
 
-def count_outcomes(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
+def count_outcomes(rows: Sequence[FormulationOutcome]) -> dict[str, tuple[int, int, int]]:
     """Return, for each formulation, the number of scenes with the expected outcome, of scenes that were tried, and of all.
 
     The outcome is as expected if the solver converged, or if it named the scene's free rigid motion.
@@ -442,7 +454,7 @@ def count_outcomes(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
     out = {}
     for formulation in FORMULATIONS:
         attempts = [r for r in rows if r.formulation == formulation]
-        tried = [r for r in attempts if r.was_tried]
+        tried = [r for r in attempts if r.is_formulation_applicable]
         out[formulation] = (sum(r.status == r.expected for r in tried), len(tried), len(attempts))
     return out
 

@@ -13,14 +13,14 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.comparison import Referenced, stored_references
-from rollbench.compare.models.modelling import base_run
+from rollbench.compare.models.modelling import unchanged_run
 from rollbench.compare.reference.convergence import grid_convergence, pooled_grid_uncertainty
-from rollbench.compare.reference.estimate import FITTED, Reference, parts, read_experience, reference_from_runs
-from rollbench.compare.reference.jobs import Engine, all_variants, ensure, plan
+from rollbench.compare.reference.estimate import FITTED, Reference, mesh_uncertainty, read_experience, reference_from_runs
+from rollbench.compare.reference.jobs import Engine, ensure, modelling_variant_names, plan_tasks
 from rollbench.compare.reference.levels import ADVISED, LEVELS, VARIANTS
 from rollbench.compare.reference.store import Run, load_run, measuring_conditions, shipped_store
 from rollbench.compare.reference.tasks import Solvable, Task
-from rollbench.compare.results.comparison import model_label, unconverged_error
+from rollbench.compare.results.comparison import set_keys, unconverged_error
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
@@ -98,7 +98,7 @@ def reference_from_stored_runs(
     return reference_from_runs(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
-def level_rows(reference: Reference) -> list[dict[str, Any]]:
+def mesh_level_rows(reference: Reference) -> list[dict[str, Any]]:
     """Return a table row for each mesh level, coarsest first: size, time and accuracy.
 
     Parameters
@@ -111,7 +111,7 @@ def level_rows(reference: Reference) -> list[dict[str, Any]]:
     list of dict
         Cell size over that of the finest level, unknowns of the equivalent single mesh, seconds without cached parts and
         the conditions of their measurement, largest difference of a contact load from the finest level, and
-        `load_uncertainty_percent`, both in % of the mean load.
+        `load_uncertainty_of_run`, both in % of the mean load.
     """
     return [
         {
@@ -121,20 +121,20 @@ def level_rows(reference: Reference) -> list[dict[str, Any]]:
             "seconds": run.setup_seconds + run.solve_seconds,
             "measured_with": str(run.measured),
             "difference_percent": load_error(run.load, reference.load, reference.contacts).max_percent,
-            "enough_for_percent": load_uncertainty_percent(reference, k),
+            "enough_for_percent": load_uncertainty_of_run(reference, k),
         }
         for k, (run, size) in enumerate(zip(reference.runs, reference.sizes, strict=True))
     ]
 
 
-def load_uncertainty_percent(reference: Reference, k: int) -> float:
-    """Return the uncertainty of the contact loads by solution ``k`` and the coarser ones [% of the mean load].
+def load_uncertainty_of_run(reference: Reference, run_index: int) -> float:
+    """Return the uncertainty of the contact loads by solution ``run_index`` and the coarser ones [% of the mean load].
 
-    ``reference``: 3D reference with its solutions; ``k``: number of the solution from 0, coarsest mesh first. It is the
-    root mean square over the contacts. For the first solution alone it is estimated from other scenes.
+    ``reference``: 3D reference with its solutions; ``run_index``: number of the solution from 0, coarsest mesh first. It is
+    the root mean square over the contacts. For the first solution alone it is estimated from other scenes.
     """
-    loads = {run.level: run.load for run in reference.runs[max(0, k + 1 - FITTED) : k + 1]}
-    return parts(loads, read_experience(shipped_store())).bar
+    loads = {run.level: run.load for run in reference.runs[max(0, run_index + 1 - FITTED) : run_index + 1]}
+    return mesh_uncertainty(loads, read_experience(shipped_store())).bar
 
 
 def accuracy_sentence(reference: Reference) -> str:
@@ -144,7 +144,7 @@ def accuracy_sentence(reference: Reference) -> str:
     """
     stamps = {run.measured for run in reference.runs}
     steps, idle = list[tuple[str, float]](), list[int]()
-    for row in level_rows(reference):
+    for row in mesh_level_rows(reference):
         good, time = row["enough_for_percent"], f" ({row['seconds']:.0f} s)" if len(stamps) == 1 else ""
         if steps and good > CLEARLY * steps[-1][1]:
             idle.append(row["level"])
@@ -171,7 +171,9 @@ def _rounded_up_percent_text(percent: float) -> str:
     return f"{math.ceil(percent / unit - 1e-9) * unit:.2g}"
 
 
-def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)) -> list[dict[str, Any]]:
+def mesh_study_table_of_scene(
+    scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)
+) -> list[dict[str, Any]]:
     """Return the table of a mesh study of a scene: each quantity on each level, with its uncertainty.
 
     Contact loads have the uncertainty of their contact on the finest level and no order of convergence, because they
@@ -198,15 +200,17 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[in
     if reference is None:
         return []
     coarsest = min(LEVELS)
-    base = base_run(scene, coarsest, stores)
+    base = unchanged_run(scene, coarsest, stores)
     others = [v for v, variant in VARIANTS.items() if v != "base" and not variant.refined]
-    return quantity_table(
+    return mesh_study_table_of_reference(
         reference, base, {v: r for v in others if (r := load_run(scene, coarsest, v, stores)) is not None}
     )
 
 
-def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str, Run]) -> list[dict[str, Any]]:
-    """Return the table that `study_table` describes, from given solutions of the 3D reference.
+def mesh_study_table_of_reference(
+    reference: Reference, base: Run | None, changed: Mapping[str, Run]
+) -> list[dict[str, Any]]:
+    """Return the table that `mesh_study_table_of_scene` describes, from given solutions of the 3D reference.
 
     Parameters
     ----------
@@ -234,7 +238,7 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
         if len(runs) >= 2:
-            contact = _contact_of_quantity(take, runs[-1])
+            contact = _ball_and_flank_of_quantity(take, runs[-1])
             observed = grid_convergence(values, reference.sizes) if contact is None else None
             bar = of_two.get(take, observed.uncertainty) if observed else float(reference.uncertainty[contact])
             row |= {
@@ -252,7 +256,7 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
     return table
 
 
-def _contact_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
+def _ball_and_flank_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
     """Return ball and flank, numbered from 0, of the contact whose load is the given quantity; None for a displacement.
 
     ``take``: function that takes the quantity from a solution; ``finest``: solution on the finest mesh level, which decides
@@ -303,16 +307,20 @@ def chosen_levels(count: int | None) -> tuple[int, ...]:
     return tuple(range(1, count + 1))
 
 
-def table_of_reference(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
+def mesh_study_table_of_bearing(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
     """Return the mesh-study table of a nut or bearing from its 3D reference.
 
     ``one``: the reference; ``stores``: folders with solutions; ``levels``: mesh levels. The effects of modelling choices
     are left out if the nut or bearing is one of several on a shaft.
     """
-    return study_table(one.scene, stores, levels) if one.of is None else quantity_table(one.found, None, {})
+    return (
+        mesh_study_table_of_scene(one.scene, stores, levels)
+        if one.of is None
+        else mesh_study_table_of_reference(one.found, None, {})
+    )
 
 
-def compute_study(
+def compute_references_on_levels(
     scenes: Sequence[Solvable],
     levels: Sequence[int],
     stores: Sequence[Path],
@@ -357,19 +365,19 @@ def compute_study(
         If ``spread`` is used for a shaft with several nuts or bearings. Its subclass Refusal is raised if no run of a
         scene converged.
     """
-    tasks = plan(scenes, levels, source=source)
+    tasks = plan_tasks(scenes, levels, source=source)
     several = next((s.name for s in scenes if isinstance(s, Assembly)), None) if spread else None
     if several is not None:
         given = f"{several}, which has several nuts and bearings"
         raise ArgumentError("spread", given, "scenes with a single nut or bearing", "leave `spread` out")
     if spread:
-        tasks += [t for s in scenes for t in plan([s], (), all_variants())]
+        tasks += [t for s in scenes for t in plan_tasks([s], (), modelling_variant_names())]
 
     def report_coarsest_level(task: Task) -> None:
         """Report the loads of the coarsest level while finer ones are computed."""
         for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
             for one in stored_references(scene, stores[:1], (task.level,)):
-                table = terminal_rows(table_of_reference(one, stores[:1], (task.level,)))
+                table = mesh_study_rows_for_terminal(mesh_study_table_of_bearing(one, stores[:1], (task.level,)))
                 values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
                 step(f"{one.found.scene}, by level {task.level} alone: {'; '.join(values)}")
 
@@ -383,7 +391,7 @@ def compute_study(
     return references
 
 
-def terminal_rows(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+def mesh_study_rows_for_terminal(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return the table of a mesh study for the terminal, without rows of single balls, percentages and remarks."""
     return [
         {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
@@ -419,13 +427,19 @@ def mesh_study_for_library(
     tuple of str
         Closing lines.
     """
-    from rollbench.meshes.cache import default_root
+    from rollbench.meshes.cache import default_cache_folder
 
     stores, wanted = (store, shipped_store()), chosen_levels(levels)
-    references = compute_study([target], wanted, stores, Engine(cache=default_root()), step, spread=spread)
+    references = compute_references_on_levels(
+        [target], wanted, stores, Engine(cache=default_cache_folder()), step, spread=spread
+    )
     results = [
-        {"scene": target.name, "levels": level_rows(x.found), "quantities": table_of_reference(x, stores, wanted)}
-        | model_label(x)
+        {
+            "scene": target.name,
+            "levels": mesh_level_rows(x.found),
+            "quantities": mesh_study_table_of_bearing(x, stores, wanted),
+        }
+        | set_keys(x)
         for x in references
     ]
     lines = tuple(accuracy_sentence(one.found) for one in references)

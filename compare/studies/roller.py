@@ -19,20 +19,26 @@ from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.reference.convergence import Convergence, grid_convergence
-from rollbench.compare.reference.store import measuring_conditions, sealed, shipped_store, unsealed, versions
+from rollbench.compare.reference.store import (
+    measuring_conditions,
+    program_versions,
+    read_checked_data,
+    run_text_with_checksum,
+    shipped_store,
+)
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.lowfi.rollers import (
     approach_under_force,
     circular_crown,
-    half_width,
-    pressure,
+    line_contact_half_width,
+    line_contact_pressure,
     slice_roller,
-    slice_state,
+    sliced_roller_state_at_approach,
     tapered_bearing,
 )
 from rollbench.meshes.axis import Assembly, RollerRow
-from rollbench.meshes.record_keys import digest
+from rollbench.meshes.record_keys import digest_of_values
 
 #: Version of the 3D roller model in the names of stored runs; raise it when the mechanics change.
 SCHEMA = 1
@@ -104,12 +110,12 @@ def has_rollers(scene: Described) -> bool:
     return isinstance(one, Assembly) and any(isinstance(s.parts, RollerRow) for s in one.sets)
 
 
-def loaded_rollers(assembly: Assembly) -> list[LoadedRoller]:
+def roller_kinds_with_largest_load(assembly: Assembly) -> list[LoadedRoller]:
     """Return the kinds of rollers in a shaft scene with the largest load on each; empty without rollers.
 
     Raises Refusal if the shaft has no equilibrium, or if no roller of a kind carries load.
     """
-    rows = {s.name: _without_irrelevant_fields(s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)}
+    rows = {s.name: _row_with_relevant_fields(s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)}
     if not rows:
         return []
     result = run_model(assembly)
@@ -128,7 +134,7 @@ def loaded_rollers(assembly: Assembly) -> list[LoadedRoller]:
     return out
 
 
-def _without_irrelevant_fields(row: RollerRow) -> RollerRow:
+def _row_with_relevant_fields(row: RollerRow) -> RollerRow:
     """Return a row of rollers in which fields that do not affect the 3D model of one roller have their default values.
 
     Such fields are the phase and the rib.
@@ -138,7 +144,7 @@ def _without_irrelevant_fields(row: RollerRow) -> RollerRow:
 
 def run_file_name(roller: LoadedRoller, level: int) -> str:
     """Return the name of the JSON file with the 3D solution of a roller on a mesh level."""
-    key = digest("roller", SCHEMA, replace(roller.row, slices=1), roller.load, SHARES)[:16]
+    key = digest_of_values("roller", SCHEMA, replace(roller.row, slices=1), roller.load, SHARES)[:16]
     return f"roller-level{level}-{key}.json"
 
 
@@ -146,13 +152,15 @@ def stored_run(roller: LoadedRoller, level: int, stores: Sequence[Path]) -> Roll
     """Return the stored 3D solution of a roller on a mesh level, from the first folder that has it; None without one."""
     for store in stores:
         try:
-            return RollerRun(**unsealed(store / run_file_name(roller, level)))
+            return RollerRun(**read_checked_data(store / run_file_name(roller, level)))
         except (OSError, ValueError, TypeError):
             continue
     return None
 
 
-def load_or_compute_run(roller: LoadedRoller, level: int, stores: Sequence[Path], *, fresh: bool = False) -> RollerRun:
+def load_or_compute_roller_run(
+    roller: LoadedRoller, level: int, stores: Sequence[Path], *, fresh: bool = False
+) -> RollerRun:
     """Return the 3D solution of a roller on a mesh level: a stored one, else a new one, which is saved in the first folder.
 
     ``level``: mesh level; ``stores``: folders of solutions; ``fresh``: whether a stored solution is computed again.
@@ -168,7 +176,7 @@ def load_or_compute_run(roller: LoadedRoller, level: int, stores: Sequence[Path]
 
     try:
         bodies = hifi.condense_roller(roller.row, hifi.LEVELS[level], roller.load)
-        states = [hifi.press_roller(bodies, share * roller.load) for share in SHARES]
+        states = [hifi.press_roller_between_races(bodies, share * roller.load) for share in SHARES]
     except hifi.RollerError as error:
         raise Refusal(", ".join(roller.sets), "3D roller", str(error), error.advice) from None
     first, now = states[0], measuring_conditions()
@@ -191,12 +199,12 @@ def load_or_compute_run(roller: LoadedRoller, level: int, stores: Sequence[Path]
         imbalance=max(s.imbalance for s in states),
         seconds=bodies.seconds + sum(s.seconds for s in states),
         cpu_seconds=bodies.cpu_seconds + sum(s.cpu_seconds for s in states),
-        versions=versions() | {"rollbench": now.version},
+        versions=program_versions() | {"rollbench": now.version},
         sources=now.sources,
         machine=now.machine,
         date=datetime.now(UTC).date().isoformat(),
     )
-    replace_file(stores[0] / run_file_name(roller, level), sealed(asdict(run)))
+    replace_file(stores[0] / run_file_name(roller, level), run_text_with_checksum(asdict(run)))
     return run
 
 
@@ -220,7 +228,9 @@ def low_order_stiffness(row: RollerRow, load: float) -> LowOrderStiffness:
     roller = slice_roller(tapered_bearing(row), row.slices, circular_crown(row.crown))
     approach = approach_under_force(roller, load)
     norm = 1e-3 * (load / (NORM * (1e3 * row.length) ** (8.0 / 9.0))) ** 0.9
-    return LowOrderStiffness(approach, slice_state(roller, approach).stiffness, norm, load / (0.9 * norm))
+    return LowOrderStiffness(
+        approach, sliced_roller_state_at_approach(roller, approach).stiffness, norm, load / (0.9 * norm)
+    )
 
 
 def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[float]:
@@ -232,15 +242,18 @@ def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[
     roller, cone, cup = (float(r) for r in bearing.radii())
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
     curved = (1.0 / roller - 1.0 / cup, 1.0 / roller + 1.0 / cone)
-    return [float(pressure(q, half_width(q, k, modulus))) for q, k in zip(line_loads, curved, strict=True)]
+    return [
+        float(line_contact_pressure(q, line_contact_half_width(q, k, modulus)))
+        for q, k in zip(line_loads, curved, strict=True)
+    ]
 
 
-def _value_at_load(name: str, k: int, run: RollerRun) -> float:
+def _entry_of_run_field(name: str, k: int, run: RollerRun) -> float:
     """Return one entry of a list in a 3D solution; ``name``: field with the list over loads or races; ``k``: index."""
     return float(getattr(run, name)[k])
 
 
-def _value_at_race(name: str, race: int, run: RollerRun) -> float:
+def _value_on_race_under_first_load(name: str, race: int, run: RollerRun) -> float:
     """Return a value on one race under the largest load, from a 3D solution.
 
     ``name``: field with a list over the races; ``race``: index of the race in `RACES`.
@@ -248,7 +261,7 @@ def _value_at_race(name: str, race: int, run: RollerRun) -> float:
     return float(getattr(run, name)[0][race])
 
 
-def quantity_rows(roller: LoadedRoller, runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
+def roller_quantity_rows(roller: LoadedRoller, runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
     """Return a table row for each quantity of a roller: its value on every mesh level, and the errors of low-order laws.
 
     Parameters
@@ -262,7 +275,7 @@ def quantity_rows(roller: LoadedRoller, runs: Sequence[RollerRun]) -> list[dict[
 
     def add_row(name: str, unit: str, scale: float, take: Callable[[RollerRun], float], **low: float) -> None:
         values = [scale * take(run) for run in runs]
-        found = run_convergence(values, runs)
+        found = convergence_over_mesh_levels(values, runs)
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {run.level}": value for run, value in zip(runs, values, strict=True)}
         row |= {"order": found.order, "extrapolated": found.extrapolated, "uncertainty": found.uncertainty}
@@ -279,28 +292,32 @@ def quantity_rows(roller: LoadedRoller, runs: Sequence[RollerRun]) -> list[dict[
             f"approach {at}",
             "um",
             1e6,
-            partial(_value_at_load, "approach", k),
+            partial(_entry_of_run_field, "approach", k),
             low_order=low.approach,
             norm=low.norm_approach,
         )
         both = {"low_order": low.stiffness, "norm": low.norm_stiffness}
-        add_row(f"stiffness {at}", "N/um", 1e-6, partial(_value_at_load, "stiffness", k), **both)
+        add_row(f"stiffness {at}", "N/um", 1e-6, partial(_entry_of_run_field, "stiffness", k), **both)
     hertz = line_contact_pressures(roller.row, runs[-1].middle_line_load[0])
     for i, race in enumerate(RACES):
-        add_row(f"middle line load, {race}", "N/mm", 1e-3, partial(_value_at_race, "middle_line_load", i))
+        add_row(f"middle line load, {race}", "N/mm", 1e-3, partial(_value_on_race_under_first_load, "middle_line_load", i))
         add_row(
-            f"middle pressure, {race}", "MPa", 1e-6, partial(_value_at_load, "middle_pressure", i), line_contact=hertz[i]
+            f"middle pressure, {race}",
+            "MPa",
+            1e-6,
+            partial(_entry_of_run_field, "middle_pressure", i),
+            line_contact=hertz[i],
         )
-        add_row(f"largest pressure, {race}", "MPa", 1e-6, partial(_value_at_load, "largest_pressure", i))
+        add_row(f"largest pressure, {race}", "MPa", 1e-6, partial(_entry_of_run_field, "largest_pressure", i))
     return rows
 
 
-def terminal_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the rows of `quantity_rows` for the terminal, without the columns `HIDDEN`."""
+def roller_rows_for_terminal(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return the rows of `roller_quantity_rows` for the terminal, without the columns `HIDDEN`."""
     return [{k: v for k, v in row.items() if k not in HIDDEN} for row in rows]
 
 
-def run_convergence(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
+def convergence_over_mesh_levels(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
     """Return order of convergence and uncertainty of a quantity of a roller.
 
     ``values``: its values in the 3D solutions ``runs``, coarsest mesh first.
@@ -313,11 +330,11 @@ def approach_uncertainty_percent(runs: Sequence[RollerRun]) -> float | None:
 
     ``runs``: 3D solutions of a roller, coarsest mesh first.
     """
-    bar = run_convergence([run.approach[0] for run in runs], runs).uncertainty
+    bar = convergence_over_mesh_levels([run.approach[0] for run in runs], runs).uncertainty
     return None if bar is None else float(error_percent(bar, 0.0, runs[-1].approach[0]))
 
 
-def level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
+def roller_mesh_level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
     """Return a table row for each mesh level: cells, time, force balance, uncertainty, and deviation of the approach.
 
     The deviation is that from the finest level. ``runs``: 3D solutions of a roller, coarsest mesh first.
@@ -338,7 +355,7 @@ def level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
     ]
 
 
-def study_rollers(
+def compute_runs_of_roller_kinds(
     assembly: Assembly, count: int | None, stores: Sequence[Path], step: Callable[[str], None], *, fresh: bool = False
 ) -> list[tuple[LoadedRoller, list[RollerRun]]]:
     """Return the 3D solutions of every kind of roller of a shaft on several mesh levels, coarsest first.
@@ -358,11 +375,11 @@ def study_rollers(
             "levels", str(count), f"1 to {len(LEVELS)} for rollers", "take three levels, which give an order of convergence"
         )
     out = []
-    for roller in loaded_rollers(assembly):
+    for roller in roller_kinds_with_largest_load(assembly):
         runs = []
         for level in LEVELS[:count]:
             step(f"{assembly.name}: a roller of {', '.join(roller.sets)} on level {level}")
-            runs.append(load_or_compute_run(roller, level, stores, fresh=fresh))
+            runs.append(load_or_compute_roller_run(roller, level, stores, fresh=fresh))
         out.append((roller, runs))
     return out
 
@@ -392,8 +409,8 @@ def study_json(roller: LoadedRoller, runs: Sequence[RollerRun]) -> dict[str, Any
     return {
         "set": ", ".join(roller.sets),
         "load_N": roller.load,
-        "levels": level_rows(runs),
-        "quantities": quantity_rows(roller, runs),
+        "levels": roller_mesh_level_rows(runs),
+        "quantities": roller_quantity_rows(roller, runs),
         "profile": profile,
     }
 
@@ -406,6 +423,6 @@ def roller_study_for_library(
     ``levels``: number of mesh levels, None for all; ``step``: function that is called with each line of progress;
     ``store``: folder that takes new runs. Returns the JSON values, then the key of the table to show, then closing lines.
     """
-    found = study_rollers(assembly, levels, (store, shipped_store()), step)
+    found = compute_runs_of_roller_kinds(assembly, levels, (store, shipped_store()), step)
     sets = [{"scene": assembly.name} | study_json(one, runs) for one, runs in found]
     return {"scene": assembly.name, "sets": sets}, "sets", tuple(low_order_sentence(one, runs) for one, runs in found)

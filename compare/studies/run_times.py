@@ -30,12 +30,12 @@ from rollbench.compare.files import replace_file
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import Measured, measuring_conditions, shipped_store
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.compare.studies.members.ensemble import run_ensemble
+from rollbench.compare.studies.members.ensemble import solve_random_specimens
 from rollbench.meshes.processes import VARIABLES
 
 
 @dataclass(frozen=True)
-class Job:
+class RunTimeRow:
     """One row of the table of run times that ``rollbench bench`` prints."""
 
     #: Description of what was timed.
@@ -54,10 +54,10 @@ class Job:
     note: str = ""
 
 
-def median_seconds(work: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
-    """Return the median wall-clock time of ``work`` over ``repeats`` runs [s], after one run that is not counted.
+def median_seconds(call: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
+    """Return the median wall-clock time of ``call`` over ``repeats`` runs [s], after one run that is not counted.
 
-    ``work``: function that is timed; ``reset``: function that is called before each run and is not timed, or None.
+    ``call``: function that is timed; ``reset``: function that is called before each run and is not timed, or None.
     """
     seconds = []
     gc.collect()
@@ -68,7 +68,7 @@ def median_seconds(work: Callable[[], object], repeats: int, reset: Callable[[],
             if reset is not None:
                 reset()
             begin = perf_counter()
-            work()
+            call()
             seconds.append(perf_counter() - begin)
     finally:
         if enabled:
@@ -100,14 +100,16 @@ class FinishedProcess:
     output: str
 
 
-def launch_process(arguments: list[str], extra: dict[str, str] | None = None, folder: str | None = None) -> FinishedProcess:
+def run_timed_python_process(
+    arguments: list[str], extra_environment: dict[str, str] | None = None, folder: str | None = None
+) -> FinishedProcess:
     """Run a Python process as if a user had typed it on a terminal, and return its times, exit code and output.
 
-    ``arguments``: arguments of the Python interpreter; ``extra``: environment variables by name, which are added to those
-    of `user_environment`; ``folder``: working folder of the process, None for the present one. The process imports no
-    module from its working folder, and is killed after `PATIENCE` seconds.
+    ``arguments``: arguments of the Python interpreter; ``extra_environment``: environment variables by name, which are
+    added to those of `user_environment`; ``folder``: working folder of the process, None for the present one. The process
+    imports no module from its working folder, and is killed after `PATIENCE` seconds.
     """
-    environment = user_environment({"PYTHONUNBUFFERED": "1"} | (extra or {}))
+    environment = user_environment({"PYTHONUNBUFFERED": "1"} | (extra_environment or {}))
     before, begin = os.times(), perf_counter()
     process = subprocess.Popen(
         [sys.executable, "-P", *arguments],
@@ -258,7 +260,7 @@ class ColdModelTime:
     status: str
 
 
-def measure_model(
+def time_model_in_new_process(
     scene: str, model: str, *, engine: str = "interpreted", condensed: Path | None = None, repeats: int = REPEATS
 ) -> ColdModelTime:
     """Time a low-order model on a scene of the package, in a new process with empty caches.
@@ -281,7 +283,7 @@ def measure_model(
     )
 
 
-def measure_call(imports: str, call: str, what: str, repeats: int = REPEATS) -> RunTime:
+def time_call_in_new_process(imports: str, call: str, what: str, repeats: int = REPEATS) -> RunTime:
     """Time a Python call and its repetitions in a new process with empty caches.
 
     ``imports``: Python statements that are executed before the call and count as part of the cold time; ``call``: Python
@@ -292,7 +294,7 @@ def measure_call(imports: str, call: str, what: str, repeats: int = REPEATS) -> 
     return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
 
 
-def measure_level(scene: str, level: int) -> ColdLevelTime:
+def time_mesh_level_in_new_process(scene: str, level: int) -> ColdLevelTime:
     """Time a solution of the 3D reference on one mesh level, in a new process with empty caches, on all processor cores.
 
     ``scene``: name of a scene of the package; ``level``: mesh level. Raises RuntimeError if the process fails.
@@ -350,7 +352,7 @@ class RunTime:
 
 
 @dataclass(frozen=True)
-class Kept:
+class StoredRunTimes:
     """Run times that were measured together and stored, with the conditions of the measurement."""
 
     #: Conditions of the measurement.
@@ -390,7 +392,7 @@ class SetUpCost:
     #: "dense" (dense algebra).
     stages: Mapping[str, Mapping[str, float]]
 
-    def seconds_of(self, kind: str) -> float:
+    def processor_time_of_work(self, kind: str) -> float:
         """Return the processor time of one kind of work summed over all stages [s]; ``kind``: as in `stages`."""
         return sum(stage.get(kind, 0.0) for stage in self.stages.values())
 
@@ -430,15 +432,15 @@ def today() -> str:
     return datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
 
 
-def load_first_valid(stores: Sequence[Path], file: str, made: Callable[[Any], T]) -> T | None:
+def load_from_first_valid_store(stores: Sequence[Path], file: str, build: Callable[[Any], T]) -> T | None:
     """Return the object read from a JSON file in the first folder where the file is valid; None if it is valid nowhere.
 
-    ``stores``: folders in the order in which they are tried; ``file``: name of the file; ``made``: function that builds the
-    object from the file's JSON values, and raises ValueError, KeyError or TypeError if they are not valid.
+    ``stores``: folders in the order in which they are tried; ``file``: name of the file; ``build``: function that builds
+    the object from the file's JSON values, and raises ValueError, KeyError or TypeError if they are not valid.
     """
     for store in stores:
         with suppress(OSError, ValueError, KeyError, TypeError):
-            return made(json.loads((store / file).read_text(encoding="utf-8")))
+            return build(json.loads((store / file).read_text(encoding="utf-8")))
     return None
 
 
@@ -448,10 +450,10 @@ def save_records(store: Path, file: str, records: Sequence[Any]) -> None:
     ``store``: the folder; ``file``: name of the file; ``records``: instances of dataclasses. Raises InputError if the file
     cannot be written.
     """
-    replace_file(store / file, f"[{_json_lines([asdict(one) for one in records])}]\n")
+    replace_file(store / file, f"[{_one_json_line_per_row([asdict(one) for one in records])}]\n")
 
 
-def _json_lines(rows: Sequence[Any]) -> str:
+def _one_json_line_per_row(rows: Sequence[Any]) -> str:
     """Return JSON values as text with one value per line, separated by commas, without brackets around the list."""
     return ",\n ".join(json.dumps(row) for row in rows)
 
@@ -469,24 +471,24 @@ def times_file_name(source: str) -> str:
     return f"run_times_{source}.json" if source else RUN_TIMES
 
 
-def save_times(store: Path, kept: Kept, source: str = "") -> None:
+def save_times(store: Path, run_times: StoredRunTimes, source: str = "") -> None:
     """Write run times to a JSON file in a folder.
 
-    ``store``: the folder; ``kept``: the run times; ``source``: name of a publication, `TYPED` or empty, see
+    ``store``: the folder; ``run_times``: the run times; ``source``: name of a publication, `TYPED` or empty, see
     `times_file_name`. Raises InputError if the file cannot be written.
     """
     lists = {
-        "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())],
-        "first": [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())],
-        "levels": [asdict(c) for c in kept.levels],
-        "typed": [asdict(c) for c in kept.typed],
+        "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(run_times.times.items())],
+        "first": [{"model": model, **asdict(c)} for (model, _), c in sorted(run_times.first.items())],
+        "levels": [asdict(c) for c in run_times.levels],
+        "typed": [asdict(c) for c in run_times.typed],
     }
-    head = ", ".join(f'"{k}": {json.dumps(v)}' for k, v in {**asdict(kept.measured), "date": kept.date}.items())
-    body = ", ".join(f'"{name}": [\n {_json_lines(rows)}]' for name, rows in lists.items())
+    head = ", ".join(f'"{k}": {json.dumps(v)}' for k, v in {**asdict(run_times.measured), "date": run_times.date}.items())
+    body = ", ".join(f'"{name}": [\n {_one_json_line_per_row(rows)}]' for name, rows in lists.items())
     replace_file(store / times_file_name(source), f"{{{head}, {body}}}\n")
 
 
-def times_of_page(study: Study, source: str) -> Kept | None:
+def run_times_for_page(study: Study, source: str) -> StoredRunTimes | None:
     """Return the stored run times for the page of a publication, else those of all compared scenes; None without either.
 
     ``study``: comparison with its folders of stored results; ``source``: name of the publication.
@@ -495,21 +497,21 @@ def times_of_page(study: Study, source: str) -> Kept | None:
     return load_times(stores, source) or load_times(stores)
 
 
-def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
+def load_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes | None:
     """Return the run times from the first folder with a valid file; None without one.
 
     ``stores``: the folders; ``source``: name of a publication, `TYPED` or empty, see `times_file_name`.
     """
 
-    def times_from_json(data: dict[str, Any]) -> Kept:
+    def times_from_json(data: dict[str, Any]) -> StoredRunTimes:
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
         first = {(r.pop("model"), r["engine"]): ColdModelTime(**r) for r in data["first"]}
         levels = tuple(ColdLevelTime(**r) for r in data.get("levels", []))
         measured = Measured(data.get("version", ""), data.get("sources", ""), data["machine"])
         commands = tuple(CommandTime(**r) for r in data.get("typed", []))
-        return Kept(measured, data["date"], times, first, levels, commands)
+        return StoredRunTimes(measured, data["date"], times, first, levels, commands)
 
-    return load_first_valid(stores, times_file_name(source), times_from_json)
+    return load_from_first_valid_store(stores, times_file_name(source), times_from_json)
 
 
 def load_costs(stores: Sequence[Path]) -> SetUpCosts | None:
@@ -519,7 +521,7 @@ def load_costs(stores: Sequence[Path]) -> SetUpCosts | None:
         jobs, ways = [SetUpCost(**row) for row in data["jobs"]], [SetUpVariant(**row) for row in data["ways"]]
         return SetUpCosts(data["machine"], data["date"], jobs, ways, data.get("version", ""))
 
-    return load_first_valid(stores, SET_UP_COSTS, costs_from_json)
+    return load_from_first_valid_store(stores, SET_UP_COSTS, costs_from_json)
 
 
 #: Command that writes the scene of a catalogue screw to ``my.toml``.
@@ -571,18 +573,18 @@ class CommandTime:
     note: str = ""
 
     @property
-    def job(self) -> Job:
+    def job(self) -> RunTimeRow:
         """Return the times as a row of the table of run times."""
         if self.seconds is None:
-            return Job(f"{self.command}, from an empty home", None, note=self.note)
+            return RunTimeRow(f"{self.command}, from an empty home", None, note=self.note)
         first = "" if self.first_line is None else f"first line {self.first_line:.3g} s, "
         again = f"again: {self.again:.3g} s ({self.again_cpu:.3g} CPU)"
         beside = f"beside a busy process {self.beside:.3g} s ({self.beside_cpu:.3g} CPU)"
         note = f"wall clock of the process; {first}CPU {self.cpu:.3g} s; {again}; {beside}"
-        return Job(f"{self.command}, from an empty home", self.seconds, note=note)
+        return RunTimeRow(f"{self.command}, from an empty home", self.seconds, note=note)
 
 
-def time_command(command: str) -> CommandTime:
+def time_command_in_empty_home(command: str) -> CommandTime:
     """Time a command in an empty home directory, then again there, then in an empty home directory while a core is busy.
 
     ``command``: arguments of ``rollbench``, such as "solve lin-case1". During the third measurement another process keeps a
@@ -613,11 +615,11 @@ def _run_in_empty_home(command: str, times: int) -> list[FinishedProcess]:
         places = {"XDG_CACHE_HOME": "cache", "ROLLBENCH_CACHE": "cache/rollbench", "NUMBA_CACHE_DIR": "cache/numba"}
         own = {name: str(Path(home) / place) for name, place in places.items()} | {"HOME": home}
         if "my.toml" in command:
-            launch_process(["-m", "rollbench", *NEW.split()], own, home)
-        return [launch_process(["-m", "rollbench", *command.split()], own, home) for _ in range(times)]
+            run_timed_python_process(["-m", "rollbench", *NEW.split()], own, home)
+        return [run_timed_python_process(["-m", "rollbench", *command.split()], own, home) for _ in range(times)]
 
 
-def time_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[Job]:
+def time_ensemble_with_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[RunTimeRow]:
     """Time an ensemble of specimens of the scene ``lin-random`` by the model lin in one thread, then in two threads.
 
     A specimen is the scene with one drawn set of random geometric errors. ``count``: number of specimens; ``repeats``:
@@ -628,9 +630,9 @@ def time_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[Job]:
     for threads in THREADS:
 
         def solve_specimens(threads: int = threads) -> object:
-            return run_ensemble(parts, count, threads=threads)
+            return solve_random_specimens(parts, count, threads=threads)
 
         seconds = median_seconds(solve_specimens, repeats)
         alone = alone or seconds
         name = f"{count} members of lin-random, threads: {threads}"
-        yield Job(name, seconds, alone / seconds, note="model lin, compiled; ratio: one thread's time over this")
+        yield RunTimeRow(name, seconds, alone / seconds, note="model lin, compiled; ratio: one thread's time over this")

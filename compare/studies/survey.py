@@ -20,32 +20,32 @@ from rollbench.compare import __version__
 from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.applicability import DESCRIPTORS, KNOWN_SCREWS, SURVEY
-from rollbench.compare.models.comparison import from_run
+from rollbench.compare.models.comparison import loads_from_run
 from rollbench.compare.models.model_form import (
     QUANTITIES,
     Point,
-    estimate,
-    loaded_section,
-    point,
+    errors_on_compared_scenes,
+    estimate_model_error,
+    loaded_section_state,
+    measure_model_error,
     rigidity_between,
-    shipped_points,
 )
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_runs
-from rollbench.compare.reference.jobs import keep
+from rollbench.compare.reference.jobs import store_runs_and_bodies
 from rollbench.compare.reference.store import Run, read_run, shipped_store
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls
-from rollbench.compare.scenes.template import LOAD, catalogue_values
+from rollbench.compare.scenes.template import LOAD, typical_dimensions
 from rollbench.compare.studies.sweep import sample
 from rollbench.lowfi.rating.life import filled_turns
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.solid import dimensions_of_3d_parts
 from rollbench.meshes.units import toml_text
 
 #: Seed of the survey.
@@ -92,7 +92,7 @@ def scene_text(seed: int, number: int) -> str:
     lead = int(rng.choice(SIZES[outer]))
     kind = str(rng.choice(PRELOADS))
     starts = 2 if lead > 0.3 * outer and kind != "lead offset" and rng.random() < 0.45 else 1
-    sizes = catalogue_values(f"{outer}x{lead / starts:g}")
+    sizes = typical_dimensions(f"{outer}x{lead / starts:g}")
     ball, pitch, wall = sizes["ball"], sizes["pitch"], sizes["outside"]
     touching = angle_of_touching_balls(pitch / 2.0, lead, ball)
     balls, count = _draw_balls(rng, starts, ball, touching, halved=kind == "lead offset")
@@ -135,7 +135,7 @@ def scene_text(seed: int, number: int) -> str:
         del scene["solid"]
         scene["title"] += ", flange"
         scene["nut"] |= _draw_flange(rng, nut_length, outside)
-    return _toml_text(scene)
+    return _scene_as_toml(scene)
 
 
 def _draw_flange(rng: np.random.Generator, length: float, wall: float) -> dict[str, dict[str, str]]:
@@ -259,12 +259,12 @@ def _draw_nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> floa
 
     ``scene``: keys of the scene drawn so far, with a nut that is long enough for all balls.
     """
-    read = scene_file.scene_of_text(_toml_text({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
+    read = scene_file.scene_from_text(_scene_as_toml({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
     reach = float(np.abs(ball_layout(read).z - read.nut.position).max())
     return round(1e3 * 2.0 * (reach + read.balls.radius * _draw_log_uniform(rng, 1.0, 6.0)) + 5e-4, 3)
 
 
-def _toml_text(scene: Mapping[str, Any]) -> str:
+def _scene_as_toml(scene: Mapping[str, Any]) -> str:
     """Return the keys of a scene as TOML text: plain values and lists first, then tables and lists of tables."""
     plain = {k: v for k, v in scene.items() if not isinstance(v, Mapping) and not _is_list_of_tables(v)}
     lines = [f"{k} = {toml_text(v)}" for k, v in plain.items()]
@@ -318,15 +318,15 @@ def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
     text, name = scene_text(seed, number), f"survey-{seed}-{number}"
     record: Record = {"number": number, "version": __version__}
     try:
-        scene, raised = load_cases(text, name)
-        record |= scene_features(scene)
+        scene, raised = scenes_with_given_and_raised_loads(text, name)
+        record |= features_that_affect_model_error(scene)
         found = [run for one in (scene, raised) if (run := stored_run(runs, one)) is not None]
         if len(found) < 2:
             task = Task((scene, raised), LEVEL, cut_cells=CUT_CELLS)
             found = compute_runs(task)
             if runs is not None:
-                keep(runs, task, found, None)
-        record |= compare_models(scene, raised, found)
+                store_runs_and_bodies(runs, task, found, None)
+        record |= compare_models_with_reference(scene, raised, found)
     except InputError as error:
         record["status"] = one_line(str(error), 400)
     except Exception as error:  # the survey looks for programming errors too
@@ -334,14 +334,14 @@ def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
     return record | {"seconds": round(process_time() - begin, 1)}
 
 
-def load_cases(text: str, name: str) -> tuple[Scene, Scene]:
+def scenes_with_given_and_raised_loads(text: str, name: str) -> tuple[Scene, Scene]:
     """Return a screw under the loads of its scene file, then the same screw under these loads times `RAISED`.
 
     The axial tangent rigidity follows from the solutions of both. ``text``: TOML text of the scene file; ``name``: name of
     the first scene, to which the second adds "-raised".
     """
-    scene = scene_file.scene_of_text(text, f"{name}.toml")
-    return scene, replace(scene, name=f"{name}-raised", loads=tuple(_raised_load(x) for x in scene.loads))
+    scene = scene_file.scene_from_text(text, f"{name}.toml")
+    return scene, replace(scene, name=f"{name}-raised", loads=tuple(_load_times_raise_factor(x) for x in scene.loads))
 
 
 def stored_run(runs: Path | None, scene: Scene) -> Run | None:
@@ -353,13 +353,13 @@ def stored_run(runs: Path | None, scene: Scene) -> Run | None:
     return next((run for path in paths if (run := read_run(path, scene, LEVEL, "")) is not None), None)
 
 
-def _raised_load(load: Any) -> Any:
+def _load_times_raise_factor(load: Any) -> Any:
     """Return a load with its force and moment multiplied by `RAISED`."""
     force, moment = (tuple(RAISED * x for x in values) for values in (load.force, load.moment))
     return replace(load, force=force, moment=moment)
 
 
-def scene_features(scene: Scene) -> Record:
+def features_that_affect_model_error(scene: Scene) -> Record:
     """Return the properties of a screw on which the error of a low-order model depends, as far as they need no solution.
 
     The names of the properties end in the unit. "low_face_radii" and "high_face_radii" are the distances from the nut's two
@@ -380,7 +380,7 @@ def scene_features(scene: Scene) -> Record:
         "balls_per_turn": round(scene.ball_count / filled_turns(scene), 2),
         "low_face_radii": round(float((half + z.min()) / r), 3),
         "high_face_radii": round(float((half - z.max()) / r), 3),
-        "nut_held": solid_dimensions(scene).nut_held,
+        "nut_held": dimensions_of_3d_parts(scene).nut_held,
         "contact_angle_deg": round(float(np.degrees(scene.track.contact_angle)), 2),
         "conformity_screw": round(scene.screw.groove_radius / (2.0 * r), 4),
         "conformity_nut": round(scene.nut.groove_radius / (2.0 * r), 4),
@@ -394,7 +394,7 @@ def scene_features(scene: Scene) -> Record:
     }
 
 
-def compare_models(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
+def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
     """Return a record of a randomly drawn screw: status and contact loads of the 3D reference, and errors of the models.
 
     ``raised``: the same screw with raised loads; ``runs``: solutions of both by the 3D reference. Without two converged
@@ -420,11 +420,16 @@ def compare_models(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
         answers[name] = answer, run_model(raised, name, Options(discretisation=False))
         seconds[name] = {"seconds": round(further - begin, 3), "further_seconds": round(process_time() - further, 3)}
     points = {
-        name: point(f"survey {scene.name.rpartition('-')[2]}", scene, first, run, (raised, second, raised_run))
+        name: measure_model_error(
+            f"survey {scene.name.rpartition('-')[2]}", scene, first, run, (raised, second, raised_run)
+        )
         for name, (first, second) in answers.items()
         if first.converged and second.converged
     }
-    places = loaded_section(scene, from_run(run, "")), loaded_section(raised, from_run(raised_run, ""))
+    places = (
+        loaded_section_state(scene, loads_from_run(run, "")),
+        loaded_section_state(raised, loads_from_run(raised_run, "")),
+    )
     state |= {
         "contacts": int((run.load > 0.0).sum()),
         "mean_N": round(mean, 4),
@@ -432,7 +437,9 @@ def compare_models(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
         "preload_over_load": round(float(second / first), 4),
         "displacement_um": round(1e6 * places[0].moved, 5),
         "rigidity_N_per_um": _rounded_or_none(rigidity_between(places), 1e-6),
-        "models": {name: _model_record(scene, answers[name][0], run, p) | seconds[name] for name, p in points.items()},
+        "models": {
+            name: _record_of_model_errors(scene, answers[name][0], run, p) | seconds[name] for name, p in points.items()
+        },
         "places": {d.name: round(d.value(scene), 4) for d in DESCRIPTORS},
         "points": [asdict(p) for p in points.values()],
     }
@@ -444,13 +451,14 @@ def _rounded_or_none(value: float | None, factor: float = 1.0) -> float | None:
     return None if value is None else round(factor * value, 5)
 
 
-def _model_record(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
+def _record_of_model_errors(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
     """Return a model's errors on a randomly drawn screw [%], and the errors estimated from those on other scenes.
 
-    ``result``: the model's solution; ``run``: solution of the 3D reference; ``point``: errors of the model against it.
+    ``result``: the model's solution; ``run``: solution of the 3D reference; ``measure_model_error``: errors of the model
+    against it.
     """
     error = load_error(result.load, run.load, nominal_contacts(scene))
-    expected = estimate(scene, result, [p for p in shipped_points() if p.scene != point.scene])
+    expected = estimate_model_error(scene, result, [p for p in errors_on_compared_scenes() if p.scene != point.scene])
     return {
         "status": result.status,
         "largest_percent": point.percent,
@@ -471,7 +479,7 @@ SUMS = ("model", "error", "scenes", "median", "p95", "largest")
 ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
 
-def _solve_and_append(folder: Path, token: str, seed: int, number: int) -> Record | None:
+def _solve_screw_and_append_record(folder: Path, token: str, seed: int, number: int) -> Record | None:
     """Solve a randomly drawn screw, append its record to a folder and return it.
 
     ``token``: text in the folder that identifies the present execution of the survey; ``seed``: seed of the survey;
@@ -485,8 +493,8 @@ def _solve_and_append(folder: Path, token: str, seed: int, number: int) -> Recor
     return record
 
 
-def run_survey(
-    seed: int, count: int, folder: Path, workers: int, step: Callable[[str], None], kept: Path | None = None
+def solve_screws_of_survey(
+    seed: int, count: int, folder: Path, workers: int, step: Callable[[str], None], record_file: Path | None = None
 ) -> list[Record]:
     """Return the records of the first ``count`` screws of a survey; screws with a stored record are not solved again.
 
@@ -502,7 +510,7 @@ def run_survey(
         Number of parallel processes.
     step
         Function that is called with a line of progress for every screw.
-    kept
+    record_file
         File of an earlier survey, whose records are used if seed, mesh level and version are the same.
 
     Returns
@@ -515,14 +523,14 @@ def run_survey(
     InputError
         If the folder belongs to another survey, or another process works in it.
     """
-    sample.open_folder(folder, {"survey": seed, "level": LEVEL, "version": __version__})
-    with sample.take_folder(folder) as token:
-        before = [*_stored_answers(kept, seed), *sample.stored_records(folder)]
-        known = {record["number"]: record for record in before if not unsolved_records([record])}
+    sample.create_or_check_sweep_folder(folder, {"survey": seed, "level": LEVEL, "version": __version__})
+    with sample.reserve_sweep_folder(folder) as token:
+        before = [*_stored_answers(record_file, seed), *sample.stored_records(folder)]
+        known = {record["number"]: record for record in before if not records_without_converged_loads([record])}
         left = [number for number in range(count) if number not in known]
         if len(left) < count:
             step(f"{count - len(left)} scenes of {count} are known")
-        jobs = [(_solve_and_append, (folder, token, seed, number)) for number in left]
+        jobs = [(_solve_screw_and_append_record, (folder, token, seed, number)) for number in left]
         for job, record in parallel.as_done(jobs, "joblib", None, workers):
             if record is not None:
                 known[left[job]] = record
@@ -542,7 +550,7 @@ def _stored_answers(path: Path | None, seed: int) -> list[Record]:
     return [record for record in found["scenes"] if same and record["version"] == __version__]
 
 
-def unsolved_records(records: Sequence[Record]) -> list[Record]:
+def records_without_converged_loads(records: Sequence[Record]) -> list[Record]:
     """Return those records whose screw the 3D reference did not solve, under its own loads or under the raised ones."""
     return [r for r in records if r["status"] != ANSWERED or r.get("raised_status", ANSWERED) != ANSWERED]
 
@@ -562,7 +570,7 @@ def shipped_survey() -> dict[str, Any]:
     return found
 
 
-def known_screws() -> list[Record]:
+def records_of_known_screws() -> list[Record]:
     """Return the records of the first `KNOWN_SCREWS` screws of the stored survey, from which expected errors are estimated.
 
     The later screws test whether the estimated errors hold.
@@ -597,7 +605,7 @@ def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAc
     return ModelAccuracy(len(errors), within, max(worst, default=0.0), held)
 
 
-def summary_rows(records: Sequence[Record]) -> list[dict[str, Any]]:
+def error_summary_of_all_models(records: Sequence[Record]) -> list[dict[str, Any]]:
     """Return table rows with median, 95th percentile and maximum of each model's errors over the randomly drawn screws.
 
     There is a row for each model and kind of error. Its keys are `SUMS`, where "scenes" is the number of screws that have

@@ -22,31 +22,31 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, one_line
-from rollbench.compare.files import place, replace_file
-from rollbench.compare.gate.user import run_of_loads
-from rollbench.compare.gate.verdict import LIMIT, Limits, judge
+from rollbench.compare.files import replace_file, shipped_path
+from rollbench.compare.gate.user import run_record_of_loads
+from rollbench.compare.gate.verdict import LIMIT, Limits, judge_contact_loads
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.applicability import KNOWN_SCREWS
-from rollbench.compare.models.loads_file import loads_csv
-from rollbench.compare.models.programs import title_of
-from rollbench.compare.models.registry import Options, known_model, run_model
+from rollbench.compare.models.loads_file import load_rows_for_csv
+from rollbench.compare.models.programs import model_title
+from rollbench.compare.models.registry import Options, find_model, run_model
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_runs
-from rollbench.compare.reference.estimate import Reference, reference_from_runs, uncertainty_percent
+from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent, reference_from_runs
 from rollbench.compare.reference.store import SCHEMA, UNSAID, Measured, measuring_conditions
 from rollbench.compare.reference.tasks import Task
-from rollbench.compare.results.base import with_schema
-from rollbench.compare.running import cores
+from rollbench.compare.results.base import add_schema_version
+from rollbench.compare.running import usable_cores
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
-from rollbench.compare.studies.run_times import load_first_valid, today
+from rollbench.compare.studies.run_times import load_from_first_valid_store, today
 from rollbench.compare.studies.sweep.run import COMPILE_FROM
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.processes import one_thread
-from rollbench.meshes.record_keys import digest
+from rollbench.meshes.processes import limit_to_one_thread
+from rollbench.meshes.record_keys import digest_of_values
 from rollbench.reports.content import Figure, Panel, Series
 
 #: Name of the file with the contact loads, next to the survey's record.
@@ -64,7 +64,7 @@ Row = dict[str, Any]
 
 def drawn_screw(number: int) -> Scene:
     """Return the scene of randomly drawn screw ``number`` of the survey."""
-    return scene_file.scene_of_text(survey.scene_text(survey.SEED, number), f"{screw_name(number)}.toml")
+    return scene_file.scene_from_text(survey.scene_text(survey.SEED, number), f"{screw_name(number)}.toml")
 
 
 def screw_name(number: int) -> str:
@@ -92,7 +92,7 @@ def store_loads(path: Path, runs: Path, count: int) -> int:
 
 def _scene_digest(scene: Scene) -> str:
     """Return a digest, 16 hexadecimal digits, of a scene's content and of the version of the 3D reference."""
-    return digest(SCHEMA, replace(scene, **UNSAID))[:16]
+    return digest_of_values(SCHEMA, replace(scene, **UNSAID))[:16]
 
 
 def _read_loads(path: Path) -> dict[int, Row]:
@@ -110,7 +110,7 @@ def _read_loads(path: Path) -> dict[int, Row]:
 @cache
 def stored_loads() -> dict[int, Row]:
     """Return the 3D contact loads of randomly drawn screws that are part of the package, by number of the screw."""
-    return _read_loads(place(f"references/{LOADS}"))
+    return _read_loads(shipped_path(f"references/{LOADS}"))
 
 
 def stored_reference(scene: Scene, number: int) -> Reference | None:
@@ -123,11 +123,11 @@ def stored_reference(scene: Scene, number: int) -> Reference | None:
     if row is None or row["of"] != _scene_digest(scene):
         return None
     load = np.array(row["load"])
-    run = replace(run_of_loads(scene, load, np.full(load.shape, np.nan)), level=survey.LEVEL, moving=row["moving"])
+    run = replace(run_record_of_loads(scene, load, np.full(load.shape, np.nan)), level=survey.LEVEL, moving=row["moving"])
     return reference_from_runs(scene.name, scene, (run,), contacts=nominal_contacts(scene))
 
 
-def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
+def judge_model_on_drawn_screw(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
     """Solve a randomly drawn screw with a model, and compare its contact loads with the stored 3D reference.
 
     Parameters
@@ -151,7 +151,7 @@ def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "in
     found = stored_reference(scene, number)
     if found is None:
         return row | {"status": "no stored reference"}
-    known = known_model(model)
+    known = find_model(model)
     if not known.suits(scene):
         return row | {"status": "the model does not describe it"}
     start = perf_counter()
@@ -162,7 +162,7 @@ def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "in
     seconds = perf_counter() - start
     if not result.converged:
         return row | {"status": str(result.status), "seconds": seconds}
-    verdict = judge(title_of(model), result.load, found, Limits(limit))[0]
+    verdict = judge_contact_loads(model_title(model), result.load, found, Limits(limit))[0]
     off = load_error(result.load, found.load, found.contacts)
     pressed = np.cbrt(result.load.max() / found.load.max())  # Hertz
     return row | {
@@ -171,14 +171,14 @@ def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "in
         "at": f"{off.ball} {off.side}",
         "rms_percent": off.rms_percent,
         "pressure_percent": float(error_percent(pressed, 1.0)),
-        "uncertainty_percent": uncertainty_percent(found),
+        "uncertainty_percent": largest_uncertainty_percent(found),
         "gate_percent": verdict.error_percent,
         "verdict": verdict.word,
         "seconds": seconds,
     }
 
 
-def run_models(
+def compare_models_on_drawn_screws(
     models: Sequence[str], count: int, workers: int | None, limit: float, step: Callable[[str], None]
 ) -> dict[str, Any]:
     """Compare models with the 3D reference on the first ``count`` random screws, and add the stored errors of our models.
@@ -211,9 +211,9 @@ def run_models(
     if not 0.0 < limit < float("inf"):
         raise ArgumentError("max_error", f"{limit:g}", "above 0 %", "take 7, the limit of `check`")
     for name in models:
-        known_model(name, without=("condensed",))
+        find_model(name, excluded=("condensed",))
     numbers = [number for number in range(count) if number in stored_loads()]
-    rows = {name: _judge_screws(name, numbers, workers, limit, step) for name in models}
+    rows = {name: _judge_model_on_screws(name, numbers, workers, limit, step) for name in models}
     ours = [r for r in survey.shipped_survey()["scenes"] if r["number"] in numbers]
     record: dict[str, list[Row]] = {
         name: [
@@ -225,14 +225,14 @@ def run_models(
         if name not in models
     }
     everything = rows | record
-    return with_schema(
+    return add_schema_version(
         {
             "seed": survey.SEED,
             "level": survey.LEVEL,
             "screws": len(numbers),
             "of": count,
             "max_error_percent": limit,
-            "summary": [line for name, of in everything.items() for line in summary_rows(name, of)],
+            "summary": [line for name, of in everything.items() for line in error_summary_of_model(name, of)],
             "verdicts": {name: dict(Counter(r["verdict"] for r in of if "verdict" in r)) for name, of in rows.items()},
             "without_answer": {name: sum(r["status"] != survey.ANSWERED for r in of) for name, of in rows.items()},
             "models": everything,
@@ -240,40 +240,40 @@ def run_models(
     )
 
 
-def _judge_screws(
+def _judge_model_on_screws(
     model: str, numbers: Sequence[int], workers: int | None, limit: float, step: Callable[[str], None]
 ) -> list[Row]:
-    """Compare a model with the 3D reference on several random screws, and return the rows of `judge_model` in their order.
+    """Compare a model with the 3D reference on several random screws, and return one row for each, in their order.
 
     ``numbers``: numbers of the screws; ``workers``: number of parallel processes; ``limit``: largest allowed error [% of
     the mean load]; ``step``: function that is called with each line of progress. Raises the model's error if it fails on
     each of the screws that are tried first.
     """
     engine = "compiled" if len(numbers) >= COMPILE_FROM else "interpreted"
-    first = [judge_model(model, number, limit, engine) for number in numbers[:FIRST]]
+    first = [judge_model_on_drawn_screw(model, number, limit, engine) for number in numbers[:FIRST]]
     errors = [row["error"] for row in first if "error" in row]
     if first and len(errors) == len(first):
         raise errors[0]
     rows, begin, pulse = {row["screw"]: row for row in first}, perf_counter(), 0
-    jobs: list[parallel.Job] = [(judge_model, (model, number, limit, engine)) for number in numbers[FIRST:]]
+    jobs: list[parallel.Job] = [(judge_model_on_drawn_screw, (model, number, limit, engine)) for number in numbers[FIRST:]]
     for _, row in parallel.as_done(jobs, "joblib", None, workers):
         rows[row["screw"]] = row
         if len(rows) == len(numbers) or perf_counter() - begin > 10.0 * (pulse + 1):
             pulse = int((perf_counter() - begin) / 10.0)
-            step(f"[{len(rows)}/{len(numbers)}] {title_of(model)}: {perf_counter() - begin:.0f} s")
+            step(f"[{len(rows)}/{len(numbers)}] {model_title(model)}: {perf_counter() - begin:.0f} s")
     return [{k: v for k, v in rows[number].items() if k != "error"} for number in numbers]
 
 
-def summary_rows(model: str, rows: Sequence[Row]) -> list[Row]:
+def error_summary_of_model(model: str, rows: Sequence[Row]) -> list[Row]:
     """Return a row for each kind of error of a model: its median, 95th percentile and maximum over the solved screws.
 
-    ``model``: name of the model; ``rows``: rows of `judge_model` for this model.
+    ``model``: name of the model; ``rows``: rows of `judge_model_on_drawn_screw` for this model.
     """
     out = []
     for error, words in ERRORS.items():
         sizes = [abs(r[error]) for r in rows if r["status"] == survey.ANSWERED and r.get(error) is not None]
         if sizes:
-            found = title_of(model), words, len(sizes), *map(float, np.percentile(sizes, [50, 95])), max(sizes)
+            found = model_title(model), words, len(sizes), *map(float, np.percentile(sizes, [50, 95])), max(sizes)
             out.append(dict(zip(("model", "error", "screws", "median", "p95", "largest"), found, strict=True)))
     return out
 
@@ -293,14 +293,14 @@ WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
 def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
     """Return a row for each kind of random screw: the median of each model's largest load error [% of the mean load].
 
-    ``models``: rows of `judge_model` for each model by its name.
+    ``models``: rows of `judge_model_on_drawn_screw` for each model by its name.
     """
     known = {r["number"]: r for r in survey.shipped_survey()["scenes"]}
     out = []
     for words, fits in WHERE.items():
         chosen = {number for number, r in known.items() if "moment_Nm" in r and fits(r)}
         sizes = {
-            title_of(name): [r["largest_percent"] for r in rows if r["screw"] in chosen and "largest_percent" in r]
+            model_title(name): [r["largest_percent"] for r in rows if r["screw"] in chosen and "largest_percent" in r]
             for name, rows in models.items()
         }
         counts = [len(x) for x in sizes.values()]
@@ -313,9 +313,11 @@ def survey_figure(data: Mapping[str, Any]) -> Figure:
     """Return a figure of models' errors on random screws.
 
     Its panels show the share of screws whose error is below a value, and the error on every screw in the order of the first
-    model's errors. ``data``: JSON values of `run_models`.
+    model's errors. ``data``: JSON values of `compare_models_on_drawn_screws`.
     """
-    models = {title_of(name): [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in data["models"].items()}
+    models = {
+        model_title(name): [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in data["models"].items()
+    }
     lines, points = [], []
     main = next(iter(models))
     order = [r["screw"] for r in sorted(models[main], key=lambda r: float(r["largest_percent"]))]
@@ -344,7 +346,7 @@ def survey_figure(data: Mapping[str, Any]) -> Figure:
     )
 
 
-def write_screw(number: int, folder: Path) -> tuple[Path, Path]:
+def write_scene_and_reference_files(number: int, folder: Path) -> tuple[Path, Path]:
     """Write a random screw as a scene file, and its 3D contact loads as a reference file for ``rollbench check``.
 
     ``number``: number of the screw; ``folder``: folder of the files. Returns the path of the scene file, then that of the
@@ -356,7 +358,7 @@ def write_screw(number: int, folder: Path) -> tuple[Path, Path]:
         raise ArgumentError("screw", str(number), allowed, "choose the number of another screw")
     text, loads = folder / f"{screw_name(number)}.toml", folder / f"{screw_name(number)}-reference.csv"
     layout = ball_layout(scene)
-    rows = loads_csv(found.load, layout.azimuth, layout.z)
+    rows = load_rows_for_csv(found.load, layout.azimuth, layout.z)
     bars = [f"{x:.6g}" for x in found.uncertainty.ravel()]
     lines = [",".join((*row.values(), bar)) for row, bar in zip(rows, bars, strict=True)]
     head = f"# provenance: level {survey.LEVEL} of the 3D reference, screw {number} of the survey"
@@ -374,7 +376,7 @@ RUNS = "survey-levels.json"
 
 
 @dataclass(frozen=True)
-class LevelRun:
+class TimedLevelRun:
     """Timed solution of a randomly drawn screw on a mesh level of the 3D reference."""
 
     #: Number of the screw.
@@ -392,7 +394,7 @@ class LevelRun:
 
 
 @dataclass(frozen=True)
-class StoredLevelRuns:
+class StoredTimedLevelRuns:
     """Stored timed solutions on several mesh levels, with the conditions and the date of their measurement."""
 
     #: Conditions of the measurement.
@@ -400,11 +402,11 @@ class StoredLevelRuns:
     #: Date of the last run.
     date: str
     #: The runs.
-    runs: Sequence[LevelRun]
+    runs: Sequence[TimedLevelRun]
 
 
 @dataclass(frozen=True)
-class Standing:
+class ErrorsAndTimes:
     """Largest errors and times of a model or mesh level, in arrays with one entry for each randomly drawn screw."""
 
     #: Name of the model or mesh level.
@@ -421,29 +423,29 @@ class Standing:
     further: Array
 
 
-def chosen_screws() -> list[int]:
+def numbers_of_screws_for_level_2() -> list[int]:
     """Return the numbers of the random screws that are also solved on mesh level 2, in the order of their solution."""
     chosen = np.random.default_rng([survey.SEED, COUNT]).choice(KNOWN_SCREWS, COUNT, replace=False)
     return [int(number) for number in chosen]
 
 
-def drawn_load_cases(number: int) -> tuple[Scene, Scene]:
+def load_cases_of_drawn_screw(number: int) -> tuple[Scene, Scene]:
     """Return random screw ``number`` under its loads, then under raised loads.
 
     The axial tangent rigidity follows from the solutions of both.
     """
     name = f"survey-{survey.SEED}-{number}"
-    return survey.load_cases(survey.scene_text(survey.SEED, number), name)
+    return survey.scenes_with_given_and_raised_loads(survey.scene_text(survey.SEED, number), name)
 
 
-def solve_level(number: int, level: int) -> LevelRun:
+def solve_and_time_mesh_level(number: int, level: int) -> TimedLevelRun:
     """Solve a randomly drawn screw on a mesh level in this process, with one thread and without cache, and time it.
 
     ``number``: number of the screw; ``level``: mesh level. On level 1 the cells at the cut ends of the shaft are coarser,
     as in the survey. Raises InputError if the screw cannot be meshed.
     """
-    one_thread()
-    cases = drawn_load_cases(number)
+    limit_to_one_thread()
+    cases = load_cases_of_drawn_screw(number)
     solved: list[float] = []
 
     def note_time(text: str) -> None:
@@ -455,10 +457,10 @@ def solve_level(number: int, level: int) -> LevelRun:
     run, _ = compute_runs(Task(cases, level, cut_cells=cells), note_time)
     new, further = solved[-2] - begin, solved[-1] - solved[-2]
     load = [[float(f"{x:.6g}") for x in row] for row in run.load]
-    return LevelRun(number, level, str(run.status), round(new, 2), round(further, 3), load)
+    return TimedLevelRun(number, level, str(run.status), round(new, 2), round(further, 3), load)
 
 
-def measure_levels(store: Path, step: Callable[[str], None], count: int = COUNT) -> StoredLevelRuns:
+def time_mesh_levels_on_screws(store: Path, step: Callable[[str], None], count: int = COUNT) -> StoredTimedLevelRuns:
     """Solve and time the first ``count`` chosen random screws on all mesh levels, in parallel on all cores.
 
     ``store``: folder in which each solution is stored when it is done. Stored solutions of the same program sources on the
@@ -468,36 +470,36 @@ def measure_levels(store: Path, step: Callable[[str], None], count: int = COUNT)
     conditions, known = measuring_conditions(), load_levels((store,))
     runs = list(known.runs) if known is not None and known.measured == conditions else []
     done = {(run.number, run.level) for run in runs}
-    jobs = [(n, level) for n in chosen_screws()[:count] for level in LEVELS if (n, level) not in done]
-    found = StoredLevelRuns(conditions, today(), runs)
-    for _, run in parallel.as_done([(solve_level, job) for job in jobs], "joblib", None, cores()):
+    jobs = [(n, level) for n in numbers_of_screws_for_level_2()[:count] for level in LEVELS if (n, level) not in done]
+    found = StoredTimedLevelRuns(conditions, today(), runs)
+    for _, run in parallel.as_done([(solve_and_time_mesh_level, job) for job in jobs], "joblib", None, usable_cores()):
         runs.append(run)
-        found = StoredLevelRuns(conditions, today(), sorted(runs, key=lambda one: (one.number, one.level)))
+        found = StoredTimedLevelRuns(conditions, today(), sorted(runs, key=lambda one: (one.number, one.level)))
         save_levels(store, found)
         step(f"[{len(runs)}/{count * len(LEVELS)}] drawn screw {run.number}, level {run.level}: {run.seconds:.0f} s")
     return found
 
 
-def save_levels(store: Path, found: StoredLevelRuns) -> None:
+def save_levels(store: Path, level_runs: StoredTimedLevelRuns) -> None:
     """Write timed solutions to a JSON file in a folder, one per line; raises InputError if the file cannot be written."""
-    head = json.dumps({**asdict(found.measured), "date": found.date})
-    rows = ",\n".join(json.dumps(asdict(run), separators=(",", ":")) for run in found.runs)
+    head = json.dumps({**asdict(level_runs.measured), "date": level_runs.date})
+    rows = ",\n".join(json.dumps(asdict(run), separators=(",", ":")) for run in level_runs.runs)
     replace_file(store / RUNS, f'{head[:-1]}, "runs": [\n{rows}\n]}}\n')
 
 
-def load_levels(stores: Sequence[Path]) -> StoredLevelRuns | None:
+def load_levels(stores: Sequence[Path]) -> StoredTimedLevelRuns | None:
     """Return the timed solutions from the first folder with a valid file; None without one."""
 
-    def read(data: dict[str, object]) -> StoredLevelRuns:
+    def read(data: dict[str, object]) -> StoredTimedLevelRuns:
         measured = Measured(str(data["version"]), str(data["sources"]), str(data["machine"]))
         rows = data["runs"]
         assert isinstance(rows, list)
-        return StoredLevelRuns(measured, str(data["date"]), [LevelRun(**row) for row in rows])
+        return StoredTimedLevelRuns(measured, str(data["date"]), [TimedLevelRun(**row) for row in rows])
 
-    return load_first_valid(stores, RUNS, read)
+    return load_from_first_valid_store(stores, RUNS, read)
 
 
-def levels_and_models(runs: Sequence[LevelRun], records: Sequence[survey.Record]) -> list[Standing]:
+def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[survey.Record]) -> list[ErrorsAndTimes]:
     """Return largest errors and times of the models and of the mesh levels of the 3D reference.
 
     Models are compared with mesh level 1 on all random screws. Models and mesh level 1 are compared with level 2 on the
@@ -513,7 +515,9 @@ def levels_and_models(runs: Sequence[LevelRun], records: Sequence[survey.Record]
     answers = {model: [r["models"][model] for r in records if model in r.get("models", {})] for model in survey.MODELS}
     keys = ("gate_percent", "largest_percent", *SECONDS)
     found = [
-        Standing(model, "level 1", *(np.array([abs(row[key]) for row in rows if row[key] is not None]) for key in keys))
+        ErrorsAndTimes(
+            model, "level 1", *(np.array([abs(row[key]) for row in rows if row[key] is not None]) for key in keys)
+        )
         for model, rows in answers.items()
     ]
     by_level = {level: {r.number: r for r in runs if r.level == level and r.status == survey.ANSWERED} for level in LEVELS}
@@ -521,27 +525,35 @@ def levels_and_models(runs: Sequence[LevelRun], records: Sequence[survey.Record]
     both = sorted(coarse.keys() & fine.keys())
     times = {r["number"]: r["models"] for r in records if "models" in r}
     for model in survey.MODELS if both else ():
-        loads = [run_model(drawn_load_cases(n)[0], model, Options(discretisation=False)).load for n in both]
+        loads = [run_model(load_cases_of_drawn_screw(n)[0], model, Options(discretisation=False)).load for n in both]
         new, further = (np.array([times[number][model][key] for number in both]) for key in SECONDS)
-        found.append(Standing(model, "level 2", *_largest_errors(loads, [fine[n] for n in both]), new, further))
+        found.append(
+            ErrorsAndTimes(
+                model, "level 2", *_largest_load_error_of_each_screw(loads, [fine[n] for n in both]), new, further
+            )
+        )
     for level in LEVELS if both else ():
         of_level = [by_level[level][number] for number in both]
         new, further = (np.array([getattr(run, key) for run in of_level]) for key in SECONDS)
         loads = [np.array(run.load) for run in of_level]
-        errors = _largest_errors(loads, [fine[n] for n in both]) if level < max(LEVELS) else (np.zeros(0), np.zeros(0))
-        found.append(Standing(f"3D level {level}", "level 2" if level < max(LEVELS) else "", *errors, new, further))
+        errors = (
+            _largest_load_error_of_each_screw(loads, [fine[n] for n in both])
+            if level < max(LEVELS)
+            else (np.zeros(0), np.zeros(0))
+        )
+        found.append(ErrorsAndTimes(f"3D level {level}", "level 2" if level < max(LEVELS) else "", *errors, new, further))
     return found
 
 
-def _largest_errors(loads: Sequence[Array], truths: Sequence[LevelRun]) -> tuple[Array, Array]:
+def _largest_load_error_of_each_screw(loads: Sequence[Array], references: Sequence[TimedLevelRun]) -> tuple[Array, Array]:
     """Return the largest load error of each screw by the rule of ``rollbench check`` [%], and in % of the mean load.
 
-    ``loads``: contact loads (n, 4) [N] of each screw with n balls; ``truths``: for each screw the solution that counts as
-    exact.
+    ``loads``: contact loads (n, 4) [N] of each screw with n balls; ``references``: for each screw the solution that counts
+    as exact.
     """
     found = [
-        load_error(load, np.array(truth.load), nominal_contacts(drawn_load_cases(truth.number)[0]))
-        for load, truth in zip(loads, truths, strict=True)
+        load_error(load, np.array(truth.load), nominal_contacts(load_cases_of_drawn_screw(truth.number)[0]))
+        for load, truth in zip(loads, references, strict=True)
     ]
     return np.array([e.gate_percent for e in found]), np.array([e.max_percent for e in found])
 

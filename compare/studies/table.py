@@ -15,23 +15,28 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import TANGENT_OF, load_answers, tangent_stiffness_at
-from rollbench.compare.models.model_form import estimate
-from rollbench.compare.models.registry import AXIS_MODELS, Options, default_model, known_model
-from rollbench.compare.quantities import as_json
-from rollbench.compare.reference.jobs import Engine, first_here
+from rollbench.compare.models.answers import TANGENT_OF, rate_contact_loads, tangent_stiffness_at
+from rollbench.compare.models.model_form import estimate_model_error
+from rollbench.compare.models.registry import AXIS_MODELS, Options, default_model, find_model
+from rollbench.compare.quantities import record_as_json
+from rollbench.compare.reference.jobs import Engine, run_jobs_where_faster
 from rollbench.compare.results.table import CONVERGED, Over, Table, TableRow, table_from_json
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.studies.sweep import sample
-from rollbench.compare.studies.sweep.keys import Vary, read_over, replaced_keys, with_varied_keys
+from rollbench.compare.studies.sweep.keys import (
+    VariedKey,
+    pairs_of_varied_and_replaced_keys,
+    read_varied_keys_of_table,
+    tables_with_varied_keys,
+)
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.rating.contacts import worst_roller
+from rollbench.lowfi.rating.contacts import roller_contact_of_highest_pressure
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes import units
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS, Scene
-from rollbench.meshes.units import number_and_unit
+from rollbench.meshes.units import split_quantity_text
 
 #: Quantities that a table can have, with descriptions and the fields of a row that hold them.
 QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {
@@ -63,7 +68,7 @@ class TableRequest:
     #: Name of the scene.
     scene: str
     #: Keys with their values.
-    keys: tuple[Vary, ...]
+    keys: tuple[VariedKey, ...]
     #: Columns for these keys in the table.
     over: tuple[Over, ...]
     #: Name of the model.
@@ -105,23 +110,25 @@ def check_request(
     InputError
         If scene, key, unit, quantity or model is unknown.
     """
-    described = scene_file.scene_or_assembly(catalogue.any_scene(scene), scene)
+    described = scene_file.scene_or_assembly_or_raise(catalogue.any_scene(scene), scene)
     shipped = scene in catalogue.scene_names()
-    text, origin = (catalogue.scene_text(scene), f"{scene}.toml") if shipped else (scene_file.read_text(scene), scene)
+    text, origin = (
+        (catalogue.shipped_scene_text(scene), f"{scene}.toml") if shipped else (scene_file.read_scene_text(scene), scene)
+    )
     for name in quantities:
         if name not in QUANTITIES:
             raise ArgumentError("quantities", name, ", ".join(QUANTITIES), "give names separated by commas")
     model = model or default_model(described)
-    _check_model(described, model, quantities)
-    raw = scene_file.read_toml(text, origin)
-    typed = read_over(over)
+    _check_model_for_table(described, model, quantities)
+    raw = scene_file.parse_toml(text, origin)
+    typed = read_varied_keys_of_table(over)
     keys = tuple(replace(x, key=axial_load_key(raw, origin)) if x.key == LOAD else x for x in typed)
     for vary in keys:
         for value in vary.choices:
-            scene_tables.keys_of(with_varied_keys(raw, [vary], [value]), origin)
+            scene_tables.validated_keys(tables_with_varied_keys(raw, [vary], [value]), origin)
     if math.prod(len(x.choices) for x in keys) > MOST:
         raise ArgumentError("over", f"more than {MOST} combinations", f"up to {MOST} combinations", "give fewer values")
-    columns = tuple(_table_column(x) for x in typed)
+    columns = tuple(_column_of_varied_key(x) for x in typed)
     return TableRequest(
         text,
         origin,
@@ -130,24 +137,24 @@ def check_request(
         columns,
         model,
         tuple(quantities) or USUAL,
-        *_stiffness_place(stiffness_at, described),
+        *_place_and_body_of_stiffness(stiffness_at, described),
     )
 
 
-def _check_model(scene: Scene | Assembly, model: str, quantities: Sequence[str]) -> None:
+def _check_model_for_table(scene: Scene | Assembly, model: str, quantities: Sequence[str]) -> None:
     """Raise InputError if a model is unknown, does not suit the scene, or has no stiffness matrix when one is requested."""
     if isinstance(scene, Assembly):
         if model not in AXIS_MODELS:
             raise ArgumentError("model", model, ", ".join(AXIS_MODELS), "choose one of these")
         return
-    known_model(model, without=("condensed",))
+    find_model(model, excluded=("condensed",))
     if TANGENT_OF.get(model, model) not in LADDER and "stiffness" in (quantities or USUAL):
         allowed = ", ".join((*LADDER, *TANGENT_OF))
         advice = "leave stiffness out of `quantities`, as the model has no stiffness matrix, or choose another model"
         raise ArgumentError("model", model, allowed, advice)
 
 
-def _stiffness_place(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
+def _place_and_body_of_stiffness(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
     """Return the axial position of the requested stiffness, then a description of the body to which the stiffness belongs.
 
     ``given``: the position as the user wrote it. The returned position is a number [m], the name of a nut or bearing, or
@@ -188,13 +195,13 @@ def axial_load_key(raw: dict[str, Any], origin: str) -> str:
 
 def _number_without_unit(text: Any) -> float:
     """Return the number in a text such as "5 kN" without regard to its unit, here 5; zero for a text without number."""
-    found = number_and_unit(str(text))
+    found = split_quantity_text(str(text))
     return 0.0 if found is None else float(found[0])
 
 
-def _table_column(vary: Vary) -> Over:
+def _column_of_varied_key(vary: VariedKey) -> Over:
     """Return the table column of a varied key: numbers if all its values share one unit, else the values as written."""
-    split = [number_and_unit(str(x)) if not isinstance(x, bool) else None for x in vary.choices]
+    split = [split_quantity_text(str(x)) if not isinstance(x, bool) else None for x in vary.choices]
     spelt = {x[1] for x in split if x is not None}
     if None in split or len(spelt) > 1:
         return Over(vary.key, vary.key, vary.choices)
@@ -202,30 +209,30 @@ def _table_column(vary: Vary) -> Over:
     return Over(vary.key, f"{vary.key}_{unit}" if unit else vary.key, tuple(float(x[0]) for x in split if x is not None))
 
 
-def solve_row(asked: TableRequest, values: Sequence[Any], engine: str) -> TableRow:
+def solve_row(request: TableRequest, values: Sequence[Any], engine: str) -> TableRow:
     """Solve one combination of the keys' values and return its table row; if it is refused, the status says why.
 
-    ``asked``: checked request; ``values``: a value for each key; ``engine``: whether numerical kernels run as plain Python
-    ("interpreted") or as machine code ("compiled").
+    ``request``: checked request; ``values``: a value for each key; ``engine``: whether numerical kernels run as plain
+    Python ("interpreted") or as machine code ("compiled").
     """
     try:
-        raw = with_varied_keys(scene_file.read_toml(asked.text, asked.origin), asked.keys, values)
-        scene = scene_file.scene_or_assembly(scene_tables.read_tables(raw, asked.origin), asked.origin)
-        if isinstance(scene, Assembly) and isinstance(asked.station, float):
-            scene = replace(scene, stiffness_at=asked.station)
-        return _row_of_scene(scene, asked, engine)
+        raw = tables_with_varied_keys(scene_file.parse_toml(request.text, request.origin), request.keys, values)
+        scene = scene_file.scene_or_assembly_or_raise(scene_tables.scene_from_tables(raw, request.origin), request.origin)
+        if isinstance(scene, Assembly) and isinstance(request.station, float):
+            scene = replace(scene, stiffness_at=request.station)
+        return _solve_scene_for_row(scene, request, engine)
     except InputError as error:
         return TableRow(f"refused: {error}")
 
 
-def _row_of_scene(scene: Scene | Assembly, asked: TableRequest, engine: str) -> TableRow:
+def _solve_scene_for_row(scene: Scene | Assembly, request: TableRequest, engine: str) -> TableRow:
     """Solve a scene and return the table row with the requested quantities.
 
-    ``asked``: checked request; ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code
-    ("compiled").
+    ``request``: checked request; ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine
+    code ("compiled").
     """
-    names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
-    result, found = sample.solve_case(scene, asked.model, engine, names)
+    names = {name for quantity in request.quantities for name in QUANTITIES[quantity][1]}
+    result, found = sample.solve_case(scene, request.model, engine, names)
     if not result.converged:
         return TableRow(str(result.status))
     matrix, rigidity, status = None, None, CONVERGED
@@ -233,11 +240,11 @@ def _row_of_scene(scene: Scene | Assembly, asked: TableRequest, engine: str) -> 
     tangent: Tangent | None = None
     if isinstance(scene, Scene) and isinstance(result, StaticResult):
         errors = _expected_errors(scene, result)
-        if "stiffness" in asked.quantities:
-            station = asked.station if isinstance(asked.station, float) else scene.nut.position
-            tangent = tangent_stiffness_at(scene, station, asked.model, Options())
-    elif isinstance(result, AxisResult) and "stiffness" in asked.quantities:
-        of_set = next((s.stiffness for s in result.sets if s.of.name == asked.station), result.stiffness)
+        if "stiffness" in request.quantities:
+            station = request.station if isinstance(request.station, float) else scene.nut.position
+            tangent = tangent_stiffness_at(scene, station, request.model, Options())
+    elif isinstance(result, AxisResult) and "stiffness" in request.quantities:
+        of_set = next((s.stiffness for s in result.sets if s.of.name == request.station), result.stiffness)
         none = "the place cannot move, or no contact there carries load"
         known = of_set is not None and np.isfinite(of_set).any()
         tangent = Tangent(0.0, np.full((6, 6), np.nan) if of_set is None else of_set, CONVERGED if known else none)
@@ -246,7 +253,7 @@ def _row_of_scene(scene: Scene | Assembly, asked: TableRequest, engine: str) -> 
     elif tangent is not None:
         matrix = tangent.matrix
         rigidity = tangent.rigidity("uz") if math.isfinite(matrix[2, 2]) else None
-    pressure = max(_contact_pressures(scene, result), default=None) if "pressure" in asked.quantities else None
+    pressure = max(_largest_pressures_of_rows(scene, result), default=None) if "pressure" in request.quantities else None
     moved = found.get("displacement_um")
     life = found.get("life_million_revolutions")
     return TableRow(
@@ -254,7 +261,7 @@ def _row_of_scene(scene: Scene | Assembly, asked: TableRequest, engine: str) -> 
         matrix,
         rigidity,
         None if moved is None else 1e-6 * moved,
-        found.get("largest_load_N") if "load" in asked.quantities else None,
+        found.get("largest_load_N") if "load" in request.quantities else None,
         found.get("preload_N"),
         pressure,
         life,
@@ -262,7 +269,7 @@ def _row_of_scene(scene: Scene | Assembly, asked: TableRequest, engine: str) -> 
     )
 
 
-def _contact_pressures(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
+def _largest_pressures_of_rows(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
     """Yield the largest Hertz pressure of each loaded nut or bearing row [Pa]."""
     if isinstance(result, StaticResult):
         sets: list[Any] = [(scene, result, None)]
@@ -270,9 +277,9 @@ def _contact_pressures(scene: Scene | Assembly, result: StaticResult | AxisResul
         sets = [(s.of.parts, s.balls, s.line_loads) for s in result.sets]
     for parts, balls, lines in sets:
         if balls is not None:
-            worst: Any = load_answers(parts, balls.load, balls.contact_angle, balls.member, balls.pressure).worst
+            worst: Any = rate_contact_loads(parts, balls.load, balls.contact_angle, balls.member, balls.pressure).worst
         else:
-            worst = worst_roller(parts, lines)
+            worst = roller_contact_of_highest_pressure(parts, lines)
         if worst is not None:
             yield worst.pressure
 
@@ -282,7 +289,7 @@ def _expected_errors(scene: Scene, result: StaticResult) -> dict[str, Any]:
 
     They are estimated from scenes for which the 3D reference is known.
     """
-    form = estimate(scene, result)
+    form = estimate_model_error(scene, result)
     return {
         "load_error": form.percent,
         "rms_error": form.rms_percent,
@@ -293,12 +300,12 @@ def _expected_errors(scene: Scene, result: StaticResult) -> dict[str, Any]:
     }
 
 
-def solve_table(asked: TableRequest, engine: Engine, step: Callable[[str], None]) -> Table:
+def solve_table(request: TableRequest, engine: Engine, step: Callable[[str], None]) -> Table:
     """Solve all rows of a table.
 
     Parameters
     ----------
-    asked
+    request
         Checked request.
     engine
         Where the rows are computed: number of processes or cluster.
@@ -315,35 +322,37 @@ def solve_table(asked: TableRequest, engine: Engine, step: Callable[[str], None]
     InputError
         If workers of a cluster are lost.
     """
-    raw = scene_file.read_toml(asked.text, asked.origin)
-    for path, other in replaced_keys(raw, asked.keys):
+    raw = scene_file.parse_toml(request.text, request.origin)
+    for path, other in pairs_of_varied_and_replaced_keys(raw, request.keys):
         step(f"{path} takes the place of the scene's {other}")
-    places = list(product(*(vary.choices for vary in asked.keys)))
+    places = list(product(*(vary.choices for vary in request.keys)))
     kernels = "compiled" if len(places) >= COMPILE_FROM else "auto"
     rows: dict[int, TableRow] = {}
-    for number, row in first_here([(solve_row, (asked, place, kernels)) for place in places], engine, "places", step):
+    for number, row in run_jobs_where_faster(
+        [(solve_row, (request, place, kernels)) for place in places], engine, "places", step
+    ):
         rows[number] = row
         step(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number])) or 'as it stands'}: {row.status}")
-    return table_from_json(_table_json(asked, [rows[k] for k in range(len(places))]))
+    return table_from_json(_table_as_json(request, [rows[k] for k in range(len(places))]))
 
 
-def _table_json(asked: TableRequest, rows: Sequence[TableRow]) -> dict[str, Any]:
+def _table_as_json(request: TableRequest, rows: Sequence[TableRow]) -> dict[str, Any]:
     """Return the JSON values of ``rollbench table``; quantities that were not requested have no key.
 
-    ``asked``: checked request; ``rows``: rows in the order of the combinations of the keys' values.
+    ``request``: checked request; ``rows``: rows in the order of the combinations of the keys' values.
     """
-    names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
+    names = {name for quantity in request.quantities for name in QUANTITIES[quantity][1]}
     without = {name for _, of in QUANTITIES.values() for name in of} - names
-    places = product(*(x.values for x in asked.over))
-    heads = [dict(zip([x.column for x in asked.over], place, strict=True)) for place in places]
+    places = product(*(x.values for x in request.over))
+    heads = [dict(zip([x.column for x in request.over], place, strict=True)) for place in places]
     return {
-        "scene": asked.scene,
-        "model": asked.model,
-        "over": [{"key": x.key, "column": x.column, "values": list(x.values)} for x in asked.over],
-        "quantities": list(asked.quantities),
+        "scene": request.scene,
+        "model": request.model,
+        "over": [{"key": x.key, "column": x.column, "values": list(x.values)} for x in request.over],
+        "quantities": list(request.quantities),
         "freedoms": list(FREEDOMS),
-        "stiffness_of": asked.stiffness_of,
-        "station_mm": 1e3 * asked.station if isinstance(asked.station, float) else None,
+        "stiffness_of": request.stiffness_of,
+        "station_mm": 1e3 * request.station if isinstance(request.station, float) else None,
         "converged": sum(row.converged for row in rows),
-        "rows": [head | (as_json(row, *without) or {}) for head, row in zip(heads, rows, strict=True)],
+        "rows": [head | (record_as_json(row, *without) or {}) for head, row in zip(heads, rows, strict=True)],
     }

@@ -17,11 +17,11 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.compare.files import os_errors_as_input_errors, replace_file, write_csv
-from rollbench.compare.quantities import count_of, quantities
+from rollbench.compare.quantities import count_with_noun, quantities_of_record
 from rollbench.compare.results.table import ERROR_OF, Table, TableRow, parameter_values_text, table_from_json
-from rollbench.compare.scenes.scene_file import read_text
+from rollbench.compare.scenes.scene_file import read_scene_text
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.libraries import import_fault, pip_command
+from rollbench.meshes.libraries import pip_command, reason_of_failed_import
 from rollbench.meshes.parts import FREEDOMS
 from rollbench.reports.content import Figure, Panel, Series
 
@@ -44,7 +44,7 @@ def check_format(path: Path) -> None:
     if path.suffix not in FORMATS:
         raise ArgumentError("out", str(path), f"a name ending in {', '.join(FORMATS)}", "choose one of these endings")
     package = FORMATS[path.suffix]
-    if package and (reason := import_fault(package)):
+    if package and (reason := reason_of_failed_import(package)):
         raise ArgumentError("out", str(path), f"a name ending in .csv or .json, because {reason}", pip_command(package))
 
 
@@ -108,7 +108,7 @@ def table_figure(table: Table) -> Figure | None:
     xlabel = " / ".join(filter(None, (table.over[along].key, table.over[along].unit)))
     panels = []
     for name in names:
-        one, y = quantities(TableRow)[name], cast("list[float]", columns[name])
+        one, y = quantities_of_record(TableRow)[name], cast("list[float]", columns[name])
         series = []
         for label, at in curves.items():
             known = [k for k in at if y[k] is not None]
@@ -127,22 +127,22 @@ def table_figure(table: Table) -> Figure | None:
     return Figure(f"{table.scene}-table", f"{table.scene}: over its keys", tuple(panels), caption)
 
 
-def _error_bars(table: Table, name: str, at: Sequence[int]) -> tuple[list[float], list[float]] | None:
+def _error_bars(table: Table, name: str, rows: Sequence[int]) -> tuple[list[float], list[float]] | None:
     """Return the lower ends, then the upper ends of a quantity's error bars; None if an error is not known.
 
-    ``name``: column of the quantity; ``at``: indices of the table rows.
+    ``name``: column of the quantity; ``rows``: indices of the table rows.
     """
-    errors = [getattr(table.rows[k], ERROR_OF[name]) for k in at]
+    errors = [getattr(table.rows[k], ERROR_OF[name]) for k in rows]
     if ERROR_OF[name] == "load_error" or None in errors:
         return None
-    values = [cast("float", table.columns()[name][k]) for k in at]
+    values = [cast("float", table.columns()[name][k]) for k in rows]
     low, high = ([v * (1.0 + sign * 0.01 * e) for v, e in zip(values, errors, strict=True)] for sign in (-1.0, 1.0))
     return low, high
 
 
 def read_table(path: str) -> Table:
     """Read a table from a JSON file that ``rollbench table`` wrote; InputError for another file."""
-    text = read_text(path)
+    text = read_scene_text(path)
     try:
         return table_from_json(json.loads(text))
     except (KeyError, TypeError, ValueError, AttributeError):
@@ -170,7 +170,7 @@ def ross_text(table: Table) -> str:
         f"It is that of: {table.stiffness_of}.",
         *textwrap.wrap(ROSS_DROPS, 100),
         "Damping is not known here: give cxx and others to `bearing`.",
-        *(f"left out: {line}" for line in _rows_without_answer(table)),
+        *(f"left out: {line}" for line in _reasons_for_missing_answers(table)),
     ]
     return f'''{_comment_lines(head)}
 
@@ -187,7 +187,7 @@ def bearing(n, place, cxx=0.0, **others):
 '''
 
 
-def _rows_without_answer(table: Table) -> list[str]:
+def _reasons_for_missing_answers(table: Table) -> list[str]:
     """Return a line for each reason why rows of a table have no result, with the keys' values in these rows."""
     return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
 
@@ -206,7 +206,7 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
     if not 1 <= len(axes) <= 2 or any(x is None or len(x) < 2 for x in axes):
         allowed = "a table over one or two keys, each of two numbers or more"
         raise InputError(
-            table.scene, "over", count_of(len(axes), "key"), allowed, "make a table over one or two numeric keys"
+            table.scene, "over", count_with_noun(len(axes), "key"), allowed, "make a table over one or two numeric keys"
         )
     kept = [k for k, row in enumerate(table.rows) if row.converged]
     if len(axes) == 2 and len(kept) < len(table.rows):
@@ -215,17 +215,17 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
         raise InputError(table.scene, places[0], reason, "a result in each row", advice)
     grid = [np.array(x, dtype=float) for x in axes]
     rows = {name: [column[k] for k in kept] for name, column in table.columns().items()}
-    left = _rows_without_answer(table)
+    left = _reasons_for_missing_answers(table)
     columns: dict[str, Array] = {}
     for name, column in rows.items():
         if name in table.places[0] or any(isinstance(x, str) for x in column):
             continue
         if None in column:
-            left.append(f"{name}: no number at {count_of(column.count(None), 'place')} with an answer")
+            left.append(f"{name}: no number at {count_with_noun(column.count(None), 'place')} with an answer")
         else:
             columns[name] = np.array(column, dtype=float)
     if len(kept) < 2 or not columns:
-        raise InputError(table.scene, "rows", count_of(len(kept), "result"), "two results or more", "; ".join(left))
+        raise InputError(table.scene, "rows", count_with_noun(len(kept), "result"), "two results or more", "; ".join(left))
     head = [
         f"{table.scene} by rollbench, model {table.model}; over {', '.join(x.column for x in table.over)}",
         f"stiffness K_force_freedom in N, m, rad, of: {table.stiffness_of}",

@@ -20,15 +20,15 @@ from rollbench.compare.models.answers import SetAnswers
 from rollbench.compare.models.load_cases import SolvedAxis
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.from_rexs import RIGID, SEAT
-from rollbench.compare.scenes.rexs_model import STIFFNESS, RexsModel, Value, text_of
+from rollbench.compare.scenes.rexs_model import STIFFNESS, RexsModel, Value, rexs_file_text
 from rollbench.lowfi.rating.contacts import contact_pressures, race_pressures
 from rollbench.lowfi.rating.iso_lives import ReferenceLife
-from rollbench.lowfi.rating.life import is_thrust
-from rollbench.lowfi.rating.roller_life import is_thrust as is_thrust_row
+from rollbench.lowfi.rating.life import is_thrust_bearing
+from rollbench.lowfi.rating.roller_life import is_thrust_bearing_row as is_thrust_row
 from rollbench.lowfi.rollers import slice_middles, tapered_bearing
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
-from rollbench.meshes.one_arc import clearance_of
+from rollbench.meshes.one_arc import internal_clearance
 from rollbench.meshes.parts import Errors, Material, Scene
 
 #: REXS name for the direction of the axial force on the inner ring that a bearing row supports, by the scene's name.
@@ -55,7 +55,7 @@ class RexsWriter:
         speed = _to_rpm(shaft.motion.speed) if shaft.motion is not None and turns else None
         self.shaft = self.model.add("shaft", shaft.name, **_position_attributes(0.0, self.unit), rotational_speed=speed)
         for part in (self.casing, self.shaft):
-            self.model.relate("assembly", assembly=self.unit, part=part)
+            self.model.add_relation("assembly", assembly=self.unit, part=part)
         self.assign_material(self.shaft, shaft.screw.material)
         #: Names of the housings in which an outer ring can slide.
         self.sliding_housings = {h.name for h in shaft.housings if _is_sliding_housing(h)}
@@ -67,7 +67,7 @@ class RexsWriter:
         if material not in self.steels:
             constants = {"elastic_modulus": 1e-6 * material.youngs_modulus, "poisson_ratio": material.poissons_ratio}
             self.steels[material] = self.model.add("material", f"material {len(self.steels) + 1}", **constants)
-        self.model.relate("reference", origin=part, referenced=self.steels[material])
+        self.model.add_relation("reference", origin=part, referenced=self.steels[material])
 
     def add_part(self, whole: int, type: str, name: str = "", order: int | None = None, **attributes: Value | None) -> int:
         """Add a component to the model as a part of another component, and return its id.
@@ -77,7 +77,7 @@ class RexsWriter:
         REXS units.
         """
         k = self.model.add(type, name, **attributes)
-        self.model.relate("assembly" if order is None else "ordered_assembly", order, assembly=whole, part=k)
+        self.model.add_relation("assembly" if order is None else "ordered_assembly", order, assembly=whole, part=k)
         return k
 
 
@@ -92,13 +92,13 @@ def _to_rpm(speed: float) -> float:
     return speed * 30.0 / pi
 
 
-def _position_attributes(u: float, unit: int) -> dict[str, Value]:
+def _position_attributes(z: float, gear_unit: int) -> dict[str, Value]:
     """Return the REXS attributes of a component's position, in the coordinates of the gear unit.
 
-    ``u``: position along the shaft [m]; ``unit``: id of the gear unit.
+    ``z``: position along the shaft [m]; ``gear_unit``: id of the gear unit.
     """
-    vectors: dict[str, Value] = {"support_vector": (1e3 * u, 0.0, 0.0), "u_axis_vector": (1.0, 0.0, 0.0)}
-    return vectors | {"w_axis_vector": (0.0, 0.0, 1.0), "reference_component_for_position": unit}
+    vectors: dict[str, Value] = {"support_vector": (1e3 * z, 0.0, 0.0), "u_axis_vector": (1.0, 0.0, 0.0)}
+    return vectors | {"w_axis_vector": (0.0, 0.0, 1.0), "reference_component_for_position": gear_unit}
 
 
 def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> tuple[str, list[str]]:
@@ -144,10 +144,12 @@ def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> 
             part = of.share if of.time is None else of.time / sum(t or 0.0 for t in times)
             case[writer.unit] = {"operating_time_fraction": 100.0 * part}
             case |= acting
-        case |= _result_attributes(writer, one, None if not isinstance(described, DutyCycle) else described.cases[k].speed)
+        case |= _attributes_of_load_case_results(
+            writer, one, None if not isinstance(described, DutyCycle) else described.cases[k].speed
+        )
         writer.model.cases.append(case)
     _note_left_out(writer, shaft)
-    return text_of(writer.model, __version__, datetime.now(UTC).isoformat(timespec="seconds")), writer.notes
+    return rexs_file_text(writer.model, __version__, datetime.now(UTC).isoformat(timespec="seconds")), writer.notes
 
 
 def _write_sections(writer: RexsWriter, shaft: Assembly) -> None:
@@ -195,7 +197,7 @@ def _write_bearing(writer: RexsWriter, row: RollingSet, kind: str, **attributes:
     }
     where = _position_attributes(row.position, writer.unit)
     bearing = writer.model.add("rolling_bearing_with_detailed_geometry", row.name, **common, **attributes, **where)
-    writer.model.relate("side", assembly=bearing, inner_part=writer.shaft, outer_part=writer.casing)
+    writer.model.add_relation("side", assembly=bearing, inner_part=writer.shaft, outer_part=writer.casing)
     return bearing
 
 
@@ -222,8 +224,8 @@ def _write_ball_bearing(writer: RexsWriter, row: RollingSet, parts: Scene) -> tu
 
     ``row``: row of the shaft with its position; ``parts``: rings and balls of this row.
     """
-    nut, pitch, found = parts.nut, 2e3 * parts.track.pitch_radius, clearance_of(parts)
-    thrust = "axial_" if is_thrust(parts) else ""
+    nut, pitch, found = parts.nut, 2e3 * parts.track.pitch_radius, internal_clearance(parts)
+    thrust = "axial_" if is_thrust_bearing(parts) else ""
     kind = {"deep groove": "radial_grooved_ball_bearing", "both": f"{thrust}four_point_contact_ball_bearing"}
     size: dict[str, Value | None] = {"width": 1e3 * nut.length, "outer_diameter": 1e3 * nut.outer_diameter}
     if row.thrust == "deep groove" and found is not None:
@@ -296,7 +298,7 @@ def _write_supports(writer: RexsWriter, shaft: Assembly) -> None:
             at: dict[str, Value] = {"u_coordinate_on_shaft_inner_side": 1e3 * s.at, "axial_force_absorption": axial}
             at |= {"bending_stiffness": RIGID} if tilt else {}
             k = writer.model.add("concept_bearing", "support", radial_force_absorption=bool(across), **at)
-            writer.model.relate("side", assembly=k, inner_part=writer.shaft, outer_part=writer.casing)
+            writer.model.add_relation("side", assembly=k, inner_part=writer.shaft, outer_part=writer.casing)
 
 
 def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[SolvedAxis]) -> list[CaseAttributes]:
@@ -330,17 +332,17 @@ def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[SolvedAxi
     return cases
 
 
-def _wrench_attributes(wrench: np.ndarray) -> dict[str, Value]:
+def _wrench_attributes(load: np.ndarray) -> dict[str, Value]:
     """Return a load as REXS attributes; moments of zero are left out.
 
-    ``wrench``: force along x, y, z [N] and moment about x, y, z [N m], (6,).
+    ``load``: force along x, y, z [N] and moment about x, y, z [N m], (6,).
     """
-    force = {f"force_{axis}_direction": float(F) for axis, F in zip("vwu", wrench[:3], strict=True)}
-    moment = {f"torque_around_{axis}_axis": float(M) for axis, M in zip("vwu", wrench[3:], strict=True) if M}
+    force = {f"force_{axis}_direction": float(F) for axis, F in zip("vwu", load[:3], strict=True)}
+    moment = {f"torque_around_{axis}_axis": float(M) for axis, M in zip("vwu", load[3:], strict=True) if M}
     return {**force, **moment}
 
 
-def _result_attributes(writer: RexsWriter, one: SolvedAxis, speed: float | None) -> CaseAttributes:
+def _attributes_of_load_case_results(writer: RexsWriter, one: SolvedAxis, speed: float | None) -> CaseAttributes:
     """Return the results of one load case as REXS attributes of shaft, bearings and contacts, by id of the component.
 
     ``one``: solution of the load case; ``speed``: speed of the shaft in the load case [rad/s], None for that of the scene.
@@ -368,26 +370,26 @@ def _result_attributes(writer: RexsWriter, one: SolvedAxis, speed: float | None)
     return case
 
 
-def _bearing_results(result: AxisResult, s: SetResult, answers: SetAnswers, speed: float | None) -> dict[str, Value]:
+def _bearing_results(result: AxisResult, bearing: SetResult, answers: SetAnswers, speed: float | None) -> dict[str, Value]:
     """Return forces, deflections, stiffness, ratings and life of one bearing as REXS attributes.
 
-    ``result``: solution of the shaft; ``s``: its part for the bearing; ``answers``: ratings, pressures and life of the
-    bearing; ``speed``: speed of the shaft [rad/s] for the life in hours, None if it is not known.
+    ``result``: solution of the shaft; ``bearing``: its part for the bearing; ``answers``: ratings, pressures and life of
+    the bearing; ``speed``: speed of the shaft [rad/s] for the life in hours, None if it is not known.
     """
-    at = [float(np.interp(s.of.position, result.centreline_z, x)) for x in result.centreline.T]
-    relative = np.array(at) - s.outer
-    relative[2] += s.of.offset
-    forces = {f"force_acting_on_inner_component_{axis}": float(F) for axis, F in zip("vwu", s.force, strict=True)}
+    at = [float(np.interp(bearing.of.position, result.centreline_z, x)) for x in result.centreline.T]
+    relative = np.array(at) - bearing.outer
+    relative[2] += bearing.of.offset
+    forces = {f"force_acting_on_inner_component_{axis}": float(F) for axis, F in zip("vwu", bearing.force, strict=True)}
     found: dict[str, Value] = {
         **forces,
-        **{f"torque_acting_on_inner_component_{axis}": float(M) for axis, M in zip("vw", s.moment[:2], strict=True)},
+        **{f"torque_acting_on_inner_component_{axis}": float(M) for axis, M in zip("vw", bearing.moment[:2], strict=True)},
         "radial_deflection_in_v": 1e6 * float(relative[0]),
         "radial_deflection_in_w": 1e6 * float(relative[1]),
         "axial_deflection": 1e6 * float(relative[2]),
         "angular_deflection_in_v": float(relative[3]),
         "angular_deflection_in_w": float(relative[4]),
     }
-    stiffness = np.asarray(s.stiffness)
+    stiffness = np.asarray(bearing.stiffness)
     found |= {
         name: float(stiffness[i, j]) / si for (i, j), (name, _, si) in STIFFNESS.items() if np.isfinite(stiffness[i, j])
     }
@@ -462,7 +464,7 @@ def _roller_contact_results(contacts: list[list[int]], s: SetResult, row: Roller
 
 def _note_left_out(writer: RexsWriter, shaft: Assembly) -> None:
     """Add sentences to the writer's notes on what the REXS file does not describe."""
-    moving = [h.name for h in shaft.housings if not h.stands and h.name not in writer.sliding_housings]
+    moving = [h.name for h in shaft.housings if not h.is_fixed and h.name not in writer.sliding_housings]
     if moving:
         writer.notes.append(f"{', '.join(moving)}: a housing that moves is written as a casing at rest")
     if any(s.carrier for s in shaft.sets):

@@ -25,7 +25,7 @@ Column = tuple[str, str, str]
 
 
 @dataclass(frozen=True)
-class Answer:
+class CommandOutput:
     """Output of a command, with its exit code.
 
     data: value to print as JSON, or a function that returns it, which is called only for JSON output. parts: texts and
@@ -39,7 +39,7 @@ class Answer:
     folded: bool = False
 
 
-def print_answer(answer: Answer, as_json: bool = False) -> int:
+def print_command_output(answer: CommandOutput, as_json: bool = False) -> int:
     """Print the output of a command on standard output, and return its exit code.
 
     ``as_json``: whether its data are printed as JSON, instead of its texts and tables. Raises OutputLost if standard output
@@ -90,7 +90,7 @@ def _print_parts(parts: Iterable[Any], *, folded: bool) -> None:
     terminal = sys.stdout.isatty()
     for part in parts:
         if not isinstance(part, str):
-            _show_table(part, terminal)
+            _print_table(part, terminal)
             continue
         text = wrap_lines(part, text_width()) if folded else part
         text = "\n".join(map(escape_unprintable, text.split("\n")))  # file names may contain control characters
@@ -98,7 +98,7 @@ def _print_parts(parts: Iterable[Any], *, folded: bool) -> None:
             print(wrap_lines(text, text_width()) if terminal else text)
 
 
-def _show_table(table: Any, terminal: bool) -> None:
+def _print_table(table: Any, terminal: bool) -> None:
     """Print a table of the package rich; on a terminal, it is split into tables that fit the width.
 
     ``terminal``: whether standard output is a terminal.
@@ -109,7 +109,7 @@ def _show_table(table: Any, terminal: bool) -> None:
     tables = split_to_width(table, text_width()) if terminal else [table]
     if not terminal:
         table.box, table.pad_edge = None, False
-        console.width = max(160, unbroken_width(table))
+        console.width = max(160, table_width_without_breaks(table))
     with guard_standard_output():
         console.print(*tables, sep="\n")
 
@@ -119,10 +119,11 @@ def text_width() -> int:
     return shutil.get_terminal_size((100, 24)).columns if sys.stdout.isatty() else 100
 
 
-def cell(value: Any, form: str) -> str:
+def format_cell(value: Any, number_format: str) -> str:
     """Format a value as the text of a table cell; a number that is rounded to zero gets no minus sign.
 
-    ``form``: number format of Python, such as ".2f"; "s" for text. None becomes a dash, and a boolean "yes" or "no".
+    ``number_format``: number format of Python, such as ".2f"; "s" for text. None becomes a dash, and a boolean "yes" or
+    "no".
 
     Examples
     --------
@@ -133,10 +134,10 @@ def cell(value: Any, form: str) -> str:
         return "–"
     if isinstance(value, bool):
         return "yes" if value else "no"
-    if form == "s" or not isinstance(value, float):
-        return str(value) if form == "s" else format(value, form)
-    sign = form[:1] if form[:1] in "+- " else ""
-    return format(value, f"{sign}z{form.removeprefix(sign)}")
+    if number_format == "s" or not isinstance(value, float):
+        return str(value) if number_format == "s" else format(value, number_format)
+    sign = number_format[:1] if number_format[:1] in "+- " else ""
+    return format(value, f"{sign}z{number_format.removeprefix(sign)}")
 
 
 #: Smallest width to which lines are wrapped, and width of a column in which words may be broken [characters].
@@ -181,7 +182,7 @@ def split_to_width(table: Table, width: int) -> list[Table]:
 
     Columns that do not fit are moved to a further table, which repeats the columns that identify a row.
     """
-    limits = [_column_widths(column, _padding_width(table)) for column in table.columns]
+    limits = [_smallest_and_full_width(column, _padding_width(table)) for column in table.columns]
     if sum(natural for _, natural in limits) + 1 <= width:
         return [table]
     rows = list(zip(*([str(cell) for cell in column.cells] for column in table.columns), strict=True))
@@ -192,17 +193,17 @@ def split_to_width(table: Table, width: int) -> list[Table]:
         if groups[-1] and sum(limits[i][0] for i in groups[-1]) + limits[k][0] > room:
             groups.append([])
         groups[-1].append(k)
-    parts = [_table_part(table, [*range(keys), *group], rows, limits, width) for group in groups]
+    parts = [_table_of_columns(table, [*range(keys), *group], rows, limits, width) for group in groups]
     parts[0].title, parts[-1].caption = table.title, table.caption
     return parts
 
 
-def unbroken_width(table: Table) -> int:
+def table_width_without_breaks(table: Table) -> int:
     """Return the width [characters] that a table needs so that no word is broken."""
     widths = []
     for column in table.columns:
         column.no_wrap = column.no_wrap or column.overflow == "fold"
-        least, natural = _column_widths(replace(column, overflow="ellipsis"), _padding_width(table))
+        least, natural = _smallest_and_full_width(replace(column, overflow="ellipsis"), _padding_width(table))
         widths.append(max(least, min(natural, LEAST)))
     return sum(widths)
 
@@ -213,7 +214,7 @@ def _padding_width(table: Table) -> int:
     return int(left) + int(right) + (table.box is not None)
 
 
-def _column_widths(column: RichColumn, around: int) -> tuple[int, int]:
+def _smallest_and_full_width(column: RichColumn, around: int) -> tuple[int, int]:
     """Return the smallest width of a column that breaks no word, and the width at which no text is wrapped.
 
     ``around``: width of padding and rule, which is added to both [characters].
@@ -224,7 +225,7 @@ def _column_widths(column: RichColumn, around: int) -> tuple[int, int]:
     return (min(least, FOLDED) if column.overflow == "fold" else least) + around, natural + around
 
 
-def _table_part(
+def _table_of_columns(
     table: Table, columns: Sequence[int], rows: Sequence[tuple[str, ...]], limits: Sequence[tuple[int, int]], width: int
 ) -> Table:
     """Return a table with some columns of another one, at most ``width`` characters wide.
@@ -248,25 +249,34 @@ def _table_part(
     return out
 
 
-def ruled_table(title: str, headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()) -> Table:
-    """Return a table of texts with title and rules; columns are right-aligned, except those with the headings ``left``."""
-    return _fill_table(headings, rows, left, title=title)
+def ruled_table(
+    title: str, headings: Iterable[str], rows: Iterable[Iterable[str]], left_aligned: Collection[str] = ()
+) -> Table:
+    """Return a table of texts with title and rules.
+
+    Columns are right-aligned, except those with the headings ``left_aligned``.
+    """
+    return _new_table(headings, rows, left_aligned, title=title)
 
 
 def plain_table(
-    headings: Sequence[str], rows: Iterable[Iterable[str]], left: Collection[str] = (), *, apart: int = 1
+    headings: Sequence[str],
+    rows: Iterable[Iterable[str]],
+    left_aligned: Collection[str] = (),
+    *,
+    blanks_between_columns: int = 1,
 ) -> Table:
-    """Return a table of texts without rules and without wrapping, with ``apart`` blanks between columns.
+    """Return a table of texts without rules and without wrapping, with ``blanks_between_columns`` blanks between columns.
 
-    Columns are right-aligned, except those with the headings ``left``.
+    Columns are right-aligned, except those with the headings ``left_aligned``.
     """
-    out = _fill_table(headings, rows, left, box=None, pad_edge=False, padding=(0, apart, 0, 0))
+    out = _new_table(headings, rows, left_aligned, box=None, pad_edge=False, padding=(0, blanks_between_columns, 0, 0))
     for column in out.columns:
         column.no_wrap = True
     return out
 
 
-def aligned_table(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str | None = None) -> Table:
+def table_of_records(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str | None = None) -> Table:
     """Return a table without rules from rows of values, whose keys become the headings.
 
     ``digits``: number format of Python for all numbers. ``title``: title of the table; None: no title. Columns without
@@ -274,26 +284,26 @@ def aligned_table(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title:
     """
     kept = {k: k.replace("_", " ").replace("percent", "%") for k in rows[0] if any(row[k] is not None for row in rows)}
     left = [heading for key, heading in kept.items() if isinstance(rows[0][key], str)]
-    texts = ([cell(row[k], digits if isinstance(row[k], float) else "s") for k in kept] for row in rows)
-    return _fill_table(kept.values(), texts, left, title=title, box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    texts = ([format_cell(row[k], digits if isinstance(row[k], float) else "s") for k in kept] for row in rows)
+    return _new_table(kept.values(), texts, left, title=title, box=None, pad_edge=False, padding=(0, 1, 0, 0))
 
 
-def _fill_table(headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str], **look: Any) -> Table:
+def _new_table(headings: Iterable[str], rows: Iterable[Iterable[str]], left_aligned: Collection[str], **look: Any) -> Table:
     """Return a table with headings and rows of texts; ``look``: further arguments for the table class of rich."""
     from rich.table import Table as Made
 
     out = Made(title_justify="left", **look)
     for heading in headings:
-        out.add_column(heading, justify="left" if heading in left else "right")
+        out.add_column(heading, justify="left" if heading in left_aligned else "right")
     for row in rows:
         out.add_row(*row)
     return out
 
 
-def listed_table(title: str, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> Table:
+def selected_columns_table(title: str, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> Table:
     """Return a table with title and rules from rows of values.
 
     ``columns``: key of the value, heading and number format of each shown column. ``rows``: values by key.
     """
-    texts = ([cell(row[name], form) for name, _, form in columns] for row in rows)
+    texts = ([format_cell(row[name], form) for name, _, form in columns] for row in rows)
     return ruled_table(title, [heading for _, heading, _ in columns], texts)

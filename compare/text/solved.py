@@ -10,36 +10,36 @@ import numpy as np
 
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models.load_cases import CycleResults, Solved, SolvedAxis
-from rollbench.compare.models.programs import title_of
-from rollbench.compare.models.registry import random_errors
-from rollbench.compare.quantities import as_json, count_of, quantities, shown
-from rollbench.compare.results.base import as_text
+from rollbench.compare.models.programs import model_title
+from rollbench.compare.models.registry import has_random_errors
+from rollbench.compare.quantities import count_with_noun, format_by_error, quantities_of_record, record_as_json
+from rollbench.compare.results.base import format_table_as_text
 from rollbench.compare.results.load_curve import LoadCurve
-from rollbench.compare.results.rows import answer_rows, expected_words, set_rows, together_rows
+from rollbench.compare.results.rows import bearing_and_nut_rows, duty_cycle_rows, expected_error_sentence, solution_rows
 from rollbench.compare.results.scene_json import (
     ball_rows_of_axis,
-    cases_json,
-    discretisation_percent,
+    beam_discretisation_percent,
+    duty_cycle_json,
+    flank_loads_json,
     roller_rows,
-    sides_json,
 )
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
 from rollbench.compare.results.table import ERROR_OF, Table, TableRow
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.text.printing import (
     Column,
-    aligned_table,
-    listed_table,
     plain_table,
     ruled_table,
+    selected_columns_table,
     split_to_width,
+    table_of_records,
     text_width,
 )
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, by_freedoms
+from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, motion_in_um_and_mrad
 from rollbench.lowfi.statics.tangent import Tangent
-from rollbench.lowfi.warned import warning_line
+from rollbench.lowfi.warned import join_brief_warnings
 from rollbench.meshes.parts import FREEDOMS, SIDES
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ CURVE_COLUMNS: tuple[Column, ...] = (
 ROUND_OFF = 1e-9
 
 
-def case_table(
+def solved_case_parts(
     one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False, stiffness: bool = False
 ) -> list[Any]:
     """Return the texts and tables that the terminal shows for a solved scene.
@@ -72,34 +72,36 @@ def case_table(
     equilibrium. ``stiffness``: also the stiffness of a shaft with several nuts or bearings.
     """
     result, title = one.result, []
-    above_all, measured = warning_line(result.warnings), ""
-    behind = [] if result.equilibrium is None else _balance_lines(result.equilibrium, several=isinstance(one, SolvedAxis))
+    above_all, measured = join_brief_warnings(result.warnings), ""
+    behind = (
+        [] if result.equilibrium is None else _force_balance_lines(result.equilibrium, several=isinstance(one, SolvedAxis))
+    )
     details = details or one.answers is None
     if isinstance(one, SolvedAxis):
-        drawn, title = f", {count_of(len(one.scene.sets), 'set')}", [one.scene.title]
+        drawn, title = f", {count_with_noun(len(one.scene.sets), 'set')}", [one.scene.title]
         tables = _set_tables(one, balls=balls, stiffness=details or stiffness)
     else:
-        drawn = f", specimen {result.member} of its random errors" if random_errors(one.scene) else ""
+        drawn = f", specimen {result.member} of its random errors" if has_random_errors(one.scene) else ""
         tables = _ball_tables(one) if balls and (one.result.load > 0.0).any() else []
-        grid = discretisation_percent(one.scene, one.result)
+        grid = beam_discretisation_percent(one.scene, one.result)
         measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"
-    answers = answer_rows(one, details=details)
+    answers = solution_rows(one, details=details)
     if answers:
-        tables = ["", as_text(answers, text_width()), "", *tables, expected_words(one.expected)]
+        tables = ["", format_table_as_text(answers, text_width()), "", *tables, expected_error_sentence(one.expected)]
     behind += solver_lines(result.solver, measured)
     notes = [f"note: {line}" for line in result.solver.notes]
     return [
-        f"{one.scene.name}{drawn}, model {title_of(result.model)}: {result.status}",
+        f"{one.scene.name}{drawn}, model {model_title(result.model)}: {result.status}",
         *title,
         *([above_all] if above_all else []),
         *tables,
-        *closing_lines(result.warnings, behind, result.assumed, result.left_out, details=details, notes=notes),
+        *warning_and_note_lines(result.warnings, behind, result.assumed, result.left_out, details=details, notes=notes),
     ]
 
 
-def closing_lines(
+def warning_and_note_lines(
     warnings: Sequence[str],
-    behind: Sequence[str],
+    solution_lines: Sequence[str],
     assumed: Sequence[str],
     left_out: Sequence[str],
     *,
@@ -108,31 +110,33 @@ def closing_lines(
 ) -> list[str]:
     """Return the last lines on a solution: warnings, then force balance, solver, notes, assumptions and neglected effects.
 
-    Without ``details``, one line that names the option which shows them replaces all but the warnings. ``behind``: lines on
-    force balance and solver.
+    Without ``details``, one line that names the option which shows them replaces all but the warnings. ``solution_lines``:
+    lines on force balance and solver.
     """
     warned = [f"warning: {line}" for line in warnings]
     if not details:
-        counted = f"{count_of(len(assumed), 'assumption')}, {count_of(len(left_out), 'neglected effect')}"
+        counted = f"{count_with_noun(len(assumed), 'assumption')}, {count_with_noun(len(left_out), 'neglected effect')}"
         return [*warned, f"--verbose also shows: {counted}, force balance, solver, further quantities"]
     headed = ("assumed", assumed), ("left out", left_out)
-    return [*behind, *warned, *notes, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
+    return [*solution_lines, *warned, *notes, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
 
 
-def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
+def solver_lines(solver_report: SolverReport, measured: str = "") -> list[str]:
     """Return a line on solver, iterations and size of the system; only the time if the solution was not attempted.
 
-    ``s``: record of the solver. ``measured``: text on the discretisation error, which is added to the line.
+    ``solver_report``: record of the solver. ``measured``: text on the discretisation error, which is added to the line.
     """
-    if not math.isfinite(s.residual):
-        return [f"solver: the scene was rejected before a solution was attempted, in {s.seconds:.3g} s"]
+    if not math.isfinite(solver_report.residual):
+        return [f"solver: the scene was rejected before a solution was attempted, in {solver_report.seconds:.3g} s"]
     return [
-        f"solver: {s.formulation}, {s.engine}; {count_of(s.iterations, 'iteration')}, residual {s.residual:.1e}, "
-        f"{count_of(s.unknowns, 'unknown')}, {count_of(s.elements, 'beam element')}{measured}, {s.seconds:.3g} s"
+        f"solver: {solver_report.formulation}, {solver_report.engine}; "
+        f"{count_with_noun(solver_report.iterations, 'iteration')}, residual {solver_report.residual:.1e}, "
+        f"{count_with_noun(solver_report.unknowns, 'unknown')}, "
+        f"{count_with_noun(solver_report.elements, 'beam element')}{measured}, {solver_report.seconds:.3g} s"
     ]
 
 
-def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
+def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
     """Return the texts and the table that the terminal shows for a load curve: backlash, stiffness, and the points.
 
     ``details``: also the assumptions.
@@ -141,7 +145,7 @@ def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
     way = next((name for name, on in zip("xyz", curve.direction, strict=True) if on == 1.0), f"({x:.3g}, {y:.3g}, {z:.3g})")
 
     def size(value: float | None, factor: float, unit: str) -> str:
-        return "unknown" if value is None else f"{shown(factor * value)} {unit}"
+        return "unknown" if value is None else f"{format_by_error(factor * value)} {unit}"
 
     lash = f"not known: {curve.lash_words}" if curve.lash_words else size(curve.lash, 1e6, "um")
     stiff = " and ".join(
@@ -149,39 +153,39 @@ def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
         for value, words in ((curve.backward, "below"), (curve.forward, "above"))
         if value is not None
     )
-    rows = [as_json(p) or {} for p in curve.points]
+    rows = [record_as_json(p) or {} for p in curve.points]
     used = [c for c in CURVE_COLUMNS if any(row[c[0]] is not None for row in rows)]
     if curve.converged and not any(row["status"] != "converged" for row in rows):
         used.remove(CURVE_COLUMNS[-1])
     return [
-        f"{curve.scene}, model {title_of(curve.model)}: load along {way} at {curve.at}, {len(rows)} points",
+        f"{curve.scene}, model {model_title(curve.model)}: load along {way} at {curve.at}, {len(rows)} points",
         *([curve.above] if curve.above else []),
         f"lash (backlash between loads of both signs): {lash}; displacement from end to end of the curve "
         f"{size(curve.peak_to_peak, 1e6, 'um')}",
         *([f"stiffness from the ends of the lash to the ends of the curve: {stiff}"] if stiff else []),
-        listed_table("", used, rows),
+        selected_columns_table("", used, rows),
         *(f"warning: {line}" for line in curve.warnings),
         *([f"assumed: {line}" for line in curve.assumed] if details else []),
     ]
 
 
-def side_by_side_lines(found: SideBySide) -> list[Any]:
+def side_by_side_parts(found: SideBySide) -> list[Any]:
     """Return the texts and the table that the terminal shows for scenes side by side.
 
     The table has a column for each scene, with the difference from the first in per cent.
     """
-    rows, of = [], quantities(Alternative)
-    answers = [as_json(one) or {} for one in found.scenes]
+    rows, of = [], quantities_of_record(Alternative)
+    answers = [record_as_json(one) or {} for one in found.scenes]
     for key in (k for k in NUMBERS if any(a[k] is not None for a in answers)):
         off = found.difference_percent(key)
         cells = [
-            _text_of_value(a[key]) + ("" if k == 0 or x is None else f"  {x:+.1f} %")
+            _number_or_range_text(a[key]) + ("" if k == 0 or x is None else f"  {x:+.1f} %")
             for k, (a, x) in enumerate(zip(answers, off, strict=True))
         ]
         rows.append([f"{of[key].label} [{of[key].unit}]" if of[key].unit else of[key].label, *cells])
     if any(one.shortest for one in found.scenes):
         rows.append(["set with the shortest life", *(one.shortest or "–" for one in found.scenes)])
-    warned = [(one.scene, warning_line(one.warnings)) for one in found.scenes]
+    warned = [(one.scene, join_brief_warnings(one.warnings)) for one in found.scenes]
     unknown = [f"{of[key].label} [{of[key].unit}]" for key in NUMBERS if all(a[key] is None for a in answers)]
     return [
         *(f"{name}: {line}" for name, line in warned if line),
@@ -195,29 +199,32 @@ def side_by_side_lines(found: SideBySide) -> list[Any]:
     ]
 
 
-def _text_of_value(value: Any) -> str:
+def _number_or_range_text(value: Any) -> str:
     """Format a number, or a pair of numbers as a range; a dash for None."""
     if value is None:
         return "–"
     if not isinstance(value, list):
-        return shown(value)
-    low, high = map(shown, value)
+        return format_by_error(value)
+    low, high = map(format_by_error, value)
     return low if low == high else f"{low} to {high}"
 
 
-def _balance_lines(e: Equilibrium, *, several: bool) -> list[str]:
+def _force_balance_lines(equilibrium: Equilibrium, *, several: bool) -> list[str]:
     """Return lines on the residuals of the force and moment balance.
 
-    ``e``: the residuals. ``several``: whether the scene is a shaft with several nuts or bearings.
+    ``equilibrium``: the residuals. ``several``: whether the scene is a shaft with several nuts or bearings.
     """
-    sums = f"force {e.force_residual:.1e}, moment {e.moment_residual:.1e}"
+    sums = f"force {equilibrium.force_residual:.1e}, moment {equilibrium.moment_residual:.1e}"
     if several:
         return [f"balance of the shaft: {sums} (relative)"]
-    of_parts = f"(relative, summed over loads, reactions and contacts); balance of the balls: {e.ball_residual:.1e}"
+    of_parts = (
+        f"(relative, summed over loads, reactions and contacts); balance of the balls: {equilibrium.ball_residual:.1e}"
+    )
     lines = [f"balance of the screw: {sums} {of_parts}"]
-    if e.pin_share > 0.0:
+    if equilibrium.pin_share > 0.0:
         lines.append(
-            f"no support of the scene prevents one motion: an added pin does, and carries {100.0 * e.pin_share:.2g} % of "
+            "no support of the scene prevents one motion: an added pin does, and carries "
+            f"{100.0 * equilibrium.pin_share:.2g} % of "
             "the largest force or moment, by which loads and supports are not in balance"
         )
     return lines
@@ -237,17 +244,17 @@ def _ball_tables(one: Solved) -> list[RenderableType]:
         cells = [str(i + 1), f"{math.degrees(result.azimuth[i]):.1f}", f"{1e3 * result.z[i]:.2f}"]
         for k in sides:
             angle = math.degrees(result.contact_angle[i, k])
-            cells += [shown(result.load[i, k], error), f"{angle:.2f}" if math.isfinite(angle) else "–"]
+            cells += [format_by_error(result.load[i, k], error), f"{angle:.2f}" if math.isfinite(angle) else "–"]
         rows.append(cells)
     sums = (
-        (side, *(shown(row[k], error) for k in ("max_N", "min_N", "ratio")), str(row["loaded"]), str(row["lost"]))
-        for side, row in sides_json(result.load).items()
+        (side, *(format_by_error(row[k], error) for k in ("max_N", "min_N", "ratio")), str(row["loaded"]), str(row["lost"]))
+        for side, row in flank_loads_json(result.load).items()
     )
     summed = plain_table(("flank", "max N", "min N", "max/min", "loaded", "unloaded"), sums)
     return [plain_table(headings, rows), "", summed, ""]
 
 
-def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
+def tangent_stiffness_parts(tangent: Tangent) -> list[RenderableType]:
     """Return the text and the table that show the 6 x 6 stiffness at a cross-section of the screw, in N, m and rad.
 
     ``tangent``: the stiffness, with its axial position; without a solution, the text states the reason.
@@ -267,20 +274,24 @@ def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
 
     ``balls``: also the tables of balls and rollers. ``stiffness``: also the stiffness of the shaft.
     """
-    result, rows = one.result, set_rows(one)
+    result, rows = one.result, bearing_and_nut_rows(one)
     if not rows:
         return []
-    out: list[Any] = [plain_table([*rows[0]], [[*row.values()] for row in rows], ["set"], apart=2), ""]
-    out += _element_tables(result) if balls else []
+    out: list[Any] = [plain_table([*rows[0]], [[*row.values()] for row in rows], ["set"], blanks_between_columns=2), ""]
+    out += _ball_and_roller_tables(result) if balls else []
     for h in result.housings:
-        moved = ", ".join(f"{n.split('_')[0]} {x:.4g} {n.split('_')[1]}" for n, x in by_freedoms(h.motion).items() if x)
-        force = ", ".join(shown(x) if abs(x) > ROUND_OFF * np.abs(h.wrench[:3]).max() else "0" for x in h.wrench[:3])
+        moved = ", ".join(
+            f"{n.split('_')[0]} {x:.4g} {n.split('_')[1]}" for n, x in motion_in_um_and_mrad(h.motion).items() if x
+        )
+        force = ", ".join(
+            format_by_error(x) if abs(x) > ROUND_OFF * np.abs(h.wrench[:3]).max() else "0" for x in h.wrench[:3]
+        )
         reaction = f"force of the frame on it ({force}) N; relative residual of its balance {h.residual:.1e}"
         out.append(f"{h.name}: {moved or 'does not move'}; {reaction}")
     return [*out, *(_axis_stiffness_lines(result) if stiffness else [])]
 
 
-def _element_tables(result: AxisResult) -> list[RenderableType]:
+def _ball_and_roller_tables(result: AxisResult) -> list[RenderableType]:
     """Return the table of all balls, with loads and angles on the loaded groove flanks, and the table of all rollers."""
     out: list[RenderableType] = []
     rows = ball_rows_of_axis(result)
@@ -293,14 +304,14 @@ def _element_tables(result: AxisResult) -> list[RenderableType]:
             r | {f"{s} N": r["load_N"][s] for s in loaded} | {f"{s} deg": r["contact_angle_deg"][s] for s in loaded}
             for r in rows
         ]
-        out.append(listed_table("balls", columns, flat))
+        out.append(selected_columns_table("balls", columns, flat))
     found = roller_rows(result)
     if found:
         names = (("set", "set", "s"), ("index", "roller", "s"), ("azimuth_deg", "azimuth deg", ".2f"))
         loads = (("load_N", "load N", ".3f"), ("largest_line_load_N_mm", "largest N/mm", ".3f"))
         races = [(f"{race} MPa", f"{race} MPa", ".0f") for race in RACES]
         flat = [r | {f"{race} MPa": r["pressure_MPa"][race] for race in RACES} for r in found]
-        out.append(listed_table("rollers", (*names, *loads, *races), flat))
+        out.append(selected_columns_table("rollers", (*names, *loads, *races), flat))
     return out
 
 
@@ -332,10 +343,10 @@ COLUMNS = (
 )
 
 
-def cases_table(
+def duty_cycle_parts(
     cycle: DutyCycle,
     solved: Sequence[Solved | SolvedAxis],
-    whole: CycleResults,
+    cycle_results: CycleResults,
     tangents: Sequence[Tangent | None] = (),
     *,
     balls: bool = False,
@@ -344,27 +355,35 @@ def cases_table(
 ) -> list[Any]:
     """Return the texts and tables for a duty cycle: results over all load cases, a table of cases, then each case.
 
-    ``solved``: solution of each case. ``whole``: extremes and lives over all cases. ``tangents``: for each case, the
-    stiffness at the axial position that the user asked for; empty if none. ``balls``, ``details``, ``stiffness``: see
-    `case_table`.
+    ``solved``: solution of each case. ``cycle_results``: extremes and lives over all cases. ``tangents``: for each case,
+    the stiffness at the axial position that the user asked for; empty if none. ``balls``, ``details``, ``stiffness``: see
+    `solved_case_parts`.
     """
-    data = cases_json(cycle, solved, whole)
-    parts: list[Any] = [f"{cycle.name}, model {data['model']}: {count_of(len(solved), 'load case')}, {data['status']}", ""]
-    parts += [as_text(together_rows(whole), text_width()), ""]
-    parts += [aligned_table([*case_rows(data["cases"])], ".4g"), ""]
+    data = duty_cycle_json(cycle, solved, cycle_results)
+    parts: list[Any] = [
+        f"{cycle.name}, model {data['model']}: {count_with_noun(len(solved), 'load case')}, {data['status']}",
+        "",
+    ]
+    parts += [format_table_as_text(duty_cycle_rows(cycle_results), text_width()), ""]
+    parts += [table_of_records([*load_case_rows(data["cases"])], ".4g"), ""]
     shown: set[str] = set()
     for case, one, tangent in zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True):
         lines = [
             x
-            for x in case_table(one, balls=balls, details=details, stiffness=stiffness)
+            for x in solved_case_parts(one, balls=balls, details=details, stiffness=stiffness)
             if not (isinstance(x, str) and x in shown)
         ]
         shown |= {x for x in lines if isinstance(x, str) and x.startswith(("assumed: ", "left out: "))}
-        parts += [f"case {case.name}, share {case.share:.4g}", *lines, *(stiffness_lines(tangent) if tangent else []), ""]
+        parts += [
+            f"case {case.name}, share {case.share:.4g}",
+            *lines,
+            *(tangent_stiffness_parts(tangent) if tangent else []),
+            "",
+        ]
     return parts
 
 
-def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+def load_case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     """Yield a table row for each load case, by the headings of the table.
 
     ``cases``: JSON results of each load case.
@@ -381,20 +400,20 @@ def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
 REASONS = 5
 
 
-def table_parts(found: Table) -> list[Any]:
+def parameter_table_parts(found: Table) -> list[Any]:
     """Return what the terminal shows of a table over scene parameters, as texts and tables.
 
     These are the table of quantities with their expected errors, then lines on the combinations of values without results.
     """
-    return [*split_to_width(aligned_table(_table_rows(found)), text_width()), "", *_summary_lines(found)]
+    return [*split_to_width(table_of_records(_parameter_table_rows(found)), text_width()), "", *_summary_lines(found)]
 
 
-def _table_rows(found: Table) -> list[dict[str, Any]]:
+def _parameter_table_rows(found: Table) -> list[dict[str, Any]]:
     """Return the rows of a table over scene parameters, by headings.
 
     A row has the values of the varied parameters, the quantities, and their expected errors.
     """
-    named, rows = quantities(TableRow), []
+    named, rows = quantities_of_record(TableRow), []
     for row, place in zip(found.rows, found.places, strict=True):
         shown: dict[str, Any] = {f"{x.key} {x.unit}".rstrip(): place[x.column] for x in found.over}
         for key, field in ERROR_OF.items():
@@ -420,18 +439,18 @@ def _summary_lines(found: Table) -> Iterator[str]:
     further = "; ±: error to expect" if any(row.load_error is not None for row in found.rows) else ""
     further += "; --json and --out have the 6 x 6 stiffness" if matrix else ""
     yield f"{found.converged} of {len(found.rows)} rows have results{further}"
-    yield from failure_words(found)
+    yield from failure_lines(found)
     yield from dict.fromkeys(f"expected error not known: {row.error_words}" for row in found.rows if row.error_words)
 
 
-def failure_words(found: Table) -> Iterator[str]:
+def failure_lines(found: Table) -> Iterator[str]:
     """Yield a line for each of the first `REASONS` reasons for missing results, with the parameter values concerned.
 
     ``found``: table over scene parameters.
     """
     reasons = list(found.failures.items())
     for reason, places in reasons[:REASONS]:
-        others = f" and {count_of(len(places) - 1, 'further row')}" if places[1:] else ""
+        others = f" and {count_with_noun(len(places) - 1, 'further row')}" if places[1:] else ""
         yield f"{places[0]}{others}: {reason}"
     if reasons[REASONS:]:
-        yield f"{count_of(len(reasons) - REASONS, 'further reason')}: see the status of the rows"
+        yield f"{count_with_noun(len(reasons) - REASONS, 'further reason')}: see the status of the rows"

@@ -31,14 +31,21 @@ import scipy.sparse as sp
 from scipy.linalg import qr
 from skfem import Mesh
 
-from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, pressure_mean_rows
+from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, mean_normal_displacement_matrix
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import elasticity, mean_weights, nodal_share_form
-from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.hifi.linear_algebra import compliance
+from rollbench.hifi.elements.forms import elasticity_form, nodal_share_form, normalise_rows_of_weights
+from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
+from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import cells_of, faces_of, freedoms_on, mesh_of, nodes_on, points_of
-from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_second_order
+from rollbench.meshes.fem import (
+    build_mesh,
+    freedoms_on_boundaries,
+    node_coordinates,
+    nodes_of_boundary_faces,
+    nodes_of_cells,
+    nodes_on_boundaries,
+)
+from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_into_linear_tetrahedra
 
 
 @dataclass(frozen=True)
@@ -53,8 +60,8 @@ class Socket:
     side: int
 
 
-#: Sizes of the elliptic pressures that `reduce_to_modes` has to represent, over the size of the contact zone, and their
-#: positions along each axis of the zone, over the width by which they can be moved inside it.
+#: Sizes of the elliptic pressures that `reduce_socket_transfer_to_modes` has to represent, over the size of the contact
+#: zone, and their positions along each axis of the zone, over the width by which they can be moved inside it.
 SIZES, SHIFTS = (0.35, 0.5, 0.65, 0.8, 0.95), (-1.0, -0.5, 0.0, 0.5, 1.0)
 
 #: Weight of single pressure functions against these pressures; singular value over the largest one that counts as
@@ -66,7 +73,7 @@ REST, ROUND_OFF = 1e-3, 1e-13
 NO_RESULTANT = 1e-9
 
 
-def reduce_to_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
+def reduce_socket_transfer_to_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
     """Approximate the matrix H, by which a patch transfers contact loads to its socket, by a product V Q of few modes.
 
     The first modes belong to the independent resultants (forces and moments) of the contact loads. Each gives the nodal
@@ -75,9 +82,9 @@ def reduce_to_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
     pressure functions; H of a carrier patch gives them only to some 1e-4 (`hifi.bodies.patch.condense_patch`). The next
     modes are the strongest of the remaining loads on the socket, which have no resultant.
 
-    The pressures are elliptic, of several sizes and positions in the contact zone (`contact_pressures`), so that the modes
-    do not depend on the grid and few are needed. Single pressure functions count with the weight `REST`. The last modes are
-    errors of H in the resultants, so that V Q is exact with all modes.
+    The pressures are elliptic, of several sizes and positions in the contact zone (`hertz_pressures_of_unit_force`), so
+    that the modes do not depend on the grid and few are needed. Single pressure functions count with the weight `REST`. The
+    last modes are errors of H in the resultants, so that V Q is exact with all modes.
 
     Parameters
     ----------
@@ -93,23 +100,28 @@ def reduce_to_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
     Q : (k, 3 nodes) Array
         Rows Q of these modes on the degrees of freedom of the socket's nodes.
     """
-    rigid, moved = rigid_motions(patch)
+    rigid, moved = rigid_motions_of_patch(patch)
     W, strength, _ = np.linalg.svd(moved, full_matrices=False)
     resultants = (W * strength)[:, strength > NO_RESULTANT * strength[0]]
-    pressures = contact_pressures(patch)
+    pressures = hertz_pressures_of_unit_force(patch)
     mean = patch.H.T @ pressures - rigid @ ((patch.H @ rigid - moved).T @ pressures)
     mean = mean @ np.linalg.pinv(resultants.T @ pressures)
     remainder = patch.H - resultants @ mean.T
     traces = remainder.T @ np.hstack([pressures, REST * np.eye(len(remainder))])
     wrong = rigid.T @ traces
     least = ROUND_OFF * float(np.linalg.norm(patch.H.T @ pressures))
-    U = np.hstack([_strongest_directions(traces - rigid @ wrong, least), rigid @ _strongest_directions(wrong, least)])
+    U = np.hstack(
+        [
+            _dominant_left_singular_vectors(traces - rigid @ wrong, least),
+            rigid @ _dominant_left_singular_vectors(wrong, least),
+        ]
+    )
     U = U[:, : max(count - mean.shape[1], 0)]
     V, T = np.linalg.qr(np.hstack([resultants, remainder @ U]))
     return V, T @ np.vstack([mean.T, U.T])
 
 
-def _strongest_directions(traces: Array, least: float) -> Array:
+def _dominant_left_singular_vectors(traces: Array, least: float) -> Array:
     """Find the left singular vectors of a matrix ``(n, s)`` whose singular values exceed ``least``, largest first.
 
     ``traces``: the matrix, with s nodal loads on a socket of n degrees of freedom as columns.
@@ -118,7 +130,7 @@ def _strongest_directions(traces: Array, least: float) -> Array:
     return np.asarray(U[:, strength > least])
 
 
-def rigid_motions(patch: CondensedPatch) -> tuple[Array, Array]:
+def rigid_motions_of_patch(patch: CondensedPatch) -> tuple[Array, Array]:
     """Compute six independent rigid motions of a patch, as displacements of its socket and of its contact.
 
     Parameters
@@ -134,12 +146,14 @@ def rigid_motions(patch: CondensedPatch) -> tuple[Array, Array]:
         Mean displacement along the normals over each pressure function, by each of these motions.
     """
     centre = patch.socket.mean(axis=0)
-    rigid, T = np.linalg.qr(rigid_modes(patch.socket, centre))
-    along = np.einsum("cx,cxk->ck", patch.normals, rigid_modes(patch.points, centre).reshape(-1, 3, 6))
-    return rigid, np.linalg.solve(T.T, (mean_weights(patch.weights) @ along).T).T
+    rigid, T = np.linalg.qr(nodal_displacements_of_rigid_motions(patch.socket, centre))
+    along = np.einsum(
+        "cx,cxk->ck", patch.normals, nodal_displacements_of_rigid_motions(patch.points, centre).reshape(-1, 3, 6)
+    )
+    return rigid, np.linalg.solve(T.T, (normalise_rows_of_weights(patch.weights) @ along).T).T
 
 
-def contact_pressures(patch: CondensedPatch) -> Array:
+def hertz_pressures_of_unit_force(patch: CondensedPatch) -> Array:
     """Compute Hertz pressures of unit force on the pressure functions of a patch.
 
     The ellipses are similar to the contact zone, of the sizes `SIZES` at the positions `SHIFTS`, sampled at the nodes.
@@ -187,11 +201,11 @@ def freedoms_of_nodes(nodes: Index) -> Index:
     return np.asarray((3 * nodes[:, None] + np.arange(3)).ravel(), dtype=np.int64)
 
 
-def mesh_of_order(mesh: Mesh, kind: str) -> Mesh:
+def convert_mesh_order(mesh: Mesh, kind: str) -> Mesh:
     """Convert a mesh of 10-node tetrahedra to the wanted order, with its named boundaries.
 
     For "P1" each tetrahedron is split into eight first-order ones of half the size with the same nodes. Patches are then
-    tied linearly (`hifi.bodies.patch.tie_matrix`).
+    tied linearly (`hifi.bodies.patch.socket_interpolation_matrix`).
 
     Parameters
     ----------
@@ -214,9 +228,12 @@ def mesh_of_order(mesh: Mesh, kind: str) -> Mesh:
         raise ValueError(f"the element order of a coarse body got {kind!r}; allowed: 'P1' or 'P2'")
     if kind == "P2":
         return mesh
-    points = points_of(mesh)
-    named = {name: faces_of(mesh, name)[:, np.array(SUB_TRIANGLES)].reshape(-1, 3) for name in mesh.boundaries or {}}
-    return mesh_of(points, split_second_order(points, cells_of(mesh)), "P1", named)[0]
+    points = node_coordinates(mesh)
+    named = {
+        name: nodes_of_boundary_faces(mesh, name)[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
+        for name in mesh.boundaries or {}
+    }
+    return build_mesh(points, split_into_linear_tetrahedra(points, nodes_of_cells(mesh)), "P1", named)[0]
 
 
 def assemble_body_stiffness(
@@ -242,7 +259,7 @@ def assemble_body_stiffness(
     (3 n, 3 n) sparse array
         Stiffness [N/m].
     """
-    K = forms.assemble(elasticity(young, poisson), mesh)
+    K = forms.assemble_constant_form(elasticity_form(young, poisson), mesh)
     rows, columns, values = [], [], []
     for socket in sockets:
         S = patches[socket.side].S
@@ -259,7 +276,7 @@ def assemble_body_stiffness(
     return K
 
 
-def assemble_mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> sp.csr_array:
+def assemble_modes_of_sockets(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> sp.csr_array:
     """Assemble the rows Q of the modes of all contacts on the body's degrees of freedom, rotated from the patches' frames.
 
     Parameters
@@ -309,14 +326,14 @@ def isostatic_freedoms(points: Array, avoid: Index) -> Index:
     """
     allowed = np.setdiff1d(np.arange(len(points)), avoid)
     pick = allowed[np.linspace(0, len(allowed) - 1, min(200, len(allowed))).astype(int)]
-    modes = rigid_modes(points[pick], points.mean(axis=0))
+    modes = nodal_displacements_of_rigid_motions(points[pick], points.mean(axis=0))
     size = float(np.abs(points - points.mean(axis=0)).max())
     modes = modes / np.array([1, 1, 1, size, size, size])
     _, _, order = qr(modes.T, pivoting=True)
     return np.asarray(freedoms_of_nodes(pick)[order[:6]])
 
 
-def rigid_loads(mesh: Mesh) -> Array:
+def nodal_forces_like_rigid_motions(mesh: Mesh) -> Array:
     """Compute the nodal forces of six fields of body forces that are distributed like the rigid motions.
 
     Parameters
@@ -327,16 +344,18 @@ def rigid_loads(mesh: Mesh) -> Array:
     Returns
     -------
     (6, 3 n) Array
-        Nodal forces of each field [N], in the order of the motions of `rigid_modes`.
+        Nodal forces of each field [N], in the order of the motions of `nodal_displacements_of_rigid_motions`.
     """
     V = forms.cell_basis(mesh)
     volume = nodal_share_form().assemble(V)
-    loads = rigid_modes(np.stack([nodal_share_form(k).assemble(V) for k in range(3)], axis=1)).reshape(-1, 3, 6)
+    loads = nodal_displacements_of_rigid_motions(
+        np.stack([nodal_share_form(k).assemble(V) for k in range(3)], axis=1)
+    ).reshape(-1, 3, 6)
     loads[..., :3] *= volume[:, None, None]
     return np.asarray(loads.reshape(-1, 6).T)
 
 
-def free_transform(mesh: Mesh, held: Index) -> sp.csc_array:
+def expansion_of_free_freedoms(mesh: Mesh, held: Index) -> sp.csc_array:
     """Return the matrix that maps the free degrees of freedom of a body to all its degrees of freedom; the others are zero.
 
     Parameters
@@ -355,7 +374,7 @@ def free_transform(mesh: Mesh, held: Index) -> sp.csc_array:
     return sp.eye_array(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
 
 
-def end_transform(mesh: Mesh, high: float) -> sp.csc_array:
+def expansion_with_rigid_high_end(mesh: Mesh, high: float) -> sp.csc_array:
     """Return the matrix C that maps the free degrees of freedom to all, for a body with a fixed and a rigid end.
 
     The boundary "low end" is fixed, and the boundary "high end" is a rigid section. C^T K C is the Galerkin stiffness;
@@ -373,10 +392,10 @@ def end_transform(mesh: Mesh, high: float) -> sp.csc_array:
     (3 n, f + 6) sparse array
         Transformation matrix C from f free degrees of freedom and the six of the section, which come last.
     """
-    upper = nodes_on(mesh, "high end")
+    upper = nodes_on_boundaries(mesh, "high end")
     slaves = freedoms_of_nodes(upper)
-    free = free_transform(mesh, np.concatenate([freedoms_on(mesh, "low end"), slaves]))
-    section = sp.csc_array(rigid_modes(points_of(mesh)[upper], np.array([0.0, 0.0, high])))
+    free = expansion_of_free_freedoms(mesh, np.concatenate([freedoms_on_boundaries(mesh, "low end"), slaves]))
+    section = sp.csc_array(nodal_displacements_of_rigid_motions(node_coordinates(mesh)[upper], np.array([0.0, 0.0, high])))
     return sp.hstack([free, sp.eye_array(free.shape[0], format="csc")[:, slaves] @ section]).tocsc()
 
 
@@ -402,7 +421,9 @@ class BodyPiece:
     held: tuple[str, ...]
 
 
-def fine_compliance(piece: BodyPiece, patch: PatchMesh, normals: Array, young: float, poisson: float) -> Array:
+def contact_compliance_in_fine_piece(
+    piece: BodyPiece, patch: PatchMesh, normals: Array, young: float, poisson: float
+) -> Array:
     """Compute the compliance C_fine between the pressure functions of a contact, in a finely meshed piece of its body.
 
     Parameters
@@ -428,10 +449,12 @@ def fine_compliance(piece: BodyPiece, patch: PatchMesh, normals: Array, young: f
     FactorError
         The stiffness of the piece cannot be factored.
     """
-    return piece_compliance(piece, patch, pressure_mean_rows(patch, normals), young, poisson)
+    return response_of_piece_to_patch_loads(piece, patch, mean_normal_displacement_matrix(patch, normals), young, poisson)
 
 
-def piece_compliance(piece: BodyPiece, patch: PatchMesh, rows: sp.csr_array, young: float, poisson: float) -> Array:
+def response_of_piece_to_patch_loads(
+    piece: BodyPiece, patch: PatchMesh, rows: sp.csr_array, young: float, poisson: float
+) -> Array:
     """Compute the compliance between load cases on a patch in the socket of a piece of a body.
 
     The patch is not condensed: it is solved together with the piece.
@@ -459,8 +482,8 @@ def piece_compliance(piece: BodyPiece, patch: PatchMesh, rows: sp.csr_array, you
     FactorError
         The stiffness of the piece cannot be factored.
     """
-    form = elasticity(young, poisson)
-    K_patch, K_body = forms.assemble(form, patch.mesh), forms.assemble(form, piece.mesh)
+    form = elasticity_form(young, poisson)
+    K_patch, K_body = forms.assemble_constant_form(form, patch.mesh), forms.assemble_constant_form(form, piece.mesh)
     size = K_patch.shape[0]
     outer = freedoms_of_nodes(patch.interface)
     inner = np.setdiff1d(np.arange(size), outer)
@@ -477,11 +500,13 @@ def piece_compliance(piece: BodyPiece, patch: PatchMesh, rows: sp.csr_array, you
     shape = (T.shape[1], T.shape[1])
     K = (T.T @ K_patch @ T + sp.coo_array((body.data, (body.row + inner.size, body.col + inner.size)), shape)).tocsc()
     relief = sp.hstack([sp.csr_array((loads.shape[0], inner.size)), loads[:, free]])
-    F = compliance(K, sp.vstack([rows @ T, relief]).tocsr())
+    F = symmetric_compliance_of_loads(K, sp.vstack([rows @ T, relief]).tocsr())
     return _balance_by_body_forces(F, rows.shape[0], rows @ _rigid_modes_in_patch_frame(patch, piece), loads, piece)
 
 
-def coarse_compliance(piece: BodyPiece, patch: CondensedPatch, rows: Array, young: float, poisson: float) -> Array:
+def mode_compliance_in_coarse_piece(
+    piece: BodyPiece, patch: CondensedPatch, rows: Array, young: float, poisson: float
+) -> Array:
     """Compute the compliance G_coarse of the modes of a contact, in a piece that is meshed like the coarse body.
 
     Parameters
@@ -510,12 +535,14 @@ def coarse_compliance(piece: BodyPiece, patch: CondensedPatch, rows: Array, youn
     socket = Socket(piece.socket, piece.rotation, 0)
     K = assemble_body_stiffness(piece.mesh, [socket], {0: patch}, young, poisson)
     free, loads = _free_and_balancing_loads(piece)
-    Q = assemble_mode_rows([socket], {0: rows}, K.shape[0])
-    F = compliance(K[free][:, free].tocsc(), sp.vstack([Q[:, free], loads[:, free]]).tocsr())
-    return _balance_by_body_forces(F, len(rows), Q @ rigid_modes(points_of(piece.mesh)), loads, piece)
+    Q = assemble_modes_of_sockets([socket], {0: rows}, K.shape[0])
+    F = symmetric_compliance_of_loads(K[free][:, free].tocsc(), sp.vstack([Q[:, free], loads[:, free]]).tocsr())
+    return _balance_by_body_forces(
+        F, len(rows), Q @ nodal_displacements_of_rigid_motions(node_coordinates(piece.mesh)), loads, piece
+    )
 
 
-def local_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) -> Array:
+def local_contact_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) -> Array:
     """Compute the local compliance A_own of a contact, which is left when the coarse body's share is subtracted.
 
     Parameters
@@ -544,14 +571,14 @@ def _free_and_balancing_loads(piece: BodyPiece) -> tuple[Index, sp.csr_array]:
     """
     size = piece.mesh.doflocs.size
     if piece.held:
-        return np.setdiff1d(np.arange(size), freedoms_on(piece.mesh, *piece.held)), sp.csr_array((0, size))
-    held = isostatic_freedoms(points_of(piece.mesh), piece.socket)
-    return np.setdiff1d(np.arange(size), held), sp.csr_array(rigid_loads(piece.mesh))
+        return np.setdiff1d(np.arange(size), freedoms_on_boundaries(piece.mesh, *piece.held)), sp.csr_array((0, size))
+    held = isostatic_freedoms(node_coordinates(piece.mesh), piece.socket)
+    return np.setdiff1d(np.arange(size), held), sp.csr_array(nodal_forces_like_rigid_motions(piece.mesh))
 
 
 def _rigid_modes_in_patch_frame(patch: PatchMesh, piece: BodyPiece) -> Array:
     """Compute the displacements of a patch's n nodes, in the patch's frame, by rigid motions of the body ``(3 n, 6)``."""
-    rigid = rigid_modes(points_of(patch.mesh) @ piece.rotation.T).reshape(-1, 3, 6)
+    rigid = nodal_displacements_of_rigid_motions(node_coordinates(patch.mesh) @ piece.rotation.T).reshape(-1, 3, 6)
     return np.asarray(np.einsum("ba,nbk->nak", piece.rotation, rigid).reshape(-1, 6))
 
 
@@ -564,6 +591,6 @@ def _balance_by_body_forces(F: Array, count: int, rigid: Array, loads: sp.csr_ar
     """
     if loads.shape[0] == 0:
         return F
-    mass = loads @ rigid_modes(points_of(piece.mesh))
+    mass = loads @ nodal_displacements_of_rigid_motions(node_coordinates(piece.mesh))
     S = np.hstack([np.eye(count), -np.linalg.solve(mass, rigid.T).T])
     return np.asarray(S @ F @ S.T)

@@ -23,9 +23,9 @@ from scipy.linalg.lapack import dpotrs
 from rollbench.hifi.bodies.patch import CondensedPatch
 from rollbench.hifi.contact.balls import cholesky_of_selection
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
-from rollbench.hifi.elements.forms import mean_weights
+from rollbench.hifi.elements.forms import normalise_rows_of_weights
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.ball_body import directions
+from rollbench.meshes.ball_body import contact_frame_vectors
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Material
 
@@ -45,7 +45,7 @@ POWERS = (-2.0 / 3.0, 0.0, 1.0 / 3.0, 2.0 / 3.0)
 FILLED, COARSEST, LEAST = 0.85, 1.0, 0.6
 
 
-def unit_hertz(m: GrooveMap, side: int, material: Material) -> HertzSolution:
+def hertz_contact_under_unit_force(m: GrooveMap, side: int, material: Material) -> HertzSolution:
     """Solve the Hertz contact of ball and groove at a flank under 1 N, with x across the groove and y along it.
 
     The approach grows as F^(2/3), the semi-axes as F^(1/3).
@@ -64,7 +64,7 @@ def unit_hertz(m: GrooveMap, side: int, material: Material) -> HertzSolution:
     HertzSolution
         Approach, semi-axes and pressure under 1 N.
     """
-    return hertz(1.0, *m.relative_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
+    return hertz(1.0, *m.relative_curvature_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
 
 
 def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
@@ -93,13 +93,13 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
         raise ValueError(
             "the cell sizes of a contact zone got a patch without a grid of contact nodes; allowed: a patch of hexahedra"
         )
-    _, tangent, forward = directions(m, side)
+    _, tangent, forward = contact_frame_vectors(m, side)
     n, k = (count // 2 for count in patch.shape)
     x = patch.points.reshape(*patch.shape, 3)
     return np.array([(x[n + 1, k] - x[n - 1, k]) @ tangent, (x[n, k + 1] - x[n, k - 1]) @ forward])
 
 
-def resolved_forces(m: GrooveMap, side: int, patch: CondensedPatch, material: Material, count: int) -> Array:
+def forces_resolved_by_patch(m: GrooveMap, side: int, patch: CondensedPatch, material: Material, count: int) -> Array:
     """Choose forces under which the cells of a patch resolve the contact ellipse.
 
     Under the smallest force the short semi-axis is one cell long, under the largest one the ellipse fills the zone. If the
@@ -123,20 +123,20 @@ def resolved_forces(m: GrooveMap, side: int, patch: CondensedPatch, material: Ma
     (count,) Array
         Forces [N], ascending.
     """
-    unit, cells = unit_hertz(m, side, material), np.abs(cell_sizes(m, side, patch))
+    unit, cells = hertz_contact_under_unit_force(m, side, material), np.abs(cell_sizes(m, side, patch))
     assert patch.shape is not None
     half = 0.5 * cells * (np.array(patch.shape) // 2)
     high = FILLED * min(half[0] / unit.semi_x, half[1] / unit.semi_y)
     return np.asarray(np.geomspace(min(COARSEST * cells[1] / unit.semi_y, LEAST * high), high, count) ** 3)
 
 
-def approaches_at(
+def approaches_at_grid_position(
     m: GrooveMap,
     side: int,
     patch: CondensedPatch,
     compliance: Array,
     loads: Array,
-    place: tuple[float, float],
+    grid_position: tuple[float, float],
     start: Flags | None = None,
 ) -> tuple[Array, Flags]:
     """Compute the approaches of a contact under several forces along the normal, at a given position on its mesh grid.
@@ -170,12 +170,12 @@ def approaches_at(
     ValueError
         The set of closed pairs does not converge.
     """
-    W = mean_weights(patch.weights)
-    normal, tangent, forward = directions(m, side)
+    W = normalise_rows_of_weights(patch.weights)
+    normal, tangent, forward = contact_frame_vectors(m, side)
     x = patch.points - np.array([m.R, 0.0, 0.0])
     # the ball's centre moved by t: the gap is least at t times (relative radius / r) from the nominal contact
-    scale = m.ball / np.array(m.relative_radii(side, m.beta))
-    beside = cell_sizes(m, side, patch) * np.array(place)
+    scale = m.ball / np.array(m.relative_curvature_radii(side, m.beta))
+    beside = cell_sizes(m, side, patch) * np.array(grid_position)
     t = scale * beside
     gap = np.linalg.norm(x - t[0] * tangent - t[1] * forward, axis=1) - m.ball
     nearest = -0.5 * float((t**2 / m.ball * (1.0 / scale - 1.0)).sum())
@@ -265,7 +265,7 @@ def fit_force_law(loads: Array, approach: Array) -> Array:
     return np.asarray(approach * (basis @ np.linalg.lstsq(basis, np.ones(loads.size), rcond=None)[0]))
 
 
-def periodic_approaches(
+def approaches_over_grid_cell(
     m: GrooveMap, side: int, patch: CondensedPatch, C: Array, loads: Array, counts: tuple[int, int]
 ) -> tuple[Array, Array]:
     """Compute the approaches of a contact at evenly spaced positions within one cell of its mesh grid.
@@ -297,7 +297,7 @@ def periodic_approaches(
     """
 
     def at(x: float, y: float, start: Flags | None) -> tuple[Array, Flags]:
-        return approaches_at(m, side, patch, C, loads, (x, y), start)
+        return approaches_at_grid_position(m, side, patch, C, loads, (x, y), start)
 
     first = at(0.0, 0.0, None)[1]
     left, right, back, ahead = (at(*place, first)[0] for place in ((-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5)))
@@ -311,7 +311,9 @@ def periodic_approaches(
     return np.asarray(np.fft.ifftshift(table, axes=(0, 1))), trend
 
 
-def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, compliance: Array, loads: Array) -> Array:
+def mean_approaches_over_grid_cell(
+    m: GrooveMap, side: int, patch: CondensedPatch, compliance: Array, loads: Array
+) -> Array:
     """Compute the approaches of a contact in the middle of its zone, as the mean over the positions in a grid cell.
 
     Parameters
@@ -332,7 +334,7 @@ def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, compliance: 
     (f,) Array
         Approaches [m].
     """
-    return np.asarray(periodic_approaches(m, side, patch, compliance, loads, MEAN)[0].mean(axis=(0, 1)))
+    return np.asarray(approaches_over_grid_cell(m, side, patch, compliance, loads, MEAN)[0].mean(axis=(0, 1)))
 
 
 @dataclass(frozen=True)
@@ -387,7 +389,7 @@ def _interpolate_periodic(values: Array, place: Array) -> Array:
     return np.asarray(np.einsum("n...n->...n", around))
 
 
-def tabulate_grid_wave(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material: Material) -> GridWave:
+def tabulate_gap_corrections(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material: Material) -> GridWave:
     """Tabulate the gap correction of a flank: the smooth force law less the approach at each position on the grid.
 
     Parameters
@@ -408,9 +410,9 @@ def tabulate_grid_wave(m: GrooveMap, side: int, patch: CondensedPatch, C: Array,
     GridWave
         Table of the corrections.
     """
-    loads = resolved_forces(m, side, patch, material, FORCES)
-    table = periodic_approaches(m, side, patch, C, loads, (ACROSS, ALONG))[0]
+    loads = forces_resolved_by_patch(m, side, patch, material, FORCES)
+    table = approaches_over_grid_cell(m, side, patch, C, loads, (ACROSS, ALONG))[0]
     assert patch.shape is not None
     middle = patch.points.reshape(*patch.shape, 3)[patch.shape[0] // 2, patch.shape[1] // 2]
     correction = fit_force_law(loads, table.mean(axis=(0, 1))) - table
-    return GridWave(loads, correction, cell_sizes(m, side, patch), middle, directions(m, side)[1:])
+    return GridWave(loads, correction, cell_sizes(m, side, patch), middle, contact_frame_vectors(m, side)[1:])

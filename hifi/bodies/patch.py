@@ -18,10 +18,25 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from skfem import ElementLineP2, Mesh, condense
 
-from rollbench.hifi.elements.forms import CurvedMap, assemble, contact_weights, elasticity, mean_weights
-from rollbench.hifi.linear_algebra import compliance, factor
+from rollbench.hifi.elements.forms import (
+    CurvedMap,
+    assemble_constant_form,
+    elasticity_form,
+    normalise_rows_of_weights,
+    pressure_weights_of_nodes,
+)
+from rollbench.hifi.linear_algebra import factorise_positive_definite, symmetric_compliance_of_loads
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import Meshed, freedoms_on, kind_of, mesh_of, points_of, tensor_grid, with_boundaries, with_points
+from rollbench.meshes.fem import (
+    MeshedBody,
+    build_mesh,
+    element_type_of_mesh,
+    freedoms_on_boundaries,
+    mesh_rectangular_grid,
+    node_coordinates,
+    with_boundaries_from_facets,
+    with_node_coordinates,
+)
 from rollbench.meshes.sockets import SocketMesh
 from rollbench.meshes.tet_patch import LocalTets, signed_volumes
 
@@ -44,7 +59,7 @@ class PatchLines:
 
 
 @dataclass(frozen=True)
-class PatchMesh(Meshed):
+class PatchMesh(MeshedBody):
     """Fine mesh around one contact, which fills a socket of a coarse body.
 
     Its named boundaries are "surface", "contact" (the contact zone on the surface) and "interface" (to the body).
@@ -65,7 +80,7 @@ class PatchMesh(Meshed):
     #: Weights that interpolate the interface nodes from the socket's nodes ``(interface nodes, socket nodes)``.
     tie: sp.csr_array
     #: Weights W ``(c, c)`` [m2] of the pressure functions (rows) at displacements (columns), by
-    #: `hifi.elements.forms.contact_weights`.
+    #: `hifi.elements.forms.pressure_weights_of_nodes`.
     weights: sp.csr_array
     #: Points of the socket's nodes ``(k, 3)`` [m].
     socket: Array
@@ -73,7 +88,7 @@ class PatchMesh(Meshed):
     @property
     def kind(self) -> str:
         """Element type: "P1" or "Q2"."""
-        return kind_of(self.mesh)
+        return element_type_of_mesh(self.mesh)
 
     @property
     def areas(self) -> Array:
@@ -169,8 +184,8 @@ def growing_boundaries(start: float, end: float, first: float, ratio: float) -> 
     return start + np.concatenate([[0.0], np.cumsum(widths)])
 
 
-def build_patch(
-    lines: PatchLines, zone: tuple[float, float], place: Callable[[Array], Array], socket: SocketMesh
+def mesh_hexahedral_patch(
+    lines: PatchLines, zone: tuple[float, float], map_to_space: Callable[[Array], Array], socket: SocketMesh
 ) -> PatchMesh:
     """Mesh a patch with 27-node hexahedra, and tie it to the socket of a coarse body.
 
@@ -198,14 +213,14 @@ def build_patch(
     ValueError
         An interface node lies on no triangle.
     """
-    grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2")
-    points, interface, tie, nodes = _map_and_tie_nodes(points_of(grid), place, socket)
-    mesh = with_points(grid, points)
+    grid = mesh_rectangular_grid(lines.across, lines.depth, lines.along, "Q2")
+    points, interface, tie, nodes = _map_patch_nodes_into_socket(node_coordinates(grid), map_to_space, socket)
+    mesh = with_node_coordinates(grid, points)
     if CurvedMap(mesh).detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0:  # a left-handed map: mirror every cell
-        grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=True)
-        points, interface, tie, nodes = _map_and_tie_nodes(points_of(grid), place, socket)
-        mesh = with_points(grid, points)
-    xi = points_of(grid)
+        grid = mesh_rectangular_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=True)
+        points, interface, tie, nodes = _map_patch_nodes_into_socket(node_coordinates(grid), map_to_space, socket)
+        mesh = with_node_coordinates(grid, points)
+    xi = node_coordinates(grid)
     top = np.abs(xi[:, 1]) < 1e-12
     inside = (np.abs(xi[:, 0]) <= zone[0] + 1e-9) & (np.abs(xi[:, 2]) <= zone[1] + 1e-9)
     contact = np.flatnonzero(top & inside)
@@ -214,13 +229,13 @@ def build_patch(
     counts = (len(np.unique(place_of[:, 0])), len(np.unique(place_of[:, 2])))
     i, k = np.divmod(np.arange(contact.size), counts[1])
     rim = (i % (counts[0] - 1) == 0) | (k % (counts[1] - 1) == 0)
-    return _named_patch(mesh, xi, top, contact, counts, rim, interface, tie, nodes)
+    return _collect_patch_mesh(mesh, xi, top, contact, counts, rim, interface, tie, nodes)
 
 
-def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: SocketMesh) -> PatchMesh:
+def fit_tetrahedral_patch(local: LocalTets, map_to_space: Callable[[Array], Array], socket: SocketMesh) -> PatchMesh:
     """Fit a box of first-order tetrahedra into its socket in a body of first or second order.
 
-    The area of a contact node is a third of the area of the triangles around it. See `build_patch` for hexahedra.
+    The area of a contact node is a third of the area of the triangles around it. See `mesh_hexahedral_patch` for hexahedra.
 
     Parameters
     ----------
@@ -241,7 +256,7 @@ def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: S
     ValueError
         The map turns cells inside out, or an interface node lies on no triangle.
     """
-    points, interface, tie, nodes = _map_and_tie_nodes(local.xi, place, socket, linear=True)
+    points, interface, tie, nodes = _map_patch_nodes_into_socket(local.xi, map_to_space, socket, linear=True)
     volumes = signed_volumes(points, local.tets)
     if not (np.all(volumes > 0.0) or np.all(volumes < 0.0)):
         raise ValueError(
@@ -249,17 +264,17 @@ def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: S
             "tetrahedra at its rim shorter"
         )
     cells = local.tets if volumes[0] > 0.0 else local.tets[:, [0, 2, 1, 3]]  # a left-handed map: mirror every cell
-    mesh, _ = mesh_of(points, cells, "P1")
+    mesh, _ = build_mesh(points, cells, "P1")
     top = np.zeros(len(points), dtype=bool)
     top[local.top] = True
     loose = np.ones(len(points), dtype=bool)
     loose[local.contact] = False
     beside = np.zeros(len(points), dtype=bool)
     beside[local.top[loose[local.top].any(axis=1)]] = True
-    return _named_patch(mesh, local.xi, top, local.contact, None, beside[local.contact], interface, tie, nodes)
+    return _collect_patch_mesh(mesh, local.xi, top, local.contact, None, beside[local.contact], interface, tie, nodes)
 
 
-def _named_patch(
+def _collect_patch_mesh(
     mesh: Mesh,
     xi: Array,
     top: Flags,
@@ -281,11 +296,11 @@ def _named_patch(
     zone[contact] = True
     tied = np.any([np.all(np.abs(xi[corners, axis] - value) < 1e-9, axis=0) for axis, value in PLANES], axis=0)
     boundaries = {"surface": top[corners].all(axis=0), "contact": zone[corners].all(axis=0), "interface": tied}
-    mesh = with_boundaries(mesh, {name: outer[on] for name, on in boundaries.items()})
-    return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, contact_weights(mesh, contact), socket)
+    mesh = with_boundaries_from_facets(mesh, {name: outer[on] for name, on in boundaries.items()})
+    return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, pressure_weights_of_nodes(mesh, contact), socket)
 
 
-def pressure_mean_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
+def mean_normal_displacement_matrix(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
     """Return the matrix that gives mean normal displacements of a contact from the displacements of a patch's nodes.
 
     Each mean is weighted by one basis function of the contact pressure.
@@ -315,12 +330,12 @@ def pressure_mean_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | Non
         carrier = mesh
         place = sp.csr_array((np.ones(c), (np.arange(c), mesh.contact)), (c, mesh.mesh.doflocs.shape[1]))
     else:
-        place = _interpolate_on_grid(carrier, mesh.xi[mesh.contact])
+        place = _grid_interpolation_matrix(carrier, mesh.xi[mesh.contact])
     nodal = sp.csr_array((normals.ravel(), (np.repeat(np.arange(c), 3), np.arange(3 * c))), (c, 3 * c))
-    return sp.csr_array(mean_weights(mesh.weights) @ nodal @ sp.kron(place, sp.eye_array(3), format="csr"))
+    return sp.csr_array(normalise_rows_of_weights(mesh.weights) @ nodal @ sp.kron(place, sp.eye_array(3), format="csr"))
 
 
-def _interpolate_on_grid(mesh: PatchMesh, xi: Array) -> sp.csr_array:
+def _grid_interpolation_matrix(mesh: PatchMesh, xi: Array) -> sp.csr_array:
     """Return the weights ``(p, n)`` that interpolate p points on the surface from the n nodes of a patch with a grid.
 
     ``xi``: local coordinates of the points (p, 3).
@@ -355,24 +370,24 @@ def _quadratic_line_shapes(nodes: Array, at: Array) -> tuple[list[Index], list[A
     return [2 * cell, 2 * cell + 2, 2 * cell + 1], [element.lbasis(local[None], k)[0] for k in range(3)]
 
 
-def _map_and_tie_nodes(
-    xi: Array, place: Callable[[Array], Array], socket: SocketMesh, *, linear: bool = False
+def _map_patch_nodes_into_socket(
+    xi: Array, map_to_space: Callable[[Array], Array], socket: SocketMesh, *, linear: bool = False
 ) -> tuple[Array, Index, sp.csr_array, Array]:
     """Map the nodes of a patch into space, those of the interface onto the socket's triangles.
 
-    ``xi``: local coordinates of the nodes (n, 3); ``place``: function that maps them to points [m]; ``linear``: as for
-    `tie_matrix`. Returned are the points (n, 3) [m], the indices of the interface nodes, the weights that interpolate them
-    from the socket's k nodes, and the points of the socket's nodes (k, 3) [m].
+    ``xi``: local coordinates of the nodes (n, 3); ``map_to_space``: function that maps them to points [m]; ``linear``: as
+    for `socket_interpolation_matrix`. Returned are the points (n, 3) [m], the indices of the interface nodes, the weights
+    that interpolate them from the socket's k nodes, and the points of the socket's nodes (k, 3) [m].
     """
     on_face = np.any([np.abs(xi[:, axis] - value) < 1e-9 for axis, value in PLANES], axis=0)
     interface = np.flatnonzero(on_face)
-    tie = tie_matrix(xi[interface], socket, linear=linear)
-    points, nodes = place(xi), place(socket.xi)
+    tie = socket_interpolation_matrix(xi[interface], socket, linear=linear)
+    points, nodes = map_to_space(xi), map_to_space(socket.xi)
     points[interface] = tie @ nodes
     return points, interface, tie, nodes
 
 
-def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr_array:
+def socket_interpolation_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr_array:
     """Return the matrix that interpolates points on a socket's inner faces from the socket's nodes.
 
     Parameters
@@ -457,14 +472,14 @@ def _stiffness_blocks(
 ) -> _StiffnessBlocks:
     """Assemble the stiffness blocks of a patch; the arguments are those of `condense_patch`."""
     base = mesh if carrier is None else carrier
-    K = assemble(elasticity(young, poisson), base.mesh)
+    K = assemble_constant_form(elasticity_form(young, poisson), base.mesh)
     if np.isin(mesh.contact, mesh.interface).any():
         raise ValueError("the contact zone of a patch reaches the patch's edge: make the zone smaller than the socket")
-    inner = np.setdiff1d(np.arange(K.shape[0]), freedoms_on(base.mesh, "interface"))
+    inner = np.setdiff1d(np.arange(K.shape[0]), freedoms_on_boundaries(base.mesh, "interface"))
     outer = (3 * base.interface[:, None] + np.arange(3)).ravel()
     T = sp.kron(base.tie, sp.eye_array(3), format="csc")
     coupling = (K[inner][:, outer] @ T).tocsc()
-    forces = pressure_mean_rows(mesh, normals, carrier)[:, inner].T.tocsc()
+    forces = mean_normal_displacement_matrix(mesh, normals, carrier)[:, inner].T.tocsc()
     return _StiffnessBlocks(condense(K, I=inner, expand=False), coupling, K[outer][:, outer], forces, T, inner)
 
 
@@ -502,7 +517,7 @@ def condense_patch(
     blocks = _stiffness_blocks(mesh, normals, young, poisson, carrier)
     boundary = (blocks.tie.T @ (blocks.outer_stiffness @ blocks.tie)).toarray()
     c = blocks.forces.shape[1]
-    F = compliance(blocks.inner_stiffness, sp.hstack([blocks.forces, blocks.coupling]).T)
+    F = symmetric_compliance_of_loads(blocks.inner_stiffness, sp.hstack([blocks.forces, blocks.coupling]).T)
     A, H, S = F[:c, :c], -F[:c, c:], boundary - F[c:, c:]
     return CondensedPatch(
         A=0.5 * (A + A.T),
@@ -519,7 +534,7 @@ def condense_patch(
     )
 
 
-def patch_displacements(
+def nodal_displacements_of_patch(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, trace: Array
 ) -> Array:
     """Compute the displacements of all nodes of a patch, by one more solution of its equations.
@@ -548,6 +563,6 @@ def patch_displacements(
     """
     blocks = _stiffness_blocks(mesh, normals, young, poisson)
     u = np.empty(mesh.mesh.doflocs.size)
-    u[blocks.inner] = factor(blocks.inner_stiffness)(blocks.forces @ forces - blocks.coupling @ trace)
+    u[blocks.inner] = factorise_positive_definite(blocks.inner_stiffness)(blocks.forces @ forces - blocks.coupling @ trace)
     u[(3 * mesh.interface[:, None] + np.arange(3)).ravel()] = blocks.tie @ trace
     return u.reshape(-1, 3)

@@ -73,12 +73,12 @@ class BallBlock:
         """Return the number of contact pairs of the ball."""
         return sum(len(a) for a in self.local)
 
-    def apply(self, forces: Array) -> Array:
+    def compute_opened_gaps(self, forces: Array) -> Array:
         """Compute the gaps D f ``(n,)`` [m] that the contact forces f ``(n,)`` [N] of the ball's n pairs open."""
         alone = np.concatenate([a @ forces[pairs] for a, pairs in zip(self.local, self.sides, strict=True)])
         return np.asarray(alone + self._all_modes @ (self.coupling @ (forces @ self._all_modes)))
 
-    def dense(self) -> Array:
+    def dense_compliance_matrix(self) -> Array:
         """Return D as a dense matrix ``(n, n)`` [m/N], for the rare problem on which the active set cycles."""
         return np.asarray(block_diag(*self.local) + self._all_modes @ self.coupling @ self._all_modes.T)
 
@@ -216,7 +216,7 @@ class BlockFactor:
         return out
 
 
-def block_of_dense_matrix(matrix: Array) -> BallBlock:
+def ball_block_from_dense_matrix(matrix: Array) -> BallBlock:
     """Make a `BallBlock` without modes from a dense compliance matrix ``(n, n)`` [m/N] between n contact pairs."""
     return BallBlock((matrix,), (np.zeros((len(matrix), 0)),), np.zeros((0, 0)))
 
@@ -225,7 +225,7 @@ def block_of_dense_matrix(matrix: Array) -> BallBlock:
 class Compliance:
     """Compliance C = blkdiag(D_p) + U G U^T of the contacts of all balls, with U = blkdiag(U_p); C itself is never formed.
 
-    Create it with `uncoupled_compliance` or `coupled_compliance`, which check the matrices.
+    Create it with `compliance_of_single_ball` or `compliance_of_coupled_balls`, which check the matrices.
     """
 
     #: Compliance D_p between the n_p contact pairs of each ball p.
@@ -255,7 +255,7 @@ def _consecutive_slices(counts: Sequence[int]) -> tuple[slice, ...]:
     return tuple(slice(i, j) for i, j in pairwise(np.cumsum([0, *counts]).tolist()))
 
 
-def uncoupled_compliance(block: Array | BallBlock) -> Compliance:
+def compliance_of_single_ball(block: Array | BallBlock) -> Compliance:
     """Create the compliance of a single ball, given as a `BallBlock` or as a dense matrix.
 
     Parameters
@@ -273,10 +273,10 @@ def uncoupled_compliance(block: Array | BallBlock) -> Compliance:
     ValueError
         A matrix is not finite, or not symmetric to 1e-8 of its largest entry.
     """
-    return coupled_compliance([block], [np.zeros((len(block), 0))], np.zeros((0, 0)))
+    return compliance_of_coupled_balls([block], [np.zeros((len(block), 0))], np.zeros((0, 0)))
 
 
-def coupled_compliance(blocks: Sequence[Array | BallBlock], modes: Sequence[Array], coupling: Array) -> Compliance:
+def compliance_of_coupled_balls(blocks: Sequence[Array | BallBlock], modes: Sequence[Array], coupling: Array) -> Compliance:
     """Create the compliance blkdiag(D_p) + U G U^T of several balls and check its matrices; see `Compliance`.
 
     Parameters
@@ -301,7 +301,7 @@ def coupled_compliance(blocks: Sequence[Array | BallBlock], modes: Sequence[Arra
     made: dict[int, BallBlock] = {}  # congruent balls share one block
     for p, block in enumerate(blocks):
         if id(block) not in made:
-            given = block if isinstance(block, BallBlock) else block_of_dense_matrix(block)
+            given = block if isinstance(block, BallBlock) else ball_block_from_dense_matrix(block)
             local = tuple(_checked_symmetric(f"block {p}", matrix) for matrix in given.local)
             made[id(block)] = BallBlock(local, given.modes, _checked_symmetric(f"block {p}", given.coupling))
     return Compliance(
@@ -376,7 +376,7 @@ class BallContacts:
     energy: float
 
 
-def press_ball(block: BallBlock, gap: Array, start: BallContacts | Flags, most: int = 60) -> BallContacts:
+def solve_contacts_of_one_ball(block: BallBlock, gap: Array, start: BallContacts | Flags, most: int = 60) -> BallContacts:
     """Solve the contact of one ball between fixed grooves: min 1/2 l^T D l + g^T l over forces l >= 0.
 
     The solution is found by an active set, or by non-negative least squares if the active set cycles.
@@ -406,7 +406,7 @@ def press_ball(block: BallBlock, gap: Array, start: BallContacts | Flags, most: 
         if known is None or not np.array_equal(known.active, active):
             known = block.factor(active, known)
         forces = known.solve(-gap)
-        slack = gap + block.apply(forces)
+        slack = gap + block.compute_opened_gaps(forces)
         new = np.where(active, forces > 0.0, slack < -1e-13 * scale)
         if np.array_equal(new, active):
             return BallContacts(forces, active, known, -0.5 * float(forces @ (gap + slack)))
@@ -415,10 +415,10 @@ def press_ball(block: BallBlock, gap: Array, start: BallContacts | Flags, most: 
             break
         seen.add(key)
         active = new
-    L = np.linalg.cholesky(block.dense())
+    L = np.linalg.cholesky(block.dense_compliance_matrix())
     forces, _ = nnls(L.T, np.linalg.solve(L, -gap), maxiter=30 * gap.size)
     active = forces > 1e-12 * max(float(forces.max(initial=0.0)), 1e-300)
-    energy = float(-0.5 * forces @ block.apply(forces) - gap @ forces)
+    energy = float(-0.5 * forces @ block.compute_opened_gaps(forces) - gap @ forces)
     return BallContacts(forces, active, block.factor(active), energy)
 
 
@@ -469,7 +469,7 @@ class NewtonFactor(NamedTuple):
         return dpotrs(self.inner, rhs, lower=1)[0].ravel() if rhs.size else rhs
 
 
-def low_rank_factors(matrix: Array, loads: Array, scale: Array) -> tuple[Array, Array]:
+def factorise_at_low_rank(matrix: Array, loads: Array, scale: Array) -> tuple[Array, Array]:
     """Factorise a matrix as R R^T and several vectors as R T, with R of low rank.
 
     R is the pivoted Cholesky factor. The remainder of the matrix is less than `FEEBLE` after multiplication of its rows and
@@ -530,18 +530,18 @@ class _EnergySystem:
             self.rows.append((columns, block[:, columns].toarray()))
         self.balls = list(balls or (BallContacts(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps))
 
-    def evaluate(self, w: Array, y: Array) -> tuple[float, Array, Array]:
+    def evaluate_energy(self, w: Array, y: Array) -> tuple[float, Array, Array]:
         """Evaluate the energy Phi [J] at amplitudes w and rigid motions y, and store the contact states of the balls.
 
         Returns Phi and the two residuals U^T lambda - w ``(r,)`` [N] and f - N^T lambda ``(k,)`` [N, N m].
         """
         phi = 0.5 * float(w @ (self.C.coupling @ w)) - float(self.f @ y)
-        for i, gap in enumerate(self.gaps_without_local(w, y)):
-            self.balls[i] = press_ball(self.C.blocks[i], gap, self.balls[i])
+        for i, gap in enumerate(self.gaps_without_local_compliance(w, y)):
+            self.balls[i] = solve_contacts_of_one_ball(self.C.blocks[i], gap, self.balls[i])
             phi += self.balls[i].energy
         return phi, *self.residuals(w)
 
-    def gaps_without_local(self, w: Array, y: Array) -> list[Array]:
+    def gaps_without_local_compliance(self, w: Array, y: Array) -> list[Array]:
         """Compute the gaps of the pairs of each ball ``(n_i,)`` [m] without the displacements by its own compliance D_i.
 
         w: modal amplitudes (r,) [N]; y: rigid motions (k,) [m, rad].
@@ -578,7 +578,7 @@ class _EnergySystem:
 
             (I + M G) dw - R T dy = U^T lambda - w,  -T^T R^T G dw + N^T D^-1 N dy = f - N^T lambda,
 
-        the matrix N^T D^-1 N - T^T T + T^T (I + R^T G R)^-1 T remains for dy. R and T are those of `low_rank_factors`,
+        the matrix N^T D^-1 N - T^T T + T^T (I + R^T G R)^-1 T remains for dy. R and T are those of `factorise_at_low_rank`,
         which makes the matrix positive; the step is Newton's up to negligible terms. Raises numpy.linalg.LinAlgError if G
         is not that of an elastic body.
         """
@@ -592,7 +592,7 @@ class _EnergySystem:
             c, r = self.C.columns[i], self.C.modes[i].shape[1]
             columns = np.hstack([self.C.modes[i], n])
             M = columns.T @ ball.factor.solve(columns)  # zero on the open pairs
-            R, T_ball = low_rank_factors(M[:r, :r], M[:r, r:], size[c])
+            R, T_ball = factorise_at_low_rank(M[:r, :r], M[:r, r:], size[c])
             T = np.zeros((len(T_ball), self.f.size))
             T[:, d] = T_ball
             outer[np.ix_(d, d)] += M[r:, r:]
@@ -611,7 +611,7 @@ class _EnergySystem:
         return NewtonFactor(traces, starts, T, inner, lu_factor(outer, overwrite_a=True, check_finite=False))
 
 
-def solve_balls(
+def solve_contacts_of_all_balls(
     C: Compliance,
     gap: Array,
     N: sp.csr_array,
@@ -653,7 +653,7 @@ def solve_balls(
     begin = SolverState(np.zeros(C.coupling.shape[0]), np.zeros(f.size)) if start is None else start
     system = _EnergySystem(C, gap, N, f, begin.balls)
     w, y = system.state_of_touching_pairs(touching) if touching and start is None else (begin.w.copy(), begin.y.copy())
-    phi, back, balance = system.evaluate(w, y)
+    phi, back, balance = system.evaluate_energy(w, y)
     status, iteration, residual, factor, before = "", 0, np.inf, begin.factor, np.inf
     for iteration in range(1, MOST + 1):  # noqa: B007
         heaviest = max(float(b.forces.sum()) for b in system.balls)
@@ -673,7 +673,7 @@ def solve_balls(
         slope = -float(dw @ moved) - float(dy @ balance)
         t, done = 1.0, False
         for _ in range(30):
-            trial = system.evaluate(w + t * dw, y + t * dy)
+            trial = system.evaluate_energy(w + t * dw, y + t * dy)
             if trial[0] <= phi + 1e-4 * t * slope or abs(t * slope) <= 1e-12 * abs(phi):
                 done = True
                 break
@@ -689,8 +689,8 @@ def solve_balls(
         status = f"not converged after {MOST} iterations (relative residual {residual:.1e})"
     forces = [ball.forces for ball in system.balls]
     gaps = [
-        between + block.apply(f)
-        for between, block, f in zip(system.gaps_without_local(w, y), C.blocks, forces, strict=True)
+        between + block.compute_opened_gaps(f)
+        for between, block, f in zip(system.gaps_without_local_compliance(w, y), C.blocks, forces, strict=True)
     ]
     result = ContactResult(np.concatenate(forces), np.concatenate(gaps), y, iteration, status, residual)
     return result, SolverState(w, y, system.balls, factor)

@@ -23,13 +23,13 @@ from time import perf_counter
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.contact.balls import solve_balls, uncoupled_compliance
+from rollbench.hifi.contact.balls import compliance_of_single_ball, solve_contacts_of_all_balls
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
-from rollbench.hifi.elements.forms import assemble, elasticity, nodal_areas
-from rollbench.hifi.linear_algebra import factor
+from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, nodal_areas
+from rollbench.hifi.linear_algebra import factorise_positive_definite
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.block import BlockMesh, Influence, hexahedral_block, tetrahedral_block
-from rollbench.meshes.fem import freedoms_on, nodes_on
+from rollbench.meshes.block import BlockMesh, BodyOfInfluence, mesh_block_with_hexahedra, mesh_block_with_tetrahedra
+from rollbench.meshes.fem import freedoms_on_boundaries, nodes_on_boundaries
 
 #: Number of right-hand sides that are solved at once.
 CHUNK = 128
@@ -63,7 +63,7 @@ class SurfaceCompliance:
     seconds: dict[str, float]
 
 
-def boussinesq(points: Array, sources: Array, young: float, poisson: float) -> Array:
+def boussinesq_displacements(points: Array, sources: Array, young: float, poisson: float) -> Array:
     """Compute the displacements of the half-space z > 0 under unit normal forces on its surface, by Boussinesq.
 
     u_r = (1 + nu)/(2 pi E) (r z/R^3 - (1 - 2 nu) r/(R (R + z))), u_z = (1 + nu)/(2 pi E) (z^2/R^3 + 2 (1 - nu)/R), where R
@@ -149,17 +149,19 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
         The stiffness of the mesh cannot be factored.
     """
     start = perf_counter()
-    matrix = sp.csr_array(assemble(elasticity(young, poisson), mesh.mesh))
+    matrix = sp.csr_array(assemble_constant_form(elasticity_form(young, poisson), mesh.mesh))
     areas = nodal_contact_areas(mesh)
     near = ((mesh.points[:, :2] / np.array(reach)) ** 2).sum(axis=1) <= 1.0
     nodes = np.flatnonzero((areas > 0.0) & near)
-    cut = freedoms_on(mesh.mesh, "cut")
-    symmetry = np.concatenate([3 * nodes_on(mesh.mesh, "x = 0"), 3 * nodes_on(mesh.mesh, "y = 0") + 1])
+    cut = freedoms_on_boundaries(mesh.mesh, "cut")
+    symmetry = np.concatenate(
+        [3 * nodes_on_boundaries(mesh.mesh, "x = 0"), 3 * nodes_on_boundaries(mesh.mesh, "y = 0") + 1]
+    )
     free = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate([cut, symmetry]))
     unit = sp.csr_array((np.ones(len(nodes)), (3 * nodes + 2, np.arange(len(nodes)))), (matrix.shape[0], len(nodes)))
     unit = unit[free].tocsc()
     assembled = perf_counter()
-    solve = factor(matrix[free][:, free].tocsc())
+    solve = factorise_positive_definite(matrix[free][:, free].tocsc())
     factored = perf_counter()
     rows = matrix[cut][:, free]
     held, reactions = np.empty((len(nodes), len(nodes))), np.empty((len(cut), len(nodes)))
@@ -167,7 +169,7 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
         chunk = slice(first, first + CHUNK)
         answer = solve(unit[:, chunk].toarray())
         held[:, chunk], reactions[:, chunk] = unit.T @ answer, rows @ answer
-    full = held - reactions.T @ _far_field_at_cut(mesh, mesh.points[nodes, :2], young, poisson)
+    full = held - reactions.T @ _half_space_displacements_at_cut(mesh, mesh.points[nodes, :2], young, poisson)
     seconds = {"assembly": assembled - start, "factor": factored - assembled, "solve": perf_counter() - factored}
     return SurfaceCompliance(
         places=mesh.points[nodes, :2],
@@ -180,14 +182,14 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
     )
 
 
-def _far_field_at_cut(mesh: BlockMesh, sources: Array, young: float, poisson: float) -> Array:
+def _half_space_displacements_at_cut(mesh: BlockMesh, sources: Array, young: float, poisson: float) -> Array:
     """Compute the displacements of the cut faces by unit forces at m sources and their images ``(3 cut nodes, m)`` [m/N].
 
     ``sources``: coordinates x, y of the forces in the quarter (m, 2) [m]; the images lie in the other three quarters.
     """
-    points = mesh.points[nodes_on(mesh.mesh, "cut")]
+    points = mesh.points[nodes_on_boundaries(mesh.mesh, "cut")]
     images = [np.array(signs) for signs in product((1.0, -1.0), repeat=2)]
-    total = sum(boussinesq(points, sources * signs, young, poisson) for signs in images)
+    total = sum(boussinesq_displacements(points, sources * signs, young, poisson) for signs in images)
     return np.asarray(total).reshape(3 * len(points), len(sources))
 
 
@@ -304,13 +306,13 @@ def solve_hertz_contact(
         order = int(element[1])
         edge = np.array([a, b, b]) / b_over_h
         core = (1.15 * a, 1.15 * b, 0.0)
-        mesh = hexahedral_block(order, tuple(edge / order), core, size * a, GROWTH ** (1.0 / refinement))
+        mesh = mesh_block_with_hexahedra(order, tuple(edge / order), core, size * a, GROWTH ** (1.0 / refinement))
     elif element in ("P1", "P2"):
-        influence = Influence(b / b_over_h, (1.15 * a, 1.15 * b, 0.5 * b), GRADING / refinement, size * a)
-        mesh = tetrahedral_block(int(element[1]), influence, size * a)
+        influence = BodyOfInfluence(b / b_over_h, (1.15 * a, 1.15 * b, 0.5 * b), GRADING / refinement, size * a)
+        mesh = mesh_block_with_tetrahedra(int(element[1]), influence, size * a)
     else:
         raise ValueError(f"the element type of a block must be one of P1, P2, Q1, Q2, got {element!r}")
-    return solve_on_mesh(job, mesh, b_over_h, perf_counter() - start, far_field=far_field)
+    return solve_hertz_contact_on_mesh(job, mesh, b_over_h, perf_counter() - start, far_field=far_field)
 
 
 def solve_hertz_contact_like_lin(job: HertzJob) -> HertzRun:
@@ -332,11 +334,13 @@ def solve_hertz_contact_like_lin(job: HertzJob) -> HertzRun:
     """
     start = perf_counter()
     radius = SOURCE_RADIUS
-    mesh = tetrahedral_block(1, Influence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE)
-    return solve_on_mesh(job, mesh, job.exact.semi_y / SOURCE_FINE, perf_counter() - start)
+    mesh = mesh_block_with_tetrahedra(
+        1, BodyOfInfluence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE
+    )
+    return solve_hertz_contact_on_mesh(job, mesh, job.exact.semi_y / SOURCE_FINE, perf_counter() - start)
 
 
-def solve_on_mesh(
+def solve_hertz_contact_on_mesh(
     job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.0, *, far_field: bool = True
 ) -> HertzRun:
     """Solve a Hertz contact on a given mesh of a quarter block.
@@ -372,7 +376,9 @@ def solve_on_mesh(
     gap = x**2 / (2.0 * job.radius_x) + y**2 / (2.0 * job.radius_y)
     matrix = 2.0 * (surface.matrix if far_field else surface.held)  # two bodies
     closing = sp.csr_array(np.ones((len(gap), 1)))
-    result, _ = solve_balls(uncoupled_compliance(matrix), gap, closing, np.array([0.25 * job.load]))  # a quarter
+    result, _ = solve_contacts_of_all_balls(
+        compliance_of_single_ball(matrix), gap, closing, np.array([0.25 * job.load])
+    )  # a quarter
     if not result.converged:
         raise ArithmeticError(
             f"Hertz contact {job.name} on a mesh of {mesh.element} elements with {b_over_h:g} cells across its short "

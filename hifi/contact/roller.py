@@ -22,13 +22,27 @@ from time import perf_counter, process_time
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.contact.balls import ContactResult, SolverState, solve_balls, uncoupled_compliance
-from rollbench.hifi.elements.forms import assemble, contact_weights, elasticity, face_basis, mean_weights, nodal_share_form
-from rollbench.hifi.linear_algebra import compliance
+from rollbench.hifi.contact.balls import ContactResult, SolverState, compliance_of_single_ball, solve_contacts_of_all_balls
+from rollbench.hifi.elements.forms import (
+    assemble_constant_form,
+    elasticity_form,
+    face_basis,
+    nodal_share_form,
+    normalise_rows_of_weights,
+    pressure_weights_of_nodes,
+)
+from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
-from rollbench.meshes.fem import nodes_on
-from rollbench.meshes.roller_body import SweptBody, Zone, raceway_point_map, roller_point_map, section_mesh, swept_body
+from rollbench.meshes.fem import nodes_on_boundaries
+from rollbench.meshes.roller_body import (
+    RollerContactZone,
+    SweptBody,
+    build_swept_body,
+    mesh_section,
+    raceway_point_map,
+    roller_point_map,
+)
 
 #: Mesh levels: cells across half of the zone, which is `ZONE` times as wide as the contact in the roller's middle, and
 #: along half of the roller; all other cells follow in proportion.
@@ -132,7 +146,7 @@ def _distance_from_apex(row: RollerRow) -> float:
     return float(0.5 * row.diameter / np.sin(row.roller_angle))
 
 
-def profile_depths(row: RollerRow, x: Array) -> tuple[Array, Array]:
+def crown_and_end_rounding_depths(row: RollerRow, x: Array) -> tuple[Array, Array]:
     """Return how far a roller's profile lies below a straight line by its crown, then by the rounding of its ends [m].
 
     ``row``: row of rollers; ``x``: distances from the roller's middle [m]. The results have the shape of ``x``.
@@ -143,7 +157,7 @@ def profile_depths(row: RollerRow, x: Array) -> tuple[Array, Array]:
     return x**2 / (2.0 * row.crown), edge
 
 
-def _cell_boundaries(row: RollerRow, cells: int, load: float) -> tuple[Array, float, Array]:
+def _axial_cell_boundaries(row: RollerRow, cells: int, load: float) -> tuple[Array, float, Array]:
     """Compute the cell boundaries along a roller and its races, as distances from the roller's middle [m].
 
     ``cells``: number of cells along half of the roller; ``load``: force of a race on the roller [N]. Returns the boundaries
@@ -211,22 +225,24 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     if row.edge_radius is None and np.isinf(row.crown):
         raise RollerError("the roller is straight and its ends are sharp: their pressure is not finite", SHARP)
     middle, share_of = _distance_from_apex(row), min(np.pi / row.count, WIDEST)
-    zone = Zone(ZONE * contact_half_width(row, load), cells, GRADING / cells)
-    lines, touch, far = _cell_boundaries(row, cells, load)
+    zone = RollerContactZone(ZONE * contact_half_width(row, load), cells, GRADING / cells)
+    lines, touch, far = _axial_cell_boundaries(row, cells, load)
     reach = (middle - touch, middle + touch)
     radius = 0.5 * row.diameter
-    shape = roller_point_map(radius, row.roller_angle, lambda along: profile_depths(row, along - middle)[1])
-    roller = swept_body(section_mesh(zone, radius, radius, round=True), zone, middle + lines, reach, shape, round=True)
+    shape = roller_point_map(radius, row.roller_angle, lambda along: crown_and_end_rounding_depths(row, along - middle)[1])
+    roller = build_swept_body(
+        mesh_section(zone, radius, radius, round=True), zone, middle + lines, reach, shape, round=True
+    )
     angles = (row.cup_angle, row.cup_angle - 2.0 * row.roller_angle)
     rings = []
     longer = middle + np.concatenate([-far[::-1], lines, far])
     for angle, outward in zip(angles, (1.0, -1.0), strict=True):
         width = middle * np.sin(angle) * np.sin(share_of)
-        flat = section_mesh(zone, width, row.depth, round=False)
+        flat = mesh_section(zone, width, row.depth, round=False)
         rings.append(
-            swept_body(flat, zone, longer, reach, raceway_point_map(middle, angle, outward), mirrored=outward > 0.0)
+            build_swept_body(flat, zone, longer, reach, raceway_point_map(middle, angle, outward), mirrored=outward > 0.0)
         )
-    law = elasticity(row.material.youngs_modulus, row.material.poissons_ratio)
+    law = elasticity_form(row.material.youngs_modulus, row.material.poissons_ratio)
     S, A = (roller_compliance(roller, law, even=even) for even in (True, False))
     own = [race_compliance(ring, law, share_of) for ring in rings]
     same, other = 0.5 * (S + A), 0.5 * (S - A)
@@ -235,9 +251,9 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     x, y = np.repeat(along, len(across)), np.tile(across, len(along))
     place = middle + x
     sag = [_distance_from_tangent_plane(place, y * place / middle, angle) for angle in (row.roller_angle, *angles)]
-    crown, edge = profile_depths(row, x)
+    crown, edge = crown_and_end_rounding_depths(row, x)
     gap = np.concatenate([sag[0] - sag[1], sag[0] + sag[2]]) + np.tile(crown + edge, 2)
-    areas = np.asarray(contact_weights(roller.mesh, roller.contact.ravel()).sum(axis=1)).ravel()
+    areas = np.asarray(pressure_weights_of_nodes(roller.mesh, roller.contact.ravel()).sum(axis=1)).ravel()
     meshes = (roller, *rings)
     return CondensedRoller(
         row=row,
@@ -245,7 +261,7 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
         across=across,
         matrix=matrix,
         gap=gap,
-        closing=_closing_motions(roller, rings[0], middle * np.cos(row.roller_angle)),
+        closing=_gap_closing_by_unit_motions(roller, rings[0], middle * np.cos(row.roller_angle)),
         areas=areas.reshape(len(along), -1),
         cells=sum(len(one.cells) for one in meshes),
         unknowns=sum(3 * len(one.points) for one in meshes),
@@ -264,13 +280,13 @@ def _distance_from_tangent_plane(along: Array, across: Array, angle: float) -> A
     return np.asarray(radius * np.cos(angle) * (1.0 - np.sqrt(1.0 - (across / radius) ** 2)))
 
 
-def _pressure_loads(body: SweptBody) -> sp.csr_array:
+def _nodal_forces_of_pressure_functions(body: SweptBody) -> sp.csr_array:
     """Assemble the nodal forces of a unit force on each basis function of the contact pressure, one in each row.
 
     ``body``: quarter roller or race; the forces press into it, along the normals of its contact zone.
     """
     contact = body.contact.ravel()
-    W = mean_weights(contact_weights(body.mesh, contact)).tocoo()
+    W = normalise_rows_of_weights(pressure_weights_of_nodes(body.mesh, contact)).tocoo()
     normal = body.inward.reshape(-1, 3)[W.col]
     rows, columns = np.repeat(W.row, 3), (3 * contact[W.col][:, None] + np.arange(3)).ravel()
     return sp.csr_array(((W.data[:, None] * normal).ravel(), (rows, columns)), (len(contact), 3 * len(body.points)))
@@ -282,11 +298,11 @@ def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
     ``law``: bilinear form of linear elasticity; ``even``: whether the loads are even about the roller's second plane of
     symmetry; otherwise they are odd.
     """
-    K, rows = assemble(law, body.mesh), _pressure_loads(body)
-    side, points = nodes_on(body.mesh, "side"), body.points
-    axis = np.intersect1d(side, nodes_on(body.mesh, "y = 0"))
+    K, rows = assemble_constant_form(law, body.mesh), _nodal_forces_of_pressure_functions(body)
+    side, points = nodes_on_boundaries(body.mesh, "side"), body.points
+    axis = np.intersect1d(side, nodes_on_boundaries(body.mesh, "y = 0"))
     ends = axis[[points[axis, 2].argmin(), points[axis, 2].argmax()]]
-    held = [3 * nodes_on(body.mesh, "y = 0") + 1]
+    held = [3 * nodes_on_boundaries(body.mesh, "y = 0") + 1]
     if even:
         held += [3 * side, 3 * ends[1:] + 2]
         along = np.zeros(3 * len(points))
@@ -300,7 +316,7 @@ def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
         held += [3 * side + 1, 3 * side + 2, 3 * ends]  # this support carries no force in equilibrium
         change = np.eye(rows.shape[0])
     free = np.setdiff1d(np.arange(K.shape[0]), np.concatenate(held))
-    found = compliance(K[free][:, free], rows[:, free])
+    found = symmetric_compliance_of_loads(K[free][:, free], rows[:, free])
     return np.asarray(change @ found @ change.T)
 
 
@@ -309,21 +325,21 @@ def race_compliance(body: SweptBody, law: object, half: float) -> Array:
 
     ``law``: bilinear form of linear elasticity; ``half``: azimuth of the end of the meshed sector [rad], which begins at 0.
     """
-    K, rows = assemble(law, body.mesh), _pressure_loads(body)
-    side = nodes_on(body.mesh, "side")
+    K, rows = assemble_constant_form(law, body.mesh), _nodal_forces_of_pressure_functions(body)
+    side = nodes_on_boundaries(body.mesh, "side")
     turn = np.ones((2, len(side))) * np.array([[np.cos(half)], [np.sin(half)]])
     x, y = 3 * side, 3 * side + 1
     rest = np.setdiff1d(np.arange(K.shape[0]), np.concatenate([x, y]))
     at = (np.concatenate([rest, x, x, y, y]), np.concatenate([rest, x, y, x, y]))
     T = sp.csc_array((np.concatenate([np.ones(len(rest)), turn[0], -turn[1], turn[1], turn[0]]), at), K.shape)
     K, rows = (T.T @ K @ T).tocsc(), (rows @ T).tocsr()  # on the side, y is the direction of the azimuth
-    base = nodes_on(body.mesh, "base")
-    held = np.concatenate([3 * nodes_on(body.mesh, "y = 0") + 1, y, *(3 * base + k for k in range(3))])
+    base = nodes_on_boundaries(body.mesh, "base")
+    held = np.concatenate([3 * nodes_on_boundaries(body.mesh, "y = 0") + 1, y, *(3 * base + k for k in range(3))])
     free = np.setdiff1d(np.arange(K.shape[0]), held)
-    return compliance(K[free][:, free], rows[:, free])
+    return symmetric_compliance_of_loads(K[free][:, free], rows[:, free])
 
 
-def _closing_motions(roller: SweptBody, cup: SweptBody, middle: float) -> Array:
+def _gap_closing_by_unit_motions(roller: SweptBody, cup: SweptBody, middle: float) -> Array:
     """Return how much each gap closes by a unit of the cup's approach, of the roller's motion to the cup, and of its tilt.
 
     ``middle``: distance of the roller's middle from the apex, along the roller's axis [m]. The result is ``(2 m n, 3)``,
@@ -345,7 +361,7 @@ SHARP = "add the rollers' edge_radius, or a crown with which the contact ends be
 STEP = 0.01
 
 
-def press_roller(bodies: CondensedRoller, load: float) -> RollerState:
+def press_roller_between_races(bodies: CondensedRoller, load: float) -> RollerState:
     """Solve the contacts of a roller that is pressed between its races, and its stiffness by small changes of the force.
 
     Parameters
@@ -366,11 +382,13 @@ def press_roller(bodies: CondensedRoller, load: float) -> RollerState:
         The contact does not converge, or reaches a sharp end of the roller or the end of the contact zone.
     """
     wall, cpu = perf_counter(), process_time()
-    C, N = uncoupled_compliance(bodies.matrix), sp.csr_array(bodies.closing)
+    C, N = compliance_of_single_ball(bodies.matrix), sp.csr_array(bodies.closing)
     found: list[ContactResult] = []
     state: SolverState | None = None
     for factor in (1.0 - STEP, 1.0 + STEP, 1.0):
-        result, state = solve_balls(C, bodies.gap, N, np.array([0.5 * factor * load, 0.0, 0.0]), start=state)
+        result, state = solve_contacts_of_all_balls(
+            C, bodies.gap, N, np.array([0.5 * factor * load, 0.0, 0.0]), start=state
+        )
         if not result.converged:
             raise RollerError(f"the roller's contact did not converge: {result.status}", "try another load or level")
         found.append(result)

@@ -48,7 +48,7 @@ from rollbench.meshes.arrays import Array, Index
 Stress = Callable[[Any], Any]
 
 
-def hooke(young: float, poisson: float) -> Stress:
+def isotropic_stress_law(young: float, poisson: float) -> Stress:
     """Return the law of isotropic linear elasticity, from strain to stress.
 
     Parameters
@@ -76,7 +76,7 @@ def hooke(young: float, poisson: float) -> Stress:
     return law
 
 
-def elasticity(young: float, poisson: float) -> Any:
+def elasticity_form(young: float, poisson: float) -> Any:
     """Return the bilinear form of linear elasticity, int C(eps(u)) : eps(v) dV.
 
     Parameters
@@ -96,7 +96,7 @@ def elasticity(young: float, poisson: float) -> Any:
     ValueError
         Young's modulus is not positive, or Poisson's ratio not between -1 and 0.5.
     """
-    C = hooke(young, poisson)
+    C = isotropic_stress_law(young, poisson)
 
     def energy(u: Any, v: Any, _: Any) -> Any:
         return ddot(C(sym_grad(u)), sym_grad(v))
@@ -390,7 +390,7 @@ def form_coefficients(form: Any) -> Array:
     return values
 
 
-def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_array:
+def assemble_constant_form(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_array:
     """Assemble the sparse matrix of a form in the displacement gradients only, with constant coefficients.
 
     Parameters
@@ -494,7 +494,7 @@ def quarter_square_quadrature(refdom: Any, degree: int) -> tuple[Array, Array]:
     return np.hstack([0.5 * points + np.array(s)[:, None] for s in shifts]), np.tile(0.25 * weights, 4)
 
 
-def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_array:
+def pressure_weights_of_nodes(mesh: Mesh, contact: Index) -> sp.csr_array:
     """Compute the weights W of the pressure functions at the nodal displacements, on a patch's boundary "contact".
 
     The row sums W 1 are the areas of the pressure functions, the column sums 1^T W those of the displacement's shape
@@ -523,13 +523,13 @@ def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_array:
     return sp.csr_array(W[contact][:, contact])
 
 
-def mean_weights(weights: sp.csr_array) -> sp.csr_array:
+def normalise_rows_of_weights(weights: sp.csr_array) -> sp.csr_array:
     """Scale weights to rows of sum one, so that they give means over the pressure functions instead of integrals.
 
     Parameters
     ----------
     weights : (c, c) sparse array
-        Weights of c pressure functions (rows) at nodal displacements (columns) [m2], of `contact_weights`.
+        Weights of c pressure functions (rows) at nodal displacements (columns) [m2], of `pressure_weights_of_nodes`.
 
     Returns
     -------

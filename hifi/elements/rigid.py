@@ -7,7 +7,7 @@ import numpy as np
 from rollbench.meshes.arrays import Array
 
 
-def rigid_modes(points: Array, centre: Array | None = None) -> Array:
+def nodal_displacements_of_rigid_motions(points: Array, centre: Array | None = None) -> Array:
     """Compute the displacements of nodes by the six rigid motions about a centre.
 
     Parameters
@@ -35,7 +35,7 @@ def rigid_modes(points: Array, centre: Array | None = None) -> Array:
     return modes.reshape(-1, 6)
 
 
-def transport(arm: float) -> Array:
+def rigid_motion_transfer_matrix(arm: float) -> Array:
     """Return the matrix that carries a small rigid motion along the z axis, from one section to another.
 
     Parameters

@@ -16,23 +16,29 @@ from rollbench.hifi.bodies.coarse import Socket
 from rollbench.hifi.bodies.patch import (
     PatchLines,
     PatchMesh,
-    build_patch,
-    build_tet_patch,
+    fit_tetrahedral_patch,
     graded_boundaries,
     growing_boundaries,
+    mesh_hexahedral_patch,
 )
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.ball_body import BallBody, BallSocket, ball_depth, ball_points, build_ball
+from rollbench.meshes.ball_body import (
+    BallBody,
+    BallSocket,
+    ball_socket_depth,
+    mesh_ball_with_sockets,
+    points_in_ball_socket,
+)
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import GroovedBody, build_body
+from rollbench.meshes.grooved_body import GroovedBody, mesh_grooved_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.sockets import ZONE, SocketMesh, SocketSize, fitted_socket, socket_centre
+from rollbench.meshes.sockets import ZONE, SocketMesh, SocketSize, largest_fitting_socket, unrolled_socket_centre
 from rollbench.meshes.solid import Dimensions
-from rollbench.meshes.tet_patch import build_tets, source_box
+from rollbench.meshes.tet_patch import mesh_patch_with_tetrahedra, patch_as_in_thesis
 
 #: Half width of the contact zone over the largest expected distance of a contact's edge, across and along the groove.
 MARGIN = (1.15, 1.2)
@@ -114,10 +120,10 @@ def choose_socket_size(
     low, high = dims.ends(scene)
     ends = (max(position - nut.length / 2.0, low), min(position + nut.length / 2.0, high))
     radii = (scene.screw.outer_diameter / 2.0, dims.hole, dims.land, nut.outer_diameter / 2.0)
-    return replace(fitted_socket(m, layout, sides, *radii, ends, settings.reach), cuts=settings.cuts)
+    return replace(largest_fitting_socket(m, layout, sides, *radii, ends, settings.reach), cuts=settings.cuts)
 
 
-def contact_reach_along(m: GrooveMap, side: int, angle: Array, across: Array, along: Array) -> float:
+def reach_of_ellipses_along_groove(m: GrooveMap, side: int, angle: Array, across: Array, along: Array) -> float:
     """Compute the largest distance along the groove of contact ellipses from the middle line of a patch.
 
     An ellipse lies across its helix, but the lines of a patch lie at constant azimuth. By the lead angle the ends of the
@@ -141,8 +147,8 @@ def contact_reach_along(m: GrooveMap, side: int, angle: Array, across: Array, al
     """
     turn = np.linspace(0.0, 2.0 * np.pi, AROUND)
     gamma = angle[:, None] + across[:, None] / float(m.radius[side]) * np.cos(turn)
-    r, _, psi = m.unroll(*m.section_point(side, gamma, np.array(m.radius[side])))
-    ahead = psi - socket_centre(m, side)[2] + along[:, None] * np.sin(turn) / np.hypot(r, m.rg)
+    r, _, psi = m.section_to_unrolled(*m.polar_to_section(side, gamma, np.array(m.radius[side])))
+    ahead = psi - unrolled_socket_centre(m, side)[2] + along[:, None] * np.sin(turn) / np.hypot(r, m.rg)
     return float(m.R * np.abs(ahead).max(initial=0.0))
 
 
@@ -171,8 +177,8 @@ def ball_socket_and_map(
     place : callable
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m] in the ball's frame.
     """
-    socket = BallSocket(side, size, ball_depth(m, size, side), zone[1])
-    return socket, partial(ball_points, m, socket)
+    socket = BallSocket(side, size, ball_socket_depth(m, size, side), zone[1])
+    return socket, partial(points_in_ball_socket, m, socket)
 
 
 #: Edges [m] of first-order tetrahedra at a patch's rim, tried one by one; long ones may be turned inside out in space.
@@ -266,11 +272,11 @@ def mesh_parts(
         There is no room for a socket, or gmsh finds no good mesh.
     """
     cache = cache or Cache(None)
-    recipes, gather = mesh_recipes(scene, m, layout, dims, sides, settings)
+    recipes, gather = list_mesh_calls(scene, m, layout, dims, sides, settings)
     return gather(*(cache.get(*recipe) for recipe in recipes))
 
 
-def mesh_recipes(
+def list_mesh_calls(
     scene: Scene, m: GrooveMap, layout: BallLayout, dims: Dimensions, sides: tuple[int, ...], settings: Settings
 ) -> tuple[list[Recipe], Callable[..., Meshes]]:
     """List the calls that mesh screw, nut and one ball, and return a function that collects the three meshes.
@@ -309,8 +315,8 @@ def mesh_recipes(
         dims.land, nut.outer_diameter / 2.0, *ends, False, on_nut, size, *cells, dims.groove_ends, nut.flange
     )
     sockets = tuple(ball_socket_and_map(m, size, s, zone)[0] for s in sides)
-    bodies: list[Recipe] = [(build_body, (m, spec), GroovedBody) for spec in (screw_spec, nut_spec)]
-    ball = (build_ball, (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts), BallBody)
+    bodies: list[Recipe] = [(mesh_grooved_body, (m, spec), GroovedBody) for spec in (screw_spec, nut_spec)]
+    ball = (mesh_ball_with_sockets, (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts), BallBody)
     return [*bodies, ball], partial(Meshes, size=size, zone=zone, widths=widths)
 
 
@@ -352,7 +358,7 @@ def rotation_about_z(phi: float) -> Array:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def rotated_sockets(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket]:
+def sockets_at_contact_azimuths(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket]:
     """Create the sockets of a body, with their rotations to the azimuths of its contacts.
 
     Parameters
@@ -370,7 +376,7 @@ def rotated_sockets(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket
     return [Socket(n, rotation_about_z(x[0]), x[2]) for n, x in zip(mesh.socket_nodes, places, strict=True)]
 
 
-def body_kind(settings: Settings) -> Literal["P1", "P2"]:
+def element_order_of_bodies(settings: Settings) -> Literal["P1", "P2"]:
     """Return the element type of the coarse bodies, whose order is that of the patches.
 
     Parameters
@@ -386,8 +392,8 @@ def body_kind(settings: Settings) -> Literal["P1", "P2"]:
     return "P2" if settings.element == "Q2" else "P1"
 
 
-def mesh_carrier_patch(
-    meshes: Meshes | Sockets, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
+def mesh_load_transfer_patch(
+    meshes: Meshes | Sockets, socket: SocketMesh, map_to_space: Callable[[Array], Array], settings: Settings
 ) -> PatchMesh | None:
     """Mesh a coarser patch of hexahedra, which only transfers loads from a contact to its body.
 
@@ -408,11 +414,11 @@ def mesh_carrier_patch(
         The coarser patch; None for tetrahedra.
     """
     coarse = replace(settings, b_over_h=CARRIER * settings.b_over_h)
-    return mesh_patch(meshes, socket, place, coarse) if settings.element == "Q2" else None
+    return mesh_patch(meshes, socket, map_to_space, coarse) if settings.element == "Q2" else None
 
 
 def mesh_patch(
-    meshes: Meshes | Sockets, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
+    meshes: Meshes | Sockets, socket: SocketMesh, map_to_space: Callable[[Array], Array], settings: Settings
 ) -> PatchMesh:
     """Mesh a patch in a socket, with graded hexahedra or with tetrahedra sized as in Lin's thesis.
 
@@ -439,11 +445,11 @@ def mesh_patch(
     """
     lines, zone = choose_patch_lines(settings, meshes.widths, meshes.size.depth)
     if settings.element == "Q2":
-        return build_patch(lines, zone, place, socket)
+        return mesh_hexahedral_patch(lines, zone, map_to_space, socket)
     for far in RIM_EDGES:
-        box = source_box(meshes.widths, meshes.size.depth, zone, settings.tet, far)
+        box = patch_as_in_thesis(meshes.widths, meshes.size.depth, zone, settings.tet, far)
         try:
-            return build_tet_patch(build_tets(box, socket), place, socket)
+            return fit_tetrahedral_patch(mesh_patch_with_tetrahedra(box, socket), map_to_space, socket)
         except ValueError:
             if far == RIM_EDGES[-1]:
                 raise

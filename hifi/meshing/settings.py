@@ -21,62 +21,62 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
-from rollbench.hifi.elements.rigid import transport
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
 from rollbench.hifi.shaft.beam import Frame, beam_stiffness, round_section
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Thrust
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.helix import ball_layout, groove_radii, lead_angle
-from rollbench.meshes.one_arc import sides_of_arc
+from rollbench.meshes.helix import ball_layout, lead_angle, nominal_groove_radii
+from rollbench.meshes.one_arc import flanks_with_contacts
 from rollbench.meshes.parts import SIDE_SIGNS, Material, Scene
-from rollbench.meshes.record_keys import keyed, usual
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 #: Expected semi-axes are rounded to this length [m], so that similar scenes share their patches.
 ROUNDING = 5e-6
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Settings:
     """Mesh choices of the 3D reference."""
 
     #: Cells across the short semi-axis b of a contact.
-    b_over_h: float = usual(4.0)
+    b_over_h: float = frozen_default(4.0)
     #: Semi-axes (a, b) of a typical contact [m].
-    semi: tuple[float, float] = usual((0.40e-3, 0.105e-3))
+    semi: tuple[float, float] = frozen_default((0.40e-3, 0.105e-3))
     #: Distances from the nominal contact point to the edge of the contacts, across and along the groove [m].
-    reach: tuple[float, float] = usual((0.40e-3, 0.105e-3))
+    reach: tuple[float, float] = frozen_default((0.40e-3, 0.105e-3))
     #: Element size of the coarse bodies at the sockets [m].
-    fine: float = usual(1.0e-3)
+    fine: float = frozen_default(1.0e-3)
     #: Element size of the coarse bodies far from the sockets [m].
-    coarse: float = usual(5.0e-3)
+    coarse: float = frozen_default(5.0e-3)
     #: Element size of the balls at the sockets [m].
-    ball_fine: float = usual(0.35e-3)
+    ball_fine: float = frozen_default(0.35e-3)
     #: Element size of the balls far from the sockets [m].
-    ball_coarse: float = usual(0.8e-3)
+    ball_coarse: float = frozen_default(0.8e-3)
     #: Subdivisions of the sockets' edges across, in depth and along.
-    cuts: tuple[int, int, int] = usual((3, 2, 3))
+    cuts: tuple[int, int, int] = frozen_default((3, 2, 3))
     #: Ratio of neighbouring cells of a patch outside the contact zone.
-    growth: float = usual(1.6)
+    growth: float = frozen_default(1.6)
     #: Subdivisions of the sockets' edges in submodels of one contact.
-    own_cuts: tuple[int, int, int] = usual((4, 4, 4))
+    own_cuts: tuple[int, int, int] = frozen_default((4, 4, 4))
     #: Element sizes (near, far) of the submodels of grooves [m].
-    own_sizes: tuple[float, float] = usual((0.5e-3, 2.5e-3))
+    own_sizes: tuple[float, float] = frozen_default((0.5e-3, 2.5e-3))
     #: Element sizes (near, far) of the submodels of balls [m].
-    own_ball_sizes: tuple[float, float] = usual((0.3e-3, 0.6e-3))
+    own_ball_sizes: tuple[float, float] = frozen_default((0.3e-3, 0.6e-3))
     #: Element size of the 3D shafts that give the effect of a cut end [m].
-    cell: float = usual(4.5e-3)
+    cell: float = frozen_default(4.5e-3)
     #: Number of smooth modes of each patch of screw and nut.
-    modes: int = usual(16)
+    modes: int = frozen_default(16)
     #: Number of smooth modes of each patch of a ball.
-    ball_modes: int = usual(24)
+    ball_modes: int = frozen_default(24)
     #: ``"Q2"``: patches of 27-node hexahedra on second-order bodies; ``"P1"``: first-order tetrahedra on first-order
     #: bodies, as in Lin's thesis, without submodels.
-    element: str = usual("Q2")
+    element: str = frozen_default("Q2")
     #: Edge of the tetrahedra around each contact, for ``"P1"`` [m].
-    tet: float = usual(0.08e-3)
+    tet: float = frozen_default(0.08e-3)
 
 
 def round_up_lengths(lengths: tuple[float, float]) -> tuple[float, float]:
@@ -201,7 +201,7 @@ class _NutOnShaft:
 
 
 @lru_cache(maxsize=64)
-def expected_contacts(scene: Scene) -> ExpectedContacts:
+def estimate_contacts_of_scene(scene: Scene) -> ExpectedContacts:
     """Estimate the contacts of a ball screw or bearing, to size its meshes.
 
     Parameters
@@ -219,11 +219,13 @@ def expected_contacts(scene: Scene) -> ExpectedContacts:
     ValueError
         There is no equilibrium, or an ellipse is too thin for Hertz's formulas.
     """
-    return _estimate_contacts((_NutOnShaft(scene, _touchable_flanks(scene, "both")),), Frame.from_scene(scene))[0]
+    return _estimate_contacts(
+        (_NutOnShaft(scene, _flanks_touchable_under_thrust(scene, "both")),), Frame.from_scene(scene)
+    )[0]
 
 
 @lru_cache(maxsize=64)
-def expected_by_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
+def estimate_contacts_of_each_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
     """Estimate the contacts of each nut or bearing on a shaft, to size its meshes.
 
     A preload by force is replaced by the shift of the nut that produces it with all parts rigid but the contacts.
@@ -248,11 +250,15 @@ def expected_by_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
         if isinstance(s.parts, Scene):
             away = -1.0 if s.thrust == "+z" else 1.0
             offset = s.offset + (away * nut_shift_for_axial_force(s.parts, s.preload) if s.preload else 0.0)
-            sets.append(_NutOnShaft(s.parts, _touchable_flanks(s.parts, s.thrust), offset, frame.housing_index(s.housing)))
+            sets.append(
+                _NutOnShaft(
+                    s.parts, _flanks_touchable_under_thrust(s.parts, s.thrust), offset, frame.housing_index(s.housing)
+                )
+            )
     return _estimate_contacts(tuple(sets), frame)
 
 
-def contacts_under_assumed_load(scene: Scene, idle: ExpectedContacts, load: float) -> ExpectedContacts:
+def estimate_contacts_under_assumed_load(scene: Scene, idle: ExpectedContacts, load: float) -> ExpectedContacts:
     """Estimate the contacts of an unloaded nut or bearing as if its flanks of smallest gap carried a given load.
 
     Parameters
@@ -272,7 +278,9 @@ def contacts_under_assumed_load(scene: Scene, idle: ExpectedContacts, load: floa
     nearest = int(idle.gap.min(axis=0).argmin())
     on = np.isin(np.arange(4), (nearest, 3 - nearest)) & np.ones_like(idle.load, dtype=bool)
     across, along = (
-        np.where(on, np.cbrt(load) * np.array([getattr(unit, name) for unit in hertz_units(scene)]), 0.0)
+        np.where(
+            on, np.cbrt(load) * np.array([getattr(unit, name) for unit in hertz_contacts_under_unit_force(scene)]), 0.0
+        )
         for name in ("semi_x", "semi_y")
     )
     return replace(idle, load=np.where(on, load, 0.0), across=across, along=along, gap=np.where(on, -1.0, np.inf))
@@ -293,17 +301,17 @@ def nut_shift_for_axial_force(scene: Scene, force: float) -> float:
     float
         Shift [m]: (C_1 + C_2) (F / (n sin beta))^(2/3) / sin beta.
     """
-    sin, units = float(np.sin(scene.track.contact_angle)), hertz_units(scene)
+    sin, units = float(np.sin(scene.track.contact_angle)), hertz_contacts_under_unit_force(scene)
     return (units[0].approach + units[3].approach) * float(np.cbrt(force / (scene.ball_count * sin))) ** 2 / sin
 
 
-def _touchable_flanks(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
+def _flanks_touchable_under_thrust(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
     """Return whether each of the four flanks can touch under thrust in a given direction.
 
     ``thrust``: direction in which the nut or bearing can carry thrust, such as "+z" or "both". A groove of a single arc has
     one flank on each body.
     """
-    if (sides := sides_of_arc(scene)) and thrust in ("both", "deep groove"):
+    if (sides := flanks_with_contacts(scene)) and thrust in ("both", "deep groove"):
         return tuple(s in sides for s in range(4))
     return thrust != "-z", thrust != "+z", thrust != "+z", thrust != "-z"
 
@@ -313,21 +321,21 @@ def _estimate_contacts(sets: tuple[_NutOnShaft, ...], frame: Frame) -> tuple[Exp
 
     ``sets``: the nuts and bearings; ``frame``: supports and loads of the shaft. Raises ValueError without equilibrium.
     """
-    model = _build_estimate(sets, frame)
-    load, vectors = _solve_equilibrium(model)
+    model = _assemble_contact_estimate(sets, frame)
+    load, vectors = _solve_estimated_equilibrium(model)
     gap = model.touch - np.linalg.norm(vectors, axis=2)
     gap[model.constant == 0.0] = np.inf
     signs, ends = np.array(SIDE_SIGNS), np.cumsum([s.scene.ball_count for s in sets])[:-1]
     contacts = []
     for s, F, v, g in zip(sets, *(np.split(x, ends) for x in (load, vectors, gap)), strict=True):
-        units, beta = hertz_units(s.scene), s.scene.track.contact_angle
+        units, beta = hertz_contacts_under_unit_force(s.scene), s.scene.track.contact_angle
         angle = np.where(F > 0.0, np.arctan2(v[..., 1] * signs[:, 1], v[..., 0] * signs[:, 0]), beta)
         across, along = (np.cbrt(F) * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
-        contacts.append(ExpectedContacts(F, angle, across, along, (angle - beta) * groove_radii(s.scene), g))
+        contacts.append(ExpectedContacts(F, angle, across, along, (angle - beta) * nominal_groove_radii(s.scene), g))
     return tuple(contacts)
 
 
-def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
+def hertz_contacts_under_unit_force(scene: Scene) -> tuple[HertzSolution, ...]:
     """Solve the Hertz contacts of the flanks SL, SR, NL, NR under 1 N, x across the groove and y along it.
 
     Parameters
@@ -343,7 +351,12 @@ def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
     m, units = GrooveMap.of(scene), []
     for side, part in ((0, scene.screw), (2, scene.nut)):
         units += [
-            hertz(1.0, *m.relative_radii(side, m.beta), 2.0 * _contact_modulus(scene.balls.material, part.material), 0.0)
+            hertz(
+                1.0,
+                *m.relative_curvature_radii(side, m.beta),
+                2.0 * _contact_modulus(scene.balls.material, part.material),
+                0.0,
+            )
         ] * 2
     return tuple(units)
 
@@ -353,14 +366,14 @@ def _contact_modulus(first: Material, second: Material) -> float:
     return 1.0 / sum((1.0 - x.poissons_ratio**2) / x.youngs_modulus for x in (first, second))
 
 
-def _build_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _EstimateModel:
+def _assemble_contact_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _EstimateModel:
     """Assemble the equations of the contact estimate for all nuts or bearings on a shaft.
 
     ``sets``: the nuts and bearings; ``frame``: supports and loads of the shaft.
     """
     layouts, count = [ball_layout(s.scene) for s in sets], len(frame.housings)
     first, n = sets[0].scene, sum(x.z.size for x in layouts)
-    rigid = any(s.scene.ingredients.screw == "rigid" or solid_dimensions(s.scene).screw_held == "bore" for s in sets)
+    rigid = any(s.scene.ingredients.screw == "rigid" or dimensions_of_3d_parts(s.scene).screw_held == "bore" for s in sets)
     acted = frame.stations
     nodes = [first.nut.position] if rigid else sorted({round(z, 9) for x in layouts for z in acted | set(x.z.tolist())})
     thread, e = next((s.scene for s in sets if s.scene.track.lead > 0.0), first), first.screw.material
@@ -381,12 +394,12 @@ def _build_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _EstimateMod
             k = 0 if rigid else nodes.index(round(z, 9))
             first, at = 6 * k, nodes[k]
         out = sp.lil_array((6, K.shape[0]))
-        out[:, first : first + 6] = transport(z - at)
+        out[:, first : first + 6] = rigid_motion_transfer_matrix(z - at)
         return out.tocsr()
 
     wrenches = frame.wrenches()
     share = sum(float(np.linalg.norm(w[:3])) + float(np.linalg.norm(w[3:])) / frame.arm for *_, w in wrenches)
-    hertz_constants = [np.array([unit.approach for unit in hertz_units(s.scene)]) ** -1.5 for s in sets]
+    hertz_constants = [np.array([unit.approach for unit in hertz_contacts_under_unit_force(s.scene)]) ** -1.5 for s in sets]
     for s, constants in zip(sets, hertz_constants, strict=True):
         constants[~np.array(s.sides)] = 0.0
     constant = np.concatenate([np.tile(k, (x.z.size, 1)) for k, x in zip(hertz_constants, layouts, strict=True)])
@@ -395,12 +408,12 @@ def _build_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _EstimateMod
     for body, at, wrench in wrenches:
         P += motion(body, at).T @ wrench
     for body, at, k, value in frame.prescribed_motions():
-        row, spring = motion(body, at)[[k]], HELD * n * stiffness * frame.motion_lengths[k] ** 2
+        row, spring = motion(body, at)[[k]], HELD * n * stiffness * frame.lengths_per_motion[k] ** 2
         held = held + spring * (row.T @ row)
         P += spring * value * row.toarray()[0]
     blocks, arms, touch = [], [], []
     for s, layout in zip(sets, layouts, strict=True):
-        drawn, track = specimen(s.scene, layout), s.scene.track
+        drawn, track = draw_specimen(s.scene, layout), s.scene.track
         for i, z in enumerate(layout.z.tolist()):
             section_frame = np.stack([layout.radial[i], layout.binormal[i]])
             arm = layout.centre[i] - np.array([0.0, 0.0, z])
@@ -415,7 +428,7 @@ def _build_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _EstimateMod
         arms[-1][:, 2:, 1] -= s.offset * np.cos(lead_angle(track))
         touch.append((drawn.radius - np.array(inward))[None, :] - drawn.ball_radius[:, None])
     A = sp.hstack([sp.vstack(blocks), sp.kron(sp.eye_array(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
-    arm = np.concatenate([np.tile(frame.motion_lengths, len(nodes) + count), np.ones(2 * n)])
+    arm = np.concatenate([np.tile(frame.lengths_per_motion, len(nodes) + count), np.ones(2 * n)])
     soft = SOFT * stiffness * arm**2
     K_all = sp.block_diag([K.tocsr() + held, sp.csr_array((2 * n, 2 * n))]) + sp.diags_array(soft)
     P = np.append(P, np.zeros(2 * n))
@@ -435,7 +448,7 @@ def _energy_and_loads(model: _EstimateModel, x: Array) -> tuple[float, Array, Ar
     return energy, model.constant * closed**1.5, 1.5 * model.constant * np.sqrt(closed), vectors, length
 
 
-def _solve_equilibrium(model: _EstimateModel) -> tuple[Array, Array]:
+def _solve_estimated_equilibrium(model: _EstimateModel) -> tuple[Array, Array]:
     """Find the contact loads ``(n, 4)`` [N] and vectors from groove to ball centre ``(n, 4, 2)`` [m] of least energy.
 
     Raises ValueError if there is no equilibrium.

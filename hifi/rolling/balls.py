@@ -28,7 +28,7 @@ from rollbench.hifi.rolling import kinematics
 from rollbench.hifi.rolling.bodies import ContactPosition, Sizes, compute_and_cache_kernels, contact_kernel
 from rollbench.hifi.rolling.friction import PATH, Contact, Friction, full_slip_forces, solve_friction, solve_rigid_friction
 from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
-from rollbench.hifi.rolling.patch import Patch, SmoothKernel, equivalent_radii, hertz_patch
+from rollbench.hifi.rolling.patch import Patch, SmoothKernel, equivalent_radii, solve_elastic_contact_on_grid
 from rollbench.meshes.arrays import Array
 
 #: Ratio of the tangential compliance of nearly rigid bodies to that of the true bodies.
@@ -138,19 +138,21 @@ class RollingResult:
 
 
 @lru_cache(maxsize=16)
-def unit_load_patch(radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]) -> Patch:
+def half_space_contact_under_unit_load(
+    radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]
+) -> Patch:
     """Solve the contact of two half-spaces under 1 N on a grid of cells, and compute its `Patch.transport`.
 
     ``radii``: relative radii along and across the groove [m]; ``shape``: numbers of cells along and across. The contact
     under any other force is similar, with lengths in proportion to the cube root of the force.
     """
-    patch = hertz_patch(1.0, radii, young, poisson, shape)
-    assert patch.transport.size
+    patch = solve_elastic_contact_on_grid(1.0, radii, young, poisson, shape)
+    assert patch.transport_rate_matrix.size
     return patch
 
 
 @lru_cache(maxsize=64)
-def finite_body_patch(
+def finite_body_contact_under_load(
     load: float, radii: tuple[float, float], material: tuple[float, float], shape: tuple[int, int], kernel: SmoothKernel
 ) -> Patch:
     """Solve the normal contact of two finite bodies on a grid of cells.
@@ -159,23 +161,23 @@ def finite_body_patch(
     [Pa] and Poisson's ratio; ``shape``: numbers of cells along and across; ``kernel``: compliance of the finite bodies
     beyond that of half-spaces.
     """
-    return hertz_patch(load, radii, *material, shape, kernel)
+    return solve_elastic_contact_on_grid(load, radii, *material, shape, kernel)
 
 
-def grid_contact(scene: kinematics.Rolling, touch: kinematics.GrooveContact, choices: Choices) -> Patch:
+def solve_normal_contact_with_groove(scene: kinematics.Rolling, touch: kinematics.GrooveContact, choices: Choices) -> Patch:
     """Solve the normal contact of a ball with a groove on a grid, under the contact's force.
 
     ``scene``: the rolling balls; ``touch``: the contact; ``choices``: numerical choices. Raises ValueError if the direction
     to the groove's bottom is unknown, or a finite body has no room for the contact zone.
     """
-    kernel = finite_body_kernel(scene, touch, choices.bodies)
+    kernel = finite_body_kernel_at_contact(scene, touch, choices.bodies)
     if kernel is None:
-        unit = unit_load_patch(touch.radii, scene.young, scene.poisson, choices.shape)
+        unit = half_space_contact_under_unit_load(touch.radii, scene.young, scene.poisson, choices.shape)
         return unit.scaled(float(np.cbrt(touch.load)), touch.load)
-    return finite_body_patch(touch.load, touch.radii, (scene.young, scene.poisson), choices.shape, kernel)
+    return finite_body_contact_under_load(touch.load, touch.radii, (scene.young, scene.poisson), choices.shape, kernel)
 
 
-def finite_body_kernel(
+def finite_body_kernel_at_contact(
     scene: kinematics.Rolling, touch: kinematics.GrooveContact, bodies: Sizes | None
 ) -> SmoothKernel | None:
     """Compute the kernel of a contact: the compliance of its finite bodies less that of half-spaces, in the contact's axes.
@@ -202,13 +204,13 @@ def finite_body_kernel(
     """
     if bodies is None:
         return None
-    at, bottom = contact_place(scene, touch)
+    at, bottom = position_of_contact_on_groove(scene, touch)
     kernel = contact_kernel(at, _largest_load(scene), scene.young, scene.poisson, bodies)
     axes = kinematics.contact_axes(touch, scene)
     return kernel if axes[1] @ bottom > 0.0 else kernel.rotated_by_half_turn
 
 
-def compute_body_kernels(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
+def cache_kernels_of_scenes(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
     """Compute the kernels of finite bodies for several scenes of one material, in several processes, and cache them.
 
     See `hifi.rolling.bodies.compute_and_cache_kernels`.
@@ -229,7 +231,9 @@ def compute_body_kernels(scenes: Sequence[kinematics.Rolling], bodies: Sizes | N
     """
     if bodies is None:
         return 0.0
-    contacts = [(contact_place(s, t)[0], _largest_load(s)) for s in scenes for _, _, t in loaded_contacts(s)]
+    contacts = [
+        (position_of_contact_on_groove(s, t)[0], _largest_load(s)) for s in scenes for _, _, t in loaded_contacts(s)
+    ]
     return compute_and_cache_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
 
 
@@ -238,7 +242,9 @@ def _largest_load(scene: kinematics.Rolling) -> float:
     return max(t.load for b in scene.balls for t in b.touches)
 
 
-def contact_place(scene: kinematics.Rolling, touch: kinematics.GrooveContact) -> tuple[ContactPosition, Array]:
+def position_of_contact_on_groove(
+    scene: kinematics.Rolling, touch: kinematics.GrooveContact
+) -> tuple[ContactPosition, Array]:
     """Return the position of a contact on its groove, and the direction from the ball's centre to the groove's bottom.
 
     Parameters
@@ -289,7 +295,7 @@ def loaded_contacts(scene: kinematics.Rolling) -> list[tuple[int, int, kinematic
     return out
 
 
-def friction_contacts(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
+def prepare_friction_contacts(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
     """Prepare the loaded contacts of elastic bodies for the friction solver (`hifi.rolling.friction`).
 
     Parameters
@@ -306,12 +312,14 @@ def friction_contacts(scene: kinematics.Rolling, choices: Choices) -> list[Conta
     """
     curved, elastic = choices.curved, choices.elastic
     return [
-        kinematics.elastic_friction_contact(t, scene, b, grid_contact(scene, t, choices), curved=curved, elastic=elastic)
+        kinematics.elastic_friction_contact(
+            t, scene, b, solve_normal_contact_with_groove(scene, t, choices), curved=curved, elastic=elastic
+        )
         for b, _, t in loaded_contacts(scene)
     ]
 
 
-def ball_equilibrium(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinematics.BallEquilibrium:
+def equilibrium_equations_of_balls(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinematics.BallEquilibrium:
     """Create the equilibrium equations of the balls, which the friction solver satisfies together with the friction law.
 
     Parameters
@@ -319,7 +327,7 @@ def ball_equilibrium(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> 
     scene : kinematics.Rolling
         The balls.
     contacts : Sequence[Contact]
-        Loaded contacts of the balls, as from `friction_contacts`.
+        Loaded contacts of the balls, as from `prepare_friction_contacts`.
 
     Returns
     -------
@@ -364,7 +372,7 @@ def ball_contact_losses(scene: kinematics.Rolling, y: Array) -> Array:
     return np.array([scene.mu_balls * f * float(np.linalg.norm((m.rows @ y[m.columns])[1:])) for f, m in pairs])
 
 
-def starting_motions(scene: kinematics.Rolling) -> Array:
+def estimate_starting_unknowns(scene: kinematics.Rolling) -> Array:
     """Estimate the unknowns of `split_unknowns` ``(4 N + M,)`` [m/s, N] as starting values for N balls with M contacts.
 
     Each ball moves at its nominal speed along the track and rotates so that its contacts with grooves slide least; the
@@ -379,7 +387,7 @@ def starting_motions(scene: kinematics.Rolling) -> Array:
                 at = scene.radius * t.normal
                 turn = np.cross(np.eye(3), at).T / scene.radius
                 rows.append(turn * t.load)
-                driven.append((t.ride - scene.orbit) * scene.track.field(at) * t.load)
+                driven.append((t.ride - scene.orbit) * scene.track.track_velocity_field(at) * t.load)
         y[kinematics.MOTIONS * b + 1 : kinematics.MOTIONS * (b + 1)] = np.linalg.lstsq(
             np.vstack(rows), np.concatenate(driven), rcond=1e-10
         )[0]
@@ -389,8 +397,8 @@ def starting_motions(scene: kinematics.Rolling) -> Array:
 def solve_rolling(
     scene: kinematics.Rolling,
     choices: Choices | None = None,
-    near: RollingResult | None = None,
-    path: tuple[float, ...] = PATH,
+    start_result: RollingResult | None = None,
+    creeping_ratios: tuple[float, ...] = PATH,
 ) -> RollingResult:
     """Solve steady rolling of balls under prescribed contact loads.
 
@@ -418,10 +426,12 @@ def solve_rolling(
     begin, choices = process_time(), choices or Choices()
     if any(max((t.load for t in b.touches), default=0.0) <= 0.0 for b in scene.balls):
         raise ValueError("a ball has no loaded contact, and so no steady motion: every ball needs a contact force > 0")
-    contacts = friction_contacts(scene, choices)
-    balance = ball_equilibrium(scene, contacts)
-    y = starting_motions(scene) if near is None else near.friction.motions
-    solution = solve_friction(contacts, balance, y, None if near is None else near.friction.forces, path)
+    contacts = prepare_friction_contacts(scene, choices)
+    balance = equilibrium_equations_of_balls(scene, contacts)
+    y = estimate_starting_unknowns(scene) if start_result is None else start_result.friction.motions
+    solution = solve_friction(
+        contacts, balance, y, None if start_result is None else start_result.friction.forces, creeping_ratios
+    )
     return _collect_result(scene, choices, contacts, solution, process_time() - begin)
 
 
@@ -438,9 +448,9 @@ def _collect_result(
     for (b, i, t), c, q, s, stick in zip(
         loaded_contacts(scene), contacts, solution.forces, solution.slips, solution.stick, strict=True
     ):
-        patch = grid_contact(scene, t, choices)
-        points, tangents = kinematics.contact_surface(
-            t, scene, patch.at, curved=choices.curved, sunk=choices.elastic * patch.sunk
+        patch = solve_normal_contact_with_groove(scene, t, choices)
+        points, tangents = kinematics.surface_points_and_tangents(
+            t, scene, patch.at, curved=choices.curved, sunk=choices.elastic * patch.depth_of_contact_centre
         )
         on_ball = np.einsum("nck,cn->nk", tangents, q.reshape(2, -1))
         wrench[b, :3] += on_ball.sum(axis=0)
@@ -458,7 +468,7 @@ def _collect_result(
     return RollingResult(speed, rotation, force, rub, wrench, between, power, tuple(outs), *how, seconds, solution)
 
 
-def without_ball_contacts(scene: kinematics.Rolling) -> kinematics.Rolling:
+def copy_without_ball_to_ball_contacts(scene: kinematics.Rolling) -> kinematics.Rolling:
     """Return a copy of a scene whose balls cannot touch each other.
 
     Parameters
@@ -580,16 +590,16 @@ def solve_rigid_rolling(
     ValueError
         The solver finds no equilibrium of the balls.
     """
-    y = starting_motions(scene)
+    y = estimate_starting_unknowns(scene)
     for count in (FIRST, points):
-        contacts = _rigid_contacts(scene, count, curved, bodies)
+        contacts = _prepare_rigid_contacts(scene, count, curved, bodies)
         path = PATH if count == FIRST else PATH[-2:]
-        y, remainder = solve_rigid_friction(contacts, ball_equilibrium(scene, contacts), y, path)
+        y, remainder = solve_rigid_friction(contacts, equilibrium_equations_of_balls(scene, contacts), y, path)
     loss = np.array([-float(full_slip_forces(c.bound, s) @ s) for c in contacts for s in (c.rigid_slip(y),)])
     return RigidResult(*split_unknowns(scene, y), loss, ball_contact_losses(scene, y), remainder)
 
 
-def _rigid_contacts(scene: kinematics.Rolling, points: int, curved: bool, bodies: Sizes | None) -> list[Contact]:
+def _prepare_rigid_contacts(scene: kinematics.Rolling, points: int, curved: bool, bodies: Sizes | None) -> list[Contact]:
     """Prepare the loaded contacts of rigid bodies for the friction solver, with Hertz's pressure by quadrature.
 
     ``points``: number of quadrature points along each axis of an ellipse; the other arguments are those of
@@ -597,7 +607,7 @@ def _rigid_contacts(scene: kinematics.Rolling, points: int, curved: bool, bodies
     """
     (unit, weight), material, contacts = disk_quadrature(points), (scene.young, scene.poisson), []
     for b, _, touch in loaded_contacts(scene):
-        radii = equivalent_radii(touch.load, touch.radii, *material, finite_body_kernel(scene, touch, bodies))
+        radii = equivalent_radii(touch.load, touch.radii, *material, finite_body_kernel_at_contact(scene, touch, bodies))
         ellipse = hertz(touch.load, *radii, *material)
         semi = np.array([ellipse.semi_x, ellipse.semi_y])
         local = unit * semi
@@ -653,7 +663,7 @@ class _ContactWithoutHistory:
     #: The same at the place of the material before the step ``(2 n, 2 n)`` [m/s/N].
     before: Array
 
-    def with_history(self, forces: Array) -> Contact:
+    def add_displacements_of_last_step(self, forces: Array) -> Contact:
         """Return the contact with the displacements that the last step's forces cause, for the friction solver.
 
         ``forces``: tangential forces at the end of the last step, all x and then all y (2 n,) [N].
@@ -661,7 +671,7 @@ class _ContactWithoutHistory:
         return replace(self.contact, elastic=self.present, given=self.contact.given - self.before @ forces)
 
 
-def run_from_rest(
+def compute_motion_from_rest(
     scene: Rolling, duration: float, steps: int, gap: float = 0.0, choices: Choices | None = None
 ) -> TransientResult:
     """Compute the motion of balls from rest, in equal time steps.
@@ -695,22 +705,22 @@ def run_from_rest(
             f"rolling from rest got a duration of {duration} s, {steps} steps and a gap of {gap} m; "
             "allowed: a duration > 0, at least 1 step, and a gap >= 0"
         )
-    return _run_steps(scene, duration / steps, steps, gap, choices or Choices())
+    return _integrate_time_steps(scene, duration / steps, steps, gap, choices or Choices())
 
 
-def _run_steps(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) -> TransientResult:
+def _integrate_time_steps(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) -> TransientResult:
     """Compute the motion of balls from rest in equal time steps, up to the first step that does not converge.
 
     ``dt``: length of a step [s]; ``steps``: number of steps; ``gap``: gap between neighbouring balls at the beginning [m].
     """
     begin = process_time()
-    carried = _contacts_without_history(scene, choices, dt)
+    carried = _prepare_contacts_without_history(scene, choices, dt)
     forces = [np.zeros(c.contact.given.size) for c in carried]
-    y, gaps, out, status = starting_motions(scene), np.full(len(scene.meetings), gap), [], "converged"
+    y, gaps, out, status = estimate_starting_unknowns(scene), np.full(len(scene.meetings), gap), [], "converged"
     for step in range(steps):
         meetings = tuple(replace(m, apart=float(g) / dt) for m, g in zip(scene.meetings, gaps, strict=True))
-        contacts = [c.with_history(q) for c, q in zip(carried, forces, strict=True)]
-        balance = ball_equilibrium(replace(scene, meetings=meetings), contacts)
+        contacts = [c.add_displacements_of_last_step(q) for c, q in zip(carried, forces, strict=True)]
+        balance = equilibrium_equations_of_balls(replace(scene, meetings=meetings), contacts)
         solution = solve_friction(contacts, balance, y, forces)
         if not solution.converged:
             status = f"step {step + 1}: {solution.status}"
@@ -726,14 +736,14 @@ def _run_steps(scene: Rolling, dt: float, steps: int, gap: float, choices: Choic
     return TransientResult(time, speed, rotation, force, gap_left, loss, power, stored, process_time() - begin, status)
 
 
-def _contacts_without_history(scene: Rolling, choices: Choices, dt: float) -> list[_ContactWithoutHistory]:
+def _prepare_contacts_without_history(scene: Rolling, choices: Choices, dt: float) -> list[_ContactWithoutHistory]:
     """Prepare the loaded contacts for time steps; the displacements by the last step's forces are added in every step.
 
     ``dt``: length of a step [s].
     """
     out = []
-    for (_, _, touch), contact in zip(loaded_contacts(scene), friction_contacts(scene, choices), strict=True):
-        patch = grid_contact(scene, touch, choices)
+    for (_, _, touch), contact in zip(loaded_contacts(scene), prepare_friction_contacts(scene, choices), strict=True):
+        patch = solve_normal_contact_with_groove(scene, touch, choices)
         shift = rolling_speed(touch, scene) * dt
         if patch.regular is not None and float(patch.at[:, 0].max()) + shift > REACH * patch.regular.scale[0]:
             raise ValueError(

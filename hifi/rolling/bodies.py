@@ -5,9 +5,10 @@ half-space whose zone has the same nodes. The effect of the grid on the singular
 
 For rings and helices the bodies are patches of the static reference in pieces of their bodies. For straight tracks, which
 the static reference does not have, they are a whole ball and a grooved bar (`hifi.rolling.contact_bodies`). A patch is
-meshed by `hifi.bodies.patch.build_patch` on the exact groove, or on the ball, in its socket of a piece of screw, ring, nut
-or ball cut as in `hifi.condensation`. Patch and piece are solved together (`hifi.bodies.coarse.piece_compliance`). The
-cells of the contact zone are those of the other bodies of rolling (`hifi.rolling.contact_bodies.Zone`).
+meshed by `hifi.bodies.patch.mesh_hexahedral_patch` on the exact groove, or on the ball, in its socket of a piece of screw,
+ring, nut or ball cut as in `hifi.condensation`. Patch and piece are solved together
+(`hifi.bodies.coarse.response_of_piece_to_patch_loads`). The cells of the contact zone are those of the other bodies of
+rolling (`hifi.rolling.contact_bodies.Zone`).
 
 A body is free, with its loads balanced by a rigid field of body forces, or fixed at its boundary "held". The cut of a
 half-space's block moves by Boussinesq's and Cerruti's point forces.
@@ -24,15 +25,20 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.bodies.coarse import BodyPiece, isostatic_freedoms, piece_compliance, rigid_loads
-from rollbench.hifi.bodies.patch import PatchLines, PatchMesh, build_patch, graded_boundaries, growing_boundaries
+from rollbench.hifi.bodies.coarse import (
+    BodyPiece,
+    isostatic_freedoms,
+    nodal_forces_like_rigid_motions,
+    response_of_piece_to_patch_loads,
+)
+from rollbench.hifi.bodies.patch import PatchLines, PatchMesh, graded_boundaries, growing_boundaries, mesh_hexahedral_patch
 from rollbench.hifi.condensation import BEYOND
-from rollbench.hifi.contact.block import boussinesq
+from rollbench.hifi.contact.block import boussinesq_displacements
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import contact_weights, elasticity, mean_weights
-from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.hifi.linear_algebra import compliance
+from rollbench.hifi.elements.forms import elasticity_form, normalise_rows_of_weights, pressure_weights_of_nodes
+from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
+from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.meshing.part_meshes import ball_socket_and_map
 from rollbench.hifi.rolling.contact_bodies import (
     ContactBody,
@@ -45,16 +51,22 @@ from rollbench.hifi.rolling.contact_bodies import (
 from rollbench.hifi.rolling.patch import SmoothKernel, monomials
 from rollbench.hifi.setup import Job, compute_records
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.ball_body import build_ball
+from rollbench.meshes.ball_body import mesh_ball_with_sockets
 from rollbench.meshes.cache import Cache
-from rollbench.meshes.fem import freedoms_on, nodes_on, points_of, with_points
+from rollbench.meshes.fem import freedoms_on_boundaries, node_coordinates, nodes_on_boundaries, with_node_coordinates
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import build_body
+from rollbench.meshes.grooved_body import mesh_grooved_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import SIDE_SIGNS
-from rollbench.meshes.record_keys import keyed, usual
-from rollbench.meshes.sockets import SocketSize, fitted_socket, local_points, socket_centre, socket_reach
+from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
+from rollbench.meshes.sockets import (
+    SocketSize,
+    axial_reach_of_sockets,
+    largest_fitting_socket,
+    points_in_reference_socket,
+    unrolled_socket_centre,
+)
 
 #: Left flanks of screw or inner ring, and of nut or outer ring; right flanks are these turned.
 INNER, OUTER = 0, 2
@@ -128,24 +140,26 @@ def mesh_contact_pieces(
         The body has no room for the socket (the hole for a patch), or a mesh cannot be built.
     """
     side = OUTER if outer else INNER
-    m = groove_map(curve, ball, groove, angle)
+    m = track_geometry_of_path(curve, ball, groove, angle)
     walls = max(curve.radius - WALL * ball, CORE * curve.radius), curve.radius + WALL * ball
     lands = curve.radius - LAND * ball, curve.radius + LAND * ball
     nothing = np.zeros(1)
     alone = BallLayout(nothing, nothing, np.array([[curve.radius, 0.0, 0.0]]), *np.eye(3)[[0, 2, 1]][:, None])
     need = (zone.half[1], zone.half[0])
-    size = fitted_socket(m, alone, (side,), lands[0], walls[0], lands[1], walls[1], (-3.0 * ball, 3.0 * ball), need)
+    size = largest_fitting_socket(
+        m, alone, (side,), lands[0], walls[0], lands[1], walls[1], (-3.0 * ball, 3.0 * ball), need
+    )
     size = replace(size, cuts=CUTS)
     lines, local = _patch_lines_and_zone(m, size, side, zone)
-    half = max(socket_reach(m, size, (side,))) + BEYOND * ball
+    half = max(axial_reach_of_sockets(m, size, (side,))) + BEYOND * ball
     radii = (lands[1], walls[1]) if outer else (walls[0], lands[0])
     near, away = (ball * share for share in GROOVE_SIZES)
-    body = build_body(m, BodySpec(*radii, -half, half, not outer, ((0.0, 0.0, side),), size, near, away))
+    body = mesh_grooved_body(m, BodySpec(*radii, -half, half, not outer, ((0.0, 0.0, side),), size, near, away))
     ball_socket, place = ball_socket_and_map(m, size, side, local)
     near, away = (ball * share for share in BALL_SIZES)
-    sphere = build_ball(m, (ball_socket,), near, away, CUTS)
-    grooved = build_patch(lines, local, partial(local_points, m, size, side), body.sockets[side])
-    round_ = build_patch(lines, local, place, sphere.sockets[side])
+    sphere = mesh_ball_with_sockets(m, (ball_socket,), near, away, CUTS)
+    grooved = mesh_hexahedral_patch(lines, local, partial(points_in_reference_socket, m, size, side), body.sockets[side])
+    round_ = mesh_hexahedral_patch(lines, local, place, sphere.sockets[side])
     normal, axes = _contact_normal_and_axes(m, side)
     x, y = lines.along * zone.half[0] / local[1], lines.across * zone.half[1] / local[0]
     out = []
@@ -159,12 +173,12 @@ def mesh_contact_pieces(
         ),
         (round_, BodyPiece(sphere.mesh, sphere.socket_nodes[side], np.eye(3), ()), np.zeros(3), -normal, ball_socket.depth),
     ):
-        number = _grid_numbers(patch, axes, centre)
+        number = _grid_indices_of_contact_nodes(patch, axes, centre)
         out.append(ContactPiece(patch, piece, centre, np.vstack([axes, inward]), (x, y, depth * lines.depth), number))
     return out[0], out[1]
 
 
-def groove_map(curve: BallPath, ball: float, groove: float, angle: float) -> GrooveMap:
+def track_geometry_of_path(curve: BallPath, ball: float, groove: float, angle: float) -> GrooveMap:
     """Describe a track whose four groove flanks have the same radius, by the groove map of the static 3D reference.
 
     Parameters
@@ -194,7 +208,7 @@ def _patch_lines_and_zone(m: GrooveMap, size: SocketSize, side: int, zone: Zone)
     Also returns the half lengths of the zone across and along the track, over those of the patch. ``m``: geometry of the
     track; ``size``: dimensions of the patch; ``side``: index of the flank.
     """
-    along = size.phi * float(np.hypot(socket_centre(m, side)[0], m.rg))
+    along = size.phi * float(np.hypot(unrolled_socket_centre(m, side)[0], m.rg))
     width = size.gamma * float(m.radius[side])
     local = (zone.half[1] / width, zone.half[0] / along)
     first = min(2.0 * h / n for h, n in zip(zone.half, zone.cells, strict=True)) / size.depth
@@ -219,7 +233,7 @@ def _contact_normal_and_axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
     return normal, sign * np.stack([along, across])
 
 
-def _grid_numbers(patch: PatchMesh, axes: Array, centre: Array) -> Index:
+def _grid_indices_of_contact_nodes(patch: PatchMesh, axes: Array, centre: Array) -> Index:
     """Return the indices, from zero, of a patch's c contact nodes in their grid ``(c, 2)``.
 
     The indices grow along the rows of ``axes`` (2, 3); ``centre``: centre of the ball (3,) [m].
@@ -233,7 +247,7 @@ def _grid_numbers(patch: PatchMesh, axes: Array, centre: Array) -> Index:
     return places
 
 
-def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Array:
+def cerruti_displacements(points: Array, sources: Array, shear: float, poisson: float) -> Array:
     """Compute the displacements of the half-space z > 0 under unit forces along x on its surface, by Cerruti.
 
     The displacement is infinite at the point where a force acts. n: number of points; m: number of forces.
@@ -288,11 +302,11 @@ class ContactAxes:
 
 def zone_coordinates(body: ContactBody, frame: ContactAxes) -> Array:
     """Return the coordinates of the c nodes of the contact zone along the axes x and y of ``frame``, ``(c, 2)`` [m]."""
-    return np.asarray(((points_of(body.mesh)[body.contact] - frame.centre) @ frame.axes.T)[:, :2])
+    return np.asarray(((node_coordinates(body.mesh)[body.contact] - frame.centre) @ frame.axes.T)[:, :2])
 
 
-def traction_loads(
-    body: ContactBody, zone: Zone, degree: int, bends: tuple[float, float], frame: ContactAxes | None = None
+def nodal_forces_of_tractions(
+    body: ContactBody, zone: Zone, degree: int, surface_curvatures: tuple[float, float], frame: ContactAxes | None = None
 ) -> sp.csr_array:
     """Compute the nodal forces of smooth tractions along x, y and into the body, in axes that follow the surface.
 
@@ -320,10 +334,10 @@ def traction_loads(
     frame = frame or ContactAxes()
     at = zone_coordinates(body, frame)
     c = len(at)
-    hats = contact_weights(body.mesh, body.contact)
+    hats = pressure_weights_of_nodes(body.mesh, body.contact)
     root = np.sqrt(np.asarray(hats.sum(axis=1))[:, None])
-    fit = np.linalg.pinv(root * monomials(at, zone.half, degree)) @ (root * mean_weights(hats).toarray())
-    tilt = -body.sense * at * np.array(bends)  # rise of the surface into the body, per length
+    fit = np.linalg.pinv(root * monomials(at, zone.half, degree)) @ (root * normalise_rows_of_weights(hats).toarray())
+    tilt = -body.sense * at * np.array(surface_curvatures)  # rise of the surface into the body, per length
     frames = np.zeros((c, 3, 3))  # rows: local x, y, inward
     frames[:, 0, 0] = frames[:, 1, 1] = frames[:, 2, 2] = 1.0
     frames[:, :2, 2], frames[:, 2, :2] = tilt, -tilt
@@ -335,7 +349,7 @@ def traction_loads(
     return sp.csr_array(sp.csr_array(nodal) @ spread)
 
 
-def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+def compliance_of_free_body(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Compute the compliance between several load cases of a free body.
 
     The loads are balanced by body forces that are distributed like rigid motions, and rigid motions are removed from the
@@ -346,7 +360,7 @@ def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: 
     body : ContactBody
         The body, with n nodes.
     rows : (m, 3 n) sparse array
-        Nodal forces of m load cases, as from `traction_loads`.
+        Nodal forces of m load cases, as from `nodal_forces_of_tractions`.
     young : float
         Young's modulus [Pa].
     poisson : float
@@ -357,66 +371,75 @@ def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: 
     (m, m) Array
         Compliance [m/N]: work of load case i on the displacements by a unit of load case j.
     """
-    K, points = forms.assemble(elasticity(young, poisson), body.mesh), points_of(body.mesh)
-    relief, rigid = rigid_loads(body.mesh), rigid_modes(points)
-    F = _response_with_fixed(K, isostatic_freedoms(points, body.contact), sp.vstack([rows, sp.csr_array(relief)]))
+    K, points = forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh), node_coordinates(body.mesh)
+    relief, rigid = nodal_forces_like_rigid_motions(body.mesh), nodal_displacements_of_rigid_motions(points)
+    F = _compliance_with_fixed_freedoms(
+        K, isostatic_freedoms(points, body.contact), sp.vstack([rows, sp.csr_array(relief)])
+    )
     S = np.hstack([np.eye(rows.shape[0]), -np.linalg.solve(relief @ rigid, (rows @ rigid).T).T])
     return np.asarray(S @ F @ S.T)
 
 
-def _response_with_fixed(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
+def _compliance_with_fixed_freedoms(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
     """Compute the compliance ``(m, m)`` [m/N] between m load cases of a body some of whose degrees of freedom are fixed.
 
     ``K``: stiffness matrix (n, n) [N/m]; ``held``: indices of the fixed degrees of freedom; ``rows``: nodal forces (m, n).
     """
     free = np.setdiff1d(np.arange(K.shape[0]), held)
-    return compliance(K[free][:, free], rows.tocsr()[:, free])
+    return symmetric_compliance_of_loads(K[free][:, free], rows.tocsr()[:, free])
 
 
-def fixed_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+def compliance_of_fixed_body(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Compute the compliance ``(m, m)`` [m/N] between m load cases of a body that is fixed at its boundary "held".
 
-    The arguments are those of `free_response`.
+    The arguments are those of `compliance_of_free_body`.
     """
-    return _response_with_fixed(forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held"), rows)
+    return _compliance_with_fixed_freedoms(
+        forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh),
+        freedoms_on_boundaries(body.mesh, "held"),
+        rows,
+    )
 
 
-def half_space_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+def compliance_of_half_space_block(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Compute the compliance between m load cases of a block of a half-space, whose cut faces move as in the half-space.
 
     The motion of the cut faces is that of Boussinesq's and Cerruti's point forces, as in `hifi.contact.block`. The
-    arguments are those of `free_response`; ``body`` is the block.
+    arguments are those of `compliance_of_free_body`; ``body`` is the block.
 
     Returns
     -------
     (m, m) Array
         Compliance between the m load cases [m/N].
     """
-    K, cut = forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held")
-    by_cut = sp.csr_array(-(K[cut].T @ _far_field_at_cut(body, rows, young, poisson)).T)
-    F, m = _response_with_fixed(K, cut, sp.vstack([rows, by_cut])), rows.shape[0]
+    K, cut = (
+        forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh),
+        freedoms_on_boundaries(body.mesh, "held"),
+    )
+    by_cut = sp.csr_array(-(K[cut].T @ _half_space_motion_at_cut(body, rows, young, poisson)).T)
+    F, m = _compliance_with_fixed_freedoms(K, cut, sp.vstack([rows, by_cut])), rows.shape[0]
     out = F[:m, :m] + F[:m, m:]
     return np.asarray(0.5 * (out + out.T))
 
 
-def _far_field_at_cut(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+def _half_space_motion_at_cut(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Compute the motion of a block's cut faces in the half-space under m load cases, ``(3 cut nodes, m)`` [m/N].
 
     ``rows``: nodal forces of the load cases on the nodes of the contact zone (m, 3 n).
     """
-    points = points_of(body.mesh)
-    cut, sources = points[nodes_on(body.mesh, "held")], points[body.contact, :2]
+    points = node_coordinates(body.mesh)
+    cut, sources = points[nodes_on_boundaries(body.mesh, "held")], points[body.contact, :2]
     shear = 0.5 * young / (1.0 + poisson)
-    along = cerruti(cut, sources, shear, poisson)
-    turned = cerruti(cut[:, [1, 0, 2]], sources[:, ::-1], shear, poisson)[:, [1, 0, 2]]
-    down = boussinesq(cut, sources, young, poisson)
+    along = cerruti_displacements(cut, sources, shear, poisson)
+    turned = cerruti_displacements(cut[:, [1, 0, 2]], sources[:, ::-1], shear, poisson)[:, [1, 0, 2]]
+    down = boussinesq_displacements(cut, sources, young, poisson)
     out = np.zeros((3 * len(cut), rows.shape[0]))
     for axis, motion in enumerate((along, turned, down)):
         out += motion.reshape(3 * len(cut), -1) @ rows[:, 3 * body.contact + axis].toarray().T
     return out
 
 
-def half_space_response_on_equal_nodes(
+def half_space_compliance_on_equal_nodes(
     body: ContactBody,
     zone: Zone,
     size: float,
@@ -453,7 +476,7 @@ def half_space_response_on_equal_nodes(
     Returns
     -------
     (3 k, 3 k) Array
-        Compliance between the smooth tractions of `traction_loads` [m/N].
+        Compliance between the smooth tractions of `nodal_forces_of_tractions` [m/N].
     """
     block = mesh_half_space(size, zone, near)
     cells = np.array(zone.cells)
@@ -461,31 +484,31 @@ def half_space_response_on_equal_nodes(
     off[tuple(body.number.T)] = zone_coordinates(body, frame or ContactAxes()) - np.array(zone.half) * (
         body.number / cells - 1.0
     )
-    points = points_of(block.mesh).copy()
+    points = node_coordinates(block.mesh).copy()
     points[:, :2] += off[tuple(zone.number(points[:, :2]).T)]
-    block = replace(block, mesh=with_points(block.mesh, points))
-    return half_space_response(block, traction_loads(block, zone, degree, (0.0, 0.0)), young, poisson)
+    block = replace(block, mesh=with_node_coordinates(block.mesh, points))
+    return compliance_of_half_space_block(block, nodal_forces_of_tractions(block, zone, degree, (0.0, 0.0)), young, poisson)
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Sizes:
     """Numerical choices for the kernels of finite bodies."""
 
     #: Numbers of cells of the contact zone along and across the groove.
-    cells: tuple[int, int] = usual((4, 4))
+    cells: tuple[int, int] = frozen_default((4, 4))
     #: Ratio of the sizes of neighbouring cells outside the zone.
-    growth: float = usual(2.5)
+    growth: float = frozen_default(2.5)
     #: Semi-axes of the zone over those of the contact ellipse.
-    margin: float = usual(1.1)
+    margin: float = frozen_default(1.1)
     #: Degree of the polynomials of the kernel.
-    degree: int = usual(4)
+    degree: int = frozen_default(4)
     #: Size of grooved bars over the ball's radius.
-    bar: float = usual(5.0)
+    bar: float = frozen_default(5.0)
     #: Half of the opening angle of the grooves of bars [rad].
-    opening: float = usual(1.4)
+    opening: float = frozen_default(1.4)
     #: Whether rings and helices are patches of the static reference, or bent bars.
-    patches: bool = usual(True)
+    patches: bool = frozen_default(True)
 
 
 P = ParamSpec("P")
@@ -499,7 +522,7 @@ _KEPT: dict[tuple[object, ...], Any] = {}
 MOST = 32
 
 
-def cached_result(make: Callable[P, T]) -> Callable[P, T]:
+def cache_by_arguments(make: Callable[P, T]) -> Callable[P, T]:
     """Decorate a function so that its results are cached in memory by its arguments.
 
     ``make``: function that computes a kernel.
@@ -528,40 +551,40 @@ def _store_result(key: tuple[object, ...], value: Any) -> None:
         del _KEPT[next(iter(_KEPT))]
 
 
-@cached_result
+@cache_by_arguments
 def ball_kernel(
     radius: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> SmoothKernel:
     """Compute the kernel of a whole ball: its compliance at the contact less that of a half-space.
 
-    ``radius``: radius of the ball [m]; ``zone``: contact zone; ``bends``: curvatures along x and y of the surface that
-    ball and groove share [1/m]; ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio; ``degree``: degree of the
-    kernel's polynomials.
+    ``radius``: radius of the ball [m]; ``zone``: contact zone; ``shared_surface_curvatures``: curvatures along x and y of
+    the surface that ball and groove share [1/m]; ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio; ``degree``:
+    degree of the kernel's polynomials.
     """
     body = mesh_whole_ball(radius, zone)
-    answer = free_response(body, traction_loads(body, zone, degree, bends), young, poisson)
+    answer = compliance_of_free_body(body, nodal_forces_of_tractions(body, zone, degree, bends), young, poisson)
     return SmoothKernel(
-        answer - half_space_response_on_equal_nodes(body, zone, radius, young, poisson, degree), zone.half, degree
+        answer - half_space_compliance_on_equal_nodes(body, zone, radius, young, poisson, degree), zone.half, degree
     )
 
 
-@cached_result
+@cache_by_arguments
 def bar_kernel(
     groove: Groove, size: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> SmoothKernel:
     """Compute the kernel of a grooved bar: its compliance at the contact less that of a half-space.
 
     ``size``: size of the bar [m]; the other arguments are those of `ball_kernel`. Forces and motions are those of a ball on
-    the bar, as in `groove_kernel`.
+    the bar, as in `kernel_from_groove_response`.
     """
     body = mesh_grooved_bar(groove, size, zone)
-    answer = fixed_response(body, traction_loads(body, zone, degree, bends), young, poisson)
-    return groove_kernel(
-        answer - half_space_response_on_equal_nodes(body, zone, groove.ball, young, poisson, degree), zone, degree
+    answer = compliance_of_fixed_body(body, nodal_forces_of_tractions(body, zone, degree, bends), young, poisson)
+    return kernel_from_groove_response(
+        answer - half_space_compliance_on_equal_nodes(body, zone, groove.ball, young, poisson, degree), zone, degree
     )
 
 
-@cached_result
+@cache_by_arguments
 def patch_kernels(
     curve: BallPath,
     radii: tuple[float, float],
@@ -606,14 +629,16 @@ def patch_kernels(
     for cut, sense in zip(mesh_contact_pieces(curve, *radii, angle, zone, outer=outer), (1, -1), strict=True):
         body = ContactBody(cut.patch.mesh, cut.patch.contact, sense, cut.number)
         frame = ContactAxes(cut.centre, cut.axes)
-        matrix = piece_compliance(cut.piece, cut.patch, traction_loads(body, zone, degree, bends, frame), young, poisson)
-        kernels.append(
-            matrix - half_space_response_on_equal_nodes(body, zone, radii[0], young, poisson, degree, frame, cut.cells)
+        matrix = response_of_piece_to_patch_loads(
+            cut.piece, cut.patch, nodal_forces_of_tractions(body, zone, degree, bends, frame), young, poisson
         )
-    return groove_kernel(kernels[0], zone, degree), SmoothKernel(kernels[1], zone.half, degree)
+        kernels.append(
+            matrix - half_space_compliance_on_equal_nodes(body, zone, radii[0], young, poisson, degree, frame, cut.cells)
+        )
+    return kernel_from_groove_response(kernels[0], zone, degree), SmoothKernel(kernels[1], zone.half, degree)
 
 
-def groove_kernel(added: Array, zone: Zone, degree: int) -> SmoothKernel:
+def kernel_from_groove_response(added: Array, zone: Zone, degree: int) -> SmoothKernel:
     """Convert the compliance of a groove to a kernel of forces on the ball and motions of the ball relative to the groove.
 
     Tangential forces and motions change their signs, because those of ball and groove are opposite.
@@ -666,7 +691,7 @@ class ContactPosition:
         return 1.0 / self.ball - 1.0 / self.radii[0]
 
     @property
-    def bends(self) -> tuple[float, float]:
+    def shared_surface_curvatures(self) -> tuple[float, float]:
         """Curvatures along and across the groove of the surface that ball and groove share [1/m]."""
         one, two = (1.0 / self.ball - 0.5 / r for r in self.radii)
         return one, two
@@ -700,7 +725,7 @@ def _kernel_calls(at: ContactPosition, load: float, young: float, poisson: float
     These are two calls for a whole ball and a grooved bar, or one call for the patches of both. ``at``: position of the
     contact; ``load``: contact load [N]; ``sizes``: meshes of the bodies.
     """
-    zone, common = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
+    zone, common = at.zone(load, young, poisson, sizes), (at.shared_surface_curvatures, young, poisson, sizes.degree)
     if sizes.patches and at.curve is not None:
         curve, radii = BallPath(*at.curve), (at.ball, at.arc)
         return [partial(patch_kernels, curve, radii, at.angle, zone, *common, outer=at.bend > 0.0)]
@@ -709,7 +734,7 @@ def _kernel_calls(at: ContactPosition, load: float, young: float, poisson: float
 
 
 @lru_cache(maxsize=8)
-def _summed_kernel(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
+def _sum_kernels_of_contact(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
     """Compute the sum of the kernels of ball and groove at one contact.
 
     ``at``: position of the contact; ``load``: contact load [N]; ``sizes``: meshes of the bodies.
@@ -757,7 +782,7 @@ def contact_kernel(at: ContactPosition, load: float, young: float, poisson: floa
     ValueError
         The groove, ring or nut has no room for the contact zone or for a patch.
     """
-    return _summed_kernel(*_rounded_for_sharing(at, load), young, poisson, sizes)
+    return _sum_kernels_of_contact(*_rounded_for_sharing(at, load), young, poisson, sizes)
 
 
 def compute_and_cache_kernels(
@@ -796,17 +821,17 @@ def compute_and_cache_kernels(
     missing = {key: call for call in calls if (key := _call_key(call)) not in _KEPT}
     if processes == 1 or len(missing) < 2:
         return 0.0
-    jobs = [Job("kernels", _compute_uncached, (call,), tuple) for call in missing.values()]
+    jobs = [Job("kernels", _run_call_without_cache, (call,), tuple) for call in missing.values()]
     results = compute_records(jobs, Cache(None), processes)
     for key, result in zip(missing, results, strict=True):
         _store_result(key, result.value[0])
     return float(sum(result.value[1] for result in results))
 
 
-def _compute_uncached(call: partial[Any]) -> tuple[Any, float]:
+def _run_call_without_cache(call: partial[Any]) -> tuple[Any, float]:
     """Compute a kernel without caching it in this process.
 
-    ``call``: call of a function that `cached_result` decorates. Returns the kernel and the processor time [s].
+    ``call``: call of a function that `cache_by_arguments` decorates. Returns the kernel and the processor time [s].
     """
     begin = process_time()
     return call.func.__wrapped__(*call.args, **call.keywords), process_time() - begin  # type: ignore[attr-defined]
@@ -814,5 +839,5 @@ def _compute_uncached(call: partial[Any]) -> tuple[Any, float]:
 
 def clear_kernel_cache() -> None:
     """Delete all kernels that are cached in memory."""
-    _summed_kernel.cache_clear()
+    _sum_kernels_of_contact.cache_clear()
     _KEPT.clear()

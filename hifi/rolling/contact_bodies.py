@@ -13,7 +13,7 @@ import numpy as np
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import points_of, tensor_grid, with_boundaries, with_points
+from rollbench.meshes.fem import mesh_rectangular_grid, node_coordinates, with_boundaries_from_facets, with_node_coordinates
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Zone:
         cells = np.array(self.cells)
         return np.asarray(np.clip(np.rint((at / np.array(self.half) + 1.0) * cells), 0, 2 * cells).astype(np.int64))
 
-    def depths(self, deep: float) -> Array:
+    def cell_boundaries_in_depth(self, deep: float) -> Array:
         """Return the boundaries of cells from the surface to the depth ``deep`` [m].
 
         The first cell is as large as the smaller side of the zone's cells.
@@ -110,7 +110,7 @@ class ContactBody:
     number: Index
 
 
-def _named_contact_body(
+def _contact_body_from_grid(
     zone: Zone, x: Array, y: Array, z: Array, points: Array, held: list[tuple[int, float]], sense: int
 ) -> ContactBody:
     """Make a body around a contact from a tensor grid whose nodes are moved, and name its boundaries.
@@ -118,9 +118,9 @@ def _named_contact_body(
     ``x``, ``y``, ``z``: cell boundaries of the grid [m]; ``points``: positions to which its n nodes are moved (n, 3) [m];
     ``held``: axis and coordinate of each face of the grid that is fixed; ``sense``: 1 for a groove, -1 for the ball.
     """
-    flat = tensor_grid(x, y, z, "Q2")
-    xi = points_of(flat)
-    mesh = with_points(flat, points)
+    flat = mesh_rectangular_grid(x, y, z, "Q2")
+    xi = node_coordinates(flat)
+    mesh = with_node_coordinates(flat, points)
     outer = mesh.boundary_facets()
     corners = xi[mesh.facets[:, outer]]  # (4, faces, 3)
     top = np.all(np.abs(corners[..., 2]) < 1e-12, axis=0)
@@ -132,7 +132,7 @@ def _named_contact_body(
     nodes = np.flatnonzero(
         (np.abs(xi[:, 2]) < 1e-12) & np.all(np.abs(xi[:, :2]) <= np.array(zone.half) * (1.0 + 1e-9), axis=1)
     )
-    return ContactBody(with_boundaries(mesh, names), nodes, sense, zone.number(xi[nodes, :2]))
+    return ContactBody(with_boundaries_from_facets(mesh, names), nodes, sense, zone.number(xi[nodes, :2]))
 
 
 def mesh_whole_ball(radius: float, zone: Zone) -> ContactBody:
@@ -152,9 +152,9 @@ def mesh_whole_ball(radius: float, zone: Zone) -> ContactBody:
     """
     root = np.sqrt(0.5)
     x, y = (zone.lines(k, -root * radius, root * radius) for k in (0, 1))
-    half = zone.depths(radius)
+    half = zone.cell_boundaries_in_depth(radius)
     z = np.concatenate([half, radius + radius * np.array([0.5, 1.0])])
-    grid = points_of(tensor_grid(x, y, z, "Q2"))
+    grid = node_coordinates(mesh_rectangular_grid(x, y, z, "Q2"))
     u = np.column_stack([grid[:, :2] / (root * radius), 1.0 - grid[:, 2] / radius])
     s = u**2
     out = np.empty_like(u)
@@ -162,7 +162,7 @@ def mesh_whole_ball(radius: float, zone: Zone) -> ContactBody:
         a, b = s[:, (k + 1) % 3], s[:, (k + 2) % 3]
         out[:, k] = radius * u[:, k] * np.sqrt(1.0 - 0.5 * a - 0.5 * b + a * b / 3.0)
     out[:, 2] = radius - out[:, 2]
-    return _named_contact_body(zone, x, y, z, out, [], -1)
+    return _contact_body_from_grid(zone, x, y, z, out, [], -1)
 
 
 @dataclass(frozen=True)
@@ -219,16 +219,18 @@ def mesh_grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
     low, high = groove.angle - groove.opening, groove.angle + groove.opening
     bottom = groove.angle * R
     y = np.concatenate([zone.lines(1, low * R, bottom), np.linspace(bottom, high * R, 5)[1:]])
-    x, z = zone.lines(0, -size, size), zone.depths(size - R)
-    grid = points_of(tensor_grid(x, y, z, "Q2"))
+    x, z = zone.lines(0, -size, size), zone.cell_boundaries_in_depth(size - R)
+    grid = node_coordinates(mesh_rectangular_grid(x, y, z, "Q2"))
     theta = grid[:, 1] / R
     inner = groove.surface(theta)
     r = inner + (size - inner) * grid[:, 2] / (size - R)
     across, along = r * np.sin(theta), r * np.cos(theta) - R
-    return _named_contact_body(zone, x, y, z, _bend_into_ring(groove, grid[:, 0], across, along), [(2, float(z[-1]))], 1)
+    return _contact_body_from_grid(
+        zone, x, y, z, _bend_bar_along_track(groove, grid[:, 0], across, along), [(2, float(z[-1]))], 1
+    )
 
 
-def _bend_into_ring(groove: Groove, x: Array, y: Array, z: Array) -> Array:
+def _bend_bar_along_track(groove: Groove, x: Array, y: Array, z: Array) -> Array:
     """Map n points of a straight bar to a bar along the track, which may be bent into a ring ``(n, 3)`` [m].
 
     ``x``: coordinates along the track; ``y``, ``z``: coordinates in its section [m].
@@ -268,7 +270,7 @@ def mesh_half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | 
         The block.
     """
     if near is None:
-        x, y, z = zone.lines(0, -size, size), zone.lines(1, -size, size), zone.depths(size)
+        x, y, z = zone.lines(0, -size, size), zone.lines(1, -size, size), zone.cell_boundaries_in_depth(size)
     else:
         x, y = (
             np.concatenate(
@@ -282,7 +284,9 @@ def mesh_half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | 
         )
         z = np.concatenate([near[2], _continued_boundaries(near[2], size, zone.growth)])
     cut = [(0, -size), (0, size), (1, -size), (1, size), (2, size)]
-    return _named_contact_body(zone, x, y, z, points_of(tensor_grid(x, y, z, "Q2")), [(k, float(v)) for k, v in cut], 1)
+    return _contact_body_from_grid(
+        zone, x, y, z, node_coordinates(mesh_rectangular_grid(x, y, z, "Q2")), [(k, float(v)) for k, v in cut], 1
+    )
 
 
 def _continued_boundaries(lines: Array, size: float, growth: float) -> Array:

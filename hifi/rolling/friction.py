@@ -93,7 +93,7 @@ class Friction:
         return self.status == "converged"
 
 
-def zero_balance(y: Array) -> tuple[Array, Array]:
+def balance_for_prescribed_motions(y: Array) -> tuple[Array, Array]:
     """Return f = 0 of eq. (2) of this module, and a unit matrix as its derivative, for motions y that are prescribed.
 
     With these equations the solver does not change the motions.
@@ -101,17 +101,17 @@ def zero_balance(y: Array) -> tuple[Array, Array]:
     return np.zeros(y.size), np.eye(y.size)
 
 
-def _as_rows(v: Array) -> Array:
+def _vector_to_xy_rows(v: Array) -> Array:
     """Rearrange a vector of all x components and then all y components (2 n,) into rows (x, y) of shape ``(n, 2)``."""
     return v.reshape(2, -1).T
 
 
-def _as_vector(v: Array) -> Array:
+def _xy_rows_to_vector(v: Array) -> Array:
     """Rearrange rows (x, y) of shape (n, 2) into a vector ``(2 n,)`` of all x components and then all y components."""
     return np.asarray(v.T.ravel())
 
 
-def full_slip_forces(bound: Array, slip: Array, eps: float = 0.0) -> Array:
+def full_slip_forces(bound: Array, slip: Array, creeping_speed: float = 0.0) -> Array:
     """Compute friction forces opposite to a slip, by Coulomb's law or by a law smoothed by a creeping speed.
 
     Parameters
@@ -133,24 +133,26 @@ def full_slip_forces(bound: Array, slip: Array, eps: float = 0.0) -> Array:
     >>> full_slip_forces(np.array([2.0]), np.array([3.0, 4.0])).round(12).tolist()
     [-1.2, -1.6]
     """
-    s = _as_rows(slip)
-    size = np.sqrt((s**2).sum(axis=1) + eps * eps)
-    return _as_vector(-np.divide(bound, size, out=np.zeros_like(size), where=size > 0.0)[:, None] * s)
+    s = _vector_to_xy_rows(slip)
+    size = np.sqrt((s**2).sum(axis=1) + creeping_speed * creeping_speed)
+    return _xy_rows_to_vector(-np.divide(bound, size, out=np.zeros_like(size), where=size > 0.0)[:, None] * s)
 
 
 # --- one Newton step: forces dq = first + rest @ dy of every contact
 
 
-def _smoothed_newton_terms(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[Array, Array, Array]:
+def _newton_terms_of_smoothed_law(
+    c: Contact, q: Array, y: Array, creeping_speed: float, elastic: bool
+) -> tuple[Array, Array, Array]:
     """Compute the residual of the smoothed friction law, and the terms of Newton's step dq = first + rest @ dy.
 
     dq: step of the tangential forces; dy: step of the motions. ``c``: the contact; ``q``: tangential forces (2 n,) [N];
-    ``y``: motions of all bodies; ``eps``: creeping speed [m/s]; ``elastic``: whether the slip by elastic displacements is
-    included. Returns the residual (2 n,) [N], first (2 n,) [N] and rest (2 n, m).
+    ``y``: motions of all bodies; ``creeping_speed``: creeping speed [m/s]; ``elastic``: whether the slip by elastic
+    displacements is included. Returns the residual (2 n,) [N], first (2 n,) [N] and rest (2 n, m).
     """
-    s = _as_rows(c.slip(q, y) if elastic else c.rigid_slip(y))
-    size = np.sqrt((s**2).sum(axis=1) + eps * eps)
-    left = q + _as_vector((c.bound / size)[:, None] * s)
+    s = _vector_to_xy_rows(c.slip(q, y) if elastic else c.rigid_slip(y))
+    size = np.sqrt((s**2).sum(axis=1) + creeping_speed * creeping_speed)
+    left = q + _xy_rows_to_vector((c.bound / size)[:, None] * s)
     unit = s / size[:, None]
     D = (c.bound / size)[:, None, None] * (np.eye(2) - unit[:, :, None] * unit[:, None, :])
 
@@ -165,7 +167,7 @@ def _smoothed_newton_terms(c: Contact, q: Array, y: Array, eps: float, elastic: 
     return left, np.asarray(solved[:, 0]), np.asarray(solved[:, 1:])
 
 
-def _exact_newton_terms(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
+def _newton_terms_of_coulomb_law(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
     """Compute the residual of Coulomb's law, eq. (1) of this module, and the terms of Newton's step dq = first + rest @ dy.
 
     dq: step of the tangential forces; dy: step of the motions. ``c``: the contact; ``q``: tangential forces (2 n,) [N];
@@ -174,13 +176,13 @@ def _exact_newton_terms(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Ar
     """
     n = c.bound.size
     s = c.slip(q, y)
-    pull = _as_rows(q) - grip[:, None] * _as_rows(s)  # q - r s; (1) is q = P(q - r s)
+    pull = _vector_to_xy_rows(q) - grip[:, None] * _vector_to_xy_rows(s)  # q - r s; (1) is q = P(q - r s)
     size = np.linalg.norm(pull, axis=1)
     stick = size <= c.bound
     slip = np.flatnonzero(~stick)
     unit = pull[slip] / size[slip, None]
-    left = _as_rows(np.tile(grip / SOFT, 2) * s)
-    left[slip] = _as_rows(q)[slip] - c.bound[slip, None] * unit
+    left = _vector_to_xy_rows(np.tile(grip / SOFT, 2) * s)
+    left[slip] = _vector_to_xy_rows(q)[slip] - c.bound[slip, None] * unit
     known = np.zeros((n, 2))
     known[slip] = -np.sum(left[slip] * unit, axis=1)[:, None] * unit
     across = np.stack([-unit[:, 1], unit[:, 0]], axis=1)
@@ -194,7 +196,7 @@ def _exact_newton_terms(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Ar
     K = free_rows(MR.T).T  # the same of its columns
     share = c.bound[slip] / size[slip]
     weight = np.concatenate([share * grip[slip], np.ones(2 * held.size)])
-    right = np.column_stack([MR @ _as_vector(known), free_rows(c.motion)]) * -weight[:, None]
+    right = np.column_stack([MR @ _xy_rows_to_vector(known), free_rows(c.motion)]) * -weight[:, None]
     right[:, 0] -= np.concatenate([np.sum(left[slip] * across, axis=1), s[held], s[n + held]])
     K *= weight[:, None]
     K[np.arange(slip.size), np.arange(slip.size)] += 1.0 - share
@@ -203,7 +205,7 @@ def _exact_newton_terms(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Ar
     out[:, slip] = across.T[:, :, None] * solved[: slip.size]
     out[0, held], out[1, held] = solved[slip.size : slip.size + held.size], solved[slip.size + held.size :]
     flat = out.reshape(2 * n, -1)
-    return _as_vector(left), flat[:, 0] + _as_vector(known), flat[:, 1:]
+    return _xy_rows_to_vector(left), flat[:, 0] + _xy_rows_to_vector(known), flat[:, 1:]
 
 
 # --- all contacts together
@@ -241,24 +243,26 @@ class _FrictionSystem:
         return f
 
 
-def _damped_newton(
-    system: _FrictionSystem, q: list[Array], y: Array, eps: float, *, elastic: bool
+def _solve_smoothed_friction(
+    system: _FrictionSystem, q: list[Array], y: Array, creeping_speed: float, *, elastic: bool
 ) -> tuple[list[Array], Array]:
     """Solve the smoothed friction law by Newton's method, with shorter steps where the residual would grow.
 
-    ``q``, ``y``: starting values of the tangential forces of every contact [N] and of the motions of all bodies; ``eps``:
-    creeping speed [m/s]; ``elastic``: whether the slip by elastic displacements is included. Returns the forces and the
-    motions.
+    ``q``, ``y``: starting values of the tangential forces of every contact [N] and of the motions of all bodies;
+    ``creeping_speed``: creeping speed [m/s]; ``elastic``: whether the slip by elastic displacements is included. Returns
+    the forces and the motions.
     """
     scale = max(float(c.bound.max()) for c in system.contacts)
 
     def size(q: list[Array], y: Array) -> float:
-        lefts = [_smoothed_residual(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
+        lefts = [_smoothed_residual(c, v, y, creeping_speed, elastic) for c, v in zip(system.contacts, q, strict=True)]
         return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced_forces(q, y)))
 
     norm = size(q, y)
     for _ in range(STEPS):
-        parts = [_smoothed_newton_terms(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
+        parts = [
+            _newton_terms_of_smoothed_law(c, v, y, creeping_speed, elastic) for c, v in zip(system.contacts, q, strict=True)
+        ]
         dq, dy = system.newton_step(parts, q, y)
         t = 1.0
         for _ in range(12):
@@ -275,12 +279,15 @@ def _damped_newton(
     return q, y
 
 
-def _smoothed_residual(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> Array:
-    """Compute the residual of the smoothed friction law ``(2 n,)`` [N]; the arguments are those of `_damped_newton`."""
-    return q - full_slip_forces(c.bound, c.slip(q, y) if elastic else c.rigid_slip(y), eps)
+def _smoothed_residual(c: Contact, q: Array, y: Array, creeping_speed: float, elastic: bool) -> Array:
+    """Compute the residual of the smoothed friction law ``(2 n,)`` [N].
+
+    The arguments are those of `_solve_smoothed_friction`.
+    """
+    return q - full_slip_forces(c.bound, c.slip(q, y) if elastic else c.rigid_slip(y), creeping_speed)
 
 
-def _newton_without_smoothing(system: _FrictionSystem, q: list[Array], y: Array) -> Friction:
+def _solve_coulomb_friction(system: _FrictionSystem, q: list[Array], y: Array) -> Friction:
     """Solve eqs. (1) and (2) of this module by Newton's method, without smoothing of Coulomb's law.
 
     ``q``, ``y``: starting values of the tangential forces of every contact [N] and of the motions of all bodies.
@@ -289,7 +296,7 @@ def _newton_without_smoothing(system: _FrictionSystem, q: list[Array], y: Array)
     largest = max(float(c.bound.max()) for c in system.contacts)
     residual, best, steps = np.inf, np.inf, 0
     for steps in range(1, MOST + 1):  # noqa: B007
-        parts = [_exact_newton_terms(c, v, y, g) for c, v, g in zip(system.contacts, q, grips, strict=True)]
+        parts = [_newton_terms_of_coulomb_law(c, v, y, g) for c, v, g in zip(system.contacts, q, grips, strict=True)]
         residual = max(float(np.abs(p[0]).max()) for p in parts) / largest
         residual = max(residual, float(np.abs(system.unbalanced_forces(q, y)).max(initial=0.0)) / largest)
         if residual <= TOLERANCE or (residual <= 100.0 * TOLERANCE and residual >= best):
@@ -304,7 +311,8 @@ def _newton_without_smoothing(system: _FrictionSystem, q: list[Array], y: Array)
         q, y = [v + d for v, d in zip(q, dq, strict=True)], y + dy
     slips = [c.slip(v, y) for c, v in zip(system.contacts, q, strict=True)]
     pulls = [
-        np.linalg.norm(_as_rows(v) - g[:, None] * _as_rows(s), axis=1) for v, g, s in zip(q, grips, slips, strict=True)
+        np.linalg.norm(_vector_to_xy_rows(v) - g[:, None] * _vector_to_xy_rows(s), axis=1)
+        for v, g, s in zip(q, grips, slips, strict=True)
     ]
     stick = [p <= c.bound for p, c in zip(pulls, system.contacts, strict=True)]
     good = residual <= 100.0 * TOLERANCE
@@ -319,7 +327,7 @@ def _projection_parameter(c: Contact) -> Array:
 
 
 def solve_rigid_friction(
-    contacts: Sequence[Contact], balance: Balance, y: Array, path: tuple[float, ...] = PATH
+    contacts: Sequence[Contact], balance: Balance, y: Array, creeping_ratios: tuple[float, ...] = PATH
 ) -> tuple[Array, float]:
     """Find the motions of rigid bodies at which the friction of all contacts is in equilibrium.
 
@@ -350,9 +358,9 @@ def solve_rigid_friction(
     system = _FrictionSystem(contacts, balance)
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     forces, last = [full_slip_forces(c.bound, c.rigid_slip(y), speed) for c in contacts], y
-    for ratio in path:
+    for ratio in creeping_ratios:
         last = y
-        forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=False)
+        forces, y = _solve_smoothed_friction(system, forces, y, ratio * speed, elastic=False)
     left = float(np.abs(system.unbalanced_forces(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
     if not left <= RIGID:
         raise ValueError(
@@ -365,10 +373,10 @@ def solve_rigid_friction(
 
 def solve_friction(
     contacts: Sequence[Contact],
-    balance: Balance = zero_balance,
+    balance: Balance = balance_for_prescribed_motions,
     y: Array | None = None,
     q: list[Array] | None = None,
-    path: tuple[float, ...] = PATH,
+    creeping_ratios: tuple[float, ...] = PATH,
 ) -> Friction:
     """Solve eqs. (1) and (2) of this module for the tangential forces, slips and motions of several contacts.
 
@@ -397,24 +405,24 @@ def solve_friction(
     system = _FrictionSystem(contacts, balance)
     y = np.zeros(0) if y is None else np.asarray(y, dtype=float).copy()
     if q is not None:
-        solution = _newton_without_smoothing(system, [v.copy() for v in q], y)
+        solution = _solve_coulomb_friction(system, [v.copy() for v in q], y)
         if solution.converged:
             return solution
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     start = y.copy()
     forces = [full_slip_forces(c.bound, c.rigid_slip(y), speed) for c in contacts]
-    for ratio in path:
-        forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=False)
-    solution = _newton_without_smoothing(system, forces, y)
+    for ratio in creeping_ratios:
+        forces, y = _solve_smoothed_friction(system, forces, y, ratio * speed, elastic=False)
+    solution = _solve_coulomb_friction(system, forces, y)
     if solution.converged:
         return solution
     y = start
     forces = [full_slip_forces(c.bound, c.rigid_slip(y), speed) for c in contacts]
-    for ratio in path:
-        forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=True)
+    for ratio in creeping_ratios:
+        forces, y = _solve_smoothed_friction(system, forces, y, ratio * speed, elastic=True)
         if ratio > SHARPEST:
             continue
-        solution = _newton_without_smoothing(system, [v.copy() for v in forces], y)
+        solution = _solve_coulomb_friction(system, [v.copy() for v in forces], y)
         if solution.converged:
             return solution
     return solution

@@ -45,7 +45,7 @@ class Track:
         rise = float(self.axis @ self.forward)
         return float(np.sqrt(self.length**2 - rise**2)), rise
 
-    def field(self, at: Array) -> Array:
+    def track_velocity_field(self, at: Array) -> Array:
         """Compute the velocity field H ``(..., 3)`` per unit of speed, at points (..., 3) [m] from the ball's centre.
 
         The points and the velocities are in the ball's axes.
@@ -71,7 +71,7 @@ def velocity_matrix(track: Track, radius: float, at: Array) -> Array:
         Velocities of each point along the ball's axes, by 1 m/s of each motion.
     """
     rows = np.empty((*at.shape, MOTIONS))
-    rows[..., 0] = track.field(at) / track.length
+    rows[..., 0] = track.track_velocity_field(at) / track.length
     for k in range(3):
         rows[..., k + 1] = np.cross(np.eye(3)[k], at) / radius
     return rows
@@ -192,7 +192,7 @@ def contact_axes(touch: GrooveContact, scene: Rolling) -> Array:
         The groove's body moves at the ball's speed along the track, so that nothing rolls.
     """
     ride, track = touch.ride - scene.orbit, scene.track
-    flow = ride * track.field(scene.radius * touch.normal)
+    flow = ride * track.track_velocity_field(scene.radius * touch.normal)
     flow = flow - (flow @ touch.normal) * touch.normal
     speed = float(np.linalg.norm(flow))
     if speed <= 1e-12 * track.length * max(abs(touch.ride), abs(scene.orbit), 1e-300):
@@ -204,7 +204,7 @@ def contact_axes(touch: GrooveContact, scene: Rolling) -> Array:
     return np.stack([x, np.cross(touch.normal, x), touch.normal])
 
 
-def contact_surface(
+def surface_points_and_tangents(
     touch: GrooveContact, scene: Rolling, local: Array, *, curved: bool, sunk: float = 0.0
 ) -> tuple[Array, Array]:
     """Compute points on a contact's surface, and unit tangents of the surface there.
@@ -253,7 +253,7 @@ def rolling_speed(touch: GrooveContact, scene: Rolling) -> float:
     float
         Rolling speed [m/s].
     """
-    return float(np.linalg.norm((touch.ride - scene.orbit) * scene.track.field(scene.radius * touch.normal)))
+    return float(np.linalg.norm((touch.ride - scene.orbit) * scene.track.track_velocity_field(scene.radius * touch.normal)))
 
 
 def rigid_friction_contact(
@@ -274,7 +274,7 @@ def rigid_friction_contact(
     local : (n, 2) Array
         Coordinates of the normal forces along the contact's axes x and y [m].
     curved : bool
-        Whether the contact lies on the curved surface that ball and groove share, as for `contact_surface`.
+        Whether the contact lies on the curved surface that ball and groove share, as for `surface_points_and_tangents`.
     sunk : float, default 0.0
         Depth of the contact's centre inside the undeformed ball [m].
 
@@ -283,9 +283,9 @@ def rigid_friction_contact(
     Contact
         The contact, for the friction solver.
     """
-    points, tangents = contact_surface(touch, scene, local, curved=curved, sunk=sunk)
+    points, tangents = surface_points_and_tangents(touch, scene, local, curved=curved, sunk=sunk)
     rows = np.einsum("nck,nkm->cnm", tangents, velocity_matrix(scene.track, scene.radius, points)).reshape(-1, MOTIONS)
-    given = -touch.ride * np.einsum("nck,nk->cn", tangents, scene.track.field(points)).ravel()
+    given = -touch.ride * np.einsum("nck,nk->cn", tangents, scene.track.track_velocity_field(points)).ravel()
     return Contact(scene.mu * normal, np.zeros((0, 0)), rows, MOTIONS * ball + np.arange(MOTIONS), given)
 
 
@@ -305,7 +305,7 @@ def elastic_friction_contact(
     patch : Patch
         Solution of the normal contact on the grid.
     curved : bool
-        Whether the contact lies on the curved surface that ball and groove share, as for `contact_surface`.
+        Whether the contact lies on the curved surface that ball and groove share, as for `surface_points_and_tangents`.
     elastic : float, default 1.0
         Factor on the tangential compliance of the bodies.
 
@@ -314,9 +314,13 @@ def elastic_friction_contact(
     Contact
         The contact, for the friction solver.
     """
-    rigid = rigid_friction_contact(touch, scene, ball, patch.normal, patch.at, curved=curved, sunk=elastic * patch.sunk)
+    rigid = rigid_friction_contact(
+        touch, scene, ball, patch.normal, patch.at, curved=curved, sunk=elastic * patch.depth_of_contact_centre
+    )
     speed = elastic * rolling_speed(touch, scene)
-    return replace(rigid, elastic=speed * patch.transport, given=rigid.given + speed * patch.strain)
+    return replace(
+        rigid, elastic=speed * patch.transport_rate_matrix, given=rigid.given + speed * patch.tangential_displacement_rate
+    )
 
 
 # --- balls that touch: force and closing speed not negative and complementary, sliding friction at the point of contact

@@ -167,7 +167,7 @@ MOST = 100
 # --- half spaces
 
 
-def _over_rectangle(corner: Array) -> Array:
+def _double_integral_over_rectangle(corner: Array) -> Array:
     """Evaluate a double integral over a rectangle from its antiderivative.
 
     ``corner``: values of a double antiderivative at the corners of the rectangle (2, 2, ...), upper x and y first. The sum
@@ -187,7 +187,7 @@ def _corner_coordinates(x: Array, y: Array, dx: float, dy: float) -> tuple[Array
     return X, Y
 
 
-def _log_sum(x: Array, y: Array) -> Array:
+def _log_term_without_cancellation(x: Array, y: Array) -> Array:
     """Evaluate x ln(y + R), R^2 = x^2 + y^2, up to a function of x only, without cancellation for y < 0.
 
     The value at x = 0 is the limit 0.
@@ -231,8 +231,11 @@ def rectangle_influence(x: Array, y: Array, dx: float, dy: float, young: float, 
     """
     X, Y = _corner_coordinates(x, y, dx, dy)
     R = np.hypot(X, Y)
-    along_x, along_y = _log_sum(Y, X), _log_sum(X, Y)  # integrals of X^2/R^3 and Y^2/R^3
-    over, shear = _over_rectangle, 0.5 * young / (1.0 + poisson)
+    along_x, along_y = (
+        _log_term_without_cancellation(Y, X),
+        _log_term_without_cancellation(X, Y),
+    )  # integrals of X^2/R^3 and Y^2/R^3
+    over, shear = _double_integral_over_rectangle, 0.5 * young / (1.0 + poisson)
     upright, aslant = (1.0 - poisson) / (np.pi * shear), poisson / (np.pi * shear)
     inverse = over(along_x) + over(along_y)
     out = np.zeros((*np.shape(x), 3, 3))
@@ -259,7 +262,7 @@ def _influence_table(
     return np.asarray(rectangle_influence(x, y, dx, dy, *material)[..., directions, directions] / (dx * dy))
 
 
-def _matrix_from_table(cells: Index, table: Array) -> Array:
+def _expand_influence_table(cells: Index, table: Array) -> Array:
     """Expand a table of `_influence_table` to the matrix between n cells ``(k n, k n)``.
 
     ``cells``: columns and rows of the cells (n, 2); ``table``: values at all offsets, for k directions. The matrix has n
@@ -308,7 +311,7 @@ def solve_normal_contact(
     ValueError
         The set of closed cells does not converge.
     """
-    C = _matrix_from_table(cells, _influence_table(cells, size, material, NORMAL)) + (0.0 if extra is None else extra)
+    C = _expand_influence_table(cells, _influence_table(cells, size, material, NORMAL)) + (0.0 if extra is None else extra)
     active = gap <= np.quantile(gap, 0.5)
     for _ in range(MOST):
         i = np.flatnonzero(active)
@@ -352,7 +355,7 @@ class Patch:
         """Normal force [N]."""
         return float(self.normal.sum())
 
-    def _table(self, shift: float) -> Array:
+    def _tabulate_tangential_influence(self, shift: float) -> Array:
         """Tabulate the tangential influence of half-spaces at ``shift`` [m] upstream of the cells' centres."""
         return _influence_table(self.cells, self.size, self.material, TANGENTS, shift)
 
@@ -369,11 +372,11 @@ class Patch:
         (2 n, 2 n) Array
             Displacement of body 1 past body 2 by unit forces [m/N], n rows and columns along x, then n along y.
         """
-        half_space = _matrix_from_table(self.cells, self._table(shift))
+        half_space = _expand_influence_table(self.cells, self._tabulate_tangential_influence(shift))
         return half_space if self.regular is None else half_space + self.regular.block(self.at, TANGENTS, TANGENTS, shift)
 
     @property
-    def strain(self) -> Array:
+    def tangential_displacement_rate(self) -> Array:
         """Rate of the tangential displacement that the normal forces cause ``(2 n,)`` [m/m], per length of rolling.
 
         It is zero for half-spaces of the same material.
@@ -383,7 +386,7 @@ class Patch:
         return np.asarray(-self.regular.slope(self.at, TANGENTS, NORMAL) @ self.normal)
 
     @property
-    def sunk(self) -> float:
+    def depth_of_contact_centre(self) -> float:
         """Depth of the contact's centre inside the undeformed ball [m]: half of the approach.
 
         It is 0 for half-spaces, where the rolling radius is the ball's.
@@ -391,7 +394,7 @@ class Patch:
         return 0.0 if self.regular is None else 0.5 * self.approach
 
     @cached_property
-    def transport(self) -> Array:
+    def transport_rate_matrix(self) -> Array:
         """Rate D of the elastic displacement of material that passes the cells, by unit tangential forces ``(2 n, 2 n)``.
 
         D is a rate per length of rolling [1/N], computed by a backward difference of second order, upstream by `STEP`
@@ -399,7 +402,9 @@ class Patch:
         differences dissipate work.
         """
         step = STEP * float(self.size[0])
-        half_space = _matrix_from_table(self.cells, _backward_difference([self._table(k * step) for k in range(3)], step))
+        half_space = _expand_influence_table(
+            self.cells, _backward_difference([self._tabulate_tangential_influence(k * step) for k in range(3)], step)
+        )
         if self.regular is None:
             return half_space
         return half_space + _backward_difference(
@@ -436,7 +441,7 @@ class Patch:
             self, at=self.at * length, size=self.size * length, normal=self.normal * force, approach=self.approach * square
         )
         if "transport" in self.__dict__:  # [1/N]: compliance over length
-            out.__dict__["transport"] = self.transport / square
+            out.__dict__["transport"] = self.transport_rate_matrix / square
         return out
 
 
@@ -516,7 +521,7 @@ def equivalent_radii(
     return float(one), float(two)
 
 
-def hertz_patch(
+def solve_elastic_contact_on_grid(
     load: float,
     radii: tuple[float, float],
     young: float,

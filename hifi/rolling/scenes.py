@@ -22,7 +22,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize, root
 
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.rolling.balls import Choices, RollingResult, loaded_contacts, solve_rolling, without_ball_contacts
+from rollbench.hifi.rolling.balls import (
+    Choices,
+    RollingResult,
+    copy_without_ball_to_ball_contacts,
+    loaded_contacts,
+    solve_rolling,
+)
 from rollbench.hifi.rolling.kinematics import Ball, BallPairContact, GrooveContact, Rolling, Track, ball_to_ball_contact
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
@@ -66,7 +72,7 @@ class Material:
     mu_balls: float
 
 
-def rolling_scene(layout: Layout, material: Material, normals: Array, loads: Array) -> Rolling:
+def rolling_scene(layout: Layout, material: Material, contact_normals: Array, loads: Array) -> Rolling:
     """Create the input of the rolling model from positions, contact directions and loads of balls.
 
     Parameters
@@ -86,7 +92,7 @@ def rolling_scene(layout: Layout, material: Material, normals: Array, loads: Arr
         The rolling balls.
     """
     balls = []
-    for frame, n, force in zip(layout.frames, normals, loads, strict=True):
+    for frame, n, force in zip(layout.frames, contact_normals, loads, strict=True):
         touches = [
             GrooveContact(
                 n[k] @ layout.section,
@@ -385,14 +391,14 @@ def solve_static_problem(cell: StaticProblem) -> Loads:
         if np.linalg.norm(g) < np.linalg.norm(energy(best)[1]):
             best = x
         x = x - np.linalg.solve(hessian(x), g)
-    force, normal, _ = _contact_forces(cell, best * unit)
+    force, normal, _ = _contact_forces_at_displacements(cell, best * unit)
     left = float(np.abs(energy(best)[1]).max()) * size / max(float(force.sum()), 1e-300)
     if np.any((force > 0.0) & ((normal * cell.normals).sum(axis=2) <= 0.0)):  # a ball that left its groove for the far side
         left = np.inf
     return Loads(force, normal, best[: 2 * N].reshape(N, 2) * unit, best[2 * N :] * unit, left)
 
 
-def _contact_forces(cell: StaticProblem, x: Array) -> tuple[Array, Array, Array]:
+def _contact_forces_at_displacements(cell: StaticProblem, x: Array) -> tuple[Array, Array, Array]:
     """Compute the contact forces of a static problem at given displacements of balls and inner body.
 
     x: displacements of the balls, then free motions of the inner body (2 N + m,) [m]. Returns the forces (N, k) [N], their
@@ -414,7 +420,7 @@ def _energy_derivatives(cell: StaticProblem, x: Array) -> tuple[float, Array, Ar
     (2 N + m,) [N] and its Hessian [N/m].
     """
     N, m = cell.normals.shape[0], cell.pull.size
-    force, n, length = _contact_forces(cell, x)
+    force, n, length = _contact_forces_at_displacements(cell, x)
     approach = cell.C * np.cbrt(force) ** 2
     e = float((0.4 * force * approach).sum() - cell.push.ravel() @ x[: 2 * N] - cell.pull @ x[2 * N :])
     g = np.concatenate([-cell.push.ravel(), -cell.pull])
@@ -446,7 +452,7 @@ SEARCH = {"fatol": 0.1 * AGREED, "maxiter": 40, "line_search": None, "jac_option
 COARSE = (10, 10)
 
 
-def fix_inner_body(cell: StaticProblem, loads: Loads) -> StaticProblem:
+def copy_with_fixed_inner_body(cell: StaticProblem, loads: Loads) -> StaticProblem:
     """Return a copy of a static problem with the inner body fixed at its equilibrium.
 
     Parameters
@@ -494,7 +500,7 @@ def solve_loads_with_rolling(
         Whether loads and friction agree (`AGREED`) and both converged.
     """
     loads = solve_static_problem(cell)
-    held = fix_inner_body(cell, loads)
+    held = copy_with_fixed_inner_body(cell, loads)
     scale, last = float(loads.force.max()), dict[tuple[int, int], RollingResult]()
 
     def solve_with_push(push: Array, grid: Choices) -> tuple[Loads, RollingResult, Array]:
@@ -527,4 +533,4 @@ def _solve_rolling_under_loads(
     scene = rolling_scene(layout, material, loads.normal, loads.force)
     loaded = [(b, k) for b, k, _ in loaded_contacts(scene)]
     alike = near is not None and [(c.ball, c.touch) for c in near.contacts] == loaded
-    return solve_rolling(scene if meet else without_ball_contacts(scene), choices, near if alike else None)
+    return solve_rolling(scene if meet else copy_without_ball_to_ball_contacts(scene), choices, near if alike else None)

@@ -11,22 +11,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.hifi.bodies.coarse import fine_compliance
+from rollbench.hifi.bodies.coarse import contact_compliance_in_fine_piece
 from rollbench.hifi.bodies.grid_wave import unilateral_approaches
 from rollbench.hifi.contact.block import fit_pressure_ellipsoid
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.elements.forms import mean_weights
+from rollbench.hifi.elements.forms import normalise_rows_of_weights
 from rollbench.hifi.rolling.balls import RollingResult, disk_quadrature
 from rollbench.hifi.rolling.bodies import (
     BallPath,
     ContactPosition,
     Sizes,
     ball_kernel,
+    compliance_of_half_space_block,
     contact_kernel,
-    groove_kernel,
-    half_space_response,
+    kernel_from_groove_response,
     mesh_contact_pieces,
-    traction_loads,
+    nodal_forces_of_tractions,
 )
 from rollbench.hifi.rolling.contact_bodies import Zone, mesh_half_space
 from rollbench.hifi.rolling.friction import Contact, Friction, full_slip_forces, solve_friction
@@ -36,8 +36,8 @@ from rollbench.hifi.rolling.patch import (
     SmoothKernel,
     cell_grid,
     equivalent_radii,
-    hertz_patch,
     rectangle_influence,
+    solve_elastic_contact_on_grid,
     solve_normal_contact,
 )
 from rollbench.meshes.arrays import Array
@@ -90,7 +90,7 @@ class RolledContact:
     upwind: float
 
 
-def solve_for_given_slip(patch: Patch, elastic: Array, slip: Array, mu: float) -> tuple[Contact, Friction]:
+def solve_friction_for_rigid_slip(patch: Patch, elastic: Array, slip: Array, mu: float) -> tuple[Contact, Friction]:
     """Solve the friction of a contact for a prescribed rigid slip of its bodies.
 
     Parameters
@@ -115,7 +115,7 @@ def solve_for_given_slip(patch: Patch, elastic: Array, slip: Array, mu: float) -
     return contact, solve_friction([contact])
 
 
-def solve_steady_rolling(patch: Patch, creep: Creep, mu: float, elastic: float = 1.0) -> RolledContact:
+def solve_steady_rolling_for_creepages(patch: Patch, creep: Creep, mu: float, elastic: float = 1.0) -> RolledContact:
     """Solve steady rolling at 1 m/s under prescribed creepages.
 
     Parameters
@@ -134,10 +134,10 @@ def solve_steady_rolling(patch: Patch, creep: Creep, mu: float, elastic: float =
     RolledContact
         Force and moment on body 1, friction loss, and the solution in every cell.
     """
-    return _solve_rolling_at_unit_speed(patch, elastic * patch.transport, creep.slip(patch.at), mu)
+    return _solve_rolling_at_unit_speed(patch, elastic * patch.transport_rate_matrix, creep.slip(patch.at), mu)
 
 
-def solve_steady_rolling_as_contact(patch: Patch, creep: Creep, mu: float) -> RolledContact:
+def solve_steady_rolling_like_kalker(patch: Patch, creep: Creep, mu: float) -> RolledContact:
     """Solve steady rolling at 1 m/s, discretised as in Kalker's program CONTACT.
 
     Differences along the flow are of first order over a whole cell, and the slip by spin is taken a sixth of a cell
@@ -168,7 +168,7 @@ def _solve_rolling_at_unit_speed(patch: Patch, transport: Array, slip: Array, mu
     ``transport``: slip that unit tangential forces cause by elastic displacements (2 n, 2 n) [m/s/N]; ``slip``: rigid slip
     (2 n,) [m/s]; ``mu``: coefficient of friction.
     """
-    contact, solution = solve_for_given_slip(patch, transport, slip, mu)
+    contact, solution = solve_friction_for_rigid_slip(patch, transport, slip, mu)
     q = solution.forces[0]
     loss, upwind = -float(q @ solution.slips[0]), float(q @ (contact.elastic @ q))
     return RolledContact(*_resultant(patch.at, q), patch, solution, loss, upwind)
@@ -186,7 +186,7 @@ class OnsetStep:
     loss: float
 
 
-def push_and_roll(patch: Patch, mu: float, share: float, steps: int) -> list[OnsetStep]:
+def simulate_rolling_onset(patch: Patch, mu: float, share: float, steps: int) -> list[OnsetStep]:
     """Simulate a contact that is pushed along x and then rolls under the same force: from Cattaneo's state to Carter's.
 
     After the push, the contact rolls by one cell in each step, as in an example of Kalker's program CONTACT.
@@ -232,7 +232,7 @@ def push_and_roll(patch: Patch, mu: float, share: float, steps: int) -> list[Ons
     return out
 
 
-def stick_zone_deviations(patch: Patch, bound: Array, tangential: Array) -> Array:
+def deviations_of_stick_distribution(patch: Patch, bound: Array, tangential: Array) -> Array:
     """Compute the standard deviations along x and y of mu p - abs(q) over a contact, a measure of the stick zone's size.
 
     mu p - abs(q), the force that is left before a cell slips, is zero where cells slip, and uniform over a cell. So the
@@ -273,7 +273,7 @@ class NormalContact:
     peak: float
 
 
-def solve_normal_contact_at_rest(
+def solve_normal_contact_by_rolling_model(
     at: ContactPosition, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes
 ) -> NormalContact:
     """Solve the normal contact of finite bodies by the rolling model: half-spaces on a grid, with the bodies' kernel.
@@ -298,12 +298,14 @@ def solve_normal_contact_at_rest(
     NormalContact
         Approach, semi-axes and peak pressure.
     """
-    patch = hertz_patch(load, at.radii, young, poisson, shape, contact_kernel(at, load, young, poisson, sizes))
+    patch = solve_elastic_contact_on_grid(
+        load, at.radii, young, poisson, shape, contact_kernel(at, load, young, poisson, sizes)
+    )
     semi, _, peak = fit_pressure_ellipsoid(patch.at, np.full(len(patch.at), float(patch.size.prod())), patch.normal)
     return NormalContact(patch.approach, semi, peak)
 
 
-def solve_by_static_reference(
+def solve_normal_contact_by_patches(
     at: ContactPosition, load: float, young: float, poisson: float, cells: tuple[int, int]
 ) -> NormalContact:
     """Solve a normal contact as in the static reference: finite-element patches of groove and ball, on the exact gap.
@@ -340,9 +342,9 @@ def solve_by_static_reference(
     arms = groove.patch.points[groove.patch.contact] - groove.centre
     length = np.linalg.norm(arms, axis=1)
     normals = arms / length[:, None]
-    C = fine_compliance(groove.piece, groove.patch, normals, young, poisson)
-    C = C + fine_compliance(ball.piece, ball.patch, -normals, young, poisson)
-    W = mean_weights(groove.patch.weights)
+    C = contact_compliance_in_fine_piece(groove.piece, groove.patch, normals, young, poisson)
+    C = C + contact_compliance_in_fine_piece(ball.piece, ball.patch, -normals, young, poisson)
+    W = normalise_rows_of_weights(groove.patch.weights)
     gap, close = W @ (length - at.ball), W @ (normals @ groove.axes[2])
     (approach,), closed = unilateral_approaches(C, gap, close, np.array([load]))
     i = np.flatnonzero(closed[0])
@@ -390,8 +392,8 @@ def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
     inside = forces > 0.0
     patch = Patch(index[inside], at[inside], size, forces[inside], material, approach)
     rest = float(np.sqrt(1.0 - share))
-    answer = solve_steady_rolling(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
-    stick = 2.0 * stick_zone_deviations(patch, mu * patch.normal, answer.friction.forces[0])[0]
+    answer = solve_steady_rolling_for_creepages(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
+    stick = 2.0 * deviations_of_stick_distribution(patch, mu * patch.normal, answer.friction.forces[0])[0]
     return np.array([-answer.force[0] / (mu * load * long), stick / half]), np.array([share, rest])
 
 
@@ -431,7 +433,7 @@ def compare_with_mindlin(cells: int, share: float, balls: Sizes | None = None) -
     radii = radius, radius
     size = hertz(load, *radii, young, poisson).semi_x
     kernel = None if balls is None else two_balls_kernel(2.0 * radius, size, young, poisson, balls)
-    patch = hertz_patch(load, radii, young, poisson, (cells, cells), kernel)
+    patch = solve_elastic_contact_on_grid(load, radii, young, poisson, (cells, cells), kernel)
     size = hertz(load, *equivalent_radii(load, radii, young, poisson, kernel), young, poisson).semi_x
     rest = 1.0 - share
     shift = 3.0 * mu * load / (16.0 * size) * 4.0 / shear * (1.0 - rest ** (2.0 / 3.0))
@@ -439,8 +441,10 @@ def compare_with_mindlin(cells: int, share: float, balls: Sizes | None = None) -
         along, spread = slice(0, 1), patch.normal / load
         shift += share * mu * load * float(spread @ kernel.block(patch.at, along, along) @ spread)
     slip = np.concatenate([np.full(len(patch.at), shift), np.zeros(len(patch.at))])
-    _, solution = solve_for_given_slip(patch, patch.tangential(), slip, mu)
-    stick = np.sqrt(2.5) * float(np.linalg.norm(stick_zone_deviations(patch, mu * patch.normal, solution.forces[0])))
+    _, solution = solve_friction_for_rigid_slip(patch, patch.tangential(), slip, mu)
+    stick = np.sqrt(2.5) * float(
+        np.linalg.norm(deviations_of_stick_distribution(patch, mu * patch.normal, solution.forces[0]))
+    )
     force = -solution.forces[0][: len(patch.at)].sum() / (mu * load)
     return np.array([force, stick / size]), np.array([share, rest ** (1.0 / 3.0)])
 
@@ -452,7 +456,7 @@ def two_balls_kernel(radius: float, semi: float, young: float, poisson: float, s
     """
     zone = Zone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
     ball = ball_kernel(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
-    return ball + groove_kernel(ball.M, zone, sizes.degree)
+    return ball + kernel_from_groove_response(ball.M, zone, sizes.degree)
 
 
 # --- balls that touch
@@ -494,8 +498,8 @@ def compare_ball_friction_with_point(
         normal = circle.pressure(local[:, 0], local[:, 1]) * weight * circle.semi_x**2
     else:
         kernel = two_balls_kernel(scene.radius, circle.semi_x, *touch[2:], bodies)
-        patch = hertz_patch(*touch, (points, points), kernel)
-        local, normal, sunk = patch.at, patch.normal, patch.sunk
+        patch = solve_elastic_contact_on_grid(*touch, (points, points), kernel)
+        local, normal, sunk = patch.at, patch.normal, patch.depth_of_contact_centre
     slide = np.zeros((len(local), 2))
     for ball, sign, half in ((m.one, 1.0, m.columns[:MOTIONS]), (m.two, -1.0, m.columns[MOTIONS:])):
         axes = m.axes @ scene.balls[ball].frame.T
@@ -534,7 +538,9 @@ def compare_half_space_displacements(zone: Zone, size: float, young: float, pois
         The same displacements in closed form [m/N].
     """
     block = mesh_half_space(size, zone)
-    computed = half_space_response(block, traction_loads(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
+    computed = compliance_of_half_space_block(
+        block, nodal_forces_of_tractions(block, zone, 0, (0.0, 0.0)), young, poisson
+    ).diagonal()
     sides = 2.0 * np.array(zone.half)
     _, at = cell_grid((MEANS, MEANS), sides / MEANS)
     both = (
@@ -563,7 +569,7 @@ def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch
     return Patch(index[inside], stretch * at[inside], stretch * size, forces, (2.0 * (1.0 + poisson), poisson), 0.0)
 
 
-def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) -> Array:
+def kalker_linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) -> Array:
     """Compute the coefficients of Kalker's linear theory, in which the whole contact sticks.
 
     Only the cells with y > 0 are solved: longitudinal creep causes tractions along x that are even in y and tractions
@@ -596,7 +602,10 @@ def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) ->
     image = np.lexsort((-patch.cells[:, 1], patch.cells[:, 0]))[half]
     units = np.stack([Creep(*row).slip(patch.at) for row in np.eye(3)], axis=1)
     rows = np.concatenate([half, count + half])
-    near, far = patch.transport[np.ix_(rows, rows)], patch.transport[np.ix_(rows, np.concatenate([image, count + image]))]
+    near, far = (
+        patch.transport_rate_matrix[np.ix_(rows, rows)],
+        patch.transport_rate_matrix[np.ix_(rows, np.concatenate([image, count + image]))],
+    )
     F = np.zeros((3, 3))
     for kind, sense in ((slice(0, 1), 1.0), (slice(1, 3), -1.0)):
         slip = units[rows, kind]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.hifi.elements.rigid import transport
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, Joint
 from rollbench.meshes.parts import FREEDOMS, Load, Material, Scene, Support
@@ -91,7 +91,7 @@ def tube_section(radius: float, bore: float, material: Material) -> ShaftSection
     return round_section(radius, material.youngs_modulus, material.poissons_ratio, bore)
 
 
-def uniform_cantilever(length: float, per_length: Array) -> Array:
+def end_flexibility_of_cantilever(length: float, per_length: Array) -> Array:
     """Compute the flexibility of the end of a uniform cantilever along z.
 
     Parameters
@@ -113,7 +113,7 @@ def uniform_cantilever(length: float, per_length: Array) -> Array:
     >>> bool(np.isclose(F[0, 0], 0.4**3 / (3.0 * section.EI) + 0.4 / section.kGA))
     True
     """
-    t = transport(1.0) - np.eye(6)
+    t = rigid_motion_transfer_matrix(1.0) - np.eye(6)
     first = t @ per_length
     return np.asarray(length * per_length + length**2 / 2.0 * (first + first.T) + length**3 / 3.0 * first @ t.T)
 
@@ -133,7 +133,7 @@ def beam_stiffness(length: float, section: ShaftSection) -> Array:
     (12, 12) Array
         Forces and moments on both ends by unit motions of both ends [N/m, N, N m].
     """
-    end, T = np.linalg.inv(uniform_cantilever(length, section.per_length)), transport(length)
+    end, T = np.linalg.inv(end_flexibility_of_cantilever(length, section.per_length)), rigid_motion_transfer_matrix(length)
     return np.block([[T.T @ end @ T, -T.T @ end], [-end @ T, end]])
 
 
@@ -169,7 +169,7 @@ class Frame:
         if isinstance(described, Scene):
             return Frame(described.supports, described.loads, described.track.pitch_radius)
         arm = max(s.parts.track.pitch_radius for s in described.sets if isinstance(s.parts, Scene))
-        moving = tuple(h for h in described.housings if not h.stands)
+        moving = tuple(h for h in described.housings if not h.is_fixed)
         return Frame(described.supports, described.loads, arm, moving, described.joints)
 
     def housing_index(self, housing: str | None) -> int | None:
@@ -207,7 +207,7 @@ class Frame:
         return [(body, x.at, np.array([*x.force, *x.moment])) for body, x in bodies]
 
     @property
-    def motion_lengths(self) -> Array:
+    def lengths_per_motion(self) -> Array:
         """Factors ``(6,)`` that turn a body's six motions into lengths: 1 for displacements, the arm [m] for rotations."""
         return np.array([1.0] * 3 + [self.arm] * 3)
 
@@ -232,6 +232,6 @@ class Frame:
                 moving = self.housing_index(name)
                 if moving is not None:
                     columns = slice(6 * moving, 6 * moving + 6)
-                    rows[:, columns] = sign * transport(joint.at - self.housings[moving].at)
+                    rows[:, columns] = sign * rigid_motion_transfer_matrix(joint.at - self.housings[moving].at)
             out.append((rows, np.array(joint.stiffness)))
         return out

@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
-from rollbench.hifi.elements.rigid import transport
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
 from rollbench.hifi.shaft.beam import Frame, ShaftSection, beam_stiffness
 from rollbench.hifi.shaft.section import lower_cut_flexibility, upper_cut_flexibility
 from rollbench.meshes.arrays import Array
@@ -63,12 +63,12 @@ class Stretch:
         """Return whether an axial position z [m] lies in the stretch, ends included."""
         return self.ends[0] - SAME <= z <= self.ends[1] + SAME
 
-    def lacks_port_at(self, z: float) -> bool:
+    def is_inside_without_port(self, z: float) -> bool:
         """Return whether an axial position z [m] lies inside the stretch, away from its base and from all its ports."""
         inside = self.ends[0] + SAME < z < self.ends[1] - SAME
         return inside and not any(abs(z - known) <= SAME for known in (self.base, *self.ports))
 
-    def shifted(self, shift: float) -> Stretch:
+    def shift_along_shaft(self, shift: float) -> Stretch:
         """Return the stretch moved by ``shift`` [m] along the shaft."""
         stations = {name: tuple(z + shift for z in getattr(self, name)) for name in ("ports", "observers", "ends")}
         return replace(self, base=self.base + shift, **stations)  # type: ignore[arg-type]
@@ -182,8 +182,8 @@ def correct_beam_stiffness(
     ) / (high - low)
     bend = 0.5 * (per_length[3] + per_length[4])
     change = np.array([1.0 / section.EA - per_length[2], 1.0 / section.EI - bend, 1.0 / section.GJ - per_length[5]])
-    turn, arms = _motions_with_sections(rows, stations, stretch)
-    F = stretch.F + turn @ _cantilever_flexibility(arms, *change) @ turn.T
+    turn, arms = _motions_by_section_motions(rows, stations, stretch)
+    F = stretch.F + turn @ _flexibility_between_beam_sections(arms, *change) @ turn.T
     return replace(stretch, F=0.5 * (F + F.T))
 
 
@@ -256,7 +256,7 @@ def mount_stretches(
     nodes = _distinct_positions(sorted({*ends, *acted, *between}))
     place = _NodeFreedoms(nodes)
     for z in sorted(acted):
-        if not rigid and any(s.lacks_port_at(z) for s in stretches):
+        if not rigid and any(s.is_inside_without_port(z) for s in stretches):
             raise ValueError(
                 f"the support or load at {1e3 * z:.4g} mm lies inside the 3D stretch of the shaft, which was prepared "
                 "without it: prepare the geometry with all scenes that will be solved"
@@ -272,7 +272,7 @@ def mount_stretches(
         K[n:, n:] += rows.T @ stiffness @ rows
     joined = []
     for s in stretches:
-        joined.append(_join_stretch(s, place, len(K)))
+        joined.append(_contribution_of_stretch(s, place, len(K)))
         K = K + joined[-1].K
     Y = np.concatenate([j.Y for j in joined] + [np.zeros((len(c.G), len(K))) for c in carried])
     G = block_diag(*(j.G for j in joined), *(c.G for c in carried))
@@ -283,7 +283,9 @@ def mount_stretches(
 
     T = np.eye(len(K))
     if rigid:
-        T = block_diag(np.concatenate([transport(z - stretches[0].base) for z in nodes]), np.eye(len(K) - n))
+        T = block_diag(
+            np.concatenate([rigid_motion_transfer_matrix(z - stretches[0].base) for z in nodes]), np.eye(len(K) - n)
+        )
 
     def freedom(body: int, at: float) -> int:
         """Return the first degree of freedom of the shaft at an axial position, or of a housing."""
@@ -294,13 +296,13 @@ def mount_stretches(
         P[freedom(body, at) : freedom(body, at) + 6] += wrench
     held = [freedom(body, at) + k for body, at, k, _ in frame.prescribed_motions()]
     values = [value for *_, value in frame.prescribed_motions()]
-    motions = free_motions(frame, nodes[0])
-    pins = [place[nodes[0]] + k if k < 6 else n + k - 6 for k in pin_freedoms(motions)]
+    motions = find_unconstrained_motions(frame, nodes[0])
+    pins = [place[nodes[0]] + k if k < 6 else n + k - 6 for k in select_freedoms_to_constrain(motions)]
     # U = T W, constraints R U = r: a basis of the free motions, and one state that meets the constraints
     rows = np.zeros((len(held) + len(pins), len(K)))
     rows[np.arange(len(rows)), held + pins] = 1.0
     prescribed = np.array(values + [0.0] * len(pins))
-    length = np.tile(1.0 / frame.motion_lengths, T.shape[1] // 6)
+    length = np.tile(1.0 / frame.lengths_per_motion, T.shape[1] // 6)
     R = rows @ T * length
     if len(rows):
         _, sizes, vt = np.linalg.svd(R)
@@ -353,7 +355,7 @@ class _JoinedStretch(NamedTuple):
     G_o: Array
 
 
-def _join_stretch(stretch: Stretch, place: _NodeFreedoms, size: int) -> _JoinedStretch:
+def _contribution_of_stretch(stretch: Stretch, place: _NodeFreedoms, size: int) -> _JoinedStretch:
     """Compute the stiffness and compliance that a stretch adds to the mounted structure.
 
     ``place``: gives the first degree of freedom of the node at an axial position; ``size``: number of degrees of freedom of
@@ -399,7 +401,7 @@ def _distinct_positions(stations: Sequence[float]) -> list[float]:
     return [z for k, z in enumerate(stations) if k == 0 or z - stations[k - 1] > SAME]
 
 
-def free_motions(frame: Frame, origin: float) -> Array:
+def find_unconstrained_motions(frame: Frame, origin: float) -> Array:
     """Find the rigid motions of screw and housings that neither supports nor springs constrain.
 
     Parameters
@@ -414,13 +416,13 @@ def free_motions(frame: Frame, origin: float) -> Array:
     (6 (1 + h), k) Array
         The k motions as columns: six components of the screw, then six of each of the h housings [m, rad].
     """
-    scale = np.tile(1.0 / frame.motion_lengths, 1 + len(frame.housings))
+    scale = np.tile(1.0 / frame.lengths_per_motion, 1 + len(frame.housings))
     rows = []
     for body, at, k, _ in frame.prescribed_motions():
         row = np.zeros(scale.size)
-        row[6 * body : 6 * body + 6] = transport(at - origin if body == 0 else 0.0)[k]
+        row[6 * body : 6 * body + 6] = rigid_motion_transfer_matrix(at - origin if body == 0 else 0.0)[k]
         rows.append(row * scale)
-    size = np.diag(frame.motion_lengths)
+    size = np.diag(frame.lengths_per_motion)
     for moved, stiffness in frame.springs():
         value, vector = np.linalg.eigh(np.linalg.inv(size) @ stiffness @ np.linalg.inv(size))
         stiff = vector[:, value > SLACK * value.max(initial=0.0)].T @ size @ moved
@@ -432,8 +434,8 @@ def free_motions(frame: Frame, origin: float) -> Array:
     return np.asarray(scale[:, None] * vt[rank:].T)
 
 
-def pin_freedoms(motions: Array) -> list[int]:
-    """Select k degrees of freedom whose constraint prevents the rigid motions of `free_motions`.
+def select_freedoms_to_constrain(motions: Array) -> list[int]:
+    """Select k degrees of freedom whose constraint prevents the rigid motions of `find_unconstrained_motions`.
 
     ``motions``: these motions as columns (6 (1 + h), k). Returns the indices of their rows.
     """
@@ -446,15 +448,16 @@ def pin_freedoms(motions: Array) -> list[int]:
 def _work_on_motions(frame: Frame, motions: Array, origin: float) -> Array:
     """Compute the work of all loads on k rigid motions ``(k,)``.
 
-    ``motions``: the rigid motions of `free_motions` (6 (1 + h), k); ``origin``: reference point of the screw's motion [m].
+    ``motions``: the rigid motions of `find_unconstrained_motions` (6 (1 + h), k); ``origin``: reference point of the
+    screw's motion [m].
     """
     total = np.zeros(len(motions))
     for body, at, wrench in frame.wrenches():
-        total[6 * body : 6 * body + 6] += transport(at - origin if body == 0 else 0.0).T @ wrench
+        total[6 * body : 6 * body + 6] += rigid_motion_transfer_matrix(at - origin if body == 0 else 0.0).T @ wrench
     return np.asarray(motions.T @ total)
 
 
-def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftSection) -> Stretch:
+def replace_stretch_by_beam(rows: Array, stations: Array, stretch: Stretch, section: ShaftSection) -> Stretch:
     """Replace the flexibility of a 3D stretch by that of a Timoshenko beam, to see what the 3D shaft contributes.
 
     Parameters
@@ -480,21 +483,21 @@ def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftS
         A section lies below the base.
     """
     c, k, _ = rows.shape
-    turn, arms = _motions_with_sections(rows, stations, stretch)
-    flexibility = _cantilever_flexibility(arms, 1.0 / section.EA, 1.0 / section.EI, 1.0 / section.GJ)
+    turn, arms = _motions_by_section_motions(rows, stations, stretch)
+    flexibility = _flexibility_between_beam_sections(arms, 1.0 / section.EA, 1.0 / section.EI, 1.0 / section.GJ)
     shear = np.minimum(arms[:, None], arms) / section.kGA
     flexibility[0::6, 0::6] += shear
     flexibility[1::6, 1::6] += shear
     F = turn @ flexibility @ turn.T
-    B = turn @ np.concatenate([transport(a) for a in arms])
+    B = turn @ np.concatenate([rigid_motion_transfer_matrix(a) for a in arms])
     return Stretch(0.5 * (F + F.T), B, stretch.base, stretch.ports, stretch.observers, stretch.ends, c * k)
 
 
-def _motions_with_sections(rows: Array, stations: Array, stretch: Stretch) -> tuple[Array, Array]:
+def _motions_by_section_motions(rows: Array, stations: Array, stretch: Stretch) -> tuple[Array, Array]:
     """Compute the motions of modes, ports and observers by unit rigid motions of the s sections of a beam ``(x, 6 s)``.
 
     The distances of the sections from the base ``(s,)`` [m] are returned as well. ``rows``, ``stations``: as for
-    `beam_stretch`. Raises ValueError if a section lies below
+    `replace_stretch_by_beam`. Raises ValueError if a section lies below
     the base.
     """
     c, k, _ = rows.shape
@@ -510,7 +513,7 @@ def _motions_with_sections(rows: Array, stations: Array, stretch: Stretch) -> tu
     return turn, arms
 
 
-def _cantilever_flexibility(arms: Array, axial: float, bending: float, torsion: float) -> Array:
+def _flexibility_between_beam_sections(arms: Array, axial: float, bending: float, torsion: float) -> Array:
     """Compute the flexibility between the s sections of a beam without shear ``(6 s, 6 s)`` [m/N, 1/N, 1/(N m)].
 
     ``arms``: distances of the sections from the fixed end (s,) [m]; ``axial``, ``bending``, ``torsion``: flexibilities per

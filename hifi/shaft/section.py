@@ -37,15 +37,15 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
 
-from rollbench.hifi.bodies.coarse import end_transform
-from rollbench.hifi.elements.forms import assemble, elasticity
-from rollbench.hifi.elements.rigid import transport
-from rollbench.hifi.linear_algebra import compliance
-from rollbench.hifi.shaft.beam import ShaftSection, round_section, uniform_cantilever
+from rollbench.hifi.bodies.coarse import expansion_with_rigid_high_end
+from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
+from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
+from rollbench.hifi.shaft.beam import ShaftSection, end_flexibility_of_cantilever, round_section
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import build_body
+from rollbench.meshes.grooved_body import mesh_grooved_body
 from rollbench.meshes.parts import Material
 from rollbench.meshes.sockets import SocketSize
 
@@ -155,19 +155,22 @@ def fit_cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array
     chiral[[0, 1, 3, 4], [3, 4, 0, 1]] = m.R
     columns, wanted = [], []
     for length, F in flexibilities:
-        rows = [*(_effect_of_both_cuts(m, length, e * scale) for e in _UNITS), uniform_cantilever(length, chiral)]
+        rows = [
+            *(_end_flexibility_of_both_cuts(m, length, e * scale) for e in _UNITS),
+            end_flexibility_of_cantilever(length, chiral),
+        ]
         columns.append(np.array([(x / scale)[_UPPER] for x in rows]).T)
-        wanted.append(((F - uniform_cantilever(length, per_length)) / scale)[_UPPER])
+        wanted.append(((F - end_flexibility_of_cantilever(length, per_length)) / scale)[_UPPER])
     coefficients = np.linalg.lstsq(np.concatenate(columns), np.concatenate(wanted))[0]
     return np.asarray(np.tensordot(coefficients[:-1], _UNITS, 1) * scale)
 
 
-def _effect_of_both_cuts(m: GrooveMap, length: float, cut: Array) -> Array:
+def _end_flexibility_of_both_cuts(m: GrooveMap, length: float, cut: Array) -> Array:
     """Compute the part of the flexibility of a shaft's upper end that is due to both of its cut ends ``(6, 6)``.
 
     ``length``: length of the shaft [m]; ``cut``: flexibility E of one cut end, in the frame of the cut.
     """
-    T, half = transport(length), length / 2.0
+    T, half = rigid_motion_transfer_matrix(length), length / 2.0
     return np.asarray(
         T @ lower_cut_flexibility(cut, m, m.z0 - half) @ T.T + upper_cut_flexibility(cut, m, m.z0 + half)
     )  # T A T^T + R_b E R_b^T
@@ -193,7 +196,7 @@ OTHER_PHASE = 0.25
 
 
 def shaft_lengths(m: GrooveMap) -> tuple[float, float, float]:
-    """Choose the lengths of the three 3D shafts from which `homogenise` computes the equivalent beam.
+    """Choose the lengths of the three 3D shafts from which `compute_equivalent_beam` computes the equivalent beam.
 
     Parameters
     ----------
@@ -210,7 +213,7 @@ def shaft_lengths(m: GrooveMap) -> tuple[float, float, float]:
     return lead * leads, lead * 2 * leads, lead * (leads + OTHER_PHASE)
 
 
-def homogenise(
+def compute_equivalent_beam(
     m: GrooveMap, bore: float, material: Material, section: tuple[Array, float], shafts: Sequence[tuple[float, Array]]
 ) -> EquivalentBeam:
     """Compute the uniform beam equivalent to a grooved shaft, from its helical section and from three 3D shafts.
@@ -224,7 +227,7 @@ def homogenise(
     material : Material
         Elastic material.
     section : tuple[Array, float]
-        Stiffness against stretch and twist ``(2, 2)`` and bending stiffness [N m2], of `helical_stiffness`.
+        Stiffness against stretch and twist ``(2, 2)`` and bending stiffness [N m2], of `stiffness_of_grooved_shaft`.
     shafts : Sequence[tuple[float, Array]]
         Length [m] and flexibility ``(6, 6)`` of the short, the long and the third shaft, of `meshed_shaft_flexibility`.
 
@@ -283,10 +286,10 @@ def meshed_shaft_flexibility(
     spec = BodySpec(
         hole, outer, m.z0 - length / 2.0, m.z0 + length / 2.0, True, (), SocketSize(0.3, 1e-3, 0.05), size, size
     )
-    mesh = build_body(m, spec)
-    K = assemble(elasticity(material.youngs_modulus, material.poissons_ratio), mesh.mesh)
-    T = end_transform(mesh.mesh, spec.z_high)
-    return length, compliance((T.T @ K @ T).tocsc(), sp.eye_array(T.shape[1], format="csr")[-6:])
+    mesh = mesh_grooved_body(m, spec)
+    K = assemble_constant_form(elasticity_form(material.youngs_modulus, material.poissons_ratio), mesh.mesh)
+    T = expansion_with_rigid_high_end(mesh.mesh, spec.z_high)
+    return length, symmetric_compliance_of_loads((T.T @ K @ T).tocsc(), sp.eye_array(T.shape[1], format="csr")[-6:])
 
 
 #: Strains of an average stretch, twist or curvature: their component (as in `_strain_components`), and the power of the
@@ -297,7 +300,7 @@ STRETCH, TWIST, CURVATURE = (2, 0), (5, 1), (2, 1)
 CELLS = (32, 12, 12)
 
 
-def helical_stiffness(
+def stiffness_of_grooved_shaft(
     m: GrooveMap, outer: float, bore: float, material: Material, cells: tuple[int, int, int] = CELLS
 ) -> tuple[Array, float]:
     """Compute the stiffness of a grooved shaft per length from helically symmetric fields, on a plane mesh of its section.
@@ -347,7 +350,7 @@ def _section_mesh(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int
     along, land, deep = cells
     period = 2.0 * np.pi * abs(m.rg) / m.starts
     gamma = np.linspace(0.0, np.pi / 2.0, 4001)
-    r, zeta, _ = m.unroll(*m.section_point(1, gamma, np.full(gamma.size, m.radius[1])))
+    r, zeta, _ = m.section_to_unrolled(*m.polar_to_section(1, gamma, np.full(gamma.size, m.radius[1])))
     kept = (zeta >= 0.0) & (r <= outer)
     r, zeta = r[kept], zeta[kept]
     edge = float(zeta[-1])

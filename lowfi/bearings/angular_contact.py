@@ -25,13 +25,13 @@ from rollbench.lowfi.hertz import (
     contact_approach,
     contact_force,
     contact_modulus,
-    contact_slope,
+    contact_stiffness_at_approach,
     hertz_constants,
 )
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
-#: Range of conformities (groove radius over ball diameter) in which `conformity_of_pair` searches.
+#: Range of conformities (groove radius over ball diameter) in which `conformity_from_pair_rigidity` searches.
 CONFORMITIES = (0.503, 0.65)
 #: Iterations: largest number of steps, relative step at which they end, and first displacement over ball diameter.
 STEPS, ENOUGH, BEGINS = 40, 1e-10, 1e-4
@@ -228,7 +228,7 @@ def relative_curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, A
     return inner, outer
 
 
-def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
+def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float) -> ThrustState:
     """Return contact angle, loads and stiffness of a bearing at axial displacements of its inner ring.
 
     The stiffness includes the change of the contact angle, and of the Hertz constants with it:
@@ -273,13 +273,13 @@ def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
     q = contact_force(approach, c)
     sin, cos = np.sin(angle), np.cos(angle)
     # dQ/du: by the approach, sin(alpha) per u, and by the angle, cos(alpha)/s per u
-    by_angle = _compliance_derivative(bearing, angle, inner, outer)
-    slope = contact_slope(approach, c) * (sin - approach * by_angle / c * cos / s)
+    by_angle = _hertz_constant_slope(bearing, angle, inner, outer)
+    slope = contact_stiffness_at_approach(approach, c) * (sin - approach * by_angle / c * cos / s)
     load, stiffness = bearing.balls * q * sin, bearing.balls * (slope * sin + q * cos**2 / s)
     return ThrustState(u, angle, approach, q, load, stiffness, inner, outer)
 
 
-def _compliance_derivative(bearing: BallRows, angle: Array, inner: HertzConstants, outer: HertzConstants) -> Array:
+def _hertz_constant_slope(bearing: BallRows, angle: Array, inner: HertzConstants, outer: HertzConstants) -> Array:
     """Return the derivative of the sum C_i + C_o of both races' Hertz constants with respect to the contact angle alpha.
 
     Of the curvatures, only the one along the track depends on alpha. ``angle``: contact angle alpha [rad]; ``inner``,
@@ -294,7 +294,7 @@ def _compliance_derivative(bearing: BallRows, angle: Array, inner: HertzConstant
     return np.asarray(total)
 
 
-def contact_parameters(difference: float) -> tuple[float, float, float]:
+def dimensionless_hertz_parameters(difference: float) -> tuple[float, float, float]:
     """Return the dimensionless approach delta* and semi-axes a*, b* of elliptical Hertz contact, from exact integrals.
 
     a = a* (3 Q/(2 E* S))^(1/3), the same for b, and delta = delta* (3 Q/(2 E* S))^(2/3) S/2, with the load Q and the sum S
@@ -337,18 +337,18 @@ class BallRow:
 
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]; zero where the balls are loose."""
-        return float(thrust_state(self.bearing, deflection).load)
+        return float(bearing_state_at_displacement(self.bearing, deflection).load)
 
     def stiffness(self, deflection: float) -> float:
         """Return the axial stiffness dF/du [N/m] at an axial deflection [m]; zero where the balls are loose."""
-        return float(thrust_state(self.bearing, deflection).stiffness)
+        return float(bearing_state_at_displacement(self.bearing, deflection).stiffness)
 
     def deflection(self, load: float) -> float:
         """Return the axial deflection [m] under a thrust [N], to round-off."""
-        return axial_displacement(self.bearing, load)
+        return displacement_under_thrust(self.bearing, load)
 
 
-def axial_displacement(bearing: BallBearing, load: float) -> float:
+def displacement_under_thrust(bearing: BallBearing, load: float) -> float:
     """Return the axial displacement u of the inner ring [m] under a thrust [N], to round-off.
 
     Parameters
@@ -375,7 +375,7 @@ def axial_displacement(bearing: BallBearing, load: float) -> float:
     if load == 0.0:
         return 0.0
     high = 1e-9 * bearing.ball_diameter
-    while float(thrust_state(bearing, high).load) < load:
+    while float(bearing_state_at_displacement(bearing, high).load) < load:
         high *= 4.0
         if high > bearing.ball_diameter:
             raise ValueError(
@@ -385,12 +385,12 @@ def axial_displacement(bearing: BallBearing, load: float) -> float:
 
     def excess(u: float) -> float:
         """Return by how much the thrust at a displacement u [m] exceeds the given thrust [N]."""
-        return float(thrust_state(bearing, u).load) - load
+        return float(bearing_state_at_displacement(bearing, u).load) - load
 
     return float(brentq(excess, 0.0, high, xtol=1e-22, rtol=8.9e-16))
 
 
-def thrust_state_under_load(bearings: BallRows, load: Array) -> ThrustState:
+def bearing_states_under_thrust(bearings: BallRows, load: Array) -> ThrustState:
     """Return contact angle, displacement and stiffness of many ball bearings under given thrusts.
 
     Newton's method is applied to F^(2/3), which is nearly linear in the displacement u.
@@ -408,9 +408,9 @@ def thrust_state_under_load(bearings: BallRows, load: Array) -> ThrustState:
         A thrust needs a displacement beyond the ball's diameter, for which Hertz contact does not hold.
     """
     first = BEGINS * bearings.ball_diameter
-    u = contact_approach(load / thrust_state(bearings, first).load, first)
+    u = contact_approach(load / bearing_state_at_displacement(bearings, first).load, first)
     for _ in range(STEPS):
-        state = thrust_state(bearings, u)
+        state = bearing_state_at_displacement(bearings, u)
         step = 1.5 * (np.cbrt(load / state.load) ** 2 - 1.0) * state.load / state.stiffness
         u = np.maximum(u + step, 0.2 * u)
         if float(np.abs(step / u).max()) < ENOUGH and bool(np.all(u < bearings.ball_diameter)):
@@ -421,7 +421,7 @@ def thrust_state_under_load(bearings: BallRows, load: Array) -> ThrustState:
     )
 
 
-def conformity_of_pair(bearings: CatalogueBearings, preload: Array, rigidity: Array) -> Array:
+def conformity_from_pair_rigidity(bearings: CatalogueBearings, preload: Array, rigidity: Array) -> Array:
     """Return the conformities (groove radius over ball diameter) at which preloaded bearing pairs have given stiffnesses.
 
     A pair consists of two equal bearings. Its axial stiffness falls with the conformity c, nearly as a power of c - 1/2, so
@@ -450,7 +450,7 @@ def conformity_of_pair(bearings: CatalogueBearings, preload: Array, rigidity: Ar
 
     def excess(x: Array) -> Array:
         """Return the logarithm of the pairs' stiffness over the given one, for x = log(conformity - 1/2)."""
-        state = thrust_state_under_load(replace(bearings, conformity=0.5 + np.exp(x)), preload)
+        state = bearing_states_under_thrust(replace(bearings, conformity=0.5 + np.exp(x)), preload)
         return np.asarray(np.log(2.0 * state.stiffness / rigidity))
 
     old = np.log(bearings.conformity - 0.5)

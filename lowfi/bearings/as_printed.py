@@ -25,7 +25,7 @@ FITS = {
 }
 
 
-def fitted_parameter(difference: float, quantity: str) -> float:
+def hertz_parameter_by_polynomial(difference: float, quantity: str) -> float:
     """Return the dimensionless approach delta* or semi-axis a* or b* of Hertz contact by Smith's fitted polynomials.
 
     delta* is within 2 % of the exact value only for F between 0.68 and 0.962, where the minor semi-axis is 39 to 42 % too
@@ -59,7 +59,7 @@ def curvature_difference(curvatures: Sequence[float]) -> float:
     return abs((a - b) + (c - d)) / (a + b + c + d)
 
 
-def race_stiffness(curvature_sum: float, delta: float) -> float:
+def load_constant_of_race(curvature_sum: float, delta: float) -> float:
     """Return the load constant K of one race [N/mm^1.5] by eq. 2.8 of Smith (1994).
 
     Parameters
@@ -72,7 +72,7 @@ def race_stiffness(curvature_sum: float, delta: float) -> float:
     return float(LOAD_CONSTANT * curvature_sum**-0.5 * delta**-1.5)
 
 
-def row_stiffness(inner: float, outer: float) -> float:
+def load_constant_of_both_races(inner: float, outer: float) -> float:
     """Return the load constant K_n of inner and outer race in series [N/mm^1.5] by eq. 2.7 of Smith (1994).
 
     The exponent is the 0.66666 of his spreadsheet.
@@ -139,11 +139,14 @@ def compute_spreadsheet(
         sums = (float(sum(four[0])), float(sum(four[1])))
         outer = curvature_difference(four[1]) if outer_difference is None else outer_difference
         differences = (curvature_difference(four[0]), outer)
-        delta = (fitted_parameter(differences[0], "approach"), fitted_parameter(differences[1], "approach"))
-        race = (race_stiffness(sums[0], delta[0]), race_stiffness(sums[1], delta[1]))
+        delta = (
+            hertz_parameter_by_polynomial(differences[0], "approach"),
+            hertz_parameter_by_polynomial(differences[1], "approach"),
+        )
+        race = (load_constant_of_race(sums[0], delta[0]), load_constant_of_race(sums[1], delta[1]))
         moved = b * float(np.sin(angle - rest)) / float(np.cos(angle))
         q = load / (balls * float(np.sin(angle)))
-        return Spreadsheet(sums, differences, delta, race, row_stiffness(*race), angle, q, moved)
+        return Spreadsheet(sums, differences, delta, race, load_constant_of_both_races(*race), angle, q, moved)
 
     def imbalance(angle: float) -> float:
         """Return by how much a ball's load by equilibrium exceeds its load by deflection [N], for a contact angle [rad]."""
@@ -153,7 +156,7 @@ def compute_spreadsheet(
     return cells(float(brentq(imbalance, rest + 1e-9, 0.5 * np.pi - 1e-3, xtol=1e-14)))
 
 
-def shared_loads(loads: Sequence[float], directions: Sequence[int], force: float) -> Array:
+def row_loads_by_smith(loads: Sequence[float], directions: Sequence[int], force: float) -> Array:
     """Return the loads of bearing rows under an external force by Smith's method [N], which balances twice the force.
 
     Smith adds the whole force to the rows of its direction and also subtracts it from the opposite rows. For the stretch of

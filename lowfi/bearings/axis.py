@@ -33,12 +33,12 @@ from typing import Protocol
 
 import numpy as np
 
-from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
+from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness_at_approach
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.section import volume_ratio
+from rollbench.meshes.section import grooved_volume_ratio
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def _series_stiffness(*stiffness: float | Array) -> Array:
         return np.asarray(1.0 / sum(1.0 / np.asarray(k, dtype=float) for k in stiffness))
 
 
-def branch_stiffnesses(axis: Axis, position: Array | float) -> tuple[Array, Array]:
+def stiffness_of_both_sides(axis: Axis, position: Array | float) -> tuple[Array, Array]:
     """Return the axial stiffnesses from the nut to the frame [N/m], through the left and through the right support.
 
     They are k_l and k_r in eq. (1) of this module.
@@ -104,7 +104,7 @@ def branch_stiffnesses(axis: Axis, position: Array | float) -> tuple[Array, Arra
         return _series_stiffness(axis.left, ea / x), _series_stiffness(axis.right, ea / (axis.length - x))
 
 
-def shaft_stiffness(axis: Axis, position: Array | float) -> Array:
+def shaft_and_support_stiffness(axis: Axis, position: Array | float) -> Array:
     """Return the axial stiffness of shaft and supports at the nut, k_l + k_r [N/m].
 
     With rigid supports it is EA L/(x (L - x)) (Smith 1994, eq. 4.7), with one free end EA/x (eq. 4.8).
@@ -127,11 +127,11 @@ def shaft_stiffness(axis: Axis, position: Array | float) -> Array:
     >>> float(shaft_stiffness(rigid, 0.5)) == 4.0 * 210e9 * 1e-3 / 1.0
     True
     """
-    left, right = branch_stiffnesses(axis, position)
+    left, right = stiffness_of_both_sides(axis, position)
     return np.asarray(left + right)
 
 
-def axis_stiffness(axis: Axis, position: Array | float, nut: float) -> Array:
+def carriage_to_frame_stiffness(axis: Axis, position: Array | float, nut: float) -> Array:
     """Return the axial stiffness between carriage and frame through nut, shaft and supports, k in eq. (1) of this module.
 
     The unit is N/m.
@@ -151,7 +151,7 @@ def axis_stiffness(axis: Axis, position: Array | float, nut: float) -> Array:
     >>> (axis_stiffness(axis, np.array([0.1, 0.5]), 400e6) * 1e-6).round(1).tolist()  # N/um
     [233.8, 213.2]
     """
-    return _series_stiffness(nut, shaft_stiffness(axis, position))
+    return _series_stiffness(nut, shaft_and_support_stiffness(axis, position))
 
 
 def support_loads(axis: Axis, position: float, force: float, tension: float = 0.0) -> tuple[float, float]:
@@ -176,7 +176,7 @@ def support_loads(axis: Axis, position: float, force: float, tension: float = 0.
     >>> support_loads(Axis(1.0, 1e-3, 210e9), 0.25, 1e3, tension=5e3)
     (5750.0, 4750.0)
     """
-    left, right = (float(k) for k in branch_stiffnesses(axis, position))
+    left, right = (float(k) for k in stiffness_of_both_sides(axis, position))
     share = float(np.isinf(left)) if np.isinf(left) or np.isinf(right) else left / (left + right)
     return tension + share * force, tension - (1.0 - share) * force
 
@@ -212,7 +212,7 @@ def shaft_tension(axis: Axis, stretch: float, expansion: float = 0.0, warming: f
     return float(springs * (stretch - expansion * warming * axis.length))
 
 
-def unloading_warming(axis: Axis, stretch: float, expansion: float) -> float:
+def warming_that_removes_tension(axis: Axis, stretch: float, expansion: float) -> float:
     """Return the uniform rise of temperature at which a stretched shaft loses its tension [K], for any support stiffness.
 
     Parameters
@@ -288,7 +288,7 @@ def screw_inertia(shaft: Assembly, density: float) -> float:
         Density of the shaft [kg/m^3].
     """
     nut = next((s.parts for s in shaft.sets if isinstance(s.parts, Scene) and s.parts.track.lead), None)
-    ratio = 1.0 if nut is None else float(np.sqrt(volume_ratio(nut)))
+    ratio = 1.0 if nut is None else float(np.sqrt(grooved_volume_ratio(nut)))
     thread = shaft_inertia(density, ratio * shaft.screw.outer_diameter, 1.0, shaft.screw.bore)
     plain = sum(p.end - p.start for p in shaft.segments)
     stretches = (shaft_inertia(density, p.diameter, p.end - p.start, p.bore) for p in shaft.segments)
@@ -393,7 +393,7 @@ class PointRow:
 
     def stiffness(self, deflection: float) -> float:
         """Return the stiffness dF/du [N/m] at an axial deflection [m]; zero where the row is loose."""
-        return float(contact_slope(deflection, self.C))
+        return float(contact_stiffness_at_approach(deflection, self.C))
 
     def deflection(self, load: float) -> float:
         """Return the axial deflection [m] under a thrust [N]."""
@@ -469,7 +469,7 @@ def bearing_set_state(bearings: BearingSet, displacement: float) -> BearingSetSt
     return BearingSetState(displacement, _thrust_of_rows(bearings, displacement), stiffness)
 
 
-def equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
+def solve_set_equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
     """Solve for the axial displacement at which the bearings on a shaft balance an external thrust on their inner rings.
 
     It solves eq. (2) of this module. Rows that lose contact carry no load. The displacement is solved for without
@@ -517,7 +517,7 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
     return bearing_set_state(bearings, float(brentq(excess, low, high, xtol=1e-22, rtol=8.9e-16)))
 
 
-def equal_rows(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
+def equal_rows_with_gap(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
     """Return a set of equal bearing rows on a shaft, whose locknut closes the same gap between the rings of each row.
 
     Closing the gaps deflects two opposed rows together by twice the gap.
@@ -534,7 +534,7 @@ def equal_rows(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
     return BearingSet((row,) * len(directions), tuple(directions), (gap,) * len(directions))
 
 
-def preloaded_rows(row: Row, directions: Sequence[int], force: float) -> BearingSet:
+def equal_rows_with_preload(row: Row, directions: Sequence[int], force: float) -> BearingSet:
     """Return a set of equal bearing rows on a shaft with a given preload; displacements count from the preloaded state.
 
     Parameters

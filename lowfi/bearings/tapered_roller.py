@@ -54,7 +54,7 @@ from rollbench.lowfi.rollers import TaperedBearing, tapered_bearing
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.numerics import brentq
-from rollbench.meshes.quantity import quantity, record
+from rollbench.meshes.quantity import quantity_field, result_record
 
 # double-exponential quadrature on (0, 1), because at the end of the load zone the load is a fractional power of the angle
 _T = np.arange(-3.6, 3.6001, 0.03)
@@ -78,7 +78,7 @@ class LoadZone:
     half_angle: float
 
 
-def load_zone(eps: float, exponent: float) -> LoadZone:
+def load_zone_integrals(eps: float, exponent: float) -> LoadZone:
     """Return Sjovall's load-zone integrals J_a and J_r for a load zone parameter.
 
     They hold for infinitely many rolling elements; the relative accuracy is 1e-12.
@@ -119,7 +119,7 @@ def load_zone(eps: float, exponent: float) -> LoadZone:
     return LoadZone(eps, end / np.pi + float(weights @ change), even + float(weights @ (change * np.cos(psi))), end)
 
 
-def load_zone_of_forces(axial: float, radial: float, angle: float, exponent: float) -> LoadZone:
+def load_zone_under_thrust_and_radial_load(axial: float, radial: float, angle: float, exponent: float) -> LoadZone:
     """Return the load zone of a row of rolling elements under thrust and radial load.
 
     It is the load zone for which J_r/J_a = F_r tan(alpha)/F_a (Smith 1994, eq. 3.14).
@@ -145,14 +145,14 @@ def load_zone_of_forces(axial: float, radial: float, angle: float, exponent: flo
             "and the radial load F_r must not be negative"
         )
     if ratio == 0.0:
-        return load_zone(np.inf, exponent)
+        return load_zone_integrals(np.inf, exponent)
 
     def excess(log_eps: float) -> float:
         """Return the logarithm of J_r/J_a over the ratio that the forces require, for a logarithm of eps."""
-        zone = load_zone(float(np.exp(log_eps)), exponent)
+        zone = load_zone_integrals(float(np.exp(log_eps)), exponent)
         return float(np.log(zone.radial / zone.axial / ratio))
 
-    return load_zone(float(np.exp(brentq(excess, np.log(1e-8), np.log(exponent / ratio), xtol=1e-13))), exponent)
+    return load_zone_integrals(float(np.exp(brentq(excess, np.log(1e-8), np.log(exponent / ratio), xtol=1e-13))), exponent)
 
 
 #: Exponent n of the power law q ~ delta^n by which the load varies over the load zone (Smith 1994, eq. 3.15).
@@ -206,7 +206,7 @@ def energy_and_derivatives(bearing: TaperedBearing, displacement: Array) -> tupl
     return float(energy.sum()), length * (q @ direction), (direction.T * slope) @ direction, length * q
 
 
-def combined_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -> CombinedState:
+def solve_thrust_and_radial_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -> CombinedState:
     """Solve for the equilibrium of a tapered roller bearing under thrust and radial load, by Newton's method on its energy.
 
     Parameters
@@ -230,12 +230,12 @@ def combined_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -
             break
         # if only one roller is loaded, one direction has no stiffness: a small diagonal term keeps the step finite
         step = -np.linalg.solve(slope + 1e-9 * np.trace(slope) * np.eye(2), off)
-        x = x + _damped_step(bearing, x, step, energy - float(force @ x), force) * step
+        x = x + _largest_descending_step(bearing, x, step, energy - float(force @ x), force) * step
     residual = float(np.abs(off).max() / axial)
     return CombinedState(float(x[0]), float(x[1]), loads, slope, residual, residual < 1e-9)
 
 
-def _damped_step(bearing: TaperedBearing, x: Array, step: Array, level: float, force: Array) -> float:
+def _largest_descending_step(bearing: TaperedBearing, x: Array, step: Array, level: float, force: Array) -> float:
     """Return the largest fraction 1, 1/2, 1/4, ... of a Newton step that does not raise the potential energy.
 
     Round-off is tolerated. ``x``, ``step``: displacement and Newton step, axial and radial ``(2,)`` [m]; ``level``:
@@ -282,13 +282,13 @@ def solve_by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> 
 
     A power law distributes the load over the rollers, and the line contact of the most loaded roller gives its compression.
     The result is exact for pure thrust. Otherwise its accuracy depends on the exponent and on the number of rollers, taken
-    as infinite. Arguments and errors are those of `combined_equilibrium`.
+    as infinite. Arguments and errors are those of `solve_thrust_and_radial_equilibrium`.
 
     References
     ----------
     Smith (1994), 3.14 to 3.21.
     """
-    zone = load_zone_of_forces(axial, radial, bearing.cup_angle, EXPONENT)
+    zone = load_zone_under_thrust_and_radial_load(axial, radial, bearing.cup_angle, EXPONENT)
     greatest = axial / (bearing.rollers * np.sin(bearing.cup_angle) * zone.axial)
     normal = float(bearing.law().approach(greatest / bearing.length))
     w = 0.5 / zone.eps
@@ -362,14 +362,14 @@ def rib_height(row: RollerRow) -> float:
     return USUAL_HEIGHT * row.diameter if row.rib_height is None else row.rib_height
 
 
-@record
+@result_record
 class RibContact:
     """Contact of the most loaded roller of a row with its rib."""
 
     #: Number of the roller, from 1.
-    roller: int = quantity("roller", "roller of the largest load on the rib")
+    roller: int = quantity_field("roller", "roller of the largest load on the rib")
     #: Force of the rib on the roller [N].
-    load: float = quantity(
+    load: float = quantity_field(
         "load_N",
         "force of the rib on its large end, 2 Q sin(gamma), by balance along the roller",
         error="that of the load",
@@ -377,20 +377,22 @@ class RibContact:
         note="roller {roller}",
     )
     #: Largest pressure [Pa]; None if the radius of the roller's end is not given.
-    pressure: float | None = quantity(
+    pressure: float | None = quantity_field(
         "pressure_MPa",
         "largest pressure there by Hertz, sphere of the end on the hollow cone of the rib; null without `end_radius`",
         error="a third of the load's, and of the height where that is assumed",
         heading="pressure on the rib",
     )
     #: Semi-axis of the contact ellipse along the rim [m]; None if the radius of the roller's end is not given.
-    a: float | None = quantity("semi_axis_a_mm", "semi-axis of its ellipse along the rim", error="a third of the load's")
+    a: float | None = quantity_field(
+        "semi_axis_a_mm", "semi-axis of its ellipse along the rim", error="a third of the load's"
+    )
     #: Semi-axis of the contact ellipse across the rim [m]; None if the radius of the roller's end is not given.
-    b: float | None = quantity("semi_axis_b_mm", "semi-axis across the rim", error="a third of the load's")
+    b: float | None = quantity_field("semi_axis_b_mm", "semi-axis across the rim", error="a third of the load's")
     #: Height of the contact above the cone's race [m].
-    height: float = quantity("height_mm", "height of the contact above the cone's race, as given or assumed")
+    height: float = quantity_field("height_mm", "height of the contact above the cone's race, as given or assumed")
     #: Text on assumptions and missing data.
-    words: str = quantity("words", "what is assumed or not known", show=lambda words: words or None, default="")
+    words: str = quantity_field("words", "what is assumed or not known", show=lambda words: words or None, default="")
 
 
 def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
@@ -462,7 +464,7 @@ def rib_contact_ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Arr
     return np.asarray(h.C_a * root), np.asarray(h.C_b * root)
 
 
-def mean_distance(a: Array, b: Array, height: float) -> Array:
+def mean_distance_of_rib_pressure(a: Array, b: Array, height: float) -> Array:
     """Return the mean distance of the rib's contact pressure from the cone's contact line, int p r dA/F [m].
 
     r is the distance from a point on the minor axis at the height h from the ellipse's centre. With s the relative radius

@@ -32,7 +32,7 @@ to each other. The losses are:
 At rest and without lubricant there is no film; rib and hysteresis give the starting torque. Cage, seals and drag are
 neglected.
 
-Timken's formula (Smith 1994, 3.29) is `taper_torque`, for thrust only, with the manufacturer's factor G_1.
+Timken's formula (Smith 1994, 3.29) is `timken_running_torque`, for thrust only, with the manufacturer's factor G_1.
 """
 
 from __future__ import annotations
@@ -41,12 +41,17 @@ from typing import Literal
 
 import numpy as np
 
-from rollbench.lowfi.bearings.tapered_roller import mean_distance, rib_contact_ellipse, rib_height, roller_speed_ratios
-from rollbench.lowfi.rollers import TaperedBearing, slice_contacts, slice_middles, tapered_bearing
+from rollbench.lowfi.bearings.tapered_roller import (
+    mean_distance_of_rib_pressure,
+    rib_contact_ellipse,
+    rib_height,
+    roller_speed_ratios,
+)
+from rollbench.lowfi.rollers import TaperedBearing, half_widths_and_pressures_of_slices, slice_middles, tapered_bearing
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Lubricant
-from rollbench.meshes.quantity import Stated, quantity, record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Lowest and highest value of a quantity, in SI units.
 Band = tuple[float, float]
@@ -115,19 +120,19 @@ def viscous_torque(factor: float, pitch_diameter: float, viscosity: float, speed
     return float(1e-8 * KILOGRAM_FORCE * 1e-3 * factor * film ** (2.0 / 3.0) * (1e3 * pitch_diameter) ** 3)
 
 
-@record
+@result_record
 class BallTorque:
     """Friction torque of a row of balls [N m], as a range (low, high) given by the published coefficients."""
 
     #: Load-dependent part M_1 as (low, high) [N m].
-    load: Band = quantity(
+    load: Band = quantity_field(
         "load_Nmm",
         "load-dependent part M1 = z (Q/Q0)^y P1 dm, from the computed loads; lowest and highest published z",
         error="empirical",
         parts="[]",
     )
     #: Part M_0 that depends on lubricant and speed, as (low, high) [N m]; None without lubricant or speed.
-    viscous: Band | None = quantity(
+    viscous: Band | None = quantity_field(
         "viscous_Nmm",
         "part M0 = f0 (nu n)^(2/3) dm^3 that depends on lubricant and speed; lowest and highest published f0; null without "
         "[lubricant] or [motion]",
@@ -135,7 +140,7 @@ class BallTorque:
         parts="[]",
     )
     #: Torque that starts the row from rest, twice M_1, as (low, high) [N m].
-    starting: Band = quantity(
+    starting: Band = quantity_field(
         "starting_Nmm",
         "torque that starts the row from rest: twice the load-dependent part",
         error="empirical",
@@ -146,7 +151,7 @@ class BallTorque:
     )
 
     @property
-    @Stated(
+    @QuantityDescription(
         "running_Nmm",
         "torque of the running row: M0 + M1, without seals",
         error="empirical",
@@ -200,26 +205,26 @@ def ball_torque(
     return BallTorque(load, viscous, (STARTING * load[0], STARTING * load[1]))
 
 
-@record
+@result_record
 class LoadTorque:
     """Load-dependent torque of a ball bearing, with the factors from which it is computed."""
 
     #: Torque M_1 [N m].
-    torque: float = quantity(
+    torque: float = quantity_field(
         "torque_Nmm",
         "starting torque of one bearing under its preload, by Palmgren's load formula M = f1 F dm (Smith 2.33 to 2.38), "
         "without lubricant and seals",
         error="empirical",
     )
     #: Factor f_1.
-    factor: float = quantity("factor", "factor f1 = 0.0013 (P0/C0)^(1/3) of that torque")
+    factor: float = quantity_field("factor", "factor f1 = 0.0013 (P0/C0)^(1/3) of that torque")
     #: Static equivalent load P_0 [N].
-    equivalent_load: float = quantity("equivalent_load_N", "static equivalent load P0 of the bearing")
+    equivalent_load: float = quantity_field("equivalent_load_N", "static equivalent load P0 of the bearing")
     #: Static load rating C_0 [N].
-    rating: float = quantity("static_rating_N", "static load rating C0 of the bearing by Palmgren's formula")
+    rating: float = quantity_field("static_rating_N", "static load rating C0 of the bearing by Palmgren's formula")
 
 
-def static_rating(rows: int, balls: int, ball_diameter: float, angle: float, across: float, along: float) -> float:
+def palmgren_static_rating(rows: int, balls: int, ball_diameter: float, angle: float, across: float, along: float) -> float:
     """Return Palmgren's static load rating of a ball bearing, C_0 = k_0 i Z sin(alpha) D^2 [N].
 
     Here k_0 = 2.8 kg/mm^2/(D sqrt(product of the relative curvatures across and along the track)).
@@ -243,7 +248,7 @@ def static_rating(rows: int, balls: int, ball_diameter: float, angle: float, acr
     return float(k * rows * balls * np.sin(angle) * ball_diameter**2)
 
 
-def load_torque(
+def load_dependent_torque(
     axial: float, radial: float, pitch_diameter: float, rating: float, *, axial_factor: float = 0.3
 ) -> LoadTorque:
     """Return the load-dependent friction torque M_1 = f_1 g_1 P_0 d_m of a ball bearing.
@@ -276,7 +281,7 @@ def load_torque(
     return LoadTorque(factor * axial * pitch_diameter, factor, equivalent, rating)
 
 
-def taper_torque(geometry: float, viscosity: float, speed: float, axial: float) -> float:
+def timken_running_torque(geometry: float, viscosity: float, speed: float, axial: float) -> float:
     """Return the running torque of a tapered roller bearing under thrust by Timken's formula [N m].
 
     The formula is 3.54e-5 G_1 (n mu)^0.62 F_a^0.30 in-lb, in rpm, cP and lb. It is valid for run-in bearings in circulating
@@ -307,10 +312,10 @@ def taper_torque(geometry: float, viscosity: float, speed: float, axial: float) 
     return float(pounds * _INCH * _POUND)
 
 
-def taper_geometry(torque: float, viscosity: float, speed: float, axial: float) -> float:
+def timken_factor_from_torque(torque: float, viscosity: float, speed: float, axial: float) -> float:
     """Return Timken's bearing factor G_1 from a running torque that a manufacturer's curve or a test gives.
 
-    This is the inverse of `taper_torque`.
+    This is the inverse of `timken_running_torque`.
 
     Parameters
     ----------
@@ -323,7 +328,7 @@ def taper_geometry(torque: float, viscosity: float, speed: float, axial: float) 
     axial
         Thrust F_a [N].
     """
-    return torque / taper_torque(1.0, viscosity, speed, axial)
+    return torque / timken_running_torque(1.0, viscosity, speed, axial)
 
 
 #: Part of the work of deformation that steel loses by hysteresis (Johnson 1985, 9.1: about one per cent).
@@ -337,38 +342,38 @@ USUAL_FRICTION, FRICTIONS = 0.1, (0.03, 0.15)
 UNEVEN = 1.1
 
 
-@record
+@result_record
 class RollerTorque:
     """Friction torque of a row of tapered rollers about its axis [N m], by the contacts' losses and by Timken's formula."""
 
     #: Torque of the lubricant film between rollers and races; None without lubricant or speed.
-    film: float | None = quantity(
+    film: float | None = quantity_field(
         "film_Nmm", "part of the oil film between rollers and races; null without lubricant or speed", error="upper bound"
     )
     #: Torque of elastic hysteresis.
-    hysteresis: float = quantity("hysteresis_Nmm", "part of the steel's hysteresis, 1 % of the work of deformation")
+    hysteresis: float = quantity_field("hysteresis_Nmm", "part of the steel's hysteresis, 1 % of the work of deformation")
     #: Torque of sliding and spin of the rollers' ends on the rib.
-    rib: float = quantity(
+    rib: float = quantity_field(
         "rib_Nmm", "part of the large ends that slide and spin on the rib", error="that of the coefficient of friction"
     )
     #: Torque with the lowest coefficient of friction in `FRICTIONS`; None if the scene gives the coefficient.
-    low: float | None = quantity(
+    low: float | None = quantity_field(
         "low_Nmm", "torque with a coefficient of 0.03 on the rib, a full film; null where rib_friction is given"
     )
     #: Torque with the highest coefficient of friction in `FRICTIONS`; None if the scene gives the coefficient.
-    high: float | None = quantity("high_Nmm", "torque with a coefficient of 0.15 on the rib, boundary lubrication")
+    high: float | None = quantity_field("high_Nmm", "torque with a coefficient of 0.15 on the rib, boundary lubrication")
     #: Torque by Timken's formula; None if one of its inputs is missing.
-    timken: float | None = quantity(
+    timken: float | None = quantity_field(
         "timken_Nmm",
         "running torque by Timken's formula (Smith 3.29) under the row's thrust; null without torque_factor, "
         "lubricant or speed",
         error="empirical; of thrust alone",
     )
     #: Text on assumptions and missing data.
-    words: str = quantity("words", "what is assumed or missing", show=lambda words: words or None, default="")
+    words: str = quantity_field("words", "what is assumed or missing", show=lambda words: words or None, default="")
 
     @property
-    @Stated(
+    @QuantityDescription(
         "torque_Nmm",
         "friction torque of the row by work in its contacts, the sum of film, hysteresis and rib",
         error="`low_Nmm` to `high_Nmm`",
@@ -380,7 +385,7 @@ class RollerTorque:
         return (self.film or 0.0) + self.start
 
     @property
-    @Stated(
+    @QuantityDescription(
         "starting_torque_Nmm",
         "the same at rest, without the film",
         error="that of the coefficient of friction",
@@ -424,7 +429,7 @@ def roller_torque(
     loads = line_loads.mean(axis=1) * row.length
     cone, _ = roller_speed_ratios(bearing)
     rib = 2.0 * np.sin(bearing.roller_angle) * loads
-    distance = mean_distance(*rib_contact_ellipse(row, rib), rib_height(row))
+    distance = mean_distance_of_rib_pressure(*rib_contact_ellipse(row, rib), rib_height(row))
     sliding = cone * float(rib @ distance)  # torque of the rib over its coefficient
     mu = USUAL_FRICTION if row.rib_friction is None else row.rib_friction
     words, film, timken = [], None, None
@@ -434,7 +439,7 @@ def roller_torque(
         film = film_torque(bearing, line_loads, speed, lubricant)
         if row.torque_factor is not None:
             thrust = float(loads.sum() * np.sin(bearing.cup_angle))
-            timken = taper_torque(row.torque_factor, lubricant.dynamic_viscosity, speed, thrust)
+            timken = timken_running_torque(row.torque_factor, lubricant.dynamic_viscosity, speed, thrust)
             if float(loads.max()) > UNEVEN * float(loads.mean()):
                 words.append("Timken's formula uses only the thrust and neglects the radial force")
     if row.torque_factor is None:
@@ -486,12 +491,14 @@ def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubric
     u, width = rolling_speed(bearing, x, speed), bearing.length / x.size
     lost = 0.0
     for curvature in (1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup):
-        force = rolling_force(line_loads, u, 1.0 / curvature, lubricant, bearing.young / (1.0 - bearing.poisson**2))
+        force = film_rolling_resistance(
+            line_loads, u, 1.0 / curvature, lubricant, bearing.young / (1.0 - bearing.poisson**2)
+        )
         lost += float((2.0 * u * force).sum()) * width
     return lost / speed
 
 
-def rolling_force(line_load: Array, speed: Array, radius: Array, lubricant: Lubricant, modulus: float) -> Array:
+def film_rolling_resistance(line_load: Array, speed: Array, radius: Array, lubricant: Lubricant, modulus: float) -> Array:
     """Return the rolling resistance per length of the film's inlet on either surface [N/m], by eq. (1) of this module.
 
     It is zero without load.
@@ -534,6 +541,6 @@ def hysteresis_torque(bearing: TaperedBearing, line_loads: Array) -> float:
     line_loads
         Loads per length of each roller's slices ``(count, slices)`` [N/m].
     """
-    b, _ = slice_contacts(bearing, line_loads)
+    b, _ = half_widths_and_pressures_of_slices(bearing, line_loads)
     work = (line_loads[..., None] * b).sum(axis=(0, 1)) * bearing.length / line_loads.shape[-1]
     return float(HYSTERESIS * 2.0 / (3.0 * np.pi) * work @ np.array(roller_speed_ratios(bearing)))

@@ -13,19 +13,25 @@ from functools import lru_cache
 import numpy as np
 
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space_compliance
-from rollbench.lowfi.compliance.faces import REACH, NearFace, motions_by_wrench, near_face_compliance, quarter_turn
-from rollbench.lowfi.compliance.groove import RingCompliance, ring_compliance, ring_contacts
+from rollbench.lowfi.compliance.faces import (
+    REACH,
+    NearFace,
+    contact_motions_by_own_section_wrench,
+    near_face_compliance,
+    perpendicular_directions,
+)
+from rollbench.lowfi.compliance.groove import RingCompliance, compliance_between_ring_contacts, ring_compliance
 from rollbench.lowfi.compliance.parts import (
     BOTH,
     CLAMPED,
     REFINED,
     Backend,
     fixed_surface,
-    geometry_only,
-    groove_of_body,
     grooved_section,
+    half_groove_of_body,
     is_ring,
     nut_beam_ends,
+    reduce_to_compliance_geometry,
     select_flanks,
     smooth_body,
 )
@@ -34,34 +40,36 @@ from rollbench.lowfi.compliance.tube import (
     TubeCompliance,
     cantilever_compliance,
     clamped_beam_compliance,
+    compliance_of_local_groove_strains,
     contact_compliance,
+    contact_motions_by_rigid_motions,
     end_springs,
-    motion_rows,
+    gaussian_weights_on_line,
     motions_by_section_load,
-    patch_weights,
     points_in_space,
     project_on_surface,
-    section_jump_compliance,
     spring_compliance,
     tube_compliance,
 )
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.cache import kept
+from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.helix import BallLayout, nominal_contact_points
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 #: Length of the loaded zone beyond the nut's faces over the patch's width, so that patches near a face are complete.
 BESIDE = 2.5
 
 
-def ball_axes(layout: BallLayout) -> Array:
+def groove_section_axes_of_balls(layout: BallLayout) -> Array:
     """Return the two axes of the groove's section at each of N balls: radial and binormal unit vectors ``(N, 2, 3)``."""
     return np.stack([layout.radial, layout.binormal], axis=1)
 
 
-def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequence[int] = BOTH) -> tuple[Array, Array]:
+def contact_points_and_axes(
+    scene: Scene, layout: BallLayout, screw: bool, flanks: Sequence[int] = BOTH
+) -> tuple[Array, Array]:
     """Return the nominal contact points of screw or nut ``(c, 3)`` [m], then their axes ``(c, 2, 3)``.
 
     The c contacts are those of all balls on the first of ``flanks``, then those on the second (0: left, 1: right). The axes
@@ -70,21 +78,21 @@ def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequen
     """
     at = nominal_contact_points(scene)[:2] if screw else nominal_contact_points(scene)[2:]
     x = [layout.centre + at[s][0] * layout.radial + at[s][1] * layout.binormal for s in flanks]
-    return np.concatenate(x), np.concatenate([ball_axes(layout)] * len(flanks))
+    return np.concatenate(x), np.concatenate([groove_section_axes_of_balls(layout)] * len(flanks))
 
 
 @lru_cache(maxsize=32)
-def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
-    """Return the compliance of the smooth body that represents screw or nut, over the axial range of `contact_zone`.
+def compliance_of_smooth_body(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
+    """Return the compliance of the smooth body that represents screw or nut, over the axial range of its contacts.
 
-    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut; ``backend``: model
-    of the bodies.
+    ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
+    ``backend``: model of the bodies.
     """
     tube = smooth_body(geometry, screw, backend)
-    return cached_tube_compliance(tube, contact_zone(geometry, tube))
+    return cached_tube_compliance(tube, axial_range_of_contacts(geometry, tube))
 
 
-def contact_zone(geometry: Scene, tube: Tube) -> tuple[float, float]:
+def axial_range_of_contacts(geometry: Scene, tube: Tube) -> tuple[float, float]:
     """Return the lower and upper end of the axial range [m] that contains all load patches on a smooth body.
 
     It is the nut's length and `BESIDE` widths of a patch beyond either face. ``tube``: smooth body, for the patches' width.
@@ -101,13 +109,14 @@ cached_tube_compliance, cached_section_motions = (
 
 
 @lru_cache(maxsize=32)
-@kept(RingCompliance)
+@cached_on_disk(RingCompliance)
 def grooved_ring_compliance(geometry: Scene, screw: bool) -> RingCompliance:
     """Return the compliance of a bearing ring with its groove, cached on disk by its geometry.
 
-    ``geometry``: scene of `geometry_only`; ``screw``: whether the ring is the inner ring (True) or the outer ring.
+    ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the ring is the inner ring (True) or the
+    outer ring.
     """
-    return ring_compliance(groove_of_body(geometry, screw), fixed_surface(geometry, screw))
+    return ring_compliance(half_groove_of_body(geometry, screw), fixed_surface(geometry, screw))
 
 
 def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
@@ -115,10 +124,10 @@ def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> flo
 
     It holds for a narrow patch; `flank_size_correction` adds the influence of the contact's size.
 
-    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut; ``backend``: model
-    of the bodies.
+    ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
+    ``backend``: model of the bodies.
     """
-    flank = groove_of_body(geometry, screw)
+    flank = half_groove_of_body(geometry, screw)
     if is_ring(geometry, screw):
         return grooved_ring_compliance(geometry, screw).normals - half_space_compliance(
             NARROW * flank.map.ball, flank.material
@@ -126,32 +135,32 @@ def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> flo
     tube = smooth_body(geometry, screw, backend)
     if not backend.flank:  # the half space at the smooth body's own patch only
         return -half_space_compliance(tube.width, tube.material)
-    return near_face_of_body(geometry, screw, backend).alone
+    return near_face_compliance_of_body(geometry, screw, backend).alone
 
 
-def smooth_body_correction(
+def smooth_body_compliance_beyond_beam(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
     """Return the compliance ``(2 c, 2 c)`` [m/N] of the smooth body between c contacts, less that of the smooth beam.
 
-    Each contact has two axes (`contact_frames`). ``layout``: positions of the balls; ``screw``: whether the body is the
-    screw (True) or the nut; ``flanks``: flanks with contacts, 0 left, 1 right. Raises ValueError if a contact lies beyond
-    the faces of the nut.
+    Each contact has two axes (`contact_points_and_axes`). ``layout``: positions of the balls; ``screw``: whether the body
+    is the screw (True) or the nut; ``flanks``: flanks with contacts, 0 left, 1 right. Raises ValueError if a contact lies
+    beyond the faces of the nut.
     """
-    geometry = geometry_only(scene)
-    x, axes = contact_frames(scene, layout, screw, flanks)
+    geometry = reduce_to_compliance_geometry(scene)
+    x, axes = contact_points_and_axes(scene, layout, screw, flanks)
     if float(np.abs(x[:, 2] - scene.nut.position).max()) > 0.5 * scene.nut.length:
         raise ValueError("a contact lies beyond the nut's faces: lengthen the nut or reduce the number of turns")
-    smooth = smooth_compliance(geometry, screw, backend)
+    smooth = compliance_of_smooth_body(geometry, screw, backend)
     G = contact_compliance(smooth, points_in_space(x, axes))
     tube = smooth.tube
     plain = tube.section
     x = project_on_surface(tube, x)
-    rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)
+    rows, stations = contact_motions_by_rigid_motions(x, axes), np.repeat(x[:, 2], 2)
     if tube.held == "section":
         G = G - spring_compliance(tube, x, axes) - clamped_beam_compliance(rows, stations, tube.ends, "low", plain)
         if backend.flank:
-            G = G + section_jump_compliance(
+            G = G + compliance_of_local_groove_strains(
                 contact_motions_by_section_wrench(scene, layout, True, backend, flanks), rows, stations, tube.ends[0]
             )
     elif tube.held in CLAMPED:
@@ -166,48 +175,58 @@ def contact_motions_by_section_wrench(
 
     The wrench consists of three forces and three moments. At a groove the body is thinner than on average and therefore
     strains more (`NearFace.strains`). Arguments, and the c contacts with two axes each, are those of
-    `smooth_body_correction`.
+    `smooth_body_compliance_beyond_beam`.
     """
-    found = near_face_of_body(geometry_only(scene), screw, backend)
-    points = points_in_space(*contact_frames(scene, layout, screw, flanks))
-    return motions_by_wrench(points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.strains)
+    found = near_face_compliance_of_body(reduce_to_compliance_geometry(scene), screw, backend)
+    points = points_in_space(*contact_points_and_axes(scene, layout, screw, flanks))
+    return contact_motions_by_own_section_wrench(
+        points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.strains
+    )
 
 
-def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH, feel: Array | None = None) -> Array:
+def nut_beam_compliance(
+    scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH, section_strain_motions: Array | None = None
+) -> Array:
     """Return the compliance ``(2 c, 2 c)`` [m/N] between the c contacts of a nut that is a Timoshenko beam of its section.
 
     The beam is clamped at the nut's faces or at its flange. The compliance is zero if the outer surface is fixed.
-    ``layout``: positions of the balls; ``flanks``: flanks with contacts, 0 left, 1 right; ``feel``: local motions by
-    wrenches at the grooves, see `clamped_beam_compliance`, or None to leave them out.
+    ``layout``: positions of the balls; ``flanks``: flanks with contacts, 0 left, 1 right; ``section_strain_motions``: local
+    motions by wrenches at the grooves, see `clamped_beam_compliance`, or None to leave them out.
     """
-    geometry = geometry_only(scene)
-    x, axes = contact_frames(scene, layout, False, flanks)
+    geometry = reduce_to_compliance_geometry(scene)
+    x, axes = contact_points_and_axes(scene, layout, False, flanks)
     if fixed_surface(geometry, False) not in CLAMPED:
         return np.zeros((2 * len(x),) * 2)
     section, tube = grooved_section(geometry, False), smooth_body(geometry, False, REFINED)
-    return clamped_beam_compliance(motion_rows(x, axes), np.repeat(x[:, 2], 2), *nut_beam_ends(tube), section, feel)
-
-
-@lru_cache(maxsize=32)
-def near_face_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
-    """Return the compliance that grooves and end faces of screw or nut add between contacts of one or two turns.
-
-    The result is cached in memory by the geometry, and that of `cached_near_face` on disk.
-
-    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut; ``backend``: model
-    of the bodies.
-    """
-    radii = (0.0, np.inf) if screw else solid_dimensions(geometry).held_radii
-    section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
-    low, high = (abs(end - geometry.nut.position) - 0.5 * geometry.nut.length for end in tube.ends)
-    near = min(low, high) < REACH * geometry.balls.radius
-    return cached_near_face(
-        groove_of_body(geometry, screw), replace(tube, ends=(0.0, 0.0), flange=None), section, radii, near
+    return clamped_beam_compliance(
+        contact_motions_by_rigid_motions(x, axes),
+        np.repeat(x[:, 2], 2),
+        *nut_beam_ends(tube),
+        section,
+        section_strain_motions,
     )
 
 
 @lru_cache(maxsize=32)
-@kept(NearFace)
+def near_face_compliance_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
+    """Return the compliance that grooves and end faces of screw or nut add between contacts of one or two turns.
+
+    The result is cached in memory by the geometry, and that of `cached_near_face` on disk.
+
+    ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
+    ``backend``: model of the bodies.
+    """
+    radii = (0.0, np.inf) if screw else dimensions_of_3d_parts(geometry).held_radii
+    section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
+    low, high = (abs(end - geometry.nut.position) - 0.5 * geometry.nut.length for end in tube.ends)
+    near = min(low, high) < REACH * geometry.balls.radius
+    return cached_near_face(
+        half_groove_of_body(geometry, screw), replace(tube, ends=(0.0, 0.0), flange=None), section, radii, near
+    )
+
+
+@lru_cache(maxsize=32)
+@cached_on_disk(NearFace)
 def cached_near_face(flank: Flank, tube: Tube, section: BeamSection, radii: tuple[float, float], near: bool) -> NearFace:
     """Return the result of `near_face_compliance`, cached on disk by its arguments.
 
@@ -218,21 +237,21 @@ def cached_near_face(flank: Flank, tube: Tube, section: BeamSection, radii: tupl
     return near_face_compliance(flank, tube, section, radii, near=near)
 
 
-def groove_and_face_correction(
+def groove_and_face_compliance(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
     """Return the compliance ``(2 c, 2 c)`` [m/N] that grooves and end faces add between c contacts on neighbouring flanks.
 
     Flanks are coupled within one groove, or also with the groove behind it (`NearFace.turns`). Arguments are those of
-    `smooth_body_correction`.
+    `smooth_body_compliance_beyond_beam`.
     """
-    geometry = geometry_only(scene)
+    geometry = reduce_to_compliance_geometry(scene)
     flank, held, found = (
-        groove_of_body(geometry, screw),
+        half_groove_of_body(geometry, screw),
         fixed_surface(geometry, screw),
-        near_face_of_body(geometry, screw, backend),
+        near_face_compliance_of_body(geometry, screw, backend),
     )
-    z = contact_frames(scene, layout, screw, flanks)[0][:, 2]
+    z = contact_points_and_axes(scene, layout, screw, flanks)[0][:, 2]
     azimuth, side = np.tile(layout.azimuth, len(flanks)), np.repeat(flanks, layout.z.size)
     middle = z - found.beside * np.where(side == 0, -1.0, 1.0)
     ahead = middle[:, None] - middle
@@ -256,31 +275,36 @@ def groove_and_face_correction(
         gain[near] += block if high else block.swapaxes(1, 2) * np.array([[1.0, -1.0], [-1.0, 1.0]])  # mirror image
     signs = flank.map.signs[[s if screw else s + 2 for s in BOTH]][side]
     normal = signs * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
-    axes = np.stack([normal, quarter_turn(normal)], axis=1)
+    axes = np.stack([normal, perpendicular_directions(normal)], axis=1)
     G = np.zeros((side.size, 2, side.size, 2))
     G[i, :, j] = axes[i].swapaxes(1, 2) @ gain @ axes[j]
     G[j, :, i] = G[i, :, j].swapaxes(1, 2)
     return G.reshape(2 * side.size, -1)
 
 
-def body_between_contacts(
+def compute_compliance_between_contacts(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
     """Compute the compliance ``(2 c, 2 c)`` [m/N] of screw (beyond its beam) or nut between c contacts, without a cache.
 
-    It is `lowfi.compliance.bodies.whole_body` for a body that is not rigid and for balls at any positions. Arguments are
-    those of `smooth_body_correction`.
+    It is `lowfi.compliance.bodies.compliance_between_contacts` for a body that is not rigid and for balls at any positions.
+    Arguments are those of `smooth_body_compliance_beyond_beam`.
     """
     held = fixed_surface(scene, screw)
-    if is_ring(geometry_only(scene), screw):
-        G = select_flanks(ring_contacts(grooved_ring_compliance(geometry_only(scene), screw), layout.azimuth), flanks)
+    if is_ring(reduce_to_compliance_geometry(scene), screw):
+        G = select_flanks(
+            compliance_between_ring_contacts(
+                grooved_ring_compliance(reduce_to_compliance_geometry(scene), screw), layout.azimuth
+            ),
+            flanks,
+        )
     else:
-        G = smooth_body_correction(scene, layout, screw, backend, flanks)
+        G = smooth_body_compliance_beyond_beam(scene, layout, screw, backend, flanks)
         if not screw and held != "outer":
             feel = contact_motions_by_section_wrench(scene, layout, False, backend, flanks) if backend.flank else None
-            G = G + nut_beam(scene, layout, flanks, feel)
+            G = G + nut_beam_compliance(scene, layout, flanks, feel)
         if backend.flank:
-            G = G + groove_and_face_correction(scene, layout, screw, backend, flanks)
+            G = G + groove_and_face_compliance(scene, layout, screw, backend, flanks)
     G = 0.5 * (G + G.T)
     G.flags.writeable = False
     return G
@@ -299,23 +323,23 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
         Motions of the contacts ``(4 N, 6)``; motions of the high end ``(6, 6)``; axial positions of the low and the high
         end [m]. These are the fields of `lowfi.compliance.bodies.EndResponse`.
     """
-    geometry = geometry_only(scene)
-    compliance = smooth_compliance(geometry, True, backend)
-    x, axes = contact_frames(scene, layout, True)
+    geometry = reduce_to_compliance_geometry(scene)
+    compliance = compliance_of_smooth_body(geometry, True, backend)
+    x, axes = contact_points_and_axes(scene, layout, True)
     tube = compliance.tube
     (low, high), taken = tube.ends, project_on_surface(tube, x)
     plain = tube.section
-    rows = np.concatenate([motion_rows(taken, axes), np.eye(6)])
+    rows = np.concatenate([contact_motions_by_rigid_motions(taken, axes), np.eye(6)])
     stations = np.append(np.repeat(x[:, 2], 2), np.full(6, high))
     shift, tilt, axial, twist = end_springs(tube)
     end = np.eye(6)
     end[0, 4], end[1, 3] = high - low, low - high
-    by_springs = np.concatenate([motion_rows(taken, axes, low), end])
+    by_springs = np.concatenate([contact_motions_by_rigid_motions(taken, axes, low), end])
     beam = cantilever_compliance(rows, stations, low, plain, slice(-6, None))
     beam += (by_springs / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
     motions = np.concatenate([contact_motions_by_end_wrench(compliance, x, axes), end_compliance(compliance)]) - beam
     if backend.flank:
-        motions[:-6] += motions_by_wrench_at(
+        motions[:-6] += section_strain_motions_by_wrench(
             contact_motions_by_section_wrench(scene, layout, True, backend), stations[:-6], high
         )
     return motions[:-6], 0.5 * (motions[-6:] + motions[-6:].T), low, high
@@ -325,35 +349,42 @@ def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: f
     """Compute the motions ``(4 N, 6)`` of contacts by a unit wrench on a cross-section of the screw, without a cache.
 
     ``layout``: positions of the N balls; ``at``: axial position of the cross-section [m]. The function is
-    `lowfi.compliance.bodies.section_response` for balls at any positions.
+    `lowfi.compliance.bodies.screw_response_to_section_wrench` for balls at any positions.
     """
-    geometry = geometry_only(scene)
+    geometry = reduce_to_compliance_geometry(scene)
     tube = smooth_body(geometry, True, backend)
-    x, axes = contact_frames(scene, layout, True)
+    x, axes = contact_points_and_axes(scene, layout, True)
     low, taken = tube.ends[0], project_on_surface(tube, x)
-    rows = np.concatenate([motion_rows(taken, axes), np.eye(6)])
+    rows = np.concatenate([contact_motions_by_rigid_motions(taken, axes), np.eye(6)])
     stations = np.append(np.repeat(x[:, 2], 2), np.full(6, at))
     shift, tilt, axial, twist = end_springs(tube)
     end = np.eye(6)
     end[0, 4], end[1, 3] = at - low, low - at
     beam = cantilever_compliance(rows, stations, low, tube.section, slice(-6, None))[:-6]
-    beam += (motion_rows(taken, axes, low) / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
-    motions = contact_motions_by_end_wrench(cached_section_motions(tube, contact_zone(geometry, tube), at), x, axes) - beam
+    beam += (
+        contact_motions_by_rigid_motions(taken, axes, low) / np.array([shift, shift, axial, tilt, tilt, twist])
+    ) @ end.T
+    motions = (
+        contact_motions_by_end_wrench(cached_section_motions(tube, axial_range_of_contacts(geometry, tube), at), x, axes)
+        - beam
+    )
     if backend.flank:
-        motions += motions_by_wrench_at(contact_motions_by_section_wrench(scene, layout, True, backend), stations[:-6], at)
+        motions += section_strain_motions_by_wrench(
+            contact_motions_by_section_wrench(scene, layout, True, backend), stations[:-6], at
+        )
     return motions
 
 
-def motions_by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
+def section_strain_motions_by_wrench(section_strain_motions: Array, stations: Array, at: float) -> Array:
     """Return the motions ``(2 c, 6)`` of c contacts, due to local strains at their grooves, by a unit wrench on a section.
 
-    ``feel`` ``(2 c, 6)``: these motions by a unit wrench on the contact's own cross-section; ``stations``: axial positions
-    of the contacts, one for each axis ``(2 c,)`` [m]; ``at``: axial position of the loaded cross-section [m]. The wrench
-    passes only through the sections below ``at``, so contacts above it do not move.
+    ``section_strain_motions`` ``(2 c, 6)``: these motions by a unit wrench on the contact's own cross-section;
+    ``stations``: axial positions of the contacts, one for each axis ``(2 c,)`` [m]; ``at``: axial position of the loaded
+    cross-section [m]. The wrench passes only through the sections below ``at``, so contacts above it do not move.
     """
-    out, reach = feel.copy(), at - stations
-    out[:, 0] += reach * feel[:, 4]
-    out[:, 1] -= reach * feel[:, 3]
+    out, reach = section_strain_motions.copy(), at - stations
+    out[:, 0] += reach * section_strain_motions[:, 4]
+    out[:, 1] -= reach * section_strain_motions[:, 3]
     return np.asarray(out * np.heaviside(reach, 0.5)[:, None])
 
 
@@ -365,7 +396,7 @@ def contact_motions_by_end_wrench(compliance: TubeCompliance, x: Array, axes: Ar
     motions.
     """
     points = points_in_space(x, axes)
-    weights = patch_weights(compliance.z, points.z, compliance.tube.width)
+    weights = gaussian_weights_on_line(compliance.z, points.z, compliance.tube.width)
     (axial, twist), (shift, tilt) = ((motions @ weights.T).swapaxes(1, 2) for motions in compliance.ends)
     c, s = np.cos(points.azimuth)[:, None], np.sin(points.azimuth)[:, None]
     here, turned = np.hstack([c, s, c]), np.hstack([s, -c, s])  # at azimuth 0, and a quarter turn on

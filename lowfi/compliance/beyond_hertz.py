@@ -32,7 +32,7 @@ MEAN_LOG = 2.0 * np.log(2.0) - 1.75
 TERMS = 400
 
 
-def legendre_compliance(n: Array, poisson: float) -> Array:
+def sphere_series_coefficients(n: Array, poisson: float) -> Array:
     """Return the coefficients c_n of an elastic sphere in Lur'e's series; 0 for n = 1.
 
     The pressure p_n P_n(cos t) without shear moves the surface inward by c_n (R/2 G) p_n P_n(cos t).
@@ -46,8 +46,8 @@ def legendre_compliance(n: Array, poisson: float) -> Array:
     return np.where(n == 0.0, (1.0 - 2.0 * poisson) / (1.0 + poisson), np.where(n == 1.0, 0.0, c))
 
 
-def harmonic_expansion(poisson: float) -> tuple[float, float]:
-    """Return the constants A = 2 (1 - nu) and B of the expansion c_n = A/n + B/n^2 + O(n^-3) (`legendre_compliance`).
+def sphere_series_expansion(poisson: float) -> tuple[float, float]:
+    """Return the constants A = 2 (1 - nu) and B of the expansion c_n = A/n + B/n^2 + O(n^-3) of a sphere's series.
 
     ``poisson``: Poisson's ratio nu.
     """
@@ -57,19 +57,19 @@ def harmonic_expansion(poisson: float) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=64)
-def smooth_series_remainder(cosine: float, poisson: float) -> float:
+def sphere_series_remainder(cosine: float, poisson: float) -> float:
     """Return Lur'e's series at an angle less the closed sums of its terms A/n and B/n^2, which are singular at the load.
 
     ``cosine``: cosine of the angle between load and point; ``poisson``: Poisson's ratio. The result is dimensionless.
     """
     from numpy.polynomial.legendre import legval
 
-    a, b = harmonic_expansion(poisson)
+    a, b = sphere_series_expansion(poisson)
     n = np.arange(2.0, TERMS)
-    terms = (2 * n + 1) * legendre_compliance(n, poisson) - 2.0 * a - (a + 2.0 * b) / n
+    terms = (2 * n + 1) * sphere_series_coefficients(n, poisson) - 2.0 * a - (a + 2.0 * b) / n
     total = float(legval(cosine, np.append([0.0, 0.0], terms)))
     # n = 0 and 1 of the closed sums: 2 A sum P_n over n >= 0, (A + 2 B) sum P_n / n over n >= 1
-    total += float(legendre_compliance(np.array(0.0), poisson)) - 2.0 * a - (2.0 * a + a + 2.0 * b) * cosine
+    total += float(sphere_series_coefficients(np.array(0.0), poisson)) - 2.0 * a - (2.0 * a + a + 2.0 * b) * cosine
     return total
 
 
@@ -86,9 +86,9 @@ def sphere_compliance(cosine: float, radius: float, material: Material) -> float
         Material of the ball.
     """
     nu = material.poissons_ratio
-    a, b = harmonic_expansion(nu)
+    a, b = sphere_series_expansion(nu)
     s = np.sqrt(0.5 * (1.0 - cosine))
-    series = smooth_series_remainder(cosine, nu) + a / s - (a + 2.0 * b) * np.log(s * (1.0 + s))
+    series = sphere_series_remainder(cosine, nu) + a / s - (a + 2.0 * b) * np.log(s * (1.0 + s))
     return float(series / (8.0 * np.pi * material.shear_modulus * radius))
 
 
@@ -97,7 +97,7 @@ def sphere_self_compliance_slope(radius: float, material: Material) -> float:
 
     ``radius``: radius of the ball [m]; ``material``: its material.
     """
-    a, b = harmonic_expansion(material.poissons_ratio)
+    a, b = sphere_series_expansion(material.poissons_ratio)
     return float(-(a + 2.0 * b) / (8.0 * np.pi * material.shear_modulus * radius))
 
 
@@ -116,7 +116,7 @@ def sphere_self_compliance(semi_axes: tuple[float, float], radius: float, materi
         Material of the ball.
     """
     log = np.log(0.5 * (semi_axes[0] + semi_axes[1]) / (2.0 * radius)) + MEAN_LOG
-    smooth = smooth_series_remainder(1.0, material.poissons_ratio) / (8.0 * np.pi * material.shear_modulus * radius)
+    smooth = sphere_series_remainder(1.0, material.poissons_ratio) / (8.0 * np.pi * material.shear_modulus * radius)
     return smooth + sphere_self_compliance_slope(radius, material) * float(log)
 
 
@@ -166,7 +166,7 @@ class Flank:
         """Return the radius r, then the axial distance zeta from mid groove, of the nominal contact [m]."""
         m = self.map
         x3, z3 = m.ball * m.signs[self.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
-        r, zeta, _ = m.unroll(np.array(x3), np.array(z3))
+        r, zeta, _ = m.section_to_unrolled(np.array(x3), np.array(z3))
         return float(r), float(zeta)
 
 
@@ -200,16 +200,16 @@ def flank_curvatures(flank: Flank) -> tuple[float, float]:
     return -1.0 / float(m.radius[flank.side]), float(along)
 
 
-def flank_size_slope(flank: Flank) -> float:
-    """Return the derivative of `flank_size_correction` with respect to the logarithm of the contact's size [m/N].
+def contact_size_correction_slope(flank: Flank) -> float:
+    """Return the derivative of `contact_size_correction` with respect to the logarithm of the contact's size [m/N].
 
     It is proportional to the mean curvature of the flank.
     """
-    a, b = harmonic_expansion(flank.material.poissons_ratio)
+    a, b = sphere_series_expansion(flank.material.poissons_ratio)
     return float(-(a + 2.0 * b) / (16.0 * np.pi * flank.material.shear_modulus) * sum(flank_curvatures(flank)))
 
 
-def flank_size_correction(flank: Flank, semi_axes: tuple[float, float]) -> float:
+def contact_size_correction(flank: Flank, semi_axes: tuple[float, float]) -> float:
     """Return the change of a contact's compliance from the narrow circular patch to its actual size and shape [m/N].
 
     ``flank``: groove of the body; ``semi_axes``: semi-axes of the contact ellipse, across the groove and along it [m].
@@ -218,4 +218,6 @@ def flank_size_correction(flank: Flank, semi_axes: tuple[float, float]) -> float
     nu, G = flank.material.poissons_ratio, flank.material.shear_modulus
     across, along = flank_curvatures(flank)
     shape = (1.0 - 2.0 * nu) * (3.0 - 2.0 * nu) / (16.0 * np.pi * G) * (across - along) * (a - b) / (a + b)
-    return float(flank_size_slope(flank) * (np.log(0.5 * (a + b) / (NARROW * flank.map.ball)) + GAUSSIAN) + shape)
+    return float(
+        contact_size_correction_slope(flank) * (np.log(0.5 * (a + b) / (NARROW * flank.map.ball)) + GAUSSIAN) + shape
+    )

@@ -5,11 +5,11 @@ less its own beam, and of the true flank at each contact less the half space tha
 depend only on the geometry are cached; the module that computes them (`lowfi.compliance.between`) is imported only if they
 are not in the cache.
 
-A shaft on which a nut sits is also loaded at its ends (`end_response`). By Saint-Venant's principle the rest of the shaft
-acts on the stretch under the nut only by a wrench at its high end. The smooth body of revolution of that stretch
-(`lowfi.compliance.tube`) is fixed by the mean motions of its low end. Under a wrench at its high end it contracts laterally
-under tension, takes an anticlastic surface under a moment, and warps under a shear force. This moves the contacts in
-addition to the beam; by reciprocity, contact loads move the high end.
+A shaft on which a nut sits is also loaded at its ends (`screw_response_to_end_wrench`). By Saint-Venant's principle the
+rest of the shaft acts on the stretch under the nut only by a wrench at its high end. The smooth body of revolution of that
+stretch (`lowfi.compliance.tube`) is fixed by the mean motions of its low end. Under a wrench at its high end it contracts
+laterally under tension, takes an anticlastic surface under a moment, and warps under a shear force. This moves the contacts
+in addition to the beam; by reciprocity, contact loads move the high end.
 
 The file of a condensed 3D model contains motions along the nominal contact normals; motions across them follow from the
 low-order bodies. The screw's beam outside the nut, its supports and loads remain those of the low-order model.
@@ -26,10 +26,10 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.lowfi.compliance.between import contact_frames
+from rollbench.lowfi.compliance.between import contact_points_and_axes
 from rollbench.lowfi.compliance.beyond_hertz import (
-    flank_size_correction,
-    flank_size_slope,
+    contact_size_correction,
+    contact_size_correction_slope,
     sphere_compliance,
     sphere_self_compliance,
     sphere_self_compliance_slope,
@@ -38,23 +38,23 @@ from rollbench.lowfi.compliance.parts import (
     BOTH,
     REFINED,
     Backend,
+    compliance_geometry_with_balls,
     fixed_surface,
-    geometry_only,
-    groove_of_body,
     grooved_body_section,
     grooved_section,
+    half_groove_of_body,
     is_ring,
-    parts_with_balls,
+    reduce_to_compliance_geometry,
     select_flanks,
 )
-from rollbench.lowfi.compliance.tube import clamped_beam_compliance, motion_rows
+from rollbench.lowfi.compliance.tube import clamped_beam_compliance, contact_motions_by_rigid_motions
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.cache import kept
-from rollbench.meshes.condensed import CondensedBodies, geometry_digest, load_condensed
+from rollbench.meshes.cache import cached_on_disk
+from rollbench.meshes.condensed import CondensedBodies, digest_of_geometry, read_condensed_bodies
 from rollbench.meshes.helix import BallLayout, ball_layout
-from rollbench.meshes.one_arc import NEAR, is_one_arc
+from rollbench.meshes.one_arc import NEAR, has_single_arc_grooves
 from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def body_compliance(
     backend: Backend,
     semi_axes: tuple[float, float],
     flanks: Sequence[int] = BOTH,
-    whole: WholeBody | None = None,
+    compute_between_contacts: WholeBody | None = None,
 ) -> BodyCompliance:
     """Return the compliance of screw (in addition to its beam) or nut between the contacts of a scene.
 
@@ -116,8 +116,8 @@ def body_compliance(
         Semi-axes of a typical contact ellipse, across the groove and along it [m].
     flanks
         Numbers of the flanks with contacts: 0 left, 1 right.
-    whole
-        Function used in place of `whole_body`, for example one that reuses results of similar layouts.
+    compute_between_contacts
+        Function used in place of `compliance_between_contacts`, for example one that reuses results of similar layouts.
 
     Raises
     ------
@@ -128,23 +128,25 @@ def body_compliance(
     zero = np.zeros((2 * len(flanks) * layout.z.size,) * 2)
     if kind == "rigid" or (screw and kind == "beam"):
         return BodyCompliance(zero, 0.0, 0.0, ())
-    geometry = geometry_only(scene)
+    geometry = reduce_to_compliance_geometry(scene)
     held = fixed_surface(geometry, screw)
     if held == "rigid":
         return BodyCompliance(zero, 0.0, 0.0, ())
     if kind == "beam":
-        from rollbench.lowfi.compliance.between import nut_beam
+        from rollbench.lowfi.compliance.between import nut_beam_compliance
 
-        return BodyCompliance(nut_beam(scene, layout, flanks), 0.0, 0.0, ())
+        return BodyCompliance(nut_beam_compliance(scene, layout, flanks), 0.0, 0.0, ())
     refuse_flat_contact_angle(geometry, screw, backend)
     e = _cached_flank_compliance(geometry, screw, backend)
     slope = 0.0
     if backend.flank:
-        e += flank_size_correction(groove_of_body(geometry, screw), semi_axes)
-        slope = flank_size_slope(groove_of_body(geometry, screw))
-    parts = solid_dimensions(geometry)
+        e += contact_size_correction(half_groove_of_body(geometry, screw), semi_axes)
+        slope = contact_size_correction_slope(half_groove_of_body(geometry, screw))
+    parts = dimensions_of_3d_parts(geometry)
     assumed = tuple(line for line in parts.assumed if line not in parts.mesh_only)
-    return BodyCompliance((whole or whole_body)(scene, layout, screw, backend, flanks), e, slope, assumed)
+    return BodyCompliance(
+        (compute_between_contacts or compliance_between_contacts)(scene, layout, screw, backend, flanks), e, slope, assumed
+    )
 
 
 def refuse_flat_contact_angle(scene: Scene, screw: bool, backend: Backend) -> None:
@@ -156,7 +158,7 @@ def refuse_flat_contact_angle(scene: Scene, screw: bool, backend: Backend) -> No
     """
     angle = scene.track.contact_angle
     radius = (scene.screw if screw else scene.nut).groove_radius
-    one_patch = is_one_arc(scene) and is_ring(scene, screw)
+    one_patch = has_single_arc_grooves(scene) and is_ring(scene, screw)
     if not one_patch and backend.flank and radius * np.sin(angle) < NEAR * scene.balls.radius:
         least = np.degrees(np.arcsin(NEAR * scene.balls.radius / radius))
         raise ValueError(
@@ -166,7 +168,9 @@ def refuse_flat_contact_angle(scene: Scene, screw: bool, backend: Backend) -> No
         )
 
 
-def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
+def compliance_between_contacts(
+    scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
+) -> Array:
     """Return the compliance between all contacts of the nut, or of the screw in addition to its beam.
 
     The effect of end faces is included; the true flank at each contact (`BodyCompliance.e`) is not. The array is cached for
@@ -180,34 +184,34 @@ def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, 
     Array
         Motions of the c contacts by loads on them, two axes each ``(2 c, 2 c)`` [m/N].
     """
-    if fixed_surface(geometry_only(scene), screw) == "rigid":
+    if fixed_surface(reduce_to_compliance_geometry(scene), screw) == "rigid":
         return np.zeros((2 * len(flanks) * layout.z.size,) * 2)
-    geometry, azimuths = parts_with_balls(scene)
+    geometry, azimuths = compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return select_flanks(_cached_whole_body(geometry, screw, backend).G, flanks)
-    from rollbench.lowfi.compliance.between import body_between_contacts
+        return select_flanks(_cached_compliance_between_contacts(geometry, screw, backend).G, flanks)
+    from rollbench.lowfi.compliance.between import compute_compliance_between_contacts
 
-    return body_between_contacts(geometry, layout, screw, backend, flanks)
+    return compute_compliance_between_contacts(geometry, layout, screw, backend, flanks)
 
 
-#: Type of a function that computes the compliance of a whole body, as `whole_body`.
+#: Type of a function that computes the compliance of a whole body, as `compliance_between_contacts`.
 WholeBody = Callable[[Scene, BallLayout, bool, Backend, Sequence[int]], Array]
 
 
 @lru_cache(maxsize=8)
-@kept(Coupling)
-def _cached_whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
-    """Return the result of `whole_body` for both flanks and the balls of a scene, cached in memory and on disk.
+@cached_on_disk(Coupling)
+def _cached_compliance_between_contacts(scene: Scene, screw: bool, backend: Backend) -> Coupling:
+    """Return the compliance between contacts, for both flanks and the balls of a scene, cached in memory and on disk.
 
     ``screw``: whether the body is the screw (True) or the nut; ``backend``: model of the bodies.
     """
-    from rollbench.lowfi.compliance.between import body_between_contacts
+    from rollbench.lowfi.compliance.between import compute_compliance_between_contacts
 
-    return Coupling(body_between_contacts(scene, ball_layout(scene), screw, backend))
+    return Coupling(compute_compliance_between_contacts(scene, ball_layout(scene), screw, backend))
 
 
 @lru_cache(maxsize=64)
-@kept(float)
+@cached_on_disk(float)
 def _cached_flank_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
     """Return the result of `lowfi.compliance.between.flank_self_compliance` [m/N], cached in memory and on disk.
 
@@ -251,83 +255,84 @@ class EndResponse:
     high: float
 
 
-def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndResponse | None:
+def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: Backend) -> EndResponse | None:
     """Return the motions of a screw's contacts and of its high end by a unit wrench on that end, beyond those of its beam.
 
     ``layout``: positions of the balls; ``backend``: model of the bodies' compliance. The result is None for a screw that is
     rigid or only a beam, and for a bearing ring fixed at its bore. The arrays are cached for all load cases of the same
     parts and balls, so they must not be modified.
     """
-    if backend.screw != "kernel" or fixed_surface(geometry_only(scene), True) != "section":
+    if backend.screw != "kernel" or fixed_surface(reduce_to_compliance_geometry(scene), True) != "section":
         return None
-    parts, azimuths = parts_with_balls(scene)
+    parts, azimuths = compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return _cached_end_response(parts, backend)
+        return _cached_response_to_end_wrench(parts, backend)
     from rollbench.lowfi.compliance.between import motions_by_end
 
     return EndResponse(*motions_by_end(parts, layout, backend))
 
 
 @lru_cache(maxsize=8)
-@kept(EndResponse)
-def _cached_end_response(scene: Scene, backend: Backend) -> EndResponse:
-    """Return the result of `end_response` for the balls of a scene, cached in memory and on disk."""
+@cached_on_disk(EndResponse)
+def _cached_response_to_end_wrench(scene: Scene, backend: Backend) -> EndResponse:
+    """Return the result of `screw_response_to_end_wrench` for the balls of a scene, cached in memory and on disk."""
     from rollbench.lowfi.compliance.between import motions_by_end
 
     return EndResponse(*motions_by_end(scene, ball_layout(scene), backend))
 
 
-def section_response(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
+def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
     """Return the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, beyond those of its beam.
 
     The order is that of `EndResponse.contacts`. ``layout``: positions of the N balls; ``at``: axial position of the section
-    [m], inside the stretch of a screw for which `end_response` is not None. The array is cached as in `end_response`.
+    [m], inside the stretch of a screw for which `screw_response_to_end_wrench` is not None. The array is cached as in
+    `screw_response_to_end_wrench`.
     """
-    parts, azimuths = parts_with_balls(scene)
+    parts, azimuths = compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return _cached_section_response(parts, backend, at).G
+        return _cached_response_to_section_wrench(parts, backend, at).G
     from rollbench.lowfi.compliance.between import motions_by_section
 
     return motions_by_section(parts, layout, backend, at)
 
 
 @lru_cache(maxsize=8)
-@kept(Coupling)
-def _cached_section_response(scene: Scene, backend: Backend, at: float) -> Coupling:
-    """Return the result of `section_response` for the balls of a scene, cached in memory and on disk."""
+@cached_on_disk(Coupling)
+def _cached_response_to_section_wrench(scene: Scene, backend: Backend, at: float) -> Coupling:
+    """Return the result of `screw_response_to_section_wrench` for the balls of a scene, cached in memory and on disk."""
     from rollbench.lowfi.compliance.between import motions_by_section
 
     return Coupling(motions_by_section(scene, ball_layout(scene), backend, at))
 
 
-def clear_kept_bodies() -> None:
+def clear_compliance_cache() -> None:
     """Delete all compliances of bodies that are cached in memory, so that a timed solution computes them again."""
     from rollbench.lowfi.compliance.between import (
         cached_near_face,
         cached_section_motions,
         cached_tube_compliance,
+        compliance_of_smooth_body,
         grooved_ring_compliance,
-        near_face_of_body,
-        smooth_compliance,
+        near_face_compliance_of_body,
     )
 
     for memory in (
-        geometry_only,
-        parts_with_balls,
-        groove_of_body,
+        reduce_to_compliance_geometry,
+        compliance_geometry_with_balls,
+        half_groove_of_body,
         fixed_surface,
         grooved_section,
         grooved_body_section,
-        smooth_compliance,
+        compliance_of_smooth_body,
         cached_tube_compliance,
         cached_section_motions,
         cached_near_face,
         grooved_ring_compliance,
         _cached_flank_compliance,
-        near_face_of_body,
-        _cached_whole_body,
-        _cached_end_response,
-        _cached_section_response,
+        near_face_compliance_of_body,
+        _cached_compliance_between_contacts,
+        _cached_response_to_end_wrench,
+        _cached_response_to_section_wrench,
     ):
         memory.cache_clear()
 
@@ -356,8 +361,8 @@ class Condensed:
         OSError
             The file cannot be read.
         """
-        bodies = load_condensed(path)
-        if bodies.geometry != geometry_digest(scene):
+        bodies = read_condensed_bodies(path)
+        if bodies.geometry != digest_of_geometry(scene):
             raise ValueError(
                 "the file of condensed bodies was made for other parts: track, screw, nut, balls or [solid] differ from "
                 "the scene"
@@ -369,11 +374,13 @@ class Condensed:
         """Whether both screw and nut are taken from the file."""
         return self.parts == PARTS
 
-    def sides_of(self, sides: list[int]) -> list[int]:
+    def flanks_covered_by_file(self, sides: list[int]) -> list[int]:
         """Return those of the flanks ``sides`` (0, 1: screw; 2, 3: nut) whose contacts have the file's compliance."""
         return [s for s in sides if s in self.bodies.sides and ("screw" if s < 2 else "nut") in self.parts]
 
-    def correct(self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: Backend) -> Array:
+    def replace_normal_compliance(
+        self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: Backend
+    ) -> Array:
         """Return the low-order compliance of a body with the part along the contact normals replaced by that of the file.
 
         Motions that the file does not contain, across the normals and on other flanks, depend on the motions along the
@@ -385,15 +392,15 @@ class Condensed:
         ``total``: low-order compliance on these flanks [m/N], ball after ball, with supports and beam.
         """
         N, screw = layout.z.size, sides[0] < 2
-        geometry = geometry_only(scene)
+        geometry = reduce_to_compliance_geometry(scene)
         if fixed_surface(geometry, screw) == "rigid" or ("screw" if screw else "nut") not in self.parts:
             return total
-        x, axes = contact_frames(scene, layout, screw)
-        held = whole_body(scene, layout, screw, backend)
+        x, axes = contact_points_and_axes(scene, layout, screw)
+        held = compliance_between_contacts(scene, layout, screw, backend)
         if screw and fixed_surface(geometry, True) == "section":
             section = grooved_section(geometry, True)
             held = held + clamped_beam_compliance(
-                motion_rows(x, axes), np.repeat(x[:, 2], 2), (self.bodies.base, 0.0), "low", section
+                contact_motions_by_rigid_motions(x, axes), np.repeat(x[:, 2], 2), (self.bodies.base, 0.0), "low", section
             )
         known = [s for s in ((0, 1) if screw else (2, 3)) if s in self.bodies.sides]
         file_G = self.bodies.screw if screw else self.bodies.nut
@@ -401,13 +408,13 @@ class Condensed:
             raise ValueError(
                 "the file of condensed bodies does not have the scene's number of contacts: export it again for this scene"
             )
-        rows = normal_rows(scene, N, known)
+        rows = nominal_normals_matrix(scene, N, known)
         change = file_G - rows @ held @ rows.T
         common = [s for s in sides if s in known]
         if not common:
             return total
         pick = np.concatenate([np.arange(N)[:, None] * len(known) + known.index(s) for s in common], axis=1).ravel()
-        along, across = normal_and_tangent_rows(scene, N, sides, common)
+        along, across = normal_and_tangent_matrices(scene, N, sides, common)
         A, B = along @ total @ along.T, along @ total @ across.T
         follow = np.linalg.solve(A, B)
         spread = along + follow @ across
@@ -429,7 +436,7 @@ class Condensed:
             across = 0.25 * float(D[a, c] + D[a, d] + D[b, c] + D[b, d])
         return BallCompliance(alone - 2.0 * abs(across), 0.0, float(np.sqrt(abs(across))), float(np.sign(across)))
 
-    def describe(self) -> str:
+    def describe_source(self) -> str:
         """Return a phrase for reports that names the bodies, the mesh level and the flanks that are taken from the file."""
         names = ", ".join(SIDES[int(s)] for s in self.bodies.sides)
         level = self.bodies.level
@@ -437,7 +444,7 @@ class Condensed:
         return f"{bodies} from a condensed 3D model (mesh level {level}, sides {names}), along the normals"
 
 
-def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
+def nominal_normals_matrix(scene: Scene, N: int, sides: list[int]) -> Array:
     """Return the matrix that gives the motions of contacts along their nominal normals from those along two axes.
 
     ``N``: number of balls; ``sides``: f flanks of one body (0, 1: screw; 2, 3: nut). The matrix is ``(N f, 4 N)``: its
@@ -454,7 +461,7 @@ def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
     return out
 
 
-def normal_and_tangent_rows(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
+def normal_and_tangent_matrices(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
     """Return two matrices that split contact motions into those along the nominal normals of some flanks, and the others.
 
     ``N``: number of balls; ``sides``: f flanks with contacts; ``known``: k of these flanks. Columns are two axes for each

@@ -12,14 +12,22 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space_compliance
-from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, factor_c, lower_corner, refine_lines, tube_grid
+from rollbench.lowfi.compliance.fourier import (
+    Body,
+    Grid,
+    Layer,
+    add_mid_nodes,
+    circumference_integral_factor,
+    diagonal_block_of_bands,
+    tube_grid,
+)
 from rollbench.lowfi.compliance.groove import (
+    contact_motions_by_tension_and_moment,
     cubic_spline,
     flank_normals,
-    flank_weights,
-    groove_strains,
+    gaussian_patch_harmonic_factors,
+    gaussian_patch_weights,
     interpolate_harmonics,
-    patch_shares,
     sampled_harmonics,
     unresolved_motion,
 )
@@ -27,11 +35,11 @@ from rollbench.lowfi.compliance.tube import (
     Points,
     Tube,
     clamped_beam_compliance,
-    groove_line,
-    motion_rows,
-    patch_weights,
+    contact_motions_by_rigid_motions,
+    flank_profile_points,
+    gaussian_weights_on_line,
     points_in_space,
-    radial_ends,
+    radial_element_ends,
 )
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import UnfitKey
@@ -95,7 +103,8 @@ class NearFace:
     #: Motion of a contact there by its own load beyond Hertz and the smooth body, for a narrow patch
     #: (`flank_size_correction`) [m/N].
     alone: float
-    #: Motions by tension and moment on the contact's section, `groove_strains` ``(2, 2)``; zero for a body without a beam.
+    #: Motions by tension and moment on the contact's section, `contact_motions_by_tension_and_moment` ``(2, 2)``; zero for
+    #: a body without a beam.
     strains: Array
 
     @property
@@ -169,7 +178,7 @@ def near_face_compliance(
     if near:
         _check_land(flank)
     a_beam = smooth.held not in ("bore", "outer") and flank.map.rg != 0.0
-    strains = groove_strains(flank, smooth) if a_beam else np.zeros((2, 2))
+    strains = contact_motions_by_tension_and_moment(flank, smooth) if a_beam else np.zeros((2, 2))
 
     def gains(finer: Patch, last: slice, kinds: int, radii: tuple[float, float]) -> tuple[Array, Grid, Array]:
         """Return the added compliance for the end faces ``last`` of ``CUTS``, the grid, and the faces' distances [m].
@@ -198,7 +207,7 @@ def near_face_compliance(
 
 def _check_land(flank: Flank) -> None:
     """Raise UnfitKey if the groove ends at the land before it reaches the nominal contact."""
-    edge = groove_line(flank.map, flank.land, flank.screw, 2)[1][-1]
+    edge = flank_profile_points(flank.map, flank.land, flank.screw, 2)[1][-1]
     if flank.contact()[1] < edge:
         return
     body, key = ("screw", "screw.outer_diameter") if flank.screw else ("nut", "solid.nut_inner_diameter")
@@ -231,16 +240,16 @@ def append_high_harmonics(flank: Flank, waves: Array) -> Array:
 
     radius, width, last = flank.contact()[0], NARROW * flank.map.ball, len(waves) - 1
     n = np.arange(float(last), int(TAIL * radius / width))
-    plane = k0e(0.5 * (n * width / radius) ** 2) * patch_shares(n, width, radius)
+    plane = k0e(0.5 * (n * width / radius) ** 2) * gaussian_patch_harmonic_factors(n, width, radius)
     return np.concatenate([waves[:-1], waves[-1] * (plane / plane[0]).reshape(-1, *[1] * (waves.ndim - 1))])
 
 
-def motions_by_wrench(points: Points, side: Array, strains: Array) -> Array:
+def contact_motions_by_own_section_wrench(points: Points, side: Array, strains: Array) -> Array:
     """Return the motions ``(k c, 6)`` of c contacts, with k axes each, by a unit wrench on their own cross-sections.
 
     The wrench consists of three forces and three moments; only tension and bending moments have an effect. ``points``: the
     contacts; ``side`` ``(c,)``: -1 for a flank at negative z of its groove, 1 at positive z; ``strains``: see
-    `groove_strains`.
+    `contact_motions_by_tension_and_moment`.
     """
     along_r, along_z = points.axes[..., 0], points.axes[..., 2] * side[:, None]
     stretch, bend = (along_r * x + along_z * y for x, y in strains)
@@ -255,10 +264,11 @@ def motions_beyond_smooth_beam(
     """Return the motions ``(2, 2, f)`` [m/N] of both flanks by the beam of the grooved body less those of the smooth body.
 
     The first axis is for harmonics 0 and 1, the second for the flank that moves, the third for the loaded flank.
-    ``section``: section of the grooved beam, which is clamped at both ``ends`` [m]; ``strains``: see `groove_strains`.
+    ``section``: section of the grooved beam, which is clamped at both ``ends`` [m]; ``strains``: see
+    `contact_motions_by_tension_and_moment`.
     """
     plain = smooth.section
-    places, along = (np.concatenate([x, x]) for x in pressed_points(flank, ends[0]))
+    places, along = (np.concatenate([x, x]) for x in contact_positions_and_directions(flank, ends[0]))
     half = len(places) // 2
     out = np.zeros((2 * half, 2 * half))
     side = np.tile([1.0, -1.0], half)
@@ -267,8 +277,8 @@ def motions_beyond_smooth_beam(
         turned = radius * np.repeat([1.0, -1.0], half)  # here, and on the other side of the axis
         x = np.stack([turned, np.zeros(2 * half), places], axis=1)
         axes = np.stack([along[:, 0] * np.sign(turned), np.zeros(2 * half), along[:, 1]], axis=1)[:, None]
-        feel = motions_by_wrench(points_in_space(x, axes), side, strains) if sign > 0.0 else None
-        out += sign * clamped_beam_compliance(motion_rows(x, axes), places, ends, "both", beam, feel)
+        feel = contact_motions_by_own_section_wrench(points_in_space(x, axes), side, strains) if sign > 0.0 else None
+        out += sign * clamped_beam_compliance(contact_motions_by_rigid_motions(x, axes), places, ends, "both", beam, feel)
     return np.stack([out[:2, :half] + out[:2, half:], out[:2, :half] - out[:2, half:]]) / 2.0
 
 
@@ -279,17 +289,17 @@ def motions_beyond_smooth_body(
 
     ``smooth``: smooth body of revolution; ``grid``: grid of the grooved body; ``finer``: size of the load patch and
     fineness of mesh and harmonics for the true flanks; the other arguments and the axes of the result are those of
-    `cut_motions`.
+    `patch_motions_for_end_faces`.
     """
     width = finer.width * flank.map.ball
     true = flank_patch_loads(flank, grid, cuts, width, kinds)
-    r_ends, line = radial_ends(smooth)
+    r_ends, line = radial_element_ends(smooth)
     plain = tube_grid(r_ends, grid.z[::2, 0])
     loads = smooth_patch_loads(flank, plain, line, cuts, smooth.width, kinds)
     n = sampled_harmonics(finer.highest * flank.contact()[0] / flank.map.ball, STEP)
-    return cut_motions(flank, grid, cuts, n, held_radii, smooth.held, true, width) - cut_motions(
-        flank, plain, cuts, n, WHOLE, smooth.held, loads, smooth.width, smooth.layer
-    )
+    return patch_motions_for_end_faces(
+        flank, grid, cuts, n, held_radii, smooth.held, true, width
+    ) - patch_motions_for_end_faces(flank, plain, cuts, n, WHOLE, smooth.held, loads, smooth.width, smooth.layer)
 
 
 def half_lead_grid(flank: Flank, grid: Grid) -> Grid:
@@ -306,10 +316,12 @@ def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
     numbers of elements on the loaded flank and in depth.
     """
     ball, reach = flank.map.ball, REACH * flank.map.ball
-    r, z = groove_nodes(flank, mesh[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half / (LAND * ball))]))
+    r, z = groove_surface_nodes(
+        flank, mesh[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half / (LAND * ball))])
+    )
     edge = float(z[z.size // 2 + 2 * mesh[0]])
     beyond = max(0, int(np.ceil((reach / flank.half - 1.0) / 2.0)))
-    next_r, next_z = groove_nodes(flank, mesh[0] // 2, LAND * ball * np.arange(1.0, flank.half / (LAND * ball)))
+    next_r, next_z = groove_surface_nodes(flank, mesh[0] // 2, LAND * ball * np.arange(1.0, flank.half / (LAND * ball)))
     shift = 2.0 * flank.half * np.arange(1.0, beyond + 1.0)[:, None]
     r = np.concatenate([np.tile(next_r[:-1], beyond), r, np.tile(next_r[1:], beyond)])
     z = np.concatenate([(next_z[:-1] - shift[::-1]).ravel(), z, (next_z[1:] + shift).ravel()])
@@ -318,14 +330,14 @@ def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
     faces = np.arange(0, z.size, 2)[z[::2] > edge - 0.01 * ball]
     cuts = sorted({int(faces[np.abs(z[faces] - x * ball).argmin()]) for x in CUTS})
     power = np.log(abs(flank.land - flank.far) / (FIRST * ball)) / np.log(mesh[1])
-    share = refine_lines(1.0 - np.linspace(1.0, 0.0, mesh[1] + 1) ** max(power, 1.0))
+    share = add_mid_nodes(1.0 - np.linspace(1.0, 0.0, mesh[1] + 1) ** max(power, 1.0))
     inner, outer = (np.full_like(r, flank.far), r) if flank.screw else (r, np.full_like(r, flank.far))
     depth = share if flank.screw else (1.0 - share)[::-1]
     radii = inner[:, None] + depth * (outer - inner)[:, None]
     return Grid(radii, np.broadcast_to(z[:, None], radii.shape).copy()), cuts
 
 
-def groove_nodes(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
+def groove_surface_nodes(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
     """Return the nodes (r, z) [m] of a groove's surface from mid land to mid land.
 
     Parameters
@@ -337,14 +349,14 @@ def groove_nodes(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
     ends
         Distances of the land's element ends from the edge of the groove [m].
     """
-    r, z = groove_line(flank.map, flank.land, flank.screw, 2 * count + 1)
+    r, z = flank_profile_points(flank.map, flank.land, flank.screw, 2 * count + 1)
     land = flank.half - float(z[-1])
-    along = refine_lines(np.concatenate([[0.0], ends[ends < land - 0.15 * flank.map.ball], [land]]))[1:]
+    along = add_mid_nodes(np.concatenate([[0.0], ends[ends < land - 0.15 * flank.map.ball], [land]]))[1:]
     r, z = np.append(r, np.full(along.size, flank.land)), np.append(z, z[-1] + along)
     return np.append(r[:0:-1], r), np.append(-z[:0:-1], z)
 
 
-def quarter_turn(along: Array) -> Array:
+def perpendicular_directions(along: Array) -> Array:
     """Return directions ``(..., 2)`` (r, z) that are given ones turned by 90 deg, from r towards z.
 
     ``along`` ``(..., 2)``: the given directions (r, z).
@@ -353,7 +365,7 @@ def quarter_turn(along: Array) -> Array:
 
 
 def flank_patch_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
-    """Return the nodal forces of unit loads on the true flanks, each a Gaussian patch about one of `pressed_points`.
+    """Return the nodal forces of unit loads on the true flanks, each a Gaussian patch about one contact.
 
     Loads act along the nominal load and, if ``kinds`` is 2, also across it; the latter is the difference of two slightly
     shifted patches. Patches end at the end face. ``cuts``: numbers of the grid lines in z at which the end face may be;
@@ -366,12 +378,12 @@ def flank_patch_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: floa
     """
     line = grid.shape[1] - 1 if flank.screw else 0
     normals = flank_normals(grid, line)
-    places, directions = pressed_points(flank, grid.z[0, 0])
+    places, directions = contact_positions_and_directions(flank, grid.z[0, 0])
     out = np.zeros((len(places), kinds, len(cuts), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
         pressing = normals * np.sign(normals @ along)[:, None]
-        for kind, direction in enumerate((along, quarter_turn(along))[:kinds]):
-            share = flank_weights(grid, line, place, width, moment=kind)[0]
+        for kind, direction in enumerate((along, perpendicular_directions(along))[:kinds]):
+            share = gaussian_patch_weights(grid, line, place, width, moment=kind)[0]
             for k, cut in enumerate(cuts):
                 force = share[: cut + 1, None] * pressing[: cut + 1]
                 total = share[: cut + 1].sum() if kind == 0 else (force @ direction).sum()
@@ -385,17 +397,17 @@ def smooth_patch_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int],
     ``line``: number of the grid line in r; ``cuts``: numbers of the lines in z at which the end face may be; ``width``:
     standard deviation of the patches [m]; ``kinds``: 1 for loads along the nominal load, 2 also across it.
     """
-    places, directions = pressed_points(flank, grid.z[0, 0])
+    places, directions = contact_positions_and_directions(flank, grid.z[0, 0])
     out = np.zeros((len(places), kinds, len(cuts), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
         for k, cut in enumerate(cuts):
-            share = patch_weights(grid.z[: cut + 1, 0], np.array([place]), width)[0]
-            for kind, direction in enumerate((along, quarter_turn(along))[:kinds]):
+            share = gaussian_weights_on_line(grid.z[: cut + 1, 0], np.array([place]), width)[0]
+            for kind, direction in enumerate((along, perpendicular_directions(along))[:kinds]):
                 out[away, kind, k, : cut + 1, line, ::2] = share[:, None] * direction
     return out
 
 
-def pressed_points(flank: Flank, low: float) -> tuple[Array, Array]:
+def contact_positions_and_directions(flank: Flank, low: float) -> tuple[Array, Array]:
     """Return the axial positions ``(f,)`` [m], then the load directions ``(f, 2)`` (r, z), of the contacts on f flanks.
 
     The load directions are nominal. The flank pressed towards high z comes first, then the other one. Both flanks of the
@@ -410,7 +422,7 @@ def pressed_points(flank: Flank, low: float) -> tuple[Array, Array]:
     )
 
 
-def cut_motions(
+def patch_motions_for_end_faces(
     flank: Flank,
     grid: Grid,
     cuts: Sequence[int],
@@ -460,13 +472,13 @@ def cut_motions(
     patches, kinds = loads.shape[:2]
     watched = 2 * kinds
     sampled = np.empty((n.size, 2, watched, patches * kinds, len(cuts)))
-    distinct, of = distinct_loads(loads.reshape(-1, *loads.shape[2:]), cuts)
+    distinct, of = merge_equal_loads(loads.reshape(-1, *loads.shape[2:]), cuts)
     kept: dict[bytes, Array] = {}
     for values, harmonic in zip(sampled, n.tolist(), strict=True):
-        free = ~held.ravel() & body.axis_free(harmonic)
+        free = ~held.ravel() & body.freedoms_regular_on_axis(harmonic)
         if free.tobytes() not in kept:
             kept[free.tobytes()] = body.bands(free)
-        powers = factor_c(harmonic) * np.array([1.0, harmonic, harmonic * harmonic])
+        powers = circumference_integral_factor(harmonic) * np.array([1.0, harmonic, harmonic * harmonic])
         L = cholesky_banded(
             np.tensordot(powers, kept[free.tobytes()], 1), overwrite_ab=True, lower=True, check_finite=False
         )
@@ -475,7 +487,7 @@ def cut_motions(
             solution = Y[:, of[k]]
             line = np.flatnonzero(free[3 * cut * columns : 3 * (cut + 1) * columns])
             first = int(np.count_nonzero(free[: 3 * cut * columns]))
-            corner = lower_corner(L, first, line.size)
+            corner = diagonal_block_of_bands(L, first, line.size)
             S, g = corner @ corner.T, corner @ solution[first : first + line.size]
             if cut < grid.shape[0] - 1:  # L holds what follows the cut, too
                 S -= np.tensordot(powers, beyond[:, cut // 2][:, line[:, None], line], 1)
@@ -484,12 +496,12 @@ def cut_motions(
             for face, moves in enumerate((np.full(line.size, True), (r < held_radii[0]) | (r > held_radii[1]))):
                 values[face, ..., k] = work + g[moves, :watched].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
     motions = interpolate_harmonics(n, sampled)
-    shares = patch_shares(np.arange(float(len(motions))), width, flank.contact()[0])
+    shares = gaussian_patch_harmonic_factors(np.arange(float(len(motions))), width, flank.contact()[0])
     motions *= shares[:, None, None, None, None]
     return np.moveaxis(motions, 1, 0).reshape(2, len(motions), 2, kinds, patches, kinds, len(cuts))
 
 
-def distinct_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:
+def merge_equal_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:
     """Collect the different load cases among those for several end faces, so that each is solved only once.
 
     ``loads`` ``(f, cuts, nodes of the grid, 3)``: nodal forces of f load patches for each end face; ``cuts``: numbers of

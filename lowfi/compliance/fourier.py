@@ -63,7 +63,7 @@ class Grid:
         return np.asarray(corner[:, None] + local, dtype=np.int64)
 
 
-def refine_lines(ends: Array) -> Array:
+def add_mid_nodes(ends: Array) -> Array:
     """Return the positions ``(2 k + 1,)`` of the nodes of k quadratic elements in a row, which include their mid nodes.
 
     ``ends``: positions of the elements' ends (k + 1,) [m].
@@ -75,7 +75,7 @@ def refine_lines(ends: Array) -> Array:
 
 def tube_grid(r_ends: Array, z_ends: Array) -> Grid:
     """Return the grid of a plain tube whose elements end at given radii ``r_ends`` and axial positions ``z_ends`` [m]."""
-    r, z = refine_lines(r_ends), refine_lines(z_ends)
+    r, z = add_mid_nodes(r_ends), add_mid_nodes(z_ends)
     return Grid(np.broadcast_to(r, (z.size, r.size)).copy(), np.broadcast_to(z[:, None], (z.size, r.size)).copy())
 
 
@@ -169,7 +169,7 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
             radius = r @ N
             if layer is not None:
                 D = layer.elasticity(young, poisson, radius)
-            B[:, point, :, :27], B[:, point, :, 27:] = strain_rows(N / radius[:, None], by_r, by_z)
+            B[:, point, :, :27], B[:, point, :, 27:] = strain_matrices(N / radius[:, None], by_r, by_z)
             DB[:, point] = D @ B[:, point] * ((wa * wb) * det * radius)[:, None, None]
             point += 1
     B, DB = B.reshape(-1, 54, 54), DB.reshape(-1, 54, 54)
@@ -178,7 +178,7 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
     return K[:, :27, :27], cross + np.swapaxes(cross, 1, 2), K[:, 27:, 27:]
 
 
-def strain_rows(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
+def strain_matrices(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
     """Return the strain matrices B_0 and B_1 of the harmonics at one point of every element, ``(elements, 6, 27)`` each.
 
     They give the strains rr, tt, zz, rz, rt, tz from the displacements U, V, W of nine nodes. ``over_r``: shape functions
@@ -193,7 +193,7 @@ def strain_rows(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
     return B0, B1
 
 
-def factor_c(n: int) -> float:
+def circumference_integral_factor(n: int) -> float:
     """Return the factor c of harmonic n: the integral of cos^2(n t) around the circle, 2 pi for n = 0, otherwise pi."""
     return 2.0 * np.pi if n == 0 else np.pi
 
@@ -210,7 +210,7 @@ def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
     """
     from scipy.linalg import solveh_banded
 
-    K = np.tensordot(factor_c(n) * np.array([1.0, n, n * n]), bands, 1)
+    K = np.tensordot(circumference_integral_factor(n) * np.array([1.0, n, n * n]), bands, 1)
     return np.asarray(solveh_banded(K, loads, overwrite_ab=True, lower=True, check_finite=False))
 
 
@@ -234,15 +234,15 @@ def condense_to_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Arr
     from scipy.linalg import cholesky_banded
     from scipy.linalg.lapack import dtbtrs
 
-    K = np.tensordot(factor_c(n) * np.array([1.0, n, n * n]), bands, 1)
+    K = np.tensordot(circumference_integral_factor(n) * np.array([1.0, n, n * n]), bands, 1)
     L = cholesky_banded(K, overwrite_ab=True, lower=True, check_finite=False)
     Y = dtbtrs(L, loads, uplo="L")[0]
     before = L.shape[1] - last
-    corner = lower_corner(L, before, last)
+    corner = diagonal_block_of_bands(L, before, last)
     return corner @ corner.T, corner @ Y[before:], Y[:before].T @ Y[:before]
 
 
-def lower_corner(L: Array, first: int, size: int) -> Array:
+def diagonal_block_of_bands(L: Array, first: int, size: int) -> Array:
     """Return a square block on the diagonal of a lower triangular matrix that is stored in bands.
 
     ``L``: the matrix, with row k of the array for the k-th diagonal below the main one; ``first``: first row of the block;
@@ -329,9 +329,9 @@ class Body:
 
     def stiffness(self, n: int) -> csr_array:
         """Return the stiffness matrix K_n of harmonic n ``(3 nodes, 3 nodes)``."""
-        return factor_c(n) * (self.parts[0] + n * self.parts[1] + n * n * self.parts[2])
+        return circumference_integral_factor(n) * (self.parts[0] + n * self.parts[1] + n * n * self.parts[2])
 
-    def axis_free(self, n: int) -> NDArray[np.bool_]:
+    def freedoms_regular_on_axis(self, n: int) -> NDArray[np.bool_]:
         """Return whether each degree of freedom is free in harmonic n ``(3 nodes,)``: all are, except on the axis r = 0.
 
         At r = 0, harmonic 0 allows W, harmonic 1 allows U and V (U = -V follows from the minimum of energy), and higher
@@ -399,7 +399,7 @@ class BlockSum:
         return min((x[0] for x in met), default=low), max((x[1] for x in met), default=low)
 
 
-def line_compliance(
+def grid_line_compliance(
     body: Body,
     harmonics: Sequence[int],
     held: NDArray[np.bool_],
@@ -441,7 +441,10 @@ def line_compliance(
     beams, waves = n[n < 2], n[n > 1]  # a wave dies out along the body, a beam's motion does not
     groups = [beams[:1], beams[1:], *(waves[i : i + most] for i in range(0, waves.size, most))]
     return [
-        S for group in groups if group.size for S in _line_compliance_by_stretches(body, group, held, line, rows, springs)
+        S
+        for group in groups
+        if group.size
+        for S in _grid_line_compliance_by_stretches(body, group, held, line, rows, springs)
     ]
 
 
@@ -513,17 +516,26 @@ def repeat_stretch(stretch: Stretch, count: int, loads: Array) -> Stretch:
     return join_stretches(twice, stretch, loads) if count % 2 else twice
 
 
-def _line_compliance_by_stretches(
+def _grid_line_compliance_by_stretches(
     body: Body, n: Index, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float]
 ) -> list[BlockSum]:
-    """Return the result of `line_compliance` for some harmonics, by joining radial rows of elements to stretches.
+    """Return the result of `grid_line_compliance` for some harmonics, by joining radial rows of elements to stretches.
 
     ``n``: numbers of the harmonics, either 0, or 1, or numbers above 1. Equal rows in succession are joined by doubling.
-    The other arguments are those of `line_compliance`.
+    The other arguments are those of `grid_line_compliance`.
     """
     count, width = body.grid.shape[0], 3 * body.grid.shape[1]
-    powers = np.array([[factor_c(i), factor_c(i) * i, factor_c(i) * i * i] for i in n.tolist()])
-    free = np.array([~held & body.axis_free(i) for i in n.tolist()]).reshape(n.size, count, width)
+    powers = np.array(
+        [
+            [
+                circumference_integral_factor(i),
+                circumference_integral_factor(i) * i,
+                circumference_integral_factor(i) * i * i,
+            ]
+            for i in n.tolist()
+        ]
+    )
+    free = np.array([~held & body.freedoms_regular_on_axis(i) for i in n.tolist()]).reshape(n.size, count, width)
     unit = np.zeros((width, 3))
     unit[3 * line + np.arange(3), np.arange(3)] = 1.0
 

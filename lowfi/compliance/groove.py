@@ -27,7 +27,7 @@ from rollbench.lowfi.compliance.fourier import (
     solve_harmonic,
     tube_grid,
 )
-from rollbench.lowfi.compliance.tube import Tube, groove_line, radial_ends, strained_cell
+from rollbench.lowfi.compliance.tube import Tube, flank_profile_points, radial_element_ends, solve_cell_under_unit_strain
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.section import BeamSection
@@ -38,7 +38,7 @@ LEAST_SHARE = 0.02
 LARGEST_POWER = 200.0
 
 
-def smooth_radius(flank: Flank, power: int) -> float:
+def equivalent_cylinder_radius(flank: Flank, power: int) -> float:
     """Return the radius of the smooth cylinder that replaces a grooved surface [m].
 
     ``flank``: groove of the body; ``power``: 2 if the body is to have the same volume, 3 if a bore is to leave the same
@@ -57,7 +57,7 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
 
     With it the smooth nut has the axial and torsional stiffness of the grooved ``section``.
     """
-    r, zeta = (x[::-1] for x in groove_line(flank.map, flank.land, flank.screw, 33))
+    r, zeta = (x[::-1] for x in flank_profile_points(flank.map, flank.land, flank.screw, 33))
     share = np.maximum(1.0 - zeta / flank.half, LEAST_SHARE)
     young, shear, (root, far) = flank.material.youngs_modulus, flank.material.shear_modulus, (r[-1], flank.far)
     area = section.EA / (np.pi * young) - (far**2 - root**2)
@@ -72,7 +72,7 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
     return Layer(tuple(r), tuple(share), power(2.0 * r, area), power(4.0 * r**3, twist), tilt)
 
 
-def groove_strains(flank: Flank, smooth: Tube) -> Array:
+def contact_motions_by_tension_and_moment(flank: Flank, smooth: Tube) -> Array:
     """Return the local motions ``(2, 2)`` of a contact along r and z by a unit tension, then by a unit bending moment.
 
     Tension and moment act on the contact's cross-section; their units are m/N and 1/N. The contact is on the flank at
@@ -81,13 +81,15 @@ def groove_strains(flank: Flank, smooth: Tube) -> Array:
     strains more, than on average.
     """
     grid, (radius, zeta) = flank.grid(), flank.contact()
-    line, (r_ends, loaded) = grid.shape[1] - 1 if flank.screw else 0, radial_ends(smooth)
-    share = flank_weights(grid, line, zeta, NARROW * flank.map.ball)[0]
+    line, (r_ends, loaded) = grid.shape[1] - 1 if flank.screw else 0, radial_element_ends(smooth)
+    share = gaussian_patch_weights(grid, line, zeta, NARROW * flank.map.ball)[0]
     plain = tube_grid(r_ends, np.array([0.0, flank.half]))
     out = np.empty((2, 2))
     for k, kind in enumerate(("axial", "bending")):
-        stiffness, motion = strained_cell(Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio), kind)
-        smooth_stiffness, smooth_motion = strained_cell(smooth.body(plain), kind)
+        stiffness, motion = solve_cell_under_unit_strain(
+            Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio), kind
+        )
+        smooth_stiffness, smooth_motion = solve_cell_under_unit_strain(smooth.body(plain), kind)
         at = share @ motion[:, line, ::2] - (radius if k else 1.0) * np.array([0.0, zeta / flank.half])
         widens = float(smooth_motion[0, loaded, 0])
         if kind == "bending":  # from the beam's axis, the mean of the section, which bends away from the stretched side
@@ -99,7 +101,7 @@ def groove_strains(flank: Flank, smooth: Tube) -> Array:
     return out
 
 
-def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int = 0) -> tuple[Array, Array]:
+def gaussian_patch_weights(grid: Grid, line: int, zeta: float, width: float, moment: int = 0) -> tuple[Array, Array]:
     """Return the weights ``(k,)`` of surface nodes for a Gaussian load patch on a flank, then the nodes' z ``(k,)`` [m].
 
     The patch is Gaussian in the arc length from the point at z = ``zeta`` and has the standard deviation ``width`` [m].
@@ -173,13 +175,13 @@ def flank_normals(grid: Grid, line: int) -> Array:
     return np.column_stack([-along[:, 1], along[:, 0]])
 
 
-def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
+def nodal_forces_along_flank_normals(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
     """Return the nodal forces ``(k, 2)`` (r, z) of a unit load patch at z = ``zeta`` [m], along the flank's normals.
 
     ``grid``: grid of the body; ``width``: standard deviation of the Gaussian patch [m].
     """
     line = grid.shape[1] - 1 if flank.screw else 0
-    share, _ = flank_weights(grid, line, zeta, width)
+    share, _ = gaussian_patch_weights(grid, line, zeta, width)
     m = flank.map
     nominal = m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
     normals = flank_normals(grid, line)
@@ -203,7 +205,7 @@ def self_motion_harmonics(flank: Flank, grid: Grid, load: tuple[Array, Array], n
     values = np.empty((n.size, 2))
     kept: dict[bytes, Array] = {}
     for k, harmonic in enumerate(n.tolist()):
-        free = ~held.ravel() & body.axis_free(harmonic)
+        free = ~held.ravel() & body.freedoms_regular_on_axis(harmonic)
         if free.tobytes() not in kept:
             kept[free.tobytes()] = body.bands(free)
         along = np.flatnonzero(free[-3 * columns :]) % 3 == 2
@@ -221,7 +223,7 @@ def self_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: floa
     """
     n = sampled_harmonics(2.6 * flank.contact()[0] / width)
     waves = interpolate_harmonics(n, self_motion_harmonics(flank, grid, load, n))
-    return float(waves @ patch_shares(np.arange(float(waves.size)), width, flank.contact()[0]))
+    return float(waves @ gaussian_patch_harmonic_factors(np.arange(float(waves.size)), width, flank.contact()[0]))
 
 
 def equal_patch_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
@@ -231,7 +233,9 @@ def equal_patch_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Ar
     of the patch [m].
     """
     force = np.zeros((*grid.shape, 3))
-    force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = normal_load(flank, grid, width, flank.contact()[1])
+    force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = nodal_forces_along_flank_normals(
+        flank, grid, width, flank.contact()[1]
+    )
     return force, force
 
 
@@ -250,7 +254,7 @@ def unresolved_motion(flank: Flank, coarse: Grid, last: int) -> float:
     waves[0] = 0.5 * waves[1]  # a wave has half the mean square of a constant
     waves[last:] = interpolate_harmonics(high, sampled[low.size - 1 :])
     waves[last] = change[-1]
-    return float(waves @ patch_shares(harmonics, width, radius))
+    return float(waves @ gaussian_patch_harmonic_factors(harmonics, width, radius))
 
 
 @dataclass(frozen=True)
@@ -285,16 +289,16 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
     radius, zeta = flank.contact()
     line, width = (grid.shape[1] - 1 if flank.screw else 0), NARROW * flank.map.ball
     rows = np.zeros((5, *grid.shape, 3))
-    if flank.map.at_apex:  # both flanks are the same patch
-        share, _ = flank_weights(grid, line, 0.0, width)
+    if flank.map.touches_at_apex:  # both flanks are the same patch
+        share, _ = gaussian_patch_weights(grid, line, 0.0, width)
         rows[0, :, line, 0] = rows[2, :, line, 0] = rows[1, :, line, 2] = rows[3, :, line, 2] = share
-        rows[4, :, line, ::2] = normal_load(flank, grid, width, 0.0)
+        rows[4, :, line, ::2] = nodal_forces_along_flank_normals(flank, grid, width, 0.0)
     else:
-        share, _ = flank_weights(half, line, zeta, width)
+        share, _ = gaussian_patch_weights(half, line, zeta, width)
         count = half.shape[0]
         rows[0, :count, line, 0] = rows[1, :count, line, 2] = share[::-1]
         rows[2, count - 1 :, line, 0] = rows[3, count - 1 :, line, 2] = share
-        rows[4, count - 1 :, line, ::2] = normal_load(flank, half, width, zeta)
+        rows[4, count - 1 :, line, ::2] = nodal_forces_along_flank_normals(flank, half, width, zeta)
     n = sampled_harmonics(2.6 * radius / width)
     free = ~fixed.ravel()
     bands, loads = body.bands(free), rows.reshape(5, -1)[:, free].T
@@ -303,10 +307,12 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
     S = interpolate_harmonics(n, sampled)
     nominal = np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)]) * flank.map.signs[flank.side]
     turned = S[:, 4, 4] - np.einsum("a,nab,b->n", nominal, S[:, 2:4, 2:4], nominal)
-    return RingCompliance(S[:, :4, :4], float(patch_shares(harmonics, width, radius) @ turned), width, radius)
+    return RingCompliance(
+        S[:, :4, :4], float(gaussian_patch_harmonic_factors(harmonics, width, radius) @ turned), width, radius
+    )
 
 
-def patch_shares(n: Array, width: float, radius: float) -> Array:
+def gaussian_patch_harmonic_factors(n: Array, width: float, radius: float) -> Array:
     """Return the factors by which a Gaussian patch reduces the harmonics ``n`` of the motion by a concentrated load.
 
     ``width``: standard deviation along the circumference [m]; ``radius``: radius at which the patch lies [m]. Harmonics 0
@@ -315,7 +321,7 @@ def patch_shares(n: Array, width: float, radius: float) -> Array:
     return np.where(n > 1, np.exp(-((n * width / radius) ** 2)), 1.0)
 
 
-def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
+def compliance_between_ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
     """Return the compliance ``(4 N, 4 N)`` [m/N] between the contacts of a bearing ring with N balls.
 
     ``azimuth`` ``(N,)``: positions of the balls [rad]. All left contacts come first; each contact has the axes r and z.
@@ -323,7 +329,7 @@ def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
     N = azimuth.size
     angle = azimuth[:, None] - azimuth[None, :]
     G = np.zeros((2, N, 2, 2, N, 2))
-    shares = patch_shares(np.arange(float(len(ring.S))), ring.width, ring.radius)
+    shares = gaussian_patch_harmonic_factors(np.arange(float(len(ring.S))), ring.width, ring.radius)
     for n, (share, S) in enumerate(zip(shares, ring.S, strict=True)):
         G += share * np.einsum("ij,satb->siatjb", np.cos(n * angle), S.reshape(2, 2, 2, 2))
     return np.asarray(G.reshape(4 * N, 4 * N))

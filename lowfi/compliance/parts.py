@@ -15,12 +15,12 @@ import numpy as np
 
 from rollbench.lowfi.compliance.beyond_hertz import Flank
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.cache import kept
+from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Ingredients, Scene
 from rollbench.meshes.section import BeamSection, screw_section, tube_section
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.tube import Tube
@@ -108,7 +108,7 @@ def idealisation_statements(backend: Backend, scene: Scene) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=64)
-def geometry_only(scene: Scene) -> Scene:
+def reduce_to_compliance_geometry(scene: Scene) -> Scene:
     """Return a scene with only the geometry and materials on which the compliance of screw and nut depends.
 
     Loads, supports, errors, names and settings of solvers are removed, so that equal geometries share cached results.
@@ -126,18 +126,18 @@ def geometry_only(scene: Scene) -> Scene:
 
 
 @lru_cache(maxsize=64)
-def parts_with_balls(scene: Scene) -> tuple[Scene, Array]:
-    """Return the scene that `geometry_only` makes, but with all N balls, then the azimuths of the balls ``(N,)`` [rad]."""
-    return replace(geometry_only(scene), balls=scene.balls), ball_layout(scene).azimuth
+def compliance_geometry_with_balls(scene: Scene) -> tuple[Scene, Array]:
+    """Return the scene reduced to what its compliance depends on, with all N balls, and their azimuths ``(N,)`` [rad]."""
+    return replace(reduce_to_compliance_geometry(scene), balls=scene.balls), ball_layout(scene).azimuth
 
 
 @lru_cache(maxsize=64)
-def groove_of_body(scene: Scene, screw: bool) -> Flank:
+def half_groove_of_body(scene: Scene, screw: bool) -> Flank:
     """Return the geometry of one groove flank with the body below it: half a lead of screw or nut, or half a ring.
 
     ``screw``: whether the body is the screw (True) or the nut. Raises ValueError for impossible dimensions.
     """
-    dims = solid_dimensions(scene)
+    dims = dimensions_of_3d_parts(scene)
     m = GrooveMap.of(scene)
     low, high = dims.ends(scene)
     width = min(scene.nut.length, high - low) if screw else scene.nut.length
@@ -155,7 +155,7 @@ def fixed_surface(scene: Scene, screw: bool) -> str:
 
     ``screw``: whether the body is the screw (True) or the nut.
     """
-    dims = solid_dimensions(scene)
+    dims = dimensions_of_3d_parts(scene)
     if not screw:
         return "rigid" if scene.solid.nut == "rigid" else HELD[dims.nut_held.partition(", ")[0]]
     if dims.screw_held == "bore":
@@ -167,45 +167,47 @@ def fixed_surface(scene: Scene, screw: bool) -> str:
 def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
     """Return the beam section of the grooved screw or nut, or of the plain shaft if the track has no lead.
 
-    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut.
+    ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut.
     """
     if geometry.track.lead == 0.0 and screw:
         return screw_section(geometry)
-    return grooved_body_section(groove_of_body(geometry, screw))
+    return grooved_body_section(half_groove_of_body(geometry, screw))
 
 
 @lru_cache(maxsize=64)
-@kept(BeamSection)
+@cached_on_disk(BeamSection)
 def grooved_body_section(flank: Flank) -> BeamSection:
     """Return the beam section of a body with a groove, computed by finite elements.
 
     The result is cached on disk for each groove, so that scenes with the same screw but another nut share it.
     """
-    from rollbench.lowfi.compliance.groove import smooth_radius
+    from rollbench.lowfi.compliance.groove import equivalent_cylinder_radius
     from rollbench.lowfi.compliance.tube import cell_section
 
     if flank.map.rg == 0.0:
-        return tube_section(2.0 * flank.far, 2.0 * smooth_radius(flank, 2), flank.material)
+        return tube_section(2.0 * flank.far, 2.0 * equivalent_cylinder_radius(flank, 2), flank.material)
     return cell_section(flank.map, flank.land, flank.far, flank.screw, flank.material).section
 
 
 def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
     """Return the smooth body of revolution, without grooves, that represents screw or nut.
 
-    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut; ``backend``: model
-    of the bodies.
+    ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
+    ``backend``: model of the bodies.
     """
-    from rollbench.lowfi.compliance.groove import groove_layer, smooth_radius
+    from rollbench.lowfi.compliance.groove import equivalent_cylinder_radius, groove_layer
     from rollbench.lowfi.compliance.tube import Tube
 
-    flank = groove_of_body(geometry, screw)
-    low, high = solid_dimensions(geometry).ends(geometry)
+    flank = half_groove_of_body(geometry, screw)
+    low, high = dimensions_of_3d_parts(geometry).ends(geometry)
     half, position = geometry.nut.length / 2.0, geometry.nut.position
     if screw:
-        bore, outer, ends = flank.far, smooth_radius(flank, 2), (low, high)
+        bore, outer, ends = flank.far, equivalent_cylinder_radius(flank, 2), (low, high)
     else:
         bore = (
-            smooth_radius(flank, 3 if backend.bore == "ring" else 2) if backend.bore in ("ring", "volume") else flank.land
+            equivalent_cylinder_radius(flank, 3 if backend.bore == "ring" else 2)
+            if backend.bore in ("ring", "volume")
+            else flank.land
         )
         outer, ends = flank.far, (position - half, position + half)
     layer = None if screw or backend.bore != "layer" else groove_layer(flank, grooved_section(geometry, False))
@@ -222,8 +224,8 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
 def is_ring(geometry: Scene, screw: bool) -> bool:
     """Return whether a body is a bearing ring that is elastic and, with its groove, a body of revolution.
 
-    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw or inner ring (True), or the nut or
-    outer ring.
+    ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw or inner ring (True),
+    or the nut or outer ring.
     """
     return geometry.track.lead == 0.0 and fixed_surface(geometry, screw) not in ("rigid", "section")
 

@@ -20,11 +20,11 @@ from rollbench.lowfi.compliance.fourier import (
     Body,
     Grid,
     Layer,
+    add_mid_nodes,
+    circumference_integral_factor,
     end_motions,
-    factor_c,
-    line_compliance,
+    grid_line_compliance,
     quadratic_shape_functions,
-    refine_lines,
     solve_harmonic,
     tube_grid,
 )
@@ -48,7 +48,7 @@ class CellSection:
     radii: tuple[float, float, float]
 
 
-def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Array, Array]:
+def flank_profile_points(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Array, Array]:
     """Return points on one flank of a groove from the apex to the edge of the land: radii r, then axial positions zeta [m].
 
     Each array is ``(count,)``; zeta = 0 at the apex. ``land``: radius of the land [m]; ``screw``: whether the body is the
@@ -67,8 +67,8 @@ def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Arr
 
     def beyond(gamma: float) -> bool:
         """Return whether the flank's point at the contact angle gamma [rad] lies beyond the cylinder of the land."""
-        x3, z3 = m.section_point(side, np.array(gamma), radius)
-        return bool(sign * (float(m.unroll(x3, z3)[0]) - land) < 0.0)
+        x3, z3 = m.polar_to_section(side, np.array(gamma), radius)
+        return bool(sign * (float(m.section_to_unrolled(x3, z3)[0]) - land) < 0.0)
 
     if beyond(low) or not beyond(high):
         raise ValueError(
@@ -78,8 +78,8 @@ def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Arr
     for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if beyond(middle) else (middle, high)
-    x3, z3 = m.section_point(side, np.linspace(apex, low, count), radius)
-    r, zeta, _ = m.unroll(x3, z3)
+    x3, z3 = m.polar_to_section(side, np.linspace(apex, low, count), radius)
+    r, zeta, _ = m.section_to_unrolled(x3, z3)
     zeta[0], r[-1] = 0.0, land
     return r, zeta
 
@@ -110,12 +110,12 @@ def cell_grid(
         The grooves of neighbouring turns overlap.
     """
     half = pi * abs(m.rg) / m.starts if half is None else half
-    r, zeta = groove_line(m, land, screw, 2 * mesh[0] + 1)
+    r, zeta = flank_profile_points(m, land, screw, 2 * mesh[0] + 1)
     if zeta[-1] >= half:
         raise ValueError("the grooves of neighbouring turns overlap: increase the lead or reduce the groove")
-    along = refine_lines(np.linspace(zeta[-1], half, mesh[1] + 1))[1:]
+    along = add_mid_nodes(np.linspace(zeta[-1], half, mesh[1] + 1))[1:]
     surface, z = np.append(r, np.full(along.size, land)), np.append(zeta, along)
-    share = refine_lines(1.0 - np.linspace(1.0, 0.0, mesh[2] + 1) ** 1.5)
+    share = add_mid_nodes(1.0 - np.linspace(1.0, 0.0, mesh[2] + 1) ** 1.5)
     low, high = (np.full_like(surface, far), surface) if screw else (surface, np.full_like(surface, far))
     depth = share if screw else (1.0 - share)[::-1]
     return Grid(low[:, None] + depth * (high - low)[:, None], np.broadcast_to(z[:, None], (z.size, depth.size)).copy())
@@ -162,14 +162,14 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
 
 
 def cell_stiffness(body: Body, kind: str) -> float:
-    """Return the stiffness of a cell of half a lead against a unit motion of one end, as `strained_cell` defines it.
+    """Return the stiffness of a cell of half a lead against a unit motion of one end (`solve_cell_under_unit_strain`).
 
     ``body``: finite elements of the cell; ``kind``: "axial" (result in N/m), "torsion" or "bending" (N m).
     """
-    return strained_cell(body, kind)[0]
+    return solve_cell_under_unit_strain(body, kind)[0]
 
 
-def strained_cell(body: Body, kind: str) -> tuple[float, Array]:
+def solve_cell_under_unit_strain(body: Body, kind: str) -> tuple[float, Array]:
     """Return the stiffness of a cell of half a lead, and the motion of its nodes, for a unit motion of one of its ends.
 
     One plane of symmetry is fixed and the other one moves by one unit: u_z = 1 for the ``kind`` "axial" (stiffness in N/m),
@@ -178,7 +178,7 @@ def strained_cell(body: Body, kind: str) -> tuple[float, Array]:
     """
     shape = body.grid.shape
     n = 1 if kind == "bending" else 0
-    fixed, value = ~body.axis_free(n).reshape(*shape, 3), np.zeros((*shape, 3))
+    fixed, value = ~body.freedoms_regular_on_axis(n).reshape(*shape, 3), np.zeros((*shape, 3))
     if kind == "torsion":
         fixed[..., 0] = fixed[..., 2] = True
         fixed[0, :, 1] = fixed[-1, :, 1] = True
@@ -268,7 +268,7 @@ class Tube:
         if self.layer is None:
             return tube_section(2.0 * self.outer, 2.0 * self.bore, self.material)
         length = self.size[0]
-        slice_ = self.body(tube_grid(radial_ends(self)[0], np.array([0.0, length])))
+        slice_ = self.body(tube_grid(radial_element_ends(self)[0], np.array([0.0, length])))
         EA, GJ, EI = (length * cell_stiffness(slice_, kind) for kind in ("axial", "torsion", "bending"))
         shear, poisson = self.material.shear_modulus, self.material.poissons_ratio
         bore = (self.outer**4 - 2.0 * GJ / (shear * np.pi)) ** 0.25
@@ -318,7 +318,7 @@ def points_in_space(x: Array, axes: Array) -> Points:
     return Points(t, x[:, 2], np.stack(parts, axis=-1))
 
 
-def radial_ends(tube: Tube) -> tuple[Array, int]:
+def radial_element_ends(tube: Tube) -> tuple[Array, int]:
     """Return the radii at which a tube's finite elements end [m], then the number of the grid line at the loaded radius.
 
     Elements are small near the loaded radius. Grid lines include those through the elements' mid nodes.
@@ -340,7 +340,7 @@ def radial_ends(tube: Tube) -> tuple[Array, int]:
     return np.append(inner, outer[1:]), 2 * (inner.size - 1)
 
 
-def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
+def axial_element_ends(tube: Tube, zone: tuple[float, float]) -> Array:
     """Return the axial positions at which a tube's finite elements end [m].
 
     Elements are equally long over the loaded zone, and longer outside it.
@@ -361,7 +361,7 @@ def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
     return np.concatenate([a - beyond(a - low)[::-1], middle, b + beyond(high - b)])
 
 
-def add_flange_ends(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Array]:
+def add_element_ends_of_flange(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Array]:
     """Return element ends in r and in z [m] with those of the flange added, and the surfaces where it may be fixed.
 
     ``r_ends``, ``z_ends``: element ends of the tube without its flange [m].
@@ -405,8 +405,8 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
 
     ``zone``: lower and upper end of the axial range that contains all contacts [m], over which the nodes are loaded.
     """
-    r_ends, line = radial_ends(tube)
-    grid = tube_grid(*add_flange_ends(tube, r_ends, axial_ends(tube, zone)))
+    r_ends, line = radial_element_ends(tube)
+    grid = tube_grid(*add_element_ends_of_flange(tube, r_ends, axial_element_ends(tube, zone)))
     z = grid.z[:, 0]
     inside = np.flatnonzero((z >= zone[0] - 1e-9) & (z <= zone[1] + 1e-9))
     first, last = int(inside[0]) // 2 * 2, (int(inside[-1]) + 1) // 2 * 2
@@ -414,7 +414,7 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     body = tube.body(grid)
     held = fixed_freedoms(tube, grid)
     springs = end_springs(tube) if tube.held == "section" else ()
-    by_harmonic = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
+    by_harmonic = grid_line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
     size = 3 * (rows[1] - rows[0])
     by_end = [S.whole()[size:] for S in by_harmonic[:2]] if springs else []
     ends, corner = tuple(S[:, :size].reshape(2, -1, 3).swapaxes(1, 2) for S in by_end), tuple(S[:, size:] for S in by_end)
@@ -428,26 +428,26 @@ def motions_by_section_load(tube: Tube, zone: tuple[float, float], at: float) ->
     of its low end. The loads act on the mean rigid motions (by least squares) of the material in a thin slice at the axial
     position ``at`` [m]. ``zone``: lower and upper end of the axial range that contains all contacts [m].
     """
-    r_ends, line = radial_ends(tube)
-    grid = tube_grid(r_ends, axial_ends(tube, zone))
+    r_ends, line = radial_element_ends(tube)
+    grid = tube_grid(r_ends, axial_element_ends(tube, zone))
     body, z, half = tube.body(grid), grid.z[:, 0], min(SLICE * tube.outer, at - tube.ends[0], tube.ends[1] - at)
-    shares, levers = slice_shares(z, at, half)
+    shares, levers = slice_mean_weights(z, at, half)
     inertia, springs, ends = 0.25 * (tube.outer**2 + tube.bore**2), end_springs(tube), []
     for n, stiff in ((0, springs[2:]), (1, springs[:2])):
-        free, motions = body.axis_free(n), end_motions(body, n)
+        free, motions = body.freedoms_regular_on_axis(n), end_motions(body, n)
         rows = shares[:, None, None] * motions
         if n == 1:
             rows[:, 1] = (inertia * rows[:, 1] + levers[:, None] * motions[0]) / (inertia + half**2 / 3.0)
         bands, held = body.bands(free), motions[:, free[: motions.shape[1]]]
         i, j = np.tril_indices(held.shape[1])
-        bands[0, i - j, j] += ((held.T * stiff) @ held)[i, j] / factor_c(n)
+        bands[0, i - j, j] += ((held.T * stiff) @ held)[i, j] / circumference_integral_factor(n)
         moved = np.zeros((free.size, 2))
         moved[free] = solve_harmonic(bands, n, rows.swapaxes(1, 2).reshape(-1, 2)[free])
         ends.append(moved.reshape(*grid.shape, 3, 2)[:, line].T)
     return TubeCompliance(tube, z, (), tuple(ends))
 
 
-def slice_shares(z: Array, at: float, half: float) -> tuple[Array, Array]:
+def slice_mean_weights(z: Array, at: float, half: float) -> tuple[Array, Array]:
     """Return the weights of nodes for two means of a field over a slice of a shaft, each ``(k,)``.
 
     ``z`` ``(k,)``: positions of the nodes [m]. The slice reaches ``half`` [m] to either side of ``at`` [m]. The first
@@ -474,7 +474,7 @@ def end_springs(tube: Tube) -> tuple[float, float, float, float]:
     return stiff, stiff * tube.outer**2, stiff, stiff * tube.outer**2
 
 
-def patch_weights(z: Array, at: Array, width: float) -> Array:
+def gaussian_weights_on_line(z: Array, at: Array, width: float) -> Array:
     """Return the weights ``(c, k)`` of k nodes for c Gaussian patches on a grid line along z.
 
     ``z`` ``(k,)``: positions of the nodes [m]; ``at`` ``(c,)``: middles of the patches [m]; ``width``: standard deviation
@@ -506,7 +506,7 @@ def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant:
 
     tube, k, count = compliance.tube, compliance.z.size, points.z.size
     order = np.argsort(points.z, kind="stable")
-    azimuth, weights = points.azimuth[order], patch_weights(compliance.z, points.z[order], tube.width)
+    azimuth, weights = points.azimuth[order], gaussian_weights_on_line(compliance.z, points.z[order], tube.width)
     weights[np.abs(weights) <= UNREACHED] = 0.0
     near, touched = csr_array(weights), weights != 0.0
     first, last = touched.argmax(axis=1), k - touched[:, ::-1].argmax(axis=1)  # lines of each contact, in order
@@ -548,7 +548,7 @@ def project_on_surface(tube: Tube, x: Array) -> Array:
     return np.asarray(x * np.stack([np.clip(far, tube.bore, tube.outer) / far] * 2 + [np.ones(len(x))], axis=1))
 
 
-def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
+def contact_motions_by_rigid_motions(x: Array, axes: Array, origin: float | None = None) -> Array:
     """Return the motions of c contacts along their axes by six unit rigid motions of a cross-section ``(2 c, 6)``.
 
     ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions; ``origin``: axial position of
@@ -570,7 +570,7 @@ def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
     their motions.
     """
     shift, tilt, axial, twist = end_springs(tube)
-    rows = motion_rows(x, axes, tube.ends[0])
+    rows = contact_motions_by_rigid_motions(x, axes, tube.ends[0])
     return np.asarray((rows / np.array([shift, shift, axial, tilt, tilt, twist])) @ rows.T)
 
 
@@ -582,7 +582,8 @@ def cantilever_compliance(
     Parameters
     ----------
     rows
-        Displacement of each of the k points by six unit rigid motions of its cross-section ``(k, 6)`` (`motion_rows`).
+        Displacement of each of the k points by six unit rigid motions of its cross-section ``(k, 6)``
+        (`contact_motions_by_rigid_motions`).
     stations
         Axial positions of the cross-sections ``(k,)`` [m].
     base
@@ -609,36 +610,49 @@ def cantilever_compliance(
     return out
 
 
-def section_jump_compliance(feel: Array, rows: Array, stations: Array, base: float) -> Array:
+def compliance_of_local_groove_strains(section_strain_motions: Array, rows: Array, stations: Array, base: float) -> Array:
     """Return the compliance ``(k, k)`` [m/N] between k points of a beam that is due to local strains at its grooves.
 
-    ``feel`` ``(k, 6)``: motion of each point by a unit wrench (three forces, three moments) that its own cross-section
-    transmits, which is the resultant of all loads beyond the section and of half the loads in it. By reciprocity a load at
-    a section also moves all points beyond that section. ``base``: axial position at which the beam is fixed [m]; ``rows``,
-    ``stations``: see `cantilever_compliance`.
+    ``section_strain_motions`` ``(k, 6)``: motion of each point by a unit wrench (three forces, three moments) that its own
+    cross-section transmits, which is the resultant of all loads beyond the section and of half the loads in it. By
+    reciprocity a load at a section also moves all points beyond that section. ``base``: axial position at which the beam is
+    fixed [m]; ``rows``, ``stations``: see `cantilever_compliance`.
     """
     reach, side = stations[:, None] - stations, np.sign(stations - base)
-    moved = rows @ feel.T + reach * (np.outer(rows[:, 0], feel[:, 4]) - np.outer(rows[:, 1], feel[:, 3]))
+    moved = rows @ section_strain_motions.T + reach * (
+        np.outer(rows[:, 0], section_strain_motions[:, 4]) - np.outer(rows[:, 1], section_strain_motions[:, 3])
+    )
     moved *= side * np.heaviside(reach * side, 0.5)
     return np.asarray(moved + moved.T)
 
 
 def clamped_beam_compliance(
-    rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection, feel: Array | None = None
+    rows: Array,
+    stations: Array,
+    ends: tuple[float, float],
+    held: str,
+    section: BeamSection,
+    section_strain_motions: Array | None = None,
 ) -> Array:
     """Return the compliance ``(k, k)`` [m/N] between k points of a Timoshenko beam that is clamped at one end or both.
 
     ``rows``, ``stations``: see `cantilever_compliance`; ``ends``: axial positions of the low and the high end [m];
-    ``held``: clamped ends, "low", "high" or "both"; ``feel``: local motions at grooves, see `section_jump_compliance`, None
-    to neglect them.
+    ``held``: clamped ends, "low", "high" or "both"; ``section_strain_motions``: local motions at grooves, see
+    `compliance_of_local_groove_strains`, None to neglect them.
     """
     low, high = ends
     if held != "both":
         base = low if held == "low" else high
         G = cantilever_compliance(rows, stations, base, section)
-        return G if feel is None else G + section_jump_compliance(feel, rows, stations, base)
+        return (
+            G
+            if section_strain_motions is None
+            else G + compliance_of_local_groove_strains(section_strain_motions, rows, stations, base)
+        )
     rows, stations = np.concatenate([rows, np.eye(6)]), np.append(stations, np.full(6, high))
     G, k = cantilever_compliance(rows, stations, low, section), len(rows) - 6
-    if feel is not None:
-        G += section_jump_compliance(np.concatenate([feel, np.zeros((6, 6))]), rows, stations, low)
+    if section_strain_motions is not None:
+        G += compliance_of_local_groove_strains(
+            np.concatenate([section_strain_motions, np.zeros((6, 6))]), rows, stations, low
+        )
     return np.asarray(G[:k, :k] - G[:k, k:] @ np.linalg.solve(G[k:, k:], G[k:, :k]))

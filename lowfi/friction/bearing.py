@@ -20,21 +20,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.equilibrium import (
-    Motion,
-    Problem,
-    SettledCell,
-    balance_by_root,
-    balance_by_sharpening,
+    BodyMotion,
+    ContactLoadSolution,
+    MotionProblem,
     least_dissipation,
-    settle_cell,
+    motion_by_root,
+    motion_by_sharpened_sigmoids,
+    solve_contact_loads,
 )
 from rollbench.lowfi.friction.contact.kernel_types import CellArrays
-from rollbench.lowfi.friction.contact.laws import Contacts, Sigmoid, equal_contacts
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, Constants, ScrewGroove, section_frame
-from rollbench.lowfi.friction.screw.motion import Cell, ball_motion, bare_cell, settle_load
+from rollbench.lowfi.friction.contact.laws import Contacts, Sigmoid, contacts_from_values
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, GrooveHertzConstants, ScrewGroove, section_axes
+from rollbench.lowfi.friction.screw.motion import (
+    BallsBetweenGrooves,
+    balls_without_friction,
+    solve_ball_motion,
+    solve_screw_contact_loads,
+)
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.record_keys import keyed, usual
+from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
 
 #: Names of a ball's contacts: inner or outer ring, left or right.
 SIDES = ("IL", "IR", "OR", "OL")
@@ -47,16 +52,16 @@ AROUND, TURNS = [0, 1, 3, 2], [0, 3, 1, 2]
 AXIAL, RADIAL, INNER = SIGN_Z[AROUND], SIGN_X[AROUND], ON_SCREW
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Bearing(ScrewGroove):
     """Ball bearing with gothic-arch grooves as a screw of zero lead; its inner ring rotates at ``screw_speed``."""
 
     #: Clearance of the ball along each contact normal [m], negative for an oversized ball.
-    clearance: float = usual(0.0)
+    clearance: float = frozen_default(0.0)
 
     @cached_property
-    def constants(self) -> Constants:
+    def constants(self) -> GrooveHertzConstants:
         """Hertz constants at the nominal contact angle, with the radius (R_P -+ R_B cos beta)/cos beta along the ring.
 
         This is the radius of curvature of a helical groove at zero lead. Constants "as printed" are those of a screw.
@@ -68,23 +73,23 @@ class Bearing(ScrewGroove):
         modulus = contact_modulus(self.young, self.poisson, self.young, self.poisson)
         across, along = np.full(2, ball - 1.0 / self.groove_radius), np.array([ball + cos / inner, ball - cos / outer])
         h = hertz_constants(across, along, modulus)
-        return Constants(*(np.repeat(values, 2) for values in (h.C, h.C_a, h.C_b)))
+        return GrooveHertzConstants(*(np.repeat(values, 2) for values in (h.C, h.C_a, h.C_b)))
 
 
 @dataclass(frozen=True)
-class BallSolution:
+class BearingBallSolution:
     """Contact loads, motion and friction of one ball of a bearing."""
 
     #: Bearing of the ball.
     bearing: Bearing
     #: Contact loads and angles.
-    load: SettledCell
+    load: ContactLoadSolution
     #: Ellipses, loads and friction coefficients of the contacts.
     at: Contacts
     #: Kinematics and forces that determine the ball's motion.
-    problem: Problem
+    problem: MotionProblem
     #: Motion and friction of the ball.
-    motion: Motion
+    motion: BodyMotion
     #: Torque that drives the inner ring against the friction of this ball [N m].
     torque: float
 
@@ -94,8 +99,8 @@ class BallSolution:
         return self.torque * self.bearing.screw_speed
 
 
-def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
-    """Return the contact loads of a ball between the rings, by the minimum of elastic energy (`settle_cell`).
+def contact_loads_of_ball(bearing: Bearing, axial_force: float, radial_displacement: float) -> ContactLoadSolution:
+    """Return the contact loads of a ball between the rings, by the minimum of elastic energy (`solve_contact_loads`).
 
     The contact forces are unique. A ball with clearance and without force has no unique position; the position at the end
     of the search is then returned.
@@ -104,9 +109,9 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
     ----------
     bearing
         The bearing.
-    force_x
+    axial_force
         Axial force on the inner ring [N].
-    u_y
+    radial_displacement
         Radial displacement of the inner ring towards the ball [m].
 
     Returns
@@ -125,19 +130,19 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
         interference=np.full((1, 4), -bearing.clearance),
         C=np.ascontiguousarray(bearing.constants.C),
         section=np.array([[[1.0], [0.0]]]),
-        offset=np.array([[0.0, u_y]]),
+        offset=np.array([[0.0, radial_displacement]]),
         push=np.zeros((1, 2)),
-        pull=np.array([force_x]),
+        pull=np.array([axial_force]),
         reach=bearing.reach,
     )
-    approach = float(np.max(cell.C)) * max(abs(force_x), 1e-6) ** (2.0 / 3.0)
-    way = float(np.sign(force_x)) * (approach + max(bearing.clearance, 0.0) + abs(u_y))
-    start = np.array([[2.0 * way, 0.5 * u_y]]), np.array([4.0 * way])
-    found = settle_cell(cell, abs(force_x), *start, lambda n: np.arctan2(np.abs(n[..., 0]), np.abs(n[..., 1])))
+    approach = float(np.max(cell.C)) * max(abs(axial_force), 1e-6) ** (2.0 / 3.0)
+    way = float(np.sign(axial_force)) * (approach + max(bearing.clearance, 0.0) + abs(radial_displacement))
+    start = np.array([[2.0 * way, 0.5 * radial_displacement]]), np.array([4.0 * way])
+    found = solve_contact_loads(cell, abs(axial_force), *start, lambda n: np.arctan2(np.abs(n[..., 0]), np.abs(n[..., 1])))
     return replace(found, force=found.force[0], angle=found.angle[0], ball=found.ball[0])
 
 
-def contact_maps(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
+def contact_kinematics(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
     """Return the linear relation between the motion of a ball and the motions of its four contacts with the rings.
 
     ``angles``: contact angles ``(4,)`` [rad]. The unknowns are the orbital speed omega_B and the ball's rotation omega_x,
@@ -157,7 +162,7 @@ def contact_maps(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
     return maps[AROUND][..., TURNS], drives[AROUND]
 
 
-def ball_contacts(bearing: Bearing, load: SettledCell) -> Contacts:
+def ball_contacts(bearing: Bearing, load: ContactLoadSolution) -> Contacts:
     """Return ellipses, loads and friction coefficients of a ball's contacts; unloaded ones get a tiny ellipse, not zero.
 
     Parameters
@@ -169,10 +174,10 @@ def ball_contacts(bearing: Bearing, load: SettledCell) -> Contacts:
     """
     h = bearing.constants
     cube = np.cbrt(np.maximum(load.force, max(1e-9 * float(np.max(load.force)), 1e-30)))
-    return equal_contacts(h.C_a * cube, h.C_b * cube, load.force, bearing.mu)
+    return contacts_from_values(h.C_a * cube, h.C_b * cube, load.force, bearing.mu)
 
 
-def motion_problem(bearing: Bearing, load: SettledCell, at: Contacts) -> Problem:
+def ball_motion_problem(bearing: Bearing, load: ContactLoadSolution, at: Contacts) -> MotionProblem:
     """Return the contacts, kinematics and forces that determine a ball's motion at given contact loads and angles.
 
     The unknowns are omega_B, omega_x and omega_y [rad/s]. Omega_z is left out, because it is zero by symmetry.
@@ -186,11 +191,11 @@ def motion_problem(bearing: Bearing, load: SettledCell, at: Contacts) -> Problem
     at
         Contacts of the ball, by `ball_contacts`.
     """
-    maps, drives = contact_maps(bearing, load.angle)
-    return Problem(at=at, maps=np.ascontiguousarray(maps[..., :3]), drives=drives, push=np.zeros(3))
+    maps, drives = contact_kinematics(bearing, load.angle)
+    return MotionProblem(at=at, maps=np.ascontiguousarray(maps[..., :3]), drives=drives, push=np.zeros(3))
 
 
-def inner_torque(bearing: Bearing, load: SettledCell, motion: Motion) -> float:
+def inner_ring_torque(bearing: Bearing, load: ContactLoadSolution, motion: BodyMotion) -> float:
     """Return the torque about the bearing's axis that keeps the inner ring rotating against a ball's friction [N m].
 
     Parameters
@@ -208,16 +213,18 @@ def inner_torque(bearing: Bearing, load: SettledCell, motion: Motion) -> float:
     return float(np.sum(moments[INNER]))
 
 
-def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False) -> BallSolution:
+def solve_ball_of_bearing(
+    bearing: Bearing, axial_force: float, radial_displacement: float, fast: bool = False
+) -> BearingBallSolution:
     """Return contact loads and the motion of least dissipation of one ball, with Coulomb friction.
 
     Parameters
     ----------
     bearing
         The bearing.
-    force_x
+    axial_force
         Axial force on the inner ring [N].
-    u_y
+    radial_displacement
         Radial displacement of the inner ring towards the ball [m].
     fast
         Whether to use the compiled functions instead of plain Python.
@@ -226,14 +233,16 @@ def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False)
     ----------
     Lin (2019), 3.2, with exact Coulomb friction in place of the sigmoid 3.20.
     """
-    load = bearing_load(bearing, force_x, u_y)
+    load = contact_loads_of_ball(bearing, axial_force, radial_displacement)
     at = ball_contacts(bearing, load)
-    problem = motion_problem(bearing, load, at)
+    problem = ball_motion_problem(bearing, load, at)
     motion = least_dissipation(problem, fast=fast)
-    return BallSolution(bearing, load, at, problem, motion, inner_torque(bearing, load, motion))
+    return BearingBallSolution(bearing, load, at, problem, motion, inner_ring_torque(bearing, load, motion))
 
 
-def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sigmoid, fast: bool = False) -> BallSolution:
+def solve_ball_by_lin_method(
+    bearing: Bearing, axial_force: float, radial_displacement: float, law: Sigmoid, fast: bool = False
+) -> BearingBallSolution:
     """Return contact loads and motion of one ball by Lin's method, errors in its equations included.
 
     It uses the Hertz constants of Table B.1 of Lin's thesis, the sigmoid friction law, a root of equation 3.19 and the
@@ -244,41 +253,41 @@ def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sig
     ----------
     bearing
         The bearing.
-    force_x
+    axial_force
         Axial force on the inner ring [N].
-    u_y
+    radial_displacement
         Radial displacement of the inner ring towards the ball [m].
     law
         Lin's sigmoid.
     fast
         Whether to use the compiled functions instead of plain Python.
     """
-    least = solve_ball(replace(bearing, hertz="as printed"), force_x, u_y, fast)
-    motion = balance_by_root(least.problem, law, least.motion.q, fast)
+    least = solve_ball_of_bearing(replace(bearing, hertz="as printed"), axial_force, radial_displacement, fast)
+    motion = motion_by_root(least.problem, law, least.motion.q, fast)
     if motion.status != "exact":
-        motion = balance_by_sharpening(least.problem, law, least.motion.q, fast)
+        motion = motion_by_sharpened_sigmoids(least.problem, law, least.motion.q, fast)
     return replace(least, motion=motion, torque=motion.loss / bearing.screw_speed)
 
 
-def solve_over_displacements(
-    bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = None
-) -> list[BallSolution]:
+def solve_ball_over_displacements(
+    bearing: Bearing, axial_force: float, radial_displacements: Array, law: Sigmoid | None = None
+) -> list[BearingBallSolution]:
     """Return loads and friction of one ball for several radial displacements of the inner ring (Lin's Figure 3.7).
 
     Parameters
     ----------
     bearing
         The bearing.
-    force_x
+    axial_force
         Axial force on the inner ring [N].
-    u_y
+    radial_displacements
         Radial displacements ``(n,)`` [m].
     law
         Lin's sigmoid, for his method; None for the motion of least dissipation.
     """
     if law is None:
-        return [solve_ball(bearing, force_x, float(u), fast=True) for u in u_y]
-    return [solve_ball_as_printed(bearing, force_x, float(u), law, fast=True) for u in u_y]
+        return [solve_ball_of_bearing(bearing, axial_force, float(u), fast=True) for u in radial_displacements]
+    return [solve_ball_by_lin_method(bearing, axial_force, float(u), law, fast=True) for u in radial_displacements]
 
 
 #: Names of the inner ring's degrees of freedom in the order of the unknowns; smallest relative value above round-off.
@@ -298,7 +307,7 @@ class BallRow:
     contacts: tuple[bool, bool, bool, bool]
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class BearingCase:
     """Bearing with a rotating, loaded inner ring and a fixed outer ring."""
@@ -312,13 +321,13 @@ class BearingCase:
     #: Force on the inner ring in the x-z plane [N]; its angle from the axis z is an argument of `solve_bearing`.
     force: float
     #: Clearance of the ball at each contact [m], negative for preload.
-    clearance: float = usual(0.0)
+    clearance: float = frozen_default(0.0)
     #: Whether the inner ring may tilt.
-    tilt: bool = usual(False)
+    tilt: bool = frozen_default(False)
     #: Azimuth of the first ball from x, as a fraction of the angle between balls.
-    phase: float = usual(0.0)
+    phase: float = frozen_default(0.0)
     #: Axial position at which the force acts [m].
-    arm: float = usual(0.0)
+    arm: float = frozen_default(0.0)
 
     def __post_init__(self) -> None:
         """Check that the lead is zero and that there are rows with balls; raise ValueError otherwise."""
@@ -334,7 +343,7 @@ class BearingState:
     """Loads and friction of a bearing. Arrays list all N balls: those of the first row, then those of the next one."""
 
     #: Contact loads ``(N, 4)`` [N] and contact angles ``(N, 4)`` [rad].
-    load: SettledCell
+    load: ContactLoadSolution
     #: Friction losses at the contacts ``(N, 4)`` [W].
     loss: Array
     #: Friction torque on the inner ring [N m].
@@ -347,7 +356,7 @@ class BearingState:
     converged: bool
 
 
-def ring_motion_maps(case: BearingCase) -> Array:
+def inner_ring_displacement_maps(case: BearingCase) -> Array:
     """Return the displacements of the inner ring at each of N balls by its m unit motions ``(N, 3, m)``.
 
     The motions are three translations and, if the ring may tilt, rotations about x and y. Rotations are multiplied by the
@@ -356,7 +365,7 @@ def ring_motion_maps(case: BearingCase) -> Array:
     radius, out = case.groove.pitch_radius, []
     for row in case.rows:
         for k in range(case.count):
-            turn = section_frame(case.groove, 2.0 * np.pi * (k + case.phase) / case.count)
+            turn = section_axes(case.groove, 2.0 * np.pi * (k + case.phase) / case.count)
             move = np.eye(3)
             if case.tilt:
                 at = radius * turn[0] + np.array([0.0, 0.0, row.place])
@@ -365,21 +374,21 @@ def ring_motion_maps(case: BearingCase) -> Array:
     return np.array(out)
 
 
-def bearing_cell(case: BearingCase, angle: float) -> Cell:
-    """Return all balls of a bearing between its rings, with the force on the inner ring, as data for `settle_load`.
+def bearing_geometry_and_load(case: BearingCase, force_angle: float) -> BallsBetweenGrooves:
+    """Return all balls of a bearing between its rings and the force on the inner ring (for `solve_screw_contact_loads`).
 
-    ``case``: the bearing and the size of the force; ``angle``: angle of the force from the bearing's axis [rad].
+    ``case``: the bearing and the size of the force; ``force_angle``: angle of the force from the bearing's axis [rad].
     """
-    g, rows = case.groove, ring_motion_maps(case)
+    g, rows = case.groove, inner_ring_displacement_maps(case)
     has = np.repeat(np.array([r.contacts for r in case.rows]), case.count, axis=0)
-    force = case.force * np.array([np.sin(angle), 0.0, np.cos(angle)])
+    force = case.force * np.array([np.sin(force_angle), 0.0, np.cos(force_angle)])
     if case.tilt:
         force = np.append(force, np.cross([0.0, 0.0, case.arm], force)[:2] / g.pitch_radius)
     interference = np.where(has, -case.clearance, -2.0 * g.reach)
-    return bare_cell(g, np.full(has.shape, g.contact_angle), interference, rows, force)
+    return balls_without_friction(g, np.full(has.shape, g.contact_angle), interference, rows, force)
 
 
-def describe_free_motion(case: BearingCase, angle: float) -> str:
+def describe_unresisted_motion(case: BearingCase, force_angle: float) -> str:
     """Return a phrase that names a motion of the inner ring which the force drives and no contact resists.
 
     The phrase is empty if there is no such motion.
@@ -388,13 +397,13 @@ def describe_free_motion(case: BearingCase, angle: float) -> str:
     ----------
     case
         Bearing under a force.
-    angle
+    force_angle
         Angle of the force from the axis [rad].
     """
-    cell, beta = bearing_cell(case, angle), case.groove.contact_angle
+    cell, beta = bearing_geometry_and_load(case, force_angle), case.groove.contact_angle
     normal = np.stack([SIGN_X * np.cos(beta), SIGN_Z * np.sin(beta)], axis=1)[ON_SCREW]
     has = cell.interference[:, ON_SCREW] > -case.groove.reach
-    resists = np.einsum("sx,nxm->nsm", normal, cell.screw_motion)[has]
+    resists = np.einsum("sx,nxm->nsm", normal, cell.section_displacement_maps)[has]
     _, size, v = np.linalg.svd(resists, full_matrices=True)
     null = v[int(np.sum(size > RANK * size.max(initial=0.0))) :]
     drive = null @ cell.force
@@ -405,14 +414,14 @@ def describe_free_motion(case: BearingCase, angle: float) -> str:
     return f"rigid motion of the inner ring in {', '.join(parts)}"
 
 
-def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = None) -> BearingState:
+def solve_bearing(case: BearingCase, force_angle: float, near: BearingState | None = None) -> BearingState:
     """Return contact loads, friction losses and friction torque of a bearing under a force on its inner ring.
 
     Parameters
     ----------
     case
         Bearing under a force.
-    angle
+    force_angle
         Angle of the force from the axis [rad].
     near
         State at a similar angle from which the search starts.
@@ -421,10 +430,12 @@ def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = N
     ----------
     Lin (2019), 4.3.1.
     """
-    load = settle_load(bearing_cell(case, angle), None if near is None else (near.load.ball, near.load.inner))
+    load = solve_screw_contact_loads(
+        bearing_geometry_and_load(case, force_angle), None if near is None else (near.load.ball, near.load.inner)
+    )
     loss, good, power = np.zeros_like(load.force), load.converged, 0.0
     for k in np.flatnonzero(load.force.sum(axis=1) > 0.0):
-        ball = ball_motion(case.groove, load.force[k], load.angle[k])
+        ball = solve_ball_motion(case.groove, load.force[k], load.angle[k])
         loss[k] = ball.motion.friction.loss
         power += ball.input_power
         good = good and ball.motion.status != "failed"
@@ -458,7 +469,7 @@ class TorqueCurve:
         return float(self.torque.max() / self.torque.min())
 
 
-def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
+def solve_bearing_over_force_angles(case: BearingCase, force_angles: Array) -> list[BearingState]:
     """Return contact loads and friction of a bearing at each of several angles of the force from its axis.
 
     The search at each angle starts from the state at the angle before.
@@ -467,28 +478,28 @@ def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
     ----------
     case
         Bearing under a force.
-    angle
+    force_angles
         Angles of the force from the axis, ``(n,)`` [rad].
     """
     states: list[BearingState] = []
-    for a in angle:
+    for a in force_angles:
         states.append(solve_bearing(case, float(a), states[-1] if states else None))
     return states
 
 
-def torque_curve(case: BearingCase, angle: Array) -> TorqueCurve:
+def torque_over_force_angles(case: BearingCase, force_angles: Array) -> TorqueCurve:
     """Return the friction torque of a bearing at several angles of the force from its axis (Figure 4.7 of Lin's thesis).
 
     Parameters
     ----------
     case
         Bearing under a force.
-    angle
+    force_angles
         Angles of the force from the axis, ``(n,)`` [rad].
     """
-    states = bearing_states(case, angle)
+    states = solve_bearing_over_force_angles(case, force_angles)
     return TorqueCurve(
-        angle=np.asarray(angle, dtype=float),
+        angle=np.asarray(force_angles, dtype=float),
         torque=np.array([s.torque for s in states]),
         four=np.array([int(np.sum(s.points > 2)) for s in states]),
         converged=np.array([s.converged for s in states]),

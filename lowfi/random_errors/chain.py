@@ -43,7 +43,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
+from rollbench.lowfi.jit import RANDOM_ERRORS, load_kernel_package
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
@@ -53,7 +53,7 @@ LAWS: tuple[Law, ...] = ("constant", "implicit", "exact")
 
 
 @dataclass(frozen=True)
-class Chain:
+class BallScrewChain:
     """Ball screw under axial load: a sequence of balls, with segments of screw and nut as springs between them.
 
     Raises
@@ -104,7 +104,7 @@ class Chain:
         return self.compliance * np.array([0.0, *(self.spacing or (1.0,) * (self.balls - 1))])
 
     @property
-    def parameters(self) -> Array:
+    def kernel_parameters(self) -> Array:
         """Constants for the kernels ``(5,)``: stiffness K [N/m^1.5], distance A [m], and three values of the angles.
 
         These are sine and cosine of the contact angle without load, and the cosine of the lead angle.
@@ -161,7 +161,7 @@ class ChainState:
         return float(self.motion[int(np.argmax(self.load > 0.0))] - self.touch)
 
 
-def check_errors(chain: Chain, errors: Array) -> Array:
+def check_errors(chain: BallScrewChain, errors: Array) -> Array:
     """Check errors of balls ``(..., M)`` [m] and return them as the contiguous array that compiled functions need.
 
     Raises
@@ -180,7 +180,7 @@ def check_errors(chain: Chain, errors: Array) -> Array:
     return e
 
 
-def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = False) -> ChainState:
+def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float, *, compiled: bool = False) -> ChainState:
     """Return contact loads, motions and stiffness of a ball screw with errors under an axial load.
 
     Valid for approaches small against the distance of the groove centres.
@@ -217,14 +217,14 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
     if not 0.0 < load < np.inf:
         raise ValueError(f"the axial load on the ball screw must be positive and finite, got {load} N")
     e, u, work = check_errors(chain, errors), np.empty(chain.balls), np.empty((3, chain.balls))
-    k = kernels(RANDOM_ERRORS, compiled=compiled)
+    k = load_kernel_package(RANDOM_ERRORS, compiled=compiled)
     law = LAWS.index(chain.law)
-    steps, residual, stiffness = k.solve_by_newton(e, float(load), chain.segments, law, chain.parameters, u, work)
-    touch = float(free_motion(chain, e.max()))
+    steps, residual, stiffness = k.solve_by_newton(e, float(load), chain.segments, law, chain.kernel_parameters, u, work)
+    touch = float(axial_motion_at_touch(chain, e.max()))
     return ChainState(work[0], u, touch, float(stiffness), int(steps), float(residual), bool(residual <= k.TOLERANCE))
 
 
-def end_ratio(chain: Chain, load: float) -> float:
+def last_to_first_load_ratio(chain: BallScrewChain, load: float) -> float:
     """Return the contact load of the last ball over that of ball 1, where the load acts, for balls without errors.
 
     Parameters
@@ -234,12 +234,12 @@ def end_ratio(chain: Chain, load: float) -> float:
     load
         Axial load [N].
     """
-    q = solve_chain(chain, np.zeros(chain.balls), load).load
+    q = solve_ball_screw(chain, np.zeros(chain.balls), load).load
     return float(q[-1] / q[0])
 
 
-def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
-    """Return the ball screw with the compliance of screw and nut at which `end_ratio` has a given value.
+def calibrate_compliance(chain: BallScrewChain, ratio: float, load: float) -> BallScrewChain:
+    """Return the ball screw with the compliance of screw and nut at which `last_to_first_load_ratio` has a given value.
 
     Parameters
     ----------
@@ -264,17 +264,17 @@ def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
     share = load / (chain.balls * chain.slope)
     size = 2.0 * float(contact_approach(share, chain.C)) / (chain.slope * load * chain.balls)
     high = size
-    while end_ratio(replace(chain, compliance=high), load) > ratio:
+    while last_to_first_load_ratio(replace(chain, compliance=high), load) > ratio:
         high *= 4.0
 
     def excess(scaled: float) -> float:
-        """Return `end_ratio` less the required ratio, for the compliance ``scaled`` times ``size``."""
-        return end_ratio(replace(chain, compliance=scaled * size), load) - ratio
+        """Return `last_to_first_load_ratio` less the required ratio, for the compliance ``scaled`` times ``size``."""
+        return last_to_first_load_ratio(replace(chain, compliance=scaled * size), load) - ratio
 
     return replace(chain, compliance=float(brentq(excess, 0.0, high / size, xtol=1e-13)) * size)
 
 
-def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> float:
+def load_at_which_ball_is_loaded(chain: BallScrewChain, errors: Array, ball: int, largest_load: float) -> float:
     """Return the axial load above which a ball carries load [N]; 0 for the ball that touches first.
 
     The motion at each ball increases with the axial load, so that there is only one such load.
@@ -282,32 +282,32 @@ def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> 
     Parameters
     ----------
     chain, errors
-        Ball screw and errors of its balls [m], as for `solve_chain`.
+        Ball screw and errors of its balls [m], as for `solve_ball_screw`.
     ball
         Number of the ball, from 0.
-    high
+    largest_load
         Largest load of the search [N].
 
     Raises
     ------
     ValueError
-        The ball still carries no load at the axial load ``high``.
+        The ball still carries no load at the axial load ``largest_load``.
     """
     e = check_errors(chain, errors)
 
     def gap(load: float) -> float:
         """Return the axial motion at the ball less that at which it just touches [m]; negative if it has no contact."""
-        return float(solve_chain(chain, e, load).motion[ball]) - start
+        return float(solve_ball_screw(chain, e, load).motion[ball]) - start
 
-    start = float(free_motion(chain, e[ball]))
+    start = float(axial_motion_at_touch(chain, e[ball]))
     if e[ball] == e.max():
         return 0.0
-    if gap(high) < 0.0:
-        raise ValueError(f"ball {ball} is not loaded at the largest load, {high:g} N")
-    return float(brentq(gap, 1e-9 * high, high, rtol=1e-12))
+    if gap(largest_load) < 0.0:
+        raise ValueError(f"ball {ball} is not loaded at the largest load, {largest_load:g} N")
+    return float(brentq(gap, 1e-9 * largest_load, largest_load, rtol=1e-12))
 
 
-def free_motion(chain: Chain, error: Array | float) -> Array:
+def axial_motion_at_touch(chain: BallScrewChain, error: Array | float) -> Array:
     """Return the axial motion of the nut at which each of several balls with errors just touches its grooves [m].
 
     ``error``: oversize of each ball with its grooves along the contact normal [m], any shape, which is that of the result.
@@ -350,7 +350,7 @@ class Ensemble:
         return np.asarray(self.kept[:, at[0], QUANTITIES.index(quantity)])
 
 
-def draw_errors(seed: int, first: int, count: int, balls: int, half_range: float) -> Array:
+def draw_uniform_errors(seed: int, first: int, count: int, balls: int, half_range: float) -> Array:
     """Return random errors ``(count, balls)`` [m] of the balls of several screws: independent, uniform up to +-half_range.
 
     Screw i has the random numbers i M to (i + 1) M - 1 of the stream of ``seed``, so its errors do not depend on how many
@@ -376,7 +376,7 @@ def draw_errors(seed: int, first: int, count: int, balls: int, half_range: float
     return half_range * (1.0 - 2.0 * np.random.Generator(stream).random((count, balls)))
 
 
-def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Array]:
+def solve_screws_with_errors(chain: BallScrewChain, errors: Array, loads: Array) -> tuple[Array, Array]:
     """Solve n ball screws with errors of their M balls under L axial loads each, by compiled functions.
 
     ``chain``: ball screw without errors; ``errors``: oversize of each ball ``(n, M)`` [m]; ``loads``: axial loads ``(L,)``
@@ -398,15 +398,15 @@ def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Arra
         raise ValueError(f"all axial loads on the ball screws must be positive and finite, got {f.tolist()} N")
     e = check_errors(chain, errors)
     out = np.empty((len(e), f.size, len(QUANTITIES) + 1))
-    k = kernels(RANDOM_ERRORS, compiled=True)
-    k.solve_batch(e, f, chain.segments, LAWS.index(chain.law), chain.parameters, out)
+    k = load_kernel_package(RANDOM_ERRORS, compiled=True)
+    k.solve_batch(e, f, chain.segments, LAWS.index(chain.law), chain.kernel_parameters, out)
     at = QUANTITIES.index("displacement")
-    out[..., at : at + 2] -= np.asarray(free_motion(chain, e.max(axis=1)))[:, None, None]
+    out[..., at : at + 2] -= np.asarray(axial_motion_at_touch(chain, e.max(axis=1)))[:, None, None]
     return out[..., :-1], out[..., -1]
 
 
 def solve_ensemble(
-    chain: Chain, half_range: float, loads: Array | list[float], members: int, *, seed: int = 0, chunk: int = CHUNK
+    chain: BallScrewChain, half_range: float, loads: Array | list[float], members: int, *, seed: int = 0, chunk: int = CHUNK
 ) -> Ensemble:
     """Solve many ball screws of one design with random errors under several loads.
 
@@ -430,7 +430,7 @@ def solve_ensemble(
     Raises
     ------
     ValueError
-        The number of screws or the chunk is not positive, or errors as in `solve_errors`.
+        The number of screws or the chunk is not positive, or errors as in `solve_screws_with_errors`.
     """
     if members < 1 or chunk < 1 or half_range < 0.0:
         raise ValueError(
@@ -439,11 +439,11 @@ def solve_ensemble(
         )
     f = np.asarray(loads, dtype=float)
     kept, worst, failed = np.empty((members, f.size, len(QUANTITIES))), 0.0, 0
-    tolerance = kernels(RANDOM_ERRORS, compiled=False).TOLERANCE
+    tolerance = load_kernel_package(RANDOM_ERRORS, compiled=False).TOLERANCE
     for first in range(0, members, chunk):
         count = min(chunk, members - first)
-        errors = draw_errors(seed, first, count, chain.balls, half_range)
-        kept[first : first + count], residual = solve_errors(chain, errors, f)
+        errors = draw_uniform_errors(seed, first, count, chain.balls, half_range)
+        kept[first : first + count], residual = solve_screws_with_errors(chain, errors, f)
         worst = max(worst, float(residual.max()))
         failed += int(np.count_nonzero((residual > tolerance).any(axis=1)))
     return Ensemble(f, kept, worst, failed)
@@ -472,14 +472,17 @@ class PercentileRank:
         return float(100.0 * np.sqrt(p * (1.0 - p) / self.size))
 
     @property
-    def tail(self) -> float:
+    def tail_probability(self) -> float:
         """One-sided tail probability: part of the sample at least as extreme as the number, on its side of the median."""
         return min(self.at_most, 1.0 - self.below)
 
     @property
     def tail_bound(self) -> float:
-        """Upper 95 % confidence bound of ``tail`` by Wilson's score interval; 2.7/size if no value is as extreme."""
-        z, n, p = 1.645, self.size, self.tail
+        """Upper 95 % confidence bound of ``tail_probability`` by Wilson's score interval.
+
+        2.7/size if no value is as extreme.
+        """
+        z, n, p = 1.645, self.size, self.tail_probability
         return float((p + z * z / (2 * n) + z * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n))
 
 

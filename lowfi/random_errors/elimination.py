@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach, contact_force
-from rollbench.lowfi.random_errors.chain import Chain, check_errors
+from rollbench.lowfi.random_errors.chain import BallScrewChain, check_errors
 from rollbench.meshes.arrays import Array
 
 #: Largest number of Newton steps in a round of the elimination, and of halvings of a step.
@@ -46,7 +46,7 @@ class EliminationResult:
     converged: bool
 
 
-def _contact_angle_sine(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
+def _contact_angle_sine(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
     """Return the sine of the contact angle of every ball, and its derivative by the ball's approach [1/m], each ``(k,)``.
 
     ``errors``, ``approach``: oversize and approach of the k balls that are computed ``(k,)`` [m].
@@ -60,7 +60,7 @@ def _contact_angle_sine(chain: Chain, errors: Array, approach: Array) -> tuple[A
     return sine, cosine**2 / (sine * (chain.groove_distance - errors + approach))
 
 
-def _motion_of_approach(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
+def _axial_motion_of_approach(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
     """Return the axial motion (A - B)/cos(lead) of the nut at every ball [m], and its derivative by the ball's approach.
 
     A and B are the terms of equation (17) of Liu et al. ``errors``, ``approach``: oversize and approach of the k balls that
@@ -76,7 +76,7 @@ def _motion_of_approach(chain: Chain, errors: Array, approach: Array) -> tuple[A
     return v / np.cos(chain.lead_angle), (1.0 - v * turn) / (sine * np.cos(chain.lead_angle))
 
 
-def _axial_forces(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
+def _axial_forces(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
     """Return the axial forces C(j) of the balls [N], odd in the approach, and their derivatives by the approach [N/m].
 
     Tension is allowed. ``errors``, ``approach``: oversize and approach of the k balls that are computed ``(k,)`` [m].
@@ -88,17 +88,17 @@ def _axial_forces(chain: Chain, errors: Array, approach: Array) -> tuple[Array, 
 
 
 def _equations_and_jacobian(
-    chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array
+    chain: BallScrewChain, errors: Array, remaining: NDArray[np.int64], load: float, approach: Array
 ) -> tuple[Array, Array]:
     """Return the residuals of equations (17) and (18) of Liu et al. ``(k,)`` [N], and their Jacobian ``(k, k)`` [N/m].
 
-    ``at``: numbers of the k balls that are not eliminated; ``errors``, ``approach``: their oversize and approach ``(k,)``
-    [m]; ``load``: axial load [N].
+    ``remaining``: numbers of the k balls that are not eliminated; ``errors``, ``approach``: their oversize and approach
+    ``(k,)`` [m]; ``load``: axial load [N].
     """
     force, rate = _axial_forces(chain, errors, approach)
-    motion, slope = _motion_of_approach(chain, errors, approach)
-    n = at.size
-    spring = 1.0 / np.diff(np.cumsum(chain.segments)[at])
+    motion, slope = _axial_motion_of_approach(chain, errors, approach)
+    n = remaining.size
+    spring = 1.0 / np.diff(np.cumsum(chain.segments)[remaining])
     value, jacobian = load - np.cumsum(force), -np.tril(np.broadcast_to(rate, (n, n)))
     value[:-1] -= spring * (motion[:-1] - motion[1:])
     k = np.arange(n - 1)
@@ -107,20 +107,20 @@ def _equations_and_jacobian(
     return value, jacobian
 
 
-def _solve_round(
-    chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array
+def _solve_elimination_round(
+    chain: BallScrewChain, errors: Array, remaining: NDArray[np.int64], load: float, approach: Array
 ) -> tuple[Array, int, bool]:
     """Solve the equations of one round, for the balls that earlier rounds have not eliminated, by Newton's method.
 
-    ``at``: numbers of the k balls that are not eliminated; ``errors``: their oversize ``(k,)`` [m]; ``load``: axial load
-    [N]; ``approach``: approaches of these balls from which the method starts ``(k,)`` [m].
+    ``remaining``: numbers of the k balls that are not eliminated; ``errors``: their oversize ``(k,)`` [m]; ``load``: axial
+    load [N]; ``approach``: approaches of these balls from which the method starts ``(k,)`` [m].
 
     Returns
     -------
     tuple
         Approaches of the k balls ``(k,)`` [m]; number of Newton steps; whether the method converged.
     """
-    value, jacobian = _equations_and_jacobian(chain, errors, at, load, approach)
+    value, jacobian = _equations_and_jacobian(chain, errors, remaining, load, approach)
     for step in range(MAX_STEPS):
         size = float(np.abs(value).max())
         if size <= TOLERANCE * load:
@@ -128,7 +128,7 @@ def _solve_round(
         move = -np.linalg.solve(jacobian, value)
         fraction = 1.0
         for _ in range(MAX_HALVINGS):
-            ahead = _equations_and_jacobian(chain, errors, at, load, approach + fraction * move)
+            ahead = _equations_and_jacobian(chain, errors, remaining, load, approach + fraction * move)
             if np.abs(ahead[0]).max() < size:
                 break
             fraction *= 0.5
@@ -137,7 +137,7 @@ def _solve_round(
     return approach, MAX_STEPS, False
 
 
-def solve_by_elimination(chain: Chain, errors: Array, load: float) -> EliminationResult:
+def solve_by_elimination(chain: BallScrewChain, errors: Array, load: float) -> EliminationResult:
     """Return the contact loads of the balls between screw and nut by the five steps of Liu's algorithm.
 
     Parameters
@@ -171,7 +171,7 @@ def solve_by_elimination(chain: Chain, errors: Array, load: float) -> Eliminatio
     rounds = 0
     while at.size:
         rounds += 1
-        approach, taken, solved = _solve_round(chain, e[at], at, load, approach)
+        approach, taken, solved = _solve_elimination_round(chain, e[at], at, load, approach)
         steps, done = steps + taken, done and solved
         keep = approach >= 0.0
         if keep.all() or not solved:

@@ -39,7 +39,7 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Friction, Scene, Support, Track
-from rollbench.meshes.quantity import quantity, record
+from rollbench.meshes.quantity import quantity_field, result_record
 
 #: Factors c and lambda by the supports of both ends.
 FACTORS = {
@@ -56,37 +56,39 @@ DENSITY = 7850.0
 SHARE_OF_LOAD, SHARE_OF_SPEED = 0.5, 0.8
 
 
-@record
+@result_record
 class ShaftLimits:
     """Limits of load and speed of the weakest free length of a screw shaft."""
 
     #: Supports at the ends of that length: fixed, supported or free.
-    ends: str = quantity("ends", "how that length is held at its ends: fixed (no tilt), supported or free")
+    ends: str = quantity_field("ends", "how that length is held at its ends: fixed (no tilt), supported or free")
     #: Free length L [m].
-    length: float = quantity("length_mm", "free length: between bearings, or from the only one to the free end")
+    length: float = quantity_field("length_mm", "free length: between bearings, or from the only one to the free end")
     #: Root diameter of the thread [m].
-    root: float = quantity("root_diameter_mm", "root diameter of the thread, which the formulas take")
+    root: float = quantity_field("root_diameter_mm", "root diameter of the thread, which the formulas take")
     #: Euler's buckling load F_c [N].
-    buckling: float = quantity("buckling_N", "Euler's buckling load of it", error="as its ends are as stiff as stated")
+    buckling: float = quantity_field(
+        "buckling_N", "Euler's buckling load of it", error="as its ends are as stiff as stated"
+    )
     #: Largest axial compression of the shaft by its loads [N]; 0 if it is only in tension.
-    compression: float = quantity("compression_N", "largest axial compression in the shaft by its loads")
+    compression: float = quantity_field("compression_N", "largest axial compression in the shaft by its loads")
     #: Critical speed [rad/s].
-    critical: float = quantity("critical_speed_rpm", "speed of the first whirl of it", error="as above")
+    critical: float = quantity_field("critical_speed_rpm", "speed of the first whirl of it", error="as above")
     #: Speed of the scene's motion [rad/s]; None if the scene states none.
-    speed: float | None = quantity("speed_rpm", "speed of the scene's motion")
+    speed: float | None = quantity_field("speed_rpm", "speed of the scene's motion")
     #: Pitch diameter times speed [m rad/s]; None without a speed.
-    dn: float | None = quantity("dn_mm_rpm", "DN value: pitch diameter times speed")
+    dn: float | None = quantity_field("dn_mm_rpm", "DN value: pitch diameter times speed")
     #: Largest permissible DN value [m rad/s].
-    dn_limit: float = quantity("dn_limit_mm_rpm", "what is allowed, by operation.dn_limit")
+    dn_limit: float = quantity_field("dn_limit_mm_rpm", "what is allowed, by operation.dn_limit")
     #: Permissible compression, half of the buckling load [N].
-    allowed_load: float = quantity(
+    allowed_load: float = quantity_field(
         "allowed_compression_N",
         "half the buckling load, as makers have it",
         heading="allowed compression",
         note="buckles under {buckling_N} N",
     )
     #: Permissible speed, the smaller of 0.8 times the critical speed and the speed at the DN limit [rad/s].
-    allowed_speed: float = quantity(
+    allowed_speed: float = quantity_field(
         "allowed_speed_rpm",
         "least of four fifths of the critical speed and the DN limit",
         heading="allowed speed",
@@ -243,7 +245,7 @@ def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
 OVERALL = 0.02
 
 
-def efficiency(track: Track, coefficient: float) -> float:
+def efficiency_by_overall_friction(track: Track, coefficient: float) -> float:
     """Return the efficiency of a ball screw that drives its load, from an overall coefficient of friction.
 
     It follows from eq. (3) of this module.
@@ -266,7 +268,7 @@ def efficiency(track: Track, coefficient: float) -> float:
     return tan(phi) / tan(phi + atan(coefficient))
 
 
-def overall_warnings(track: Track, friction: Friction) -> list[Warned]:
+def warn_of_overall_friction_coefficient(track: Track, friction: Friction) -> list[Warned]:
     """Return a warning if a scene's coefficient of sliding friction is as small as overall coefficients of catalogues.
 
     Parameters
@@ -279,7 +281,11 @@ def overall_warnings(track: Track, friction: Friction) -> list[Warned]:
     mu = max(friction.screw, friction.nut)
     if not 0.0 < mu <= OVERALL:
         return []
-    as_one = f", by which the efficiency would be {100.0 * efficiency(track, mu):.3g} %" if track.lead else ""
+    as_one = (
+        f", by which the efficiency would be {100.0 * efficiency_by_overall_friction(track, mu):.3g} %"
+        if track.lead
+        else ""
+    )
     brief = (
         f"friction coefficient {mu:g}, that of sliding in the contacts, is as low as overall coefficients of catalogues "
         f"and calculators{as_one}"

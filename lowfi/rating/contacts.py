@@ -24,19 +24,19 @@ from math import cos
 
 import numpy as np
 
-from rollbench.lowfi.rating.life import dynamic_rating, is_thrust, name_life_standard
+from rollbench.lowfi.rating.life import dynamic_rating, is_thrust_bearing, name_life_standard
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
-from rollbench.lowfi.rollers import roller_contacts, slice_contacts, slice_middles, tapered_bearing
+from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices, roller_contacts, slice_middles, tapered_bearing
 from rollbench.lowfi.statics.contacts import curvature_changes, error_free_hertz, nominal_curvatures, own_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, ROLLER_DENT_PRESSURE, groove_range
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
-from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.errors import Specimen, draw_specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.one_arc import is_one_arc
+from rollbench.meshes.one_arc import has_single_arc_grooves
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.quantity import Stated, quantity, record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Permanent indentation over the ball's diameter at the static load rating (ISO 76).
 ALLOWED = 1e-4
@@ -45,36 +45,36 @@ ALLOWED = 1e-4
 PALMGREN = 1.3e-19
 
 
-@record
+@result_record
 class Contact:
     """Elliptical Hertz contact of one ball with one flank, for the radii of ball and groove with their errors."""
 
     #: Number of the ball, from 1.
-    ball: int = quantity("ball", "ball of the highest pressure")
+    ball: int = quantity_field("ball", "ball of the highest pressure")
     #: Name of the flank.
-    side: str = quantity("side", "its flank")
+    side: str = quantity_field("side", "its flank")
     #: Contact force F [N].
-    force: float = quantity("force_N", "its load F", error="that of the load")
+    force: float = quantity_field("force_N", "its load F", error="that of the load")
     #: Contact angle [rad].
-    angle: float = quantity("contact_angle_deg", "its contact angle")
+    angle: float = quantity_field("contact_angle_deg", "its contact angle")
     #: Hertz approach of ball and groove [m].
-    approach: float = quantity(
+    approach: float = quantity_field(
         "approach_um",
         "local Hertz approach of ball and groove, delta = (F/C)^(2/3)",
         error="two thirds of the load's",
         expected=("pressure_percent", 2.0),
     )
     #: Larger semi-axis [m], across the groove.
-    a: float = quantity(
+    a: float = quantity_field(
         "semi_axis_a_mm",
         "larger semi-axis of the contact ellipse, along the groove's profile",
         error="a third of the load's",
         expected=("pressure_percent", 1.0),
     )
     #: Smaller semi-axis [m], along the track.
-    b: float = quantity("semi_axis_b_mm", "smaller semi-axis, along the track", error="a third of the load's")
+    b: float = quantity_field("semi_axis_b_mm", "smaller semi-axis, along the track", error="a third of the load's")
     #: Largest pressure [Pa].
-    pressure: float = quantity(
+    pressure: float = quantity_field(
         "pressure_MPa",
         "largest pressure, of the radii that ball and groove have with their errors, at the nominal contact angle: "
         "3 F/(2 pi a b) of a ball, 2 q/(pi b) = sqrt(q E*/(pi R)) of a roller",
@@ -85,13 +85,13 @@ class Contact:
     )
 
 
-@record
+@result_record
 class StaticSafety:
     """Static safety of the contact with the highest pressure."""
 
     #: Ratio of the force at the permissible pressure to the contact force: (4200 MPa/p)^3 of balls, (4000 MPa/p)^2 of
     #: rollers.
-    factor: float = quantity(
+    factor: float = quantity_field(
         "factor",
         "(allowed pressure / largest pressure)^3, of rollers ^2: how many times the load may grow",
         error="that of the load",
@@ -101,9 +101,9 @@ class StaticSafety:
         note="{allowed_pressure_MPa} MPa (ISO 76)",
     )
     #: Permissible pressure [Pa].
-    allowed: float = quantity("allowed_pressure_MPa", "4,200 MPa of balls, 4,000 MPa of rollers (ISO 76)")
+    allowed: float = quantity_field("allowed_pressure_MPa", "4,200 MPa of balls, 4,000 MPa of rollers (ISO 76)")
     #: Permanent indentation over the ball's diameter (ISO 76 permits 1e-4); None for rollers.
-    permanent: float | None = quantity(
+    permanent: float | None = quantity_field(
         "permanent_over_diameter",
         "lasting dent over the ball's diameter, by Palmgren's formula",
         error="twice that of the load",
@@ -111,30 +111,32 @@ class StaticSafety:
     )
 
     @property
-    @Stated("allowed_over_diameter", "1e-4, the dent that standards allow")
+    @QuantityDescription("allowed_over_diameter", "1e-4, the dent that standards allow")
     def allowed_permanent(self) -> float:
         """Largest permanent indentation over the ball's diameter that ISO 76 permits, 1e-4."""
         return ALLOWED
 
 
-@record
+@result_record
 class Truncation:
     """Contact ellipse nearest to an edge of its groove's arc, or truncated most by the edge."""
 
     #: Number of the ball, from 1.
-    ball: int = quantity("ball", "ball whose ellipse comes nearest to an edge of its groove")
+    ball: int = quantity_field("ball", "ball whose ellipse comes nearest to an edge of its groove")
     #: Name of the flank.
-    side: str = quantity("side", "its flank")
+    side: str = quantity_field("side", "its flank")
     #: Edge of the arc: ``"land"``, or ``"apex"`` between the two arcs of a groove.
-    edge: str = quantity("edge", "which edge: land, or apex between two arcs; a groove of one arc has lands at both ends")
+    edge: str = quantity_field(
+        "edge", "which edge: land, or apex between two arcs; a groove of one arc has lands at both ends"
+    )
     #: Contact angle [rad].
-    angle: float = quantity("contact_angle_deg", "its contact angle")
+    angle: float = quantity_field("contact_angle_deg", "its contact angle")
     #: Half width of the ellipse as an angle on the groove's arc [rad].
-    half: float = quantity("ellipse_half_width_deg", "half width of the ellipse over the groove's profile")
+    half: float = quantity_field("ellipse_half_width_deg", "half width of the ellipse over the groove's profile")
     #: Angle of the edge [rad].
-    limit: float = quantity("edge_angle_deg", "angle of the edge on the same profile")
+    limit: float = quantity_field("edge_angle_deg", "angle of the edge on the same profile")
     #: Angle from the ellipse to the edge [rad]; negative where the ellipse is truncated.
-    margin: float = quantity(
+    margin: float = quantity_field(
         "margin_deg",
         "edge angle less contact angle and half width; negative: the ellipse is cut",
         heading="ellipse to edge of groove",
@@ -142,7 +144,7 @@ class Truncation:
         note="ball {ball} {side}, {edge}",
     )
     #: Number of contacts whose ellipse extends beyond an edge.
-    cut: int = quantity("contacts_cut", "contacts whose ellipse passes an edge", heading="contacts TRUNCATED")
+    cut: int = quantity_field("contacts_cut", "contacts whose ellipse passes an edge", heading="contacts TRUNCATED")
 
 
 def contact_pressures(scene: Scene, found: StaticResult) -> Array:
@@ -153,10 +155,10 @@ def contact_pressures(scene: Scene, found: StaticResult) -> Array:
     """
     if found.pressure is not None or not np.isfinite(found.load).all():
         return found.load if found.pressure is None else found.pressure
-    return own_hertz(scene, specimen(scene, ball_layout(scene), found.member)).pressure(found.load)
+    return own_hertz(scene, draw_specimen(scene, ball_layout(scene), found.member)).pressure(found.load)
 
 
-def worst_contact(
+def contact_of_highest_pressure(
     scene: Scene, drawn: Specimen, load: Array, angle: Array, pressure: Array | None = None
 ) -> Contact | None:
     """Return the ball contact with the highest pressure.
@@ -220,7 +222,7 @@ def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety
     scene, drawn
         Scene, and its parts with random errors.
     worst
-        Contact with the highest pressure, see `worst_contact`.
+        Contact with the highest pressure, see `contact_of_highest_pressure`.
 
     References
     ----------
@@ -233,7 +235,7 @@ def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety
     return StaticSafety((DENT_PRESSURE / worst.pressure) ** 3, DENT_PRESSURE, permanent / diameter)
 
 
-def truncation(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Truncation | None:
+def most_truncated_ellipse(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Truncation | None:
     """Return the contact ellipse that is nearest to an edge of its groove's arc, and how many ellipses are truncated.
 
     The nut's arc is assumed to end at 90 deg, because a low-order scene does not give the dimension of the nut's land.
@@ -270,7 +272,7 @@ def truncation(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Trun
     return Truncation(
         i + 1,
         SIDES[s],
-        "land" if land or is_one_arc(scene) else "apex",
+        "land" if land or has_single_arc_grooves(scene) else "apex",
         float(angle[i, s]),
         float(half[i, s]),
         float(high[s] if land else low[s]),
@@ -283,36 +285,36 @@ def truncation(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Trun
 RACES = ("inner", "outer")
 
 
-@record
+@result_record
 class RollerContact:
     """Line contact of a tapered roller with the highest pressure in its row."""
 
     #: Number of the roller, from 1.
-    roller: int = quantity("roller", "roller of the highest pressure")
+    roller: int = quantity_field("roller", "roller of the highest pressure")
     #: Race of the contact, ``"inner"`` or ``"outer"``.
-    race: str = quantity("race", "its race: inner or outer")
+    race: str = quantity_field("race", "its race: inner or outer")
     #: Force of either race on the roller [N].
-    force: float = quantity("force_N")
+    force: float = quantity_field("force_N")
     #: Distance of the highest pressure from the roller's middle [m], positive towards the large end.
-    place: float = quantity("place_mm", "that place, from the roller's middle, positive to its large end")
+    place: float = quantity_field("place_mm", "that place, from the roller's middle, positive to its large end")
     #: Load per length at that position [N/m].
-    line_load: float = quantity(
+    line_load: float = quantity_field(
         "line_load_N_mm",
         "load per length q where the pressure is highest",
         error="without what the ends of straight rollers add",
     )
     #: Half-width b at that position [m].
-    half_width: float = quantity(
+    half_width: float = quantity_field(
         "half_width_mm", "half-width b of the strip there, sqrt(4 q R/(pi E*))", error="half that of the line load"
     )
     #: Largest pressure at that position [Pa].
-    pressure: float = quantity("pressure_MPa", heading="peak pressure", note="roller {roller}, {race} race")
+    pressure: float = quantity_field("pressure_MPa", heading="peak pressure", note="roller {roller}, {race} race")
     #: Largest pressure of the same roller on its other race [Pa].
-    other: float = quantity(
+    other: float = quantity_field(
         "other_race_pressure_MPa", "largest pressure of that roller on its other race", error="half that of the line load"
     )
     #: Pressure at the roller's middle if its load were uniform along its length [Pa].
-    middle: float = quantity(
+    middle: float = quantity_field(
         "middle_pressure_MPa",
         "pressure at the roller's middle diameter if its load were spread evenly along it",
         error="half that of the load",
@@ -329,14 +331,14 @@ def race_pressures(row: RollerRow, line_loads: Array) -> Array:
     line_loads
         Loads per length of each roller's slices ``(count, slices)`` [N/m].
     """
-    return np.asarray(slice_contacts(tapered_bearing(row), line_loads)[1].max(axis=1))
+    return np.asarray(half_widths_and_pressures_of_slices(tapered_bearing(row), line_loads)[1].max(axis=1))
 
 
-def worst_roller(row: RollerRow, line_loads: Array) -> RollerContact | None:
+def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> RollerContact | None:
     """Return the line contact with the highest pressure in a row of rollers, and its position along the roller.
 
-    Equations and validity are those of `rollbench.lowfi.rollers.slice_contacts`. Under a uniform line load the position is
-    the small end, where the curvatures are largest.
+    Equations and validity are those of `rollbench.lowfi.rollers.half_widths_and_pressures_of_slices`. Under a uniform line
+    load the position is the small end, where the curvatures are largest.
 
     Parameters
     ----------
@@ -351,7 +353,7 @@ def worst_roller(row: RollerRow, line_loads: Array) -> RollerContact | None:
         The contact; None without load.
     """
     bearing = tapered_bearing(row)
-    half_width, pressure = slice_contacts(bearing, line_loads)
+    half_width, pressure = half_widths_and_pressures_of_slices(bearing, line_loads)
     if not (pressure > 0.0).any():
         return None
     i, k, race = (int(x) for x in np.unravel_index(int(pressure.argmax()), pressure.shape))
@@ -378,7 +380,7 @@ def roller_safety(worst: RollerContact) -> StaticSafety:
     Parameters
     ----------
     worst
-        Line contact with the highest pressure, see `worst_roller`.
+        Line contact with the highest pressure, see `roller_contact_of_highest_pressure`.
     """
     return StaticSafety((ROLLER_DENT_PRESSURE / worst.pressure) ** 2, ROLLER_DENT_PRESSURE)
 
@@ -387,7 +389,7 @@ def roller_safety(worst: RollerContact) -> StaticSafety:
 STRIBECK = 5.0
 
 
-def contact_rating(scene: Scene) -> float:
+def permissible_contact_force(scene: Scene) -> float:
     """Return the permissible static force Q_0 of a ball contact [N], the smaller one of two opposite raceways."""
     if scene.track.lead > 0.0:
         dent = nominal_curvatures(scene)[[0, 3]].prod(axis=1)
@@ -417,39 +419,39 @@ def static_rating(scene: Scene) -> float:
     >>> round(static_rating(scene)), round(dynamic_rating(scene))
     (23397, 11426)
     """
-    ratings = scene.ball_count * contact_rating(scene)
-    if is_thrust(scene) or scene.track.lead > 0.0:
+    ratings = scene.ball_count * permissible_contact_force(scene)
+    if is_thrust_bearing(scene) or scene.track.lead > 0.0:
         return ratings * approach_per_displacement(scene)
     return ratings * cos(scene.track.contact_angle) / STRIBECK
 
 
-@record
+@result_record
 class Ratings:
     """Basic load ratings of a screw or bearing, computed from its dimensions."""
 
     #: Dynamic load rating C [N].
-    dynamic: float = quantity(
+    dynamic: float = quantity_field(
         "dynamic_N",
         "basic dynamic load rating C",
         heading="dynamic load rating C",
         note="{direction}, as computed ({dynamic_standard})",
     )
     #: Static load rating C_0 [N].
-    static: float = quantity(
+    static: float = quantity_field(
         "static_N",
         "basic static load rating C0",
         heading="static load rating C0",
         note="{direction}, as computed ({static_standard})",
     )
     #: Whether the ratings are axial loads; otherwise they are radial.
-    axial: bool = quantity("direction", "axial or radial", show=lambda axial: "axial" if axial else "radial")
+    axial: bool = quantity_field("direction", "axial or radial", show=lambda axial: "axial" if axial else "radial")
     #: Standard of the dynamic rating.
-    dynamic_standard: str = quantity("dynamic_standard", "whose formulas")
+    dynamic_standard: str = quantity_field("dynamic_standard", "whose formulas")
     #: Standard of the static rating.
-    static_standard: str = quantity("static_standard", "whose formulas")
+    static_standard: str = quantity_field("static_standard", "whose formulas")
 
 
-def ratings(scene: Scene) -> Ratings:
+def dynamic_and_static_ratings(scene: Scene) -> Ratings:
     """Return the dynamic and static load ratings of a ball screw or ball bearing.
 
     Parameters
@@ -462,6 +464,6 @@ def ratings(scene: Scene) -> Ratings:
     ValueError
         A groove radius does not exceed the ball's, or the contact angle of a screw is zero.
     """
-    axial = is_thrust(scene) or scene.track.lead > 0.0
+    axial = is_thrust_bearing(scene) or scene.track.lead > 0.0
     static_standard = "ISO 3408-5" if scene.track.lead > 0.0 else "ISO 76"
     return Ratings(dynamic_rating(scene), static_rating(scene), axial, name_life_standard(scene), static_standard)

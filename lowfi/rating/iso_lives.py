@@ -70,13 +70,13 @@ import numpy as np
 
 from rollbench.lowfi.rating import roller_life
 from rollbench.lowfi.rating.contacts import RACES, static_rating
-from rollbench.lowfi.rating.life import Life, contact_capacity, is_thrust
+from rollbench.lowfi.rating.life import Life, contact_capacity, is_thrust_bearing
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.quantity import quantity, record
+from rollbench.meshes.quantity import quantity_field, result_record
 
 #: Pressure [Pa] up to which clean, well lubricated contacts do not fatigue (ISO 281); ratio C_0/C_u of bearings.
 FATIGUE_PRESSURE, STATIC_OVER_FATIGUE = 1.5e9, 22.0
@@ -85,12 +85,12 @@ FATIGUE_PRESSURE, STATIC_OVER_FATIGUE = 1.5e9, 22.0
 MOST, FULL_FILM = 50.0, 4.0
 
 
-@record
+@result_record
 class ModifiedLife:
     """Modified rating life by ISO 281, with its factors."""
 
     #: Modified rating life L_nm [10^6 revolutions].
-    revolutions: float = quantity(
+    revolutions: float = quantity_field(
         "Lnm_million_revolutions",
         "modified life a_1 a_ISO L10",
         error="as in L10, and a_ISO: by the contamination, which is an estimate",
@@ -98,15 +98,15 @@ class ModifiedLife:
         note="for {reliability_percent} %",
     )
     #: Reliability [%].
-    reliability: float = quantity("reliability_percent", "share of screws or bearings that reach it")
+    reliability: float = quantity_field("reliability_percent", "share of screws or bearings that reach it")
     #: Factor a_1 for the reliability.
-    a_1: float = quantity("a_1", "factor of the reliability (ISO 281)")
+    a_1: float = quantity_field("a_1", "factor of the reliability (ISO 281)")
     #: Factor a_ISO for lubricant and contamination; None if the scene does not give them.
-    a_iso: float | None = quantity(
+    a_iso: float | None = quantity_field(
         "a_ISO", "factor of lubricant and contamination (ISO 281); null where they are not given"
     )
     #: Fatigue load limit C_u [N].
-    limit: float = quantity("fatigue_load_limit_N", "load C_u at which the worst contact has 1500 MPa, as computed")
+    limit: float = quantity_field("fatigue_load_limit_N", "load C_u at which the worst contact has 1500 MPa, as computed")
 
 
 def reliability_factor(percent: float) -> float:
@@ -129,7 +129,7 @@ def reliability_factor(percent: float) -> float:
     return 0.95 * float((log(100.0 / percent) / log(1.0 / 0.9)) ** (2.0 / 3.0)) + 0.05
 
 
-def iso_factor(kappa: float, clean: float, *, thrust: bool = False) -> float:
+def life_factor_for_lubrication(kappa: float, clean: float, *, thrust: bool = False) -> float:
     """Return the life modification factor a_ISO for lubricant and contamination of a ball bearing, at most 50.
 
     It follows from eq. (2) of this module.
@@ -196,8 +196,8 @@ def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
     share = 90.0 if of.reliability is None else of.reliability
     a_1, a_iso = reliability_factor(share), None
     if of.viscosity_ratio is not None and of.contamination is not None:
-        thrust = is_thrust(scene) or scene.track.lead > 0.0
-        a_iso = iso_factor(of.viscosity_ratio, of.contamination * limit / life.equivalent, thrust=thrust)
+        thrust = is_thrust_bearing(scene) or scene.track.lead > 0.0
+        a_iso = life_factor_for_lubrication(of.viscosity_ratio, of.contamination * limit / life.equivalent, thrust=thrust)
     return ModifiedLife(a_1 * (1.0 if a_iso is None else a_iso) * life.revolutions, share, a_1, a_iso, limit)
 
 
@@ -205,12 +205,12 @@ def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
 LAMINAE = 30
 
 
-@record
+@result_record
 class ReferenceLife:
     """Basic reference rating life (reliability 90 %) by ISO/TS 16281, with the capacities and loads of the raceways."""
 
     #: Basic reference rating life L_10r [10^6 revolutions].
-    revolutions: float = quantity(
+    revolutions: float = quantity_field(
         "L10r_million_revolutions",
         "basic reference rating life by ISO/TS 16281; of balls the same as L10",
         error="as in L10; of rollers also the stress at their edges, a formula of the standard",
@@ -218,17 +218,17 @@ class ReferenceLife:
         expected=("rms_percent", 3.0),
     )
     #: Dynamic equivalent reference load P_ref [N].
-    equivalent: float = quantity(
+    equivalent: float = quantity_field(
         "equivalent_reference_load_N",
         "dynamic equivalent reference load P_ref, C/L10r^(1/3), of rollers C/L10r^(3/10)",
         error="that of the loads",
     )
     #: Load Q_c [N] that a contact bears for 10^6 revolutions, for each loaded raceway by its name.
-    capacities: dict[str, float] = quantity(
+    capacities: dict[str, float] = quantity_field(
         "raceway_capacity_N", "load Q_c that one contact of the raceway bears for 10^6 revolutions", parts=".*"
     )
     #: Dynamic equivalent contact load Q_e [N] of each loaded raceway, by its name.
-    loads: dict[str, float] = quantity(
+    loads: dict[str, float] = quantity_field(
         "raceway_equivalent_load_N",
         "dynamic equivalent load Q_e of one contact of the raceway; of rollers that which every lamina alike would carry",
         error="that of the loads",
@@ -259,7 +259,7 @@ def ball_reference_life(scene: Scene, life: Life | None) -> ReferenceLife | None
     return ReferenceLife(life.revolutions, life.equivalent, capacities, loads)
 
 
-def edge_stress(laminae: int) -> Array:
+def edge_stress_factors(laminae: int) -> Array:
     """Return the stress concentration factors f_k along a roller by eq. (4) of this module.
 
     Parameters
@@ -304,8 +304,8 @@ def roller_reference_life(row: RollerRow, line_loads: Array) -> ReferenceLife | 
     pieces = -(-LAMINAE // line_loads.shape[-1])
     q = np.repeat(line_loads, pieces, axis=-1) / top  # loads over the largest: no overflow
     n = q.shape[-1]
-    reduced = roller_life.THRUST if roller_life.is_thrust(row) else roller_life.RADIAL
-    stress, capacities, loads = edge_stress(n), {}, {}
+    reduced = roller_life.THRUST if roller_life.is_thrust_bearing_row(row) else roller_life.RADIAL
+    stress, capacities, loads = edge_stress_factors(n), {}, {}
     for race, Q, order in zip(
         RACES, roller_life.race_capacities(row) / reduced, (roller_life.TURNING, roller_life.STANDING), strict=True
     ):

@@ -70,11 +70,11 @@ from math import cos, degrees, hypot, pi, sin, tan
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import beyond_step
-from rollbench.meshes.helix import ball_layout, groove_radii, lead_angle
+from rollbench.meshes.errors import are_in_shifted_half
+from rollbench.meshes.helix import ball_layout, lead_angle, nominal_groove_radii
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.quantity import Stated, quantity, record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Constant of (2) for mm and N (Lundberg and Palmgren 1947).
 CONTACT = 98.1
@@ -94,12 +94,12 @@ TURNING, STANDING = 3.0, 10.0 / 3.0
 RADIAL = (0.407, 0.389)
 
 
-@record
+@result_record
 class Life:
     """Basic rating life (reliability 90 %) of one nut or bearing under the loads of its contacts."""
 
     #: Basic rating life L10 [10^6 revolutions].
-    revolutions: float = quantity(
+    revolutions: float = quantity_field(
         "L10_million_revolutions",
         "life that 90 % reach under this load distribution",
         error="some three times that of the loads, and the scatter of fatigue itself",
@@ -107,27 +107,27 @@ class Life:
         expected=("rms_percent", 3.0),
     )
     #: Life of each loaded raceway in 10^6 revolutions, by its name.
-    raceways: dict[str, float] = quantity(
+    raceways: dict[str, float] = quantity_field(
         "raceways_million_revolutions",
         "life of one raceway: flank of balls, inner or outer race of rollers",
         error="as above",
         parts=".*",
     )
     #: Basic dynamic load rating C [N]: axial for screws and thrust bearings, radial for other bearings.
-    rating: float = quantity("rating_as_computed_N", "basic dynamic load rating C")
+    rating: float = quantity_field("rating_as_computed_N", "basic dynamic load rating C")
     #: Equivalent load P [N], at which the rating C gives the same life.
-    equivalent: float = quantity(
+    equivalent: float = quantity_field(
         "equivalent_load_N",
         "load under which C would give the same life, C/L10^(1/3), of rollers C/L10^(3/10)",
         error="that of the loads",
     )
     #: Standard whose formulas are used.
-    standard: str = quantity("standard", "whose formulas")
+    standard: str = quantity_field("standard", "whose formulas")
     #: Lead of the screw [m]; 0 for a bearing.
     lead: float = 0.0
 
     @property
-    @Stated(
+    @QuantityDescription(
         "L10_km",
         "the same as the distance that the nut travels, L10 times the lead; null for bearings",
         error="as in revolutions",
@@ -138,7 +138,7 @@ class Life:
         """Basic rating life as the distance that the nut travels [m]; None for bearings."""
         return 1e6 * self.revolutions * self.lead if self.lead else None
 
-    @Stated(
+    @QuantityDescription(
         "L10_hours",
         "the same in hours, where the scene states a speed; of a duty cycle at its mean speed",
         heading="life L10",
@@ -154,12 +154,12 @@ class Life:
 SLOPE = 10.0 / 9.0
 
 
-@record
+@result_record
 class SystemLife:
     """Life of several nuts and bearings on one shaft, which ends when the first of them fails."""
 
     #: Life L10 of the whole system [10^6 revolutions].
-    revolutions: float = quantity(
+    revolutions: float = quantity_field(
         "L10_million_revolutions",
         "revolutions of the shaft that 90 % of equal axes reach without a failure of any set: product of the sets' "
         "probabilities of survival, each a Weibull distribution",
@@ -168,14 +168,14 @@ class SystemLife:
         note="{shortest_set} lives shortest",
     )
     #: Name of the nut or bearing with the shortest life.
-    shortest: str = quantity("shortest_set", "set that lives shortest")
+    shortest: str = quantity_field("shortest_set", "set that lives shortest")
     #: Lead of the screw [m]; 0 without a nut.
     lead: float = 0.0
     #: Speed of the shaft [rad/s]; None if the scene states none.
     speed: float | None = None
 
     @property
-    @Stated(
+    @QuantityDescription(
         "L10_km",
         "the same as travel of the nut; null without one",
         error="as in revolutions",
@@ -186,7 +186,7 @@ class SystemLife:
         return 1e6 * self.revolutions * self.lead if self.lead else None
 
     @property
-    @Stated(
+    @QuantityDescription(
         "L10_hours", "the same in hours, where a speed is stated", error="as in revolutions", heading="life L10 of all sets"
     )
     def hours(self) -> float | None:
@@ -194,7 +194,7 @@ class SystemLife:
         return 1e6 * self.revolutions * 2.0 * pi / abs(self.speed) / 3600.0 if self.speed else None
 
 
-def system_life(lives: Sequence[tuple[float, float]]) -> float:
+def life_of_parts_in_series(lives: Sequence[tuple[float, float]]) -> float:
     """Return the life that 90 % of systems reach if a system ends with the first failure of one of its parts.
 
     A part survives the life L with the probability 0.9^((L/L_i)^e_i), and the system with the product of these. L therefore
@@ -229,7 +229,7 @@ def system_life(lives: Sequence[tuple[float, float]]) -> float:
     return shortest * share
 
 
-def is_thrust(scene: Scene) -> bool:
+def is_thrust_bearing(scene: Scene) -> bool:
     """Return whether a scene is a thrust bearing: a bearing with a contact angle above 45 deg."""
     return scene.track.lead == 0.0 and degrees(scene.track.contact_angle) > RADIAL_UP_TO + 1e-9
 
@@ -258,7 +258,7 @@ def _capacity_factors(scene: Scene) -> tuple[Array, float]:
     """
     alpha, D = scene.track.contact_angle, 2.0 * scene.balls.radius
     gamma = D * cos(alpha) / (2.0 * scene.track.pitch_radius)
-    f = groove_radii(scene) / D
+    f = nominal_groove_radii(scene) / D
     sign = np.array([-1.0, -1.0, 1.0, 1.0])
     curve = (1.0 + sign * gamma) ** 1.39 / (1.0 - sign * gamma) ** (1.0 / 3.0)
     return np.asarray((2.0 * f / (2.0 * f - 1.0)) ** 0.41 * curve * gamma**0.3), 1e3 * D
@@ -275,20 +275,24 @@ def contact_capacity(scene: Scene) -> Array:
         A groove radius does not exceed the ball's, or the contact angle of a screw is zero.
     """
     alpha = scene.track.contact_angle
-    if float(groove_radii(scene).min()) <= scene.balls.radius:
+    if float(nominal_groove_radii(scene).min()) <= scene.balls.radius:
         raise ValueError(
-            f"the load rating got a groove radius of {1e3 * float(groove_radii(scene).min()):.4g} mm; "
+            f"the load rating got a groove radius of {1e3 * float(nominal_groove_radii(scene).min()):.4g} mm; "
             f"allowed: more than the ball's radius of {1e3 * scene.balls.radius:.4g} mm"
         )
     shape, D = _capacity_factors(scene)
     if scene.track.lead == 0.0:
-        base = CONTACT * STEEL * (THRUST * (1.0 - sin(alpha) / 3.0) if is_thrust(scene) else SINGLE_ROW)
+        base = CONTACT * STEEL * (THRUST * (1.0 - sin(alpha) / 3.0) if is_thrust_bearing(scene) else SINGLE_ROW)
         return np.asarray(base * shape * cos(alpha) ** -0.3 * D**1.8 * scene.ball_count ** (-1.0 / 3.0))
     if sin(alpha) <= 0.0:
         raise ValueError(
             "the load rating of a screw cannot be computed, got a contact angle of 0 deg; allowed: above 0 deg"
         )
-    return np.asarray(_turn_rating(scene) * _turns_factor(scene) / (scene.ball_count * sin(alpha) * _lead_cosine(scene)))
+    return np.asarray(
+        _one_turn_ratings_of_raceways(scene)
+        * _rating_factor_of_turns(scene)
+        / (scene.ball_count * sin(alpha) * _lead_cosine(scene))
+    )
 
 
 def _lead_cosine(scene: Scene) -> float:
@@ -296,12 +300,12 @@ def _lead_cosine(scene: Scene) -> float:
     return cos(lead_angle(scene.track))
 
 
-def _turns_factor(scene: Scene) -> float:
+def _rating_factor_of_turns(scene: Scene) -> float:
     """Return the factor i^0.86 of a screw's rating for i filled turns."""
     return float(filled_turns(scene) ** 0.86)
 
 
-def _turn_rating(scene: Scene) -> Array:
+def _one_turn_ratings_of_raceways(scene: Scene) -> Array:
     """Return the dynamic load rating of each raceway of a screw for one turn by eq. (3) of this module, ``(4,)`` [N]."""
     alpha = scene.track.contact_angle
     shape, D = _capacity_factors(scene)
@@ -346,14 +350,14 @@ def dynamic_rating(scene: Scene) -> float:
     (21109, 59.5)
     """
     if scene.track.lead > 0.0:
-        screw, nut = _turn_rating(scene)[[0, 3]] * _turns_factor(scene)
+        screw, nut = _one_turn_ratings_of_raceways(scene)[[0, 3]] * _rating_factor_of_turns(scene)
     else:
         alpha, capacities = scene.track.contact_angle, contact_capacity(scene)[[0, 3]] * scene.ball_count
-        screw, nut = capacities * sin(alpha) if is_thrust(scene) else capacities * cos(alpha) * np.array(RADIAL)
+        screw, nut = capacities * sin(alpha) if is_thrust_bearing(scene) else capacities * cos(alpha) * np.array(RADIAL)
     return float((screw ** (-10.0 / 3.0) + nut ** (-10.0 / 3.0)) ** -0.3)
 
 
-def life(scene: Scene, load: Array) -> Life | None:
+def basic_rating_life(scene: Scene, load: Array) -> Life | None:
     """Return the basic rating life of a ball screw or ball bearing under given contact loads, by eq. (1) of this module.
 
     Parameters
@@ -414,7 +418,7 @@ def equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[float]) ->
     Returns
     -------
     Array
-        Contact forces ``(n, 4)`` [N], for which `life` gives the life over all cases.
+        Contact forces ``(n, 4)`` [N], for which `basic_rating_life` gives the life over all cases.
     """
     used = [(load, share) for load, share in zip(loads, shares, strict=True) if share > 0.0]
     if len(used) == 1:
@@ -427,7 +431,7 @@ def name_life_standard(scene: Scene) -> str:
     """Return the name of the standard, for example "ISO 3408-5", by which a screw's or bearing's life is computed."""
     if scene.track.lead > 0.0:
         return "ISO 3408-5"
-    return "ISO 281, ISO/TS 16281" + (" (thrust bearing)" if is_thrust(scene) else "")
+    return "ISO 281, ISO/TS 16281" + (" (thrust bearing)" if is_thrust_bearing(scene) else "")
 
 
 #: Force over preload at which the unloaded one of two preloaded halves loses contact, for springs with F ~ delta^(3/2).
@@ -444,12 +448,12 @@ LIMITS, RADIAL_FACTORS, AXIAL_FACTORS = (
 )
 
 
-@record
+@result_record
 class EquivalentLife:
     """Life of a duty cycle by the equivalent loads of a standard, eqs. (5) to (7) of the module `rating.life`."""
 
     #: Life L10 [10^6 revolutions].
-    revolutions: float = quantity(
+    revolutions: float = quantity_field(
         "L10_million_revolutions",
         "life by the standard's equivalent loads, (C/F_m)^3, of both directions or halves together",
         heading="life L10 by equivalent loads",
@@ -457,16 +461,16 @@ class EquivalentLife:
     )
     #: Equivalent loads [N]: for a screw those of both directions or nut halves, first the one for forces on the nut along
     #: +z; for a bearing the load P.
-    loads: tuple[float, ...] = quantity(
+    loads: tuple[float, ...] = quantity_field(
         "equivalent_loads_N",
         "means of order 3 of the axial forces over the revolutions: of what carries forces along +z, and against it",
         parts="[]",
     )
     #: Standard whose formulas are used.
-    standard: str = quantity("standard", "whose formulas")
+    standard: str = quantity_field("standard", "whose formulas")
 
 
-def equivalent_life(
+def life_by_equivalent_loads(
     scenes: Sequence[Scene], shares: Sequence[float], forces: Sequence[Array], preload: float
 ) -> EquivalentLife | None:
     """Return the life of a screw or bearing over several load cases by the standard's equivalent loads.
@@ -573,7 +577,7 @@ def _ratings_by_direction(scene: Scene) -> tuple[float, float]:
     offset = scene.errors.lead_offset
     if offset == 0.0:
         return capacity, capacity
-    beyond = float(np.mean(beyond_step(scene, ball_layout(scene).z)))
+    beyond = float(np.mean(are_in_shifted_half(scene, ball_layout(scene).z)))
     before, after = capacity * (1.0 - beyond) ** 0.86, capacity * beyond**0.86
     return (before, after) if offset > 0.0 else (after, before)
 
@@ -620,7 +624,7 @@ def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
     ``force``: force on the bearing along x, y and its axis z (3,) [N]. Raises ValueError for a thrust bearing with a radial
     force that ISO 281 does not cover.
     """
-    radial, axial, thrust = hypot(force[0], force[1]), abs(float(force[2])), is_thrust(scene)
+    radial, axial, thrust = hypot(force[0], force[1]), abs(float(force[2])), is_thrust_bearing(scene)
     if not thrust and axial <= 1e-9 * radial:
         return radial
     e, X, Y = radial_and_axial_factors(scene.track.contact_angle)

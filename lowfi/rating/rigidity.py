@@ -37,11 +37,11 @@ from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.problem import centre_distances
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import beyond_step, specimen
+from rollbench.meshes.errors import are_in_shifted_half, draw_specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.quantity import Stated, quantity, record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Axial force over the sum of the contact loads below which it is a round-off error of the equilibrium.
 ROUND_OFF = 1e-9
@@ -49,31 +49,31 @@ ROUND_OFF = 1e-9
 PRACTICE = 0.8
 
 
-@record
+@result_record
 class Rigidities:
     """Axial rigidities of a nut or bearing [N/m]: contacts only, contacts and bodies, and with unequal contact loads."""
 
     #: Rigidity of the contacts alone [N/m].
-    contacts: float = quantity(
+    contacts: float = quantity_field(
         "rigidities_N_per_um.contacts_alone",
         "secant of rigid bodies and equal contact loads at the nominal contact angle, by Hertz' law",
         error="leaves out bodies and unequal loads",
     )
     #: Rigidity of contacts and bodies [N/m]; None for bearings, to which the formula does not apply.
-    bodies: float | None = quantity(
+    bodies: float | None = quantity_field(
         "rigidities_N_per_um.with_bodies",
         "the same with nut and screw as thick tubes, which widen and are squeezed",
         error="leaves out unequal loads",
     )
     #: Rigidity by the model with unequal contact loads [N/m]; None if its displacement is not known.
-    unequal: float | None = quantity(
+    unequal: float | None = quantity_field(
         "rigidities_N_per_um.with_unequal_loads",
         "the model's secant, `axial.rigidity_N_per_um`",
         error="that of the displacement",
     )
 
     @property
-    @Stated(
+    @QuantityDescription(
         "rigidities_N_per_um.makers_practice",
         "what makers advise to take of a computed rigidity (THK): 0.8 `with_bodies`; null for rings",
         error="see the report's outside values",
@@ -96,7 +96,7 @@ def approach_per_displacement(scene: Scene) -> float:
     return sin(scene.track.contact_angle) * cos(lead_angle(scene.track))
 
 
-def contacts_displacement(scene: Scene, force: float) -> float:
+def displacement_by_contacts_only(scene: Scene, force: float) -> float:
     """Return the axial displacement of a nut or bearing by deformation of the contacts only [m], by eq. (1) of this module.
 
     Parameters
@@ -113,8 +113,8 @@ def contacts_displacement(scene: Scene, force: float) -> float:
         equilibrium without load.
     """
     layout = ball_layout(scene)
-    of_balls = centre_distances(scene, specimen(scene, layout))[1]
-    beyond = beyond_step(scene, layout.z)
+    of_balls = centre_distances(scene, draw_specimen(scene, layout))[1]
+    beyond = are_in_shifted_half(scene, layout.z)
     halves = [beyond, ~beyond] if scene.errors.lead_offset else [np.ones_like(beyond)]
     closure = np.array([of_balls[half].mean(axis=0) for half in halves])
     counts = np.array([half.sum() for half in halves])
@@ -135,7 +135,7 @@ def contacts_displacement(scene: Scene, force: float) -> float:
     return float(brentq(lambda u: excess(u, begun, force), 0.0, 2.0 * free, xtol=1e-18 * free, rtol=1e-12))
 
 
-def body_compliance(scene: Scene) -> float | None:
+def axial_compliance_of_bodies(scene: Scene) -> float | None:
     """Return the axial compliance of nut and screw as thick tubes under radial pressure [m/N], by eq. (2) of this module.
 
     Parameters
@@ -201,7 +201,7 @@ def axial_force(result: StaticResult) -> float:
     return force if abs(force) > ROUND_OFF * float(result.load.sum()) else 0.0
 
 
-def rigidities(scene: Scene, force: float, displacement: float | None) -> Rigidities | None:
+def three_axial_rigidities(scene: Scene, force: float, displacement: float | None) -> Rigidities | None:
     """Return the three axial rigidities of a nut or bearing at an axial load.
 
     Parameters
@@ -237,7 +237,7 @@ def rigidities(scene: Scene, force: float, displacement: float | None) -> Rigidi
     size = abs(force)
     if size == 0.0 or approach_per_displacement(scene) <= 0.0:
         return None
-    alone = contacts_displacement(scene, size)
-    body = body_compliance(scene)
+    alone = displacement_by_contacts_only(scene, size)
+    body = axial_compliance_of_bodies(scene)
     unequal = force / displacement if displacement is not None and displacement * force > 0.0 else None
     return Rigidities(size / alone, None if body is None else 1.0 / (alone / size + body), unequal)

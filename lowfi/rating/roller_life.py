@@ -62,7 +62,7 @@ SLOPE, TURNING, STANDING = 9.0 / 8.0, 4.0, 4.5
 EXPONENT = 10.0 / 3.0
 
 
-def is_thrust(row: RollerRow) -> bool:
+def is_thrust_bearing_row(row: RollerRow) -> bool:
     """Return whether a row of rollers is rated as a thrust bearing: its cup has a half angle above 45 deg."""
     return degrees(row.cup_angle) > RADIAL_UP_TO + 1e-9
 
@@ -74,7 +74,7 @@ def race_capacities(row: RollerRow) -> Array:
     """
     alpha, D, length = row.cup_angle, 1e3 * row.diameter, 1e3 * row.length
     gamma = row.diameter * cos(alpha) / tapered_bearing(row).pitch_diameter
-    reduced = THRUST * (1.0 - 0.15 * sin(alpha)) if is_thrust(row) else RADIAL
+    reduced = THRUST * (1.0 - 0.15 * sin(alpha)) if is_thrust_bearing_row(row) else RADIAL
     sign = np.array([-1.0, 1.0])
     curve = (1.0 + sign * gamma) ** (29.0 / 27.0) / (1.0 - sign * gamma) ** 0.25
     size = (gamma / cos(alpha)) ** (2.0 / 9.0) * D ** (29.0 / 27.0) * length ** (7.0 / 9.0) * row.count**-0.25
@@ -107,7 +107,7 @@ def dynamic_rating(row: RollerRow) -> float:
     (59.49, 94723, 105724)
     """
     inner, outer = (float(Q) for Q in race_capacities(row))
-    if is_thrust(row):
+    if is_thrust_bearing_row(row):
         return row.count * sin(row.cup_angle) * float((inner**-4.5 + outer**-4.5) ** (-2.0 / 9.0))
     gamma = row.diameter * cos(row.cup_angle) / tapered_bearing(row).pitch_diameter
     both = 1.0 + (1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** (143.0 / 108.0)) ** 4.5
@@ -130,10 +130,10 @@ def static_rating(row: RollerRow) -> float:
     curvature = float(1.0 / roller + 1.0 / cone)
     line = pi * ROLLER_DENT_PRESSURE**2 / (contact_modulus(E, nu, E, nu) * curvature)
     each = row.count * line * row.length
-    return each * sin(row.cup_angle) if is_thrust(row) else each * cos(row.cup_angle) / STRIBECK
+    return each * sin(row.cup_angle) if is_thrust_bearing_row(row) else each * cos(row.cup_angle) / STRIBECK
 
 
-def ratings(row: RollerRow) -> Ratings:
+def dynamic_and_static_ratings_of_row(row: RollerRow) -> Ratings:
     """Return the dynamic and static load ratings of a row of rollers.
 
     Parameters
@@ -141,10 +141,10 @@ def ratings(row: RollerRow) -> Ratings:
     row
         Row of rollers.
     """
-    return Ratings(dynamic_rating(row), static_rating(row), is_thrust(row), "ISO 281", "ISO 76")
+    return Ratings(dynamic_rating(row), static_rating(row), is_thrust_bearing_row(row), "ISO 281", "ISO 76")
 
 
-def life(row: RollerRow, line_loads: Array) -> Life | None:
+def basic_rating_life_of_row(row: RollerRow, line_loads: Array) -> Life | None:
     """Return the basic rating life of a row of tapered rollers under given line loads, by eq. (3) of this module.
 
     Parameters
@@ -171,7 +171,7 @@ def life(row: RollerRow, line_loads: Array) -> Life | None:
     rated = dynamic_rating(row)
     equivalent = rated * sum(damage.values()) ** (2.0 / 9.0)
     races = {race: S ** (-2.0 / 9.0 * EXPONENT) for race, S in damage.items()}
-    standard = "ISO 281, ISO/TS 16281" + (" (thrust bearing)" if is_thrust(row) else "")
+    standard = "ISO 281, ISO/TS 16281" + (" (thrust bearing)" if is_thrust_bearing_row(row) else "")
     return Life((rated / equivalent) ** EXPONENT, races, rated, equivalent, standard)
 
 
@@ -188,7 +188,7 @@ def equivalent_line_loads(line_loads: Sequence[Array], shares: Sequence[float]) 
     Returns
     -------
     Array
-        Means of order 4 ``(count, slices)`` [N/m], for which `life` gives the life over all cases.
+        Means of order 4 ``(count, slices)`` [N/m], for which `basic_rating_life_of_row` gives the life over all cases.
     """
     top = max(float(q.max(initial=0.0)) for q in line_loads) or 1.0
     sums = sum(share * (q / top) ** TURNING for q, share in zip(line_loads, shares, strict=True))
@@ -218,14 +218,14 @@ def equivalent_load(row: RollerRow, radial: float, axial: float) -> float:
     >>> equivalent_load(row, 1e3, 400.0), round(equivalent_load(row, 1e3, 2e3), 1)
     (1000.0, 3385.6)
     """
-    if is_thrust(row):
+    if is_thrust_bearing_row(row):
         return tan(row.cup_angle) * radial + axial
     if axial <= 1.5 * tan(row.cup_angle) * radial:
         return radial
     return 0.4 * radial + 0.4 / tan(row.cup_angle) * axial
 
 
-def equivalent_life(row: RollerRow, shares: Sequence[float], forces: Sequence[Array]) -> EquivalentLife:
+def life_of_row_by_equivalent_loads(row: RollerRow, shares: Sequence[float], forces: Sequence[Array]) -> EquivalentLife:
     """Return the life of a row of rollers over several load cases by the equivalent loads of ISO 281, (C/P_m)^(10/3).
 
     Parameters

@@ -37,13 +37,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.lowfi.compliance.parts import geometry_only
+from rollbench.lowfi.compliance.parts import reduce_to_compliance_geometry
 from rollbench.lowfi.hertz import HertzConstants, PrintedHertz, contact_modulus, hertz_constants, printed_hertz
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen, specimen
-from rollbench.meshes.helix import ball_layout, groove_radii
+from rollbench.meshes.errors import Specimen, draw_specimen
+from rollbench.meshes.helix import ball_layout, nominal_groove_radii
 from rollbench.meshes.parts import SIDES, Errors, Material, Scene, UnfitKey
-from rollbench.meshes.surface import ALL, groove_profile, principal_curvatures, printed_radii
+from rollbench.meshes.surface import ALL, groove_radius_with_slopes, principal_curvatures, printed_principal_radii
 
 
 def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Array:
@@ -66,8 +66,8 @@ def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Arra
         ``(..., N, 4, 2)`` [1/m]: for each ball and flank the change across, then along the groove.
     """
     gamma = np.array(scene.track.contact_angle)
-    profiles = [groove_profile(gamma, drawn.radius[s], drawn.profile[s]) for s in range(4)]
-    change = _curvature(*np.stack(profiles, axis=1)) - _curvature(groove_radii(scene), np.zeros(4), np.zeros(4))
+    profiles = [groove_radius_with_slopes(gamma, drawn.radius[s], drawn.profile[s]) for s in range(4)]
+    change = _curvature(*np.stack(profiles, axis=1)) - _curvature(nominal_groove_radii(scene), np.zeros(4), np.zeros(4))
     ball = 1.0 / ball_radius - 1.0 / scene.balls.radius
     changes = np.repeat(np.repeat(ball[..., None, None], 4, axis=-2), 2, axis=-1)
     changes[..., 0] -= change
@@ -116,7 +116,7 @@ def error_free_hertz(scene: Scene) -> HertzConstants:
     scene
         Screw or bearing.
     """
-    return _hertz_of(_parts_alone(scene))
+    return _cached_hertz_of_parts(_scene_of_parts_only(scene))
 
 
 def nominal_curvatures(scene: Scene) -> Array:
@@ -130,34 +130,34 @@ def nominal_curvatures(scene: Scene) -> Array:
     scene
         Screw or bearing.
     """
-    return _curvatures_of(_parts_alone(scene))
+    return _cached_curvatures(_scene_of_parts_only(scene))
 
 
 @lru_cache(maxsize=64)
-def _parts_alone(scene: Scene) -> Scene:
+def _scene_of_parts_only(scene: Scene) -> Scene:
     """Return the scene without loads, supports, errors and nut position, as key of caches of geometric quantities."""
-    return replace(geometry_only(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0))
+    return replace(reduce_to_compliance_geometry(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0))
 
 
-def forget_nominal() -> None:
+def clear_nominal_caches() -> None:
     """Clear the caches of nominal contacts, so that the measured time of the next solve includes their computation."""
-    for kept in (_curvatures_of, _hertz_of, _hertz_at, error_free_hertz):
+    for kept in (_cached_curvatures, _cached_hertz_of_parts, _cached_hertz_of_radius, error_free_hertz):
         kept.cache_clear()
 
 
 @lru_cache(maxsize=64)
-def _hertz_of(bare: Scene) -> HertzConstants:
+def _cached_hertz_of_parts(bare: Scene) -> HertzConstants:
     """Return the Hertz constants ``(4,)`` of error-free parts, from a cache."""
-    return _unwritable(constants_of(bare, _curvatures_of(bare)))
+    return _make_read_only(hertz_from_curvatures(bare, _cached_curvatures(bare)))
 
 
 @lru_cache(maxsize=64)
-def _hertz_at(bare: Scene, ball_radius: float) -> HertzConstants:
+def _cached_hertz_of_radius(bare: Scene, ball_radius: float) -> HertzConstants:
     """Return the Hertz constants ``(1, 4)`` of error-free grooves and balls of another radius [m], from a cache."""
-    return _unwritable(drawn_hertz(bare, specimen(bare, ball_layout(bare)), np.array([ball_radius])))
+    return _make_read_only(drawn_hertz(bare, draw_specimen(bare, ball_layout(bare)), np.array([ball_radius])))
 
 
-def _unwritable(constants: HertzConstants) -> HertzConstants:
+def _make_read_only(constants: HertzConstants) -> HertzConstants:
     """Make the arrays of Hertz constants read-only, because a cache shares them, and return the constants."""
     for values in (constants.C, constants.C_a, constants.C_b, constants.eccentricity):
         values.flags.writeable = False
@@ -165,10 +165,10 @@ def _unwritable(constants: HertzConstants) -> HertzConstants:
 
 
 @lru_cache(maxsize=64)
-def _curvatures_of(bare: Scene) -> Array:
+def _cached_curvatures(bare: Scene) -> Array:
     """Return the relative principal curvatures ``(4, 2)`` [1/m] of error-free parts, from a cache."""
     scene, layout = bare, ball_layout(bare)
-    drawn = specimen(bare, layout)
+    drawn = draw_specimen(bare, layout)
     curvatures: Array = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
     curvatures.flags.writeable = False
     return curvatures
@@ -189,7 +189,7 @@ def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None)
         Radii of the balls ``(..., N)`` [m]; None: those in ``drawn``.
     """
     radius = drawn.ball_radius if ball_radius is None else ball_radius
-    return constants_of(scene, nominal_curvatures(scene) + curvature_changes(scene, drawn, radius))
+    return hertz_from_curvatures(scene, nominal_curvatures(scene) + curvature_changes(scene, drawn, radius))
 
 
 def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzConstants:
@@ -206,11 +206,11 @@ def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzCo
     """
     if not (ball_radius == ball_radius[0]).all():
         return drawn_hertz(scene, drawn, ball_radius)
-    if drawn.profile.size or not (drawn.radius == groove_radii(scene)).all():
+    if drawn.profile.size or not (drawn.radius == nominal_groove_radii(scene)).all():
         return drawn_hertz(scene, drawn, ball_radius[:1])
     if ball_radius[0] == scene.balls.radius:
         return error_free_hertz(scene)
-    return _hertz_at(_parts_alone(scene), float(ball_radius[0]))
+    return _cached_hertz_of_radius(_scene_of_parts_only(scene), float(ball_radius[0]))
 
 
 def own_hertz(scene: Scene, drawn: Specimen) -> HertzConstants:
@@ -257,7 +257,7 @@ def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
             f"relative curvatures are {across:.3g} 1/m across the groove and {along:.3g} 1/m along it, but Hertz's theory "
             "needs positive ones",
         )
-    return constants_of(scene, curvatures)
+    return hertz_from_curvatures(scene, curvatures)
 
 
 def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:
@@ -275,7 +275,7 @@ def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:
     return np.asarray(1.0 / drawn.ball_radius[:, None, None] + principal_curvatures(scene, drawn, ALL, gamma))
 
 
-def constants_of(scene: Scene, curvatures: Array) -> HertzConstants:
+def hertz_from_curvatures(scene: Scene, curvatures: Array) -> HertzConstants:
     """Return the Hertz constants ``(..., 4)`` of ball and flanks from their materials and relative curvatures.
 
     Parameters
@@ -304,25 +304,25 @@ def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
         Screw or bearing.
     """
     bare = replace(scene, errors=Errors())
-    drawn = specimen(bare, ball_layout(bare))
+    drawn = draw_specimen(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
     ball = scene.balls.material
 
     def hertz_of(side: int, body: Material) -> PrintedHertz:
         """Return the Hertz constants of one flank with Lin's mistakes; ``body``: material of the screw or nut."""
         modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, body.youngs_modulus, body.poissons_ratio)
-        low, high = printed_radii(bare, drawn, side, gamma)[0]
+        low, high = printed_principal_radii(bare, drawn, side, gamma)[0]
         return printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
 
     return hertz_of(0, scene.screw.material), hertz_of(3, scene.nut.material)
 
 
-def _as_printed(scene: Scene) -> Array:
+def _misprinted_hertz_C(scene: Scene) -> Array:
     """Return the Hertz constant C of each flank with the mistakes of Lin's Table B.1, ``(4,)`` [m/N^(2/3)]."""
     return np.repeat([side.C for side in printed_sides(scene)], 2)
 
 
-def error_free(scene: Scene) -> Scene:
+def with_error_free_hertz(scene: Scene) -> Scene:
     """Return the scene with Hertz constants of error-free parts, as the published models use them.
 
     A scene whose ``hertz`` is "as printed" is returned unchanged.
@@ -355,9 +355,11 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
     radius = drawn.ball_radius if ball_radius is None else ball_radius
     kind = scene.ingredients.hertz
     if kind in ("as printed", "error-free"):
-        return _repeated(_as_printed(scene) if kind == "as printed" else error_free_hertz(scene).C, radius.shape)
+        return _repeat_flank_values(
+            _misprinted_hertz_C(scene) if kind == "as printed" else error_free_hertz(scene).C, radius.shape
+        )
     if radius.ndim == 1:
-        return _repeated(distinct_hertz(scene, drawn, radius).C, radius.shape)
+        return _repeat_flank_values(distinct_hertz(scene, drawn, radius).C, radius.shape)
     from numpy.polynomial.chebyshev import chebinterpolate, chebval
 
     # C is smooth in the radius: a polynomial through few exact values is exact to round-off for all specimens
@@ -369,7 +371,7 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
     return np.stack([values[k] for k in of_side.ravel()], axis=-1)
 
 
-def _repeated(row: Array, shape: tuple[int, ...]) -> Array:
+def _repeat_flank_values(row: Array, shape: tuple[int, ...]) -> Array:
     """Return values of the four flanks ``(4,)``, or of every ball ``(*shape, 4)``, as a new array ``(*shape, 4)``."""
     values = np.empty((*shape, 4))
     values[...] = row

@@ -19,22 +19,52 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rollbench.lowfi.compliance.bodies import WholeBody, whole_body
-from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section, idealisation_statements
-from rollbench.lowfi.hertz import contact_stiffness
+from rollbench.lowfi.compliance.bodies import WholeBody, compliance_between_contacts
+from rollbench.lowfi.compliance.parts import (
+    REFINED,
+    Backend,
+    grooved_section,
+    idealisation_statements,
+    reduce_to_compliance_geometry,
+)
+from rollbench.lowfi.hertz import contact_stiffness_under_force
 from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.kernel.search import CONVERGED, ITERATIONS
-from rollbench.lowfi.statics.kernel_types import NO_ROLLERS, RIGID, BallContacts, BodyState, BodySystem, Outcome
+from rollbench.lowfi.statics.kernel_types import NO_ROLLERS, RIGID, BallContacts, BodySystem, ForceState, Outcome
 from rollbench.lowfi.statics.problem import Problem, SolvedState, centre_distances
-from rollbench.lowfi.statics.response import LARGEST, Flanks, flanks_of, one_pair, pair_data, response_of, spring_rows
+from rollbench.lowfi.statics.response import (
+    LARGEST,
+    FlankCompliance,
+    flanks_of,
+    only_flank_pair,
+    pair_data,
+    response_of,
+    spring_rows,
+)
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
-from rollbench.lowfi.statics.settle import ACCEPTED, Description, SetFlanks, least_residual, options_of
-from rollbench.lowfi.statics.shaft import Shaft, flank_loads, node_forces, node_motions, rigid_nodes, rows_of
-from rollbench.lowfi.statics.static import Build, Engine, OneSet, Solution, pick_engine, scale_of, solve_built, solve_sides
+from rollbench.lowfi.statics.selection import choose_sides, flanks_of_scene, solutions_clear_of_left_out_flanks
+from rollbench.lowfi.statics.settle import ACCEPTED, ContactState, ModelDescription, least_residual, solver_options
+from rollbench.lowfi.statics.shaft import (
+    Shaft,
+    flank_motion_coefficients,
+    nodal_loads_of_flank_forces,
+    nodal_motions_of_rigid_screw,
+    node_forces,
+    node_motions,
+)
+from rollbench.lowfi.statics.static import (
+    Engine,
+    OneSetEquations,
+    Solution,
+    StaticInput,
+    pick_engine,
+    residual_scale,
+    solve_built,
+    solve_with_chosen_flanks,
+)
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.meshes.arrays import Array, Mask
-from rollbench.meshes.errors import alike_in_shape, specimen, specimens, without_draws
+from rollbench.meshes.errors import draw_specimen, draw_specimens, have_equal_circular_grooves, scene_without_random_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene, UnfitKey
 from rollbench.meshes.section import BeamSection
@@ -50,18 +80,18 @@ MARGIN = 0.2e-6
 
 
 @dataclass(kw_only=True)
-class Elastic(OneSet):
+class ElasticEquations(OneSetEquations):
     """Equations of a single ball screw or ball bearing with elastic bodies, for the numerical kernels."""
 
     SOLVER = "solve_forces"
     #: Arrays of bodies and balls for the kernels.
     given: BodySystem
     #: Contact forces, free motions of the bodies, and contacts: the unknowns of the iteration.
-    state: BodyState
+    state: ForceState
     #: The screw's beam with its supports.
     shaft: Shaft
     #: Compliance of the bodies at the flanks.
-    bodies: Flanks
+    bodies: FlankCompliance
     #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
 
@@ -88,11 +118,11 @@ class Elastic(OneSet):
             self.given.contacts.pair[:, 4] = self.problem.C[:, list(self.pair)].sum(axis=1)
         return super().iterate(from_linear)
 
-    def flanks(self) -> Sequence[SetFlanks]:
+    def flanks(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions in the present state."""
         problem, state, moved, pair = self.problem, self.state, self.shifts(), self.pair
         if pair is None:
-            return (SetFlanks(problem, state.contact, state.inner[:, :2].copy(), moved),)
+            return (ContactState(problem, state.contact, state.inner[:, :2].copy(), moved),)
         a, b = pair
         N = len(moved)
         contact, p, single = np.zeros((N, 4, 5)), np.zeros((N, 2)), np.zeros((4, 5))
@@ -102,7 +132,7 @@ class Elastic(OneSet):
         for i in range(N):  # the ball's centre follows from the motions of both flanks
             ball = geometry[i], closure[i], RIGID, drawn.ball_radius[i], drawn.profile
             self.engine.settle_ball(p[i], moved[i].copy(), *ball, tiny, single)
-        return (SetFlanks(problem, contact, p, moved),)
+        return (ContactState(problem, contact, p, moved),)
 
     def forces(self) -> Array:
         """Return the forces of the balls on all flanks ``(N, 4, 2)`` [N]."""
@@ -128,7 +158,7 @@ class Elastic(OneSet):
     def round_off(self) -> float:
         """Return the relative residual that rounding errors leave, from the largest motion and the stiffest contact."""
         problem, v0 = self.problem, self.given.bodies.v0
-        stiff = float(contact_stiffness(self.state.contact[..., 0], problem.C.min()).max(initial=0.0))
+        stiff = float(contact_stiffness_under_force(self.state.contact[..., 0], problem.C.min()).max(initial=0.0))
         motion = float(np.abs(self.shifts()).max()) + float(np.abs(v0).max(initial=0.0))
         return least_residual(motion, stiff, self.scale, [problem])
 
@@ -142,7 +172,9 @@ class Elastic(OneSet):
         for s in np.flatnonzero(~problem.use):
             shift[:, s] = shift[:, int(s) ^ 1]
         force = contact[None, ..., 0]
-        return bool(all_clear(p[None], shift[None], problem.geometry[None], force, problem.use, MARGIN)[0])
+        return bool(
+            solutions_clear_of_left_out_flanks(p[None], shift[None], problem.geometry[None], force, problem.use, MARGIN)[0]
+        )
 
     def solved(self) -> SolvedState:
         """Return motions, contact forces and support reactions at the solution.
@@ -152,39 +184,39 @@ class Elastic(OneSet):
         problem, squeeze = self.problem, self.bodies.squeeze
         used = [s for s in range(2) if problem.use[s]]
         pushes = self.forces()[:, used].transpose(1, 0, 2).reshape(-1, 2)
-        by_flanks = flank_loads(problem, pushes, used)
+        by_flanks = nodal_loads_of_flank_forces(problem, pushes, used)
         if squeeze is not None:
-            by_flanks += squeeze.node_loads(pushes.ravel())
+            by_flanks += squeeze.nodal_loads_of_jumps(pushes.ravel())
         motion, nodal = node_motions(self.shaft, by_flanks, self.state.a), np.zeros((problem.nodes.size, 6))
         if problem.basis is None:
             nodal = node_forces(self.shaft, by_flanks) - problem.load - by_flanks.reshape(-1, 6)
         if squeeze is not None:
-            motion = squeeze.with_inside(motion, pushes, problem.fixed)
+            motion = squeeze.add_jumps_inside_stretches(motion, pushes, problem.fixed)
         held = np.where(problem.fixed, nodal, 0.0)
         scale = max(self.scale, float(np.abs(held[:, :3]).max(initial=0.0)))
         _, contact, centre, shifts = self.flanks()[0]
         return SolvedState(problem, motion, centre, contact[..., 0], contact[..., 1:3], held, shifts, scale)
 
-    def description(self) -> Description:
+    def description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution.
 
         It states how much negative compliance of the bodies was set to zero to make the compliance matrix positive.
         """
         build, clipped = self.build, self.bodies.clipped
-        assert isinstance(build, ElasticBuild)
+        assert isinstance(build, ElasticInput)
         source = (
             idealisation_statements(build.backend, build.scene)
             if build.condensed is None
-            else (build.condensed.describe(),)
+            else (build.condensed.describe_source(),)
         )
         size = self.state.phi.size + self.state.a.size
         cut = (f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's, is set to zero",)
         assumed = (*ELASTIC_ASSUMPTIONS, *source, *self.assumed)
-        return Description(CONDENSED, size, assumed, cut if clipped > 1e-6 else ())
+        return ModelDescription(CONDENSED, size, assumed, cut if clipped > 1e-6 else ())
 
 
 @dataclass(frozen=True, kw_only=True)
-class ElasticBuild(Build):
+class ElasticInput(StaticInput):
     """Input of a ball screw's static problem with elastic bodies; the problem is built from it, also with other flanks."""
 
     #: Method by which the compliance of screw, nut and balls is computed.
@@ -192,14 +224,14 @@ class ElasticBuild(Build):
     #: Compliance of the bodies condensed from a 3D model, in place of a computed one; None: computed.
     condensed: Condensed | None = None
     #: Function that computes the compliance of a screw or nut as a whole, see `body_compliance`.
-    whole: WholeBody = whole_body
+    whole: WholeBody = compliance_between_contacts
 
     @property
     def section(self) -> BeamSection | None:
         """Return the screw's cross-section with its groove, if the backend computes one; None: from nominal dimensions."""
-        return grooved_section(geometry_only(self.scene), True) if self.backend.section == "cell" else None
+        return grooved_section(reduce_to_compliance_geometry(self.scene), True) if self.backend.section == "cell" else None
 
-    def ready(self, problem: Problem) -> Elastic:
+    def ready(self, problem: Problem) -> ElasticEquations:
         """Return the equations of the problem with elastic bodies for the numerical kernels.
 
         Raises
@@ -214,8 +246,8 @@ class ElasticBuild(Build):
             reason = f"balls.count gives {N} balls: elastic bodies are allowed with at most {LARGEST}; use the model lin"
             raise UnfitKey("balls.count", reason)
         response = response_of(problem, self.layout, self.backend, self.condensed, self.whole)
-        shaft, ball, scale = response.shaft.under(problem), response.ball, scale_of(problem)
-        flanks, pair, drawn = flanks_of(problem, scale.typical, shaft, response), one_pair(problem), problem.drawn
+        shaft, ball, scale = response.shaft.under(problem), response.ball, residual_scale(problem)
+        flanks, pair, drawn = flanks_of(problem, scale.typical, shaft, response), only_flank_pair(problem), problem.drawn
         local, rows = np.zeros((N, 4, 3)), np.zeros((N, 7))
         local[..., 0], local[..., 2] = flanks.e, flanks.h
         local[..., 1] = ball.g * np.array([1.0, ball.sign, ball.sign, 1.0])
@@ -224,12 +256,12 @@ class ElasticBuild(Build):
             rows = pair_data(problem, pair, local[..., 0], flanks.h)
         balls = problem.geometry, problem.closure, local, drawn.ball_radius, np.repeat(drawn.profile[None], N, axis=0)
         v0, k = flanks.bodies.v0, flanks.bodies.work.size
-        options = options_of(scale, problem.scene.track.pitch_radius, float(drawn.ball_radius.max()))
+        options = solver_options(scale, problem.scene.track.pitch_radius, float(drawn.ball_radius.max()))
         springs = spring_rows(problem, pair, options.stiffness)
-        return Elastic(
+        return ElasticEquations(
             engine=self.engine,
             given=BodySystem(flanks.bodies, BallContacts(*balls, rows, NO_ROLLERS, scale.none), springs),
-            state=BodyState(np.zeros(v0.shape), np.zeros(k), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5))),
+            state=ForceState(np.zeros(v0.shape), np.zeros(k), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5))),
             options=options,
             problem=problem,
             build=self,
@@ -282,12 +314,12 @@ def solve_elastic(
     """
     start = perf_counter()
     layout = ball_layout(scene)
-    drawn = specimen(scene, layout, member)
+    drawn = draw_specimen(scene, layout, member)
     uneven = drawn.profile.shape[1] > 0
     kernels = pick_engine(engine, layout.z.size, uneven)
-    use = all_sides(scene) if everything or uneven else choose_sides(scene, drawn)
+    use = flanks_of_scene(scene) if everything or uneven else choose_sides(scene, drawn)
     parts = scene, drawn, layout, use, kernels, everything, refine
-    return solve_built(ElasticBuild(*parts, backend=backend, condensed=condensed), name, start)
+    return solve_built(ElasticInput(*parts, backend=backend, condensed=condensed), name, start)
 
 
 class ElasticMembers:
@@ -312,7 +344,7 @@ class ElasticMembers:
         """
         self.scene, self.backend, self.engine, self.like = scene, backend, engine, like
         self.layout = ball_layout(scene)
-        self._systems: dict[bytes, _System | None] = {}
+        self._systems: dict[bytes, _SharedEquations | None] = {}
         self._states: dict[tuple[int, bytes], list[Array]] = {}  # by specimen and flanks
 
     def solve(self, first: int, count: int) -> tuple[Array, Array, Array]:
@@ -331,23 +363,25 @@ class ElasticMembers:
             Contact loads ``(count, N, 4)`` [N]; relative residuals ``(count,)``; and works ``(count,)`` [J] of the external
             loads on the motions where they act. All are nan for a specimen that needs equations built for it alone.
         """
-        drawn = specimens(self.scene, self.layout, first, count)
+        drawn = draw_specimens(self.scene, self.layout, first, count)
         offset, closure = centre_distances(self.scene, drawn)
-        nominal = specimen(without_draws(self.scene), self.layout)
+        nominal = draw_specimen(scene_without_random_errors(self.scene), self.layout)
         C = hertz_C(self.scene, nominal, drawn.ball_radius)
         loads, numbers = np.full((count, self.layout.z.size, 4), np.nan), np.full((2, count), np.nan)
         self._states.clear()
         for k in range(count):
             dims = drawn.ball_radius[k], offset[k], closure[k], C[k]
             use = choose_sides(self.scene, nominal, dims[1:3])
-            solved = self._member(first + k, use, dims)
-            if solved is None and not np.array_equal(use, all_sides(self.scene)):
-                solved = self._member(first + k, all_sides(self.scene), dims)
+            solved = self._solve_specimen(first + k, use, dims)
+            if solved is None and not np.array_equal(use, flanks_of_scene(self.scene)):
+                solved = self._solve_specimen(first + k, flanks_of_scene(self.scene), dims)
             if solved is not None:
                 loads[k], numbers[:, k] = solved[0], solved[1:]
         return loads, *numbers
 
-    def _member(self, number: int, use: Mask, dims: tuple[Array, Array, Array, Array]) -> tuple[Array, float, float] | None:
+    def _solve_specimen(
+        self, number: int, use: Mask, dims: tuple[Array, Array, Array, Array]
+    ) -> tuple[Array, float, float] | None:
         """Solve one specimen with the flanks in ``use``, or return None if that fails.
 
         Parameters
@@ -360,7 +394,7 @@ class ElasticMembers:
             Ball radii, distances of ball and groove centres, interference and Hertz constants as for `_System.solve`, which
             also defines the result.
         """
-        system, key = self._system(use), (number, use.tobytes())
+        system, key = self._equations_for_flanks(use), (number, use.tobytes())
         if system is None:
             return None
         solved = system.solve(*dims, start=None if self.like is None else self.like._states.get(key))
@@ -368,7 +402,7 @@ class ElasticMembers:
             self._states[key] = [array.copy() for array in system.elastic.state]
         return solved
 
-    def _system(self, use: Mask) -> _System | None:
+    def _equations_for_flanks(self, use: Mask) -> _SharedEquations | None:
         """Return the equations for the flanks in ``use`` at the solution of specimen 0, from which the others start.
 
         If balls of specimen 0 touch a flank that was left out, the equations have all four flanks. None if specimen 0 has
@@ -377,12 +411,14 @@ class ElasticMembers:
         key = use.tobytes()
         if key not in self._systems:
             self._systems[key] = None
-            drawn = specimen(self.scene, self.layout)
-            solved = solve_sides(ElasticBuild(self.scene, drawn, self.layout, use, self.engine, backend=self.backend))
+            drawn = draw_specimen(self.scene, self.layout)
+            solved = solve_with_chosen_flanks(
+                ElasticInput(self.scene, drawn, self.layout, use, self.engine, backend=self.backend)
+            )
             if isinstance(solved, Solution) and solved.outcome.status == CONVERGED:
                 elastic = solved.system
-                if isinstance(elastic, Elastic) and elastic.bodies.lent == 0.0:
-                    self._systems[key] = _System(elastic)
+                if isinstance(elastic, ElasticEquations) and elastic.bodies.lent == 0.0:
+                    self._systems[key] = _SharedEquations(elastic)
         return self._systems[key]
 
 
@@ -397,20 +433,20 @@ def shared(scene: Scene) -> bool:
     scene
         Scene with random errors.
     """
-    alike = alike_in_shape(scene) and len(specimens(scene, ball_layout(scene), 0, 2).centre) == 1
+    alike = have_equal_circular_grooves(scene) and len(draw_specimens(scene, ball_layout(scene), 0, 2).centre) == 1
     return alike and scene.ingredients.hertz != "actual" and scene.ingredients.screw != "rigid"
 
 
-class _System:
+class _SharedEquations:
     """Equations of one solved specimen with elastic bodies, in which the ball radii of other specimens are put."""
 
-    def __init__(self, elastic: Elastic) -> None:
+    def __init__(self, elastic: ElasticEquations) -> None:
         """Store the solution of ``elastic`` as start for other specimens, and terms that depend on the contact force."""
         self.elastic = elastic
         self.start = [array.copy() for array in elastic.state]
         self.local = elastic.given.contacts.local.copy()
-        self.size = float(np.cbrt(scale_of(elastic.problem).typical))
-        self.by_pushes, self.by_motions, self.at_rest = _work(elastic)
+        self.size = float(np.cbrt(residual_scale(elastic.problem).typical))
+        self.by_pushes, self.by_motions, self.at_rest = _external_work_coefficients(elastic)
 
     def solve(
         self, radii: Array, offset: Array, closure: Array, C: Array, start: list[Array] | None
@@ -434,7 +470,7 @@ class _System:
             Contact loads ``(N, 4)`` [N], relative residual, and work of the external loads [J]. None if the iteration does
             not converge, or a ball may touch a flank that was left out.
         """
-        self._place(radii, offset, closure, C)
+        self._write_specimen(radii, offset, closure, C)
         for array, first in zip(self.elastic.state, start or self.start, strict=True):
             array[:] = first
         elastic = self.elastic
@@ -443,7 +479,7 @@ class _System:
             return None
         if outcome.residual > ACCEPTED and outcome.residual > elastic.round_off():
             return None
-        whole = np.array_equal(elastic.problem.use, all_sides(elastic.problem.scene))
+        whole = np.array_equal(elastic.problem.use, flanks_of_scene(elastic.problem.scene))
         if not whole and (outcome.status != CONVERGED or not elastic.clears()):
             return None
         contact = elastic.state.contact
@@ -453,7 +489,7 @@ class _System:
         work = float(self.by_pushes @ on_screw + self.by_motions @ elastic.state.a) + self.at_rest
         return loads, outcome.residual, work
 
-    def _place(self, radii: Array, offset: Array, closure: Array, C: Array) -> None:
+    def _write_specimen(self, radii: Array, offset: Array, closure: Array, C: Array) -> None:
         """Write the data of a specimen into the kernels' arrays.
 
         ``radii`` ``(N,)``: ball radii [m]; ``offset``, ``closure``: result of `centre_distances`; ``C`` ``(N, 4)``: Hertz
@@ -462,7 +498,7 @@ class _System:
         elastic, problem = self.elastic, self.elastic.problem
         problem.geometry[..., :4], problem.geometry[..., 4] = offset, C
         problem.closure[:], problem.drawn.ball_radius[:] = closure, radii
-        scale, slope = scale_of(problem), elastic.bodies.slope
+        scale, slope = residual_scale(problem), elastic.bodies.slope
         size = float(np.cbrt(scale.typical))
         local = elastic.given.contacts.local
         local[:] = self.local
@@ -474,7 +510,7 @@ class _System:
         elastic.options = elastic.options._replace(floor=scale.floor, furthest=float(radii.max()))
 
 
-def _work(elastic: Elastic) -> tuple[Array, Array, float]:
+def _external_work_coefficients(elastic: ElasticEquations) -> tuple[Array, Array, float]:
     """Return coefficients of the work [J] that the external loads do on the motions of the points where they act.
 
     The work is a linear function. Entries: its derivative by the forces of the balls on the c screw flanks ``(2 c,)``
@@ -482,7 +518,7 @@ def _work(elastic: Elastic) -> tuple[Array, Array, float]:
     """
     problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.bodies.squeeze
     load = problem.load.ravel()
-    dof, rows = rows_of(problem, [s for s in range(2) if problem.use[s]])
+    dof, rows = flank_motion_coefficients(problem, [s for s in range(2) if problem.use[s]])
     by_flanks = np.zeros((load.size, 2 * len(rows)))
     for c in range(len(rows)):
         by_flanks[dof[c], 2 * c], by_flanks[dof[c], 2 * c + 1] = rows[c]
@@ -492,4 +528,4 @@ def _work(elastic: Elastic) -> tuple[Array, Array, float]:
         given = squeeze.wrenches.T @ squeeze.given
         inside = squeeze.inside.by_loads(np.where(problem.fixed, 0.0, problem.load).reshape(-1, 1))[:, 0]
     moved = node_motions(shaft, given, np.zeros(elastic.state.a.size)).ravel()
-    return load @ shaft.solve(by_flanks) + inside, load @ rigid_nodes(shaft), float(load @ moved)
+    return load @ shaft.solve(by_flanks) + inside, load @ nodal_motions_of_rigid_screw(shaft), float(load @ moved)

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.lowfi.statics.problem import SIGNS, Problem, wrench_rows
+from rollbench.lowfi.statics.problem import SIGNS, Problem, point_motion_matrix
 from rollbench.lowfi.statics.result import Status
-from rollbench.lowfi.statics.shape import pivots, rigid_transport, unresisted
+from rollbench.lowfi.statics.shape import independent_columns, null_space_of_constraints, rigid_transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import nominal_contact_points
 from rollbench.meshes.parts import FREEDOMS
@@ -40,7 +40,7 @@ class Mechanism:
     others: tuple[int, ...] = ()
 
 
-def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
+def _motions_free_of_supports(problem: Problem) -> tuple[Array, Array, Array]:
     """Return the k rigid motions of the screw that the supports leave free.
 
     The screw's motion is taken at each ball's centre, where a screw motion along the helix is exactly free. At the contact
@@ -60,15 +60,15 @@ def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
         motions = problem.basis[:, ~problem.fixed[0]]
         work = problem.load[0, ~problem.fixed[0]]
     else:
-        motions = scale[:, None] * unresisted(transport[problem.fixed] * scale).T
+        motions = scale[:, None] * null_space_of_constraints(transport[problem.fixed] * scale).T
         work = np.einsum("nij,ni->j", transport, problem.load) @ motions
     layout = problem.layout
     r = layout.centre - np.array([0.0, 0.0, z[0]])
-    rows = wrench_rows(layout, r)
+    rows = point_motion_matrix(layout, r)
     return motions, (rows @ motions).reshape(2 * len(r), motions.shape[1]), work
 
 
-def drives(work: Array, load: Array, arm: float) -> bool:
+def loads_do_work_on(work: Array, load: Array, arm: float) -> bool:
     """Return whether the loads do work on any of the normalised motions, apart from round-off.
 
     Parameters
@@ -95,40 +95,40 @@ def free_motions(problem: Problem) -> Mechanism:
     track = problem.scene.track
     twist = float(np.abs(problem.load[:, 5]).sum()) if problem.basis is None else 0.0
     no_torsion = track.lead == 0.0 and twist == 0.0 and problem.nodes.size > 1
-    motions, flanks, work = _free_rigid(problem)
+    motions, flanks, work = _motions_free_of_supports(problem)
     if motions.shape[1] == 0:
         return Mechanism(False, "", (), no_torsion)
-    null = unresisted(flanks)
+    null = null_space_of_constraints(flanks)
     if null.shape[0] == 0:
         return Mechanism(False, "", (), no_torsion)
     free = motions @ null.T
     seen = rigid_transport(problem.scene.nut.position - float(problem.nodes[0])) @ free
-    text = _name(seen, track.lead, track.pitch_radius)
-    if drives(null @ work, problem.load, track.pitch_radius):
+    text = _describe_free_motions(seen, track.lead, track.pitch_radius)
+    if loads_do_work_on(null @ work, problem.load, track.pitch_radius):
         return Mechanism(True, f"{text}: no support and no contact resists it, and the loads drive it")
     if problem.basis is not None:  # degrees of freedom are the columns of the basis that the supports leave free
         left = np.flatnonzero(~problem.fixed[0])
-        pins = tuple(int(left[k]) for k in pivots(null))
+        pins = tuple(int(left[k]) for k in independent_columns(null))
     else:
-        pins = tuple(pivots(free.T))
+        pins = tuple(independent_columns(free.T))
     return Mechanism(
-        False, text, pins, no_torsion, _others(free, pins, track.pitch_radius) if problem.basis is None else ()
+        False, text, pins, no_torsion, _alternative_pins(free, pins, track.pitch_radius) if problem.basis is None else ()
     )
 
 
-def _others(free: Array, pins: tuple[int, ...], arm: float) -> tuple[int, ...]:
+def _alternative_pins(free: Array, pins: tuple[int, ...], arm: float) -> tuple[int, ...]:
     """Return other degrees of freedom than ``pins`` that prevent all free motions ``(6, k)``; empty if there are none.
 
     ``arm``: length [m] by which rotations are multiplied where they are compared with displacements.
     """
     scaled = free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]
     rest = [k for k in range(6) if k not in pins]
-    others = tuple(rest[k] for k in pivots(scaled[rest].T))
+    others = tuple(rest[k] for k in independent_columns(scaled[rest].T))
     sizes = np.linalg.svd(scaled[list(others)], compute_uv=False)
     return others if len(others) == len(pins) and sizes[-1] > 1e-6 * np.abs(scaled).max() else ()
 
 
-def _name(free: Array, lead: float, arm: float) -> str:
+def _describe_free_motions(free: Array, lead: float, arm: float) -> str:
     """Return a description in words of the free motions ``(6, k)`` of the screw's section at the nut's centre.
 
     ``lead``: lead of the helix [m], 0 for a bearing; ``arm``: length [m] by which rotations are compared with
@@ -170,7 +170,7 @@ def opening_motion(problem: Problem) -> Array | None:
     for s in range(2):
         x = layout.centre + point[s, 0] * layout.radial + point[s, 1] * layout.binormal - np.array([0.0, 0.0, z0])
         flank[s] = np.concatenate([axes, np.cross(x[:, None], axes)], axis=2) * scale
-    sides = [approach(s, scene.track.contact_angle, flank[s], 0, N) for s in range(4)]
+    sides = [approach_change_by_motions(s, scene.track.contact_angle, flank[s], 0, N) for s in range(4)]
     rows = np.stack(sides, axis=1).reshape(4 * N, -1)
     work = np.zeros(6)
     held: list[Array] = []
@@ -179,10 +179,10 @@ def opening_motion(problem: Problem) -> Array | None:
     for support in scene.supports:
         transport = rigid_transport(support.at - z0) * scale
         held += [transport[FREEDOMS.index(name)] for name, _ in support.fixed]
-    return None if not work.any() else opening(work, rows, np.array(held).reshape(-1, 6))
+    return None if not work.any() else solve_opening_program(work, rows, np.array(held).reshape(-1, 6))
 
 
-def approach(side: int, angle: float, flank: Array, first: int, balls: int) -> Array:
+def approach_change_by_motions(side: int, angle: float, flank_motions: Array, first_ball: int, ball_count: int) -> Array:
     """Return the change of the contact approach on one flank of N balls, per unit motion of bodies and of ball centres.
 
     Parameters
@@ -191,12 +191,12 @@ def approach(side: int, angle: float, flank: Array, first: int, balls: int) -> A
         Number of the flank in the order SL, SR, NL, NR.
     angle
         Contact angle [rad].
-    flank
+    flank_motions
         Motions of the flank along the axes x3, z3 of each ball's section, per unit of k motions of the bodies
         ``(N, 2, k)``.
-    first
+    first_ball
         Index of the first of these balls among all balls.
-    balls
+    ball_count
         Number of all balls.
 
     Returns
@@ -204,22 +204,22 @@ def approach(side: int, angle: float, flank: Array, first: int, balls: int) -> A
     Array
         ``(N, k + 2 balls)``: columns for the motions of the bodies, then for both coordinates of every ball's centre.
     """
-    N, direction = len(flank), SIGNS[side] * np.array([np.cos(angle), np.sin(angle)])
-    centres = np.zeros((N, balls, 2))
-    centres[np.arange(N), first + np.arange(N)] = direction
-    return np.concatenate([-np.einsum("a,nak->nk", direction, flank), centres.reshape(N, -1)], axis=1)
+    N, direction = len(flank_motions), SIGNS[side] * np.array([np.cos(angle), np.sin(angle)])
+    centres = np.zeros((N, ball_count, 2))
+    centres[np.arange(N), first_ball + np.arange(N)] = direction
+    return np.concatenate([-np.einsum("a,nak->nk", direction, flank_motions), centres.reshape(N, -1)], axis=1)
 
 
-def opening(work: Array, approach: Any, held: Array) -> Array | None:
+def solve_opening_program(work: Array, approach_rows: Any, fixed_motion_rows: Array) -> Array | None:
     """Find a motion on which the loads do work while no contact is compressed and no fixed degree of freedom moves.
 
     Parameters
     ----------
     work
         Work of the loads on unit motions of the bodies ``(k,)``.
-    approach
+    approach_rows
         Change of every contact's approach per unit motion of the bodies and ball centres: a matrix, dense or sparse.
-    held
+    fixed_motion_rows
         Motions of the h fixed degrees of freedom per unit motion of the bodies ``(h, k)``.
 
     Returns
@@ -235,14 +235,16 @@ def opening(work: Array, approach: Any, held: Array) -> Array | None:
     from scipy.optimize import linprog
     from scipy.sparse import csr_array, hstack
 
-    k, (contacts, wide) = work.size, approach.shape
+    k, (contacts, wide) = work.size, approach_rows.shape
     centres = wide - k
     found = linprog(
         np.concatenate([-work / np.abs(work).max(), np.zeros(centres)]),
-        A_ub=approach,
+        A_ub=approach_rows,
         b_ub=np.zeros(contacts),
-        A_eq=hstack([csr_array(held), csr_array((len(held), centres))]) if len(held) else None,
-        b_eq=np.zeros(len(held)) if len(held) else None,
+        A_eq=hstack([csr_array(fixed_motion_rows), csr_array((len(fixed_motion_rows), centres))])
+        if len(fixed_motion_rows)
+        else None,
+        b_eq=np.zeros(len(fixed_motion_rows)) if len(fixed_motion_rows) else None,
         bounds=[(-1.0, 1.0)] * k + [(None, None)] * centres,
     )
     if found.status != 0:
@@ -250,7 +252,9 @@ def opening(work: Array, approach: Any, held: Array) -> Array | None:
     return None if -found.fun <= PROVEN else np.asarray(found.x[:k])
 
 
-def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Array], str]) -> Status:
+def status_of_runaway_body(
+    find_motion: Callable[[], Array | None], body: str, describe_opening: Callable[[Array], str]
+) -> Status:
     """Return the status of a body that moved without limit in the iteration.
 
     The status is "not held" only if a linear program proves that the contacts cannot carry the load; otherwise it is "not
@@ -258,20 +262,20 @@ def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Arr
 
     Parameters
     ----------
-    motion
+    find_motion
         Function that returns a motion which opens the body's contacts, or None if there is none.
     body
         Name of the body for the message.
-    opens
+    describe_opening
         Function that returns the message for such a motion.
     """
     try:
-        opened = motion()
+        opened = find_motion()
     except ArithmeticError as error:
         why = f"{body} moved without limit, and it is not known whether its contacts can carry the load: {error}"
         return Status("not converged", why)
     if opened is not None:
-        return Status("not held", opens(opened))
+        return Status("not held", describe_opening(opened))
     why = f"{body} moved without limit, although compressive contact forces can balance the loads (linear program)"
     return Status("not converged", why)
 

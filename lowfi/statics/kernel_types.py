@@ -49,7 +49,7 @@ class BeamContacts(NamedTuple):
     tiny: float
 
 
-class RowState(NamedTuple):
+class MotionState(NamedTuple):
     """State of the iteration that has the motions of shaft nodes and housings as unknowns: motions, balls and contacts.
 
     Each of the r bodies (shaft nodes, then moving housings) has one row of six motions.
@@ -95,7 +95,7 @@ class MemberStates(NamedTuple):
     p: Array
 
 
-class Slopes(NamedTuple):
+class EnergyDerivatives(NamedTuple):
     """First and second derivatives of the energy of shaft, housings and balls."""
 
     #: Gradient of the energy by the motions of the bodies (r, 6) [N, N m].
@@ -105,11 +105,11 @@ class Slopes(NamedTuple):
     hessians: Array
 
 
-class RowWorkspace(NamedTuple):
+class MotionWorkspace(NamedTuple):
     """Work arrays of the Newton iteration that has the motions of shaft nodes and housings as unknowns."""
 
     #: Derivatives of the energy.
-    slopes: Slopes
+    slopes: EnergyDerivatives
     #: Stiffness matrix of shaft and springs, stored as lower band or envelope.
     base: Array
     #: Factor of the stiffness matrix with contacts, stored in the same form.
@@ -316,7 +316,7 @@ RIGID = np.zeros((0, 3))
 NO_ROLLERS = RollerContacts(np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros(0), np.zeros(0))
 
 
-class BodyState(NamedTuple):
+class ForceState(NamedTuple):
     """State of the iteration that has the contact forces as unknowns: forces, free motions of the bodies, and contacts."""
 
     #: Forces on the flanks (N, d) [N].
@@ -394,7 +394,7 @@ class BodyWorkspace(NamedTuple):
     rows: BallRows
 
 
-class Trial(NamedTuple):
+class LineSearchTrial(NamedTuple):
     """State of a line search between two trial steps, see `lowfi.statics.kernel.search`."""
 
     #: Energy at the start of the search [J].

@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.random_errors.chain import Chain, ChainState, Law, solve_chain
-from rollbench.lowfi.statics.contacts import error_free, error_free_hertz, hertz_C, own_hertz
-from rollbench.lowfi.statics.mei import nut_bar
+from rollbench.lowfi.random_errors.chain import BallScrewChain, ChainState, Law, solve_ball_screw
+from rollbench.lowfi.statics.contacts import error_free_hertz, hertz_C, own_hertz, with_error_free_hertz
+from rollbench.lowfi.statics.mei import nut_tensile_stiffness
 from rollbench.lowfi.statics.problem import SIGNS, centre_distances
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.validity import contact_warnings
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
-from rollbench.meshes.one_arc import distance_of_centres
+from rollbench.meshes.one_arc import distance_of_groove_centres
 from rollbench.meshes.parts import Scene, UnfitKey
 from rollbench.meshes.section import screw_section
 
@@ -42,11 +42,11 @@ LEFT_OUT = (
 
 
 @dataclass(frozen=True)
-class Row:
+class SpringRow:
     """The M balls of a single nut in Liu's axial model: springs between screw and nut, ordered from the loaded end."""
 
     #: Stiffness of contacts and segments, and geometry, for Liu's equations.
-    chain: Chain
+    chain: BallScrewChain
     #: Numbers of the balls, ordered from the loaded end ``(M,)``.
     order: NDArray[np.int64]
     #: Interference of each ball along the contact normal, in this order ``(M,)`` [m].
@@ -74,7 +74,7 @@ class Row:
         compiled
             Whether to use compiled kernels.
         """
-        return solve_chain(self.chain, self.errors, force, compiled=compiled)
+        return solve_ball_screw(self.chain, self.errors, force, compiled=compiled)
 
     def stiffness(self, step: float = 0.0) -> float | None:
         """Return the axial stiffness of the nut at the load [N/m]; None without load.
@@ -94,7 +94,7 @@ class Row:
         return step / (last.displacement_first_loaded - first.displacement_first_loaded)
 
 
-def row_of(scene: Scene, *, member: int = 0, law: Law = "implicit") -> Row:
+def nut_as_spring_row(scene: Scene, *, member: int = 0, law: Law = "implicit") -> SpringRow:
     """Return the balls of a single nut as nonlinear springs between screw and nut, for Liu's axial model.
 
     Parameters
@@ -118,23 +118,23 @@ def row_of(scene: Scene, *, member: int = 0, law: Law = "implicit") -> Row:
     gaps = np.abs(np.diff(layout.z[order]))
     mean = float(gaps.mean()) if gaps.any() else 0.0
     rigid = scene.ingredients.screw == "rigid"
-    screw, nut = 0.0 if rigid else 1.0 / screw_section(scene).EA, 1.0 / nut_bar(scene)
+    screw, nut = 0.0 if rigid else 1.0 / screw_section(scene).EA, 1.0 / nut_tensile_stiffness(scene)
     angle, pair = scene.track.contact_angle, 0 if force >= 0.0 else 1
     C = error_free_hertz(scene).C
-    chain = Chain(
+    chain = BallScrewChain(
         scene.ball_count,
         float((C[pair] + C[3 - pair]) ** -1.5),
         mean * (screw + nut),
-        distance_of_centres(scene),
+        distance_of_groove_centres(scene),
         angle,
         abs(lead_angle(scene.track)),
         law,
         tuple(float(x) for x in gaps / mean) if mean > 0.0 else (),
     )
-    errors = centre_distances(scene, specimen(scene, layout, member))[1][order, pair]
+    errors = centre_distances(scene, draw_specimen(scene, layout, member))[1][order, pair]
     forward = 1 if force >= 0.0 else -1
     bar = np.inf if rigid else 1.0 / screw
-    return Row(chain, order, errors, force, forward, float(layout.z[order[0]]), beyond, screw / (screw + nut), bar)
+    return SpringRow(chain, order, errors, force, forward, float(layout.z[order[0]]), beyond, screw / (screw + nut), bar)
 
 
 def _loaded_end(scene: Scene, z: Array) -> tuple[float, float, bool]:
@@ -172,7 +172,7 @@ def _loaded_end(scene: Scene, z: Array) -> tuple[float, float, bool]:
     return sum(x.force[2] for x in loads), max(ends) if low else min(ends), low
 
 
-def describes(scene: Scene) -> bool:
+def is_solvable_by_liu(scene: Scene) -> bool:
     """Return whether Liu's model can solve a scene and nothing but axial loads acts on its screw.
 
     Parameters
@@ -208,7 +208,7 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
     Raises
     ------
     UnfitKey
-        If the model does not cover the scene, see `row_of`.
+        If the model does not cover the scene, see `nut_as_spring_row`.
     ValueError
         If errors reach half the distance of the groove centres.
 
@@ -217,14 +217,14 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
     Liu et al. (2025), section 2.
     """
     start = perf_counter()
-    row, layout = row_of(scene, member=member, law=law), ball_layout(scene)
-    drawn = specimen(scene, layout, member)
+    row, layout = nut_as_spring_row(scene, member=member, law=law), ball_layout(scene)
+    drawn = draw_specimen(scene, layout, member)
     m, pair, chain = layout.z.size, 0 if row.forward > 0 else 1, row.chain
     force, sine = np.zeros(m), np.full(m, np.sin(chain.contact_angle))
     moved, state = np.zeros(m), None
     if row.force != 0.0:
         state = row.solved(abs(row.force), compiled=compiled)
-        force, sine, moved = state.load, sines(chain, row.errors, state), _screw_motion(row, state)
+        force, sine, moved = state.load, contact_angle_sines(chain, row.errors, state), _screw_motion_at_balls(row, state)
     load, angle = np.zeros((m, 4)), np.full((m, 4), np.nan)
     for flank in (pair, 3 - pair):
         load[row.order, flank] = force
@@ -250,10 +250,10 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
         contact_point=layout.centre[:, None, :] + scene.balls.radius * world,
         force_direction=-world,
         centre_shift=np.zeros((m, 2)),
-        hertz_C=hertz_C(error_free(scene), drawn),
+        hertz_C=hertz_C(with_error_free_hertz(scene), drawn),
         centreline_z=stations,
         centreline=line,
-        equilibrium=_balance(row.force, axial),
+        equilibrium=_axial_equilibrium(row.force, axial),
         solver=SolverReport(
             steps,
             steps,
@@ -270,7 +270,7 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
     )
 
 
-def sines(chain: Chain, errors: Array, state: ChainState) -> Array:
+def contact_angle_sines(chain: BallScrewChain, errors: Array, state: ChainState) -> Array:
     """Return the sine of the contact angle of every ball in Liu's model ``(M,)``.
 
     An unloaded ball has the nominal contact angle.
@@ -292,7 +292,7 @@ def sines(chain: Chain, errors: Array, state: ChainState) -> Array:
     return np.asarray(np.sqrt(1.0 - cosine**2))
 
 
-def _screw_motion(row: Row, state: ChainState) -> Array:
+def _screw_motion_at_balls(row: SpringRow, state: ChainState) -> Array:
     """Return the axial motion of the screw at each of the M balls along the load ``(M,)`` [m].
 
     ``state``: solution of Liu's equations for the balls of ``row``. The nut's loaded end is fixed.
@@ -301,7 +301,7 @@ def _screw_motion(row: Row, state: ChainState) -> Array:
     return np.asarray(state.motion[0] - row.share * lost)
 
 
-def _centreline(scene: Scene, row: Row, at_balls: Array, moved: Array) -> tuple[Array, Array]:
+def _centreline(scene: Scene, row: SpringRow, at_balls: Array, motion_at_balls: Array) -> tuple[Array, Array]:
     """Return axial positions along the screw ``(k,)`` [m] and the axial motions there ``(k,)`` [m].
 
     Between balls and load the screw is a stretched bar. Beyond the other end of the ball row it moves as a rigid body.
@@ -314,19 +314,19 @@ def _centreline(scene: Scene, row: Row, at_balls: Array, moved: Array) -> tuple[
         Balls in Liu's model.
     at_balls
         Axial positions of the balls, from the loaded end ``(M,)`` [m].
-    moved
+    motion_at_balls
         Motions of the screw at the balls ``(M,)`` [m].
     """
     ends = np.array([0.0, scene.screw.length, row.beyond])
     outside = ends[(ends < at_balls.min()) | (ends > at_balls.max())]
     near = np.abs(outside - at_balls[0]) <= np.abs(outside - at_balls[-1])
     reach = np.minimum(np.abs(outside - row.at), abs(row.beyond - row.at))
-    motion = np.where(near, moved[0] + row.force * reach / row.bar, moved[-1])
+    motion = np.where(near, motion_at_balls[0] + row.force * reach / row.bar, motion_at_balls[-1])
     stations, first = np.unique(np.concatenate([at_balls, outside]), return_index=True)
-    return stations, np.concatenate([moved, motion])[first]
+    return stations, np.concatenate([motion_at_balls, motion])[first]
 
 
-def _balance(applied: float, carried: float) -> Equilibrium:
+def _axial_equilibrium(applied: float, carried: float) -> Equilibrium:
     """Return the check of axial equilibrium of the screw in Liu's model.
 
     Parameters

@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
-from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
-from rollbench.lowfi.statics.contacts import error_free, hertz_C
+from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness_at_approach
+from rollbench.lowfi.statics.contacts import hertz_C, with_error_free_hertz
 from rollbench.lowfi.statics.problem import SIGNS, centre_distances
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import BallLayout, ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.section import merge_stations, screw_section, tube_section
+from rollbench.meshes.section import merge_close_positions, screw_section, tube_section
 
 #: Largest number of Newton steps.
 MAX_ITERATIONS = 100
@@ -34,7 +34,7 @@ ASSUMPTIONS = (
 
 
 @dataclass(frozen=True)
-class _Chain:
+class _AxialChain:
     """Arrays of Mei's axial model: bars of screw and nut, joined by N balls.
 
     Unknowns are the axial motions of the screw at its nodes and, with an elastic nut, of the nut at the same positions.
@@ -62,47 +62,47 @@ class _Chain:
     C: Array
 
 
-def nut_bar(scene: Scene) -> float:
+def nut_tensile_stiffness(scene: Scene) -> float:
     """Return the tensile stiffness E A [N] of the nut, a tube whose bore is the diameter of the contacts in its groove."""
     bore = 2.0 * (scene.track.pitch_radius + scene.balls.radius * cos(scene.track.contact_angle))
     return tube_section(scene.nut.outer_diameter, bore, scene.nut.material).EA
 
 
-def _bars(k: Array, order: NDArray[np.int64], stations: Array, stiffness: float) -> None:
+def _bars(band: Array, unknowns: NDArray[np.int64], stations: Array, stiffness: float) -> None:
     """Add the stiffness of bars in series to a stiffness matrix.
 
     Parameters
     ----------
-    k
+    band
         Lower band of the stiffness matrix [N/m], changed in place.
-    order
+    unknowns
         Indices of the unknown axial motions at the ends of the bars.
     stations
         Axial positions of these ends [m].
     stiffness
         Tensile stiffness E A of the bars [N].
     """
-    for a, b, length in zip(order[:-1], order[1:], np.diff(stations), strict=True):
+    for a, b, length in zip(unknowns[:-1], unknowns[1:], np.diff(stations), strict=True):
         s = stiffness / length
         low, high = min(a, b), max(a, b)
-        k[0, a] += s
-        k[0, b] += s
-        k[high - low, low] -= s
+        band[0, a] += s
+        band[0, b] += s
+        band[high - low, low] -= s
 
 
-def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) -> _Chain:
+def _build_axial_chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) -> _AxialChain:
     """Return the arrays of Mei's model of a scene.
 
     ``member``: number of the specimen with random errors; ``elastic_nut``: whether the nut is a row of bars too, else
     rigid.
     """
-    drawn = specimen(scene, layout, member)
+    drawn = draw_specimen(scene, layout, member)
     _, closure = centre_distances(scene, drawn)
-    constants = hertz_C(error_free(scene), drawn)
+    constants = hertz_C(with_error_free_hertz(scene), drawn)
     pair = np.stack([constants[:, 0] + constants[:, 3], constants[:, 1] + constants[:, 2]], axis=1)
     held = {s.at: v for s in scene.supports for name, v in s.fixed if name == "uz"}
     loads = {f.at: f.force[2] for f in scene.loads if f.force[2] != 0.0}
-    nodes = merge_stations(np.concatenate([layout.z, list(held), list(loads)]), np.array(list(held)))
+    nodes = merge_close_positions(np.concatenate([layout.z, list(held), list(loads)]), np.array(list(held)))
     n = nodes.size
     width = 2 if elastic_nut else 1
     # unknown width * j is the motion of screw node j; the next one is the nut's motion at the same axial position
@@ -122,7 +122,7 @@ def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) 
     if elastic_nut:
         face = scene.nut.position - scene.nut.length / 2.0
         inside = np.flatnonzero((nodes >= layout.z.min() - 1e-9) & (nodes <= layout.z.max() + 1e-9))
-        area = nut_bar(scene)
+        area = nut_tensile_stiffness(scene)
         members = order[inside] + 1
         _bars(k, members, nodes[inside], area)
         k[0, members[0]] += area / max(float(nodes[inside[0]] - face), 1e-6)
@@ -130,10 +130,10 @@ def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) 
         fixed[unused] = True
         nut = screw + 1
     slope = sin(scene.track.contact_angle) * cos(lead_angle(scene.track))
-    return _Chain(nodes, k, load, fixed, prescribed, screw, nut, slope, closure, pair)
+    return _AxialChain(nodes, k, load, fixed, prescribed, screw, nut, slope, closure, pair)
 
 
-def _contact(chain: _Chain, x: Array) -> tuple[Array, Array]:
+def _contact(chain: _AxialChain, x: Array) -> tuple[Array, Array]:
     """Return the contact forces ``(N, 2)`` [N] of the flank pairs (SL, NR) and (SR, NL), and their stiffness [N/m].
 
     The stiffness ``(N, 2)`` is the derivative of the force by the approach of both contacts in series.
@@ -147,10 +147,10 @@ def _contact(chain: _Chain, x: Array) -> tuple[Array, Array]:
     """
     relative = x[chain.screw] - np.where(chain.nut >= 0, x[chain.nut], 0.0)
     delta = chain.closure + chain.slope * relative[:, None] * np.array([1.0, -1.0])
-    return contact_force(delta, chain.C), contact_slope(delta, chain.C)
+    return contact_force(delta, chain.C), contact_stiffness_at_approach(delta, chain.C)
 
 
-def _gradient(chain: _Chain, x: Array) -> tuple[Array, Array, Array]:
+def _gradient(chain: _AxialChain, x: Array) -> tuple[Array, Array, Array]:
     """Return unbalanced axial forces of all unknowns [N], contact forces ``(N, 2)`` [N], and axial contact stiffness.
 
     The stiffness ``(N,)`` [N/m] is that of both flank pairs of each ball between screw and nut.
@@ -177,7 +177,7 @@ def _gradient(chain: _Chain, x: Array) -> tuple[Array, Array, Array]:
     return g, force, chain.slope**2 * tangent.sum(axis=1)
 
 
-def _newton(chain: _Chain) -> tuple[Array, int, float]:
+def _minimise_by_newton(chain: _AxialChain) -> tuple[Array, int, float]:
     """Minimise the convex energy of Mei's model by a regularised Newton iteration.
 
     Returns the axial motions of all unknowns [m], the number of Newton steps, and the relative residual.
@@ -251,8 +251,8 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
     """
     start = perf_counter()
     layout = ball_layout(scene)
-    chain = _chain(scene, layout, member, elastic_nut=elastic_nut)
-    x, iterations, residual = _newton(chain)
+    chain = _build_axial_chain(scene, layout, member, elastic_nut=elastic_nut)
+    x, iterations, residual = _minimise_by_newton(chain)
     force, _ = _contact(chain, x)
     load = np.zeros((layout.z.size, 4))
     load[:, [0, 3]], load[:, [1, 2]] = force[:, :1], force[:, 1:]
@@ -306,7 +306,7 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
         contact_point=points,
         force_direction=-world,
         centre_shift=np.zeros((layout.z.size, 2)),
-        hertz_C=hertz_C(error_free(scene), specimen(scene, layout, member)),
+        hertz_C=hertz_C(with_error_free_hertz(scene), draw_specimen(scene, layout, member)),
         centreline_z=stations,
         centreline=line,
         equilibrium=balance,

@@ -13,16 +13,23 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.lowfi.compliance.bodies import WholeBody, whole_body
+from rollbench.lowfi.compliance.bodies import WholeBody, compliance_between_contacts
 from rollbench.lowfi.compliance.parts import REFINED, Backend
-from rollbench.lowfi.statics.elastic import ElasticBuild
+from rollbench.lowfi.statics.elastic import ElasticInput
 from rollbench.lowfi.statics.problem import centre_distances
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.lowfi.statics.selection import all_sides, choose_sides
+from rollbench.lowfi.statics.selection import choose_sides, flanks_of_scene
 from rollbench.lowfi.statics.settle import contact_angles
-from rollbench.lowfi.statics.static import Build, Engine, Solution, UnrestrainedProblem, pick_engine, solve_sides
+from rollbench.lowfi.statics.static import (
+    Engine,
+    Solution,
+    StaticInput,
+    UnrestrainedProblem,
+    pick_engine,
+    solve_with_chosen_flanks,
+)
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.errors import Specimen, draw_specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, Scene
 
@@ -62,7 +69,9 @@ def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine
     """
     known = centre_distances(scene, drawn)
     use = choose_sides(scene, drawn, known)
-    return _loads(solve_sides(Build(scene, drawn, layout, use, pick_engine(engine, layout.z.size), known=known)))
+    return _contact_loads_of(
+        solve_with_chosen_flanks(StaticInput(scene, drawn, layout, use, pick_engine(engine, layout.z.size), known=known))
+    )
 
 
 def elastic_loads(
@@ -71,7 +80,7 @@ def elastic_loads(
     layout: BallLayout,
     engine: Engine = "auto",
     backend: Backend = REFINED,
-    whole: WholeBody = whole_body,
+    whole: WholeBody = compliance_between_contacts,
 ) -> ContactLoads:
     """Return the contact loads of balls at arbitrary positions with elastic screw, nut and balls (`solve_elastic`).
 
@@ -90,12 +99,12 @@ def elastic_loads(
     whole
         Function that computes the compliance of one complete screw or nut, see `body_compliance`.
     """
-    use = all_sides(scene) if drawn.profile.shape[1] else choose_sides(scene, drawn)
+    use = flanks_of_scene(scene) if drawn.profile.shape[1] else choose_sides(scene, drawn)
     parts = scene, drawn, layout, use, pick_engine(engine, layout.z.size)
-    return _loads(solve_sides(ElasticBuild(*parts, backend=backend, whole=whole)))
+    return _contact_loads_of(solve_with_chosen_flanks(ElasticInput(*parts, backend=backend, whole=whole)))
 
 
-def _loads(solved: Solution | UnrestrainedProblem) -> ContactLoads:
+def _contact_loads_of(solved: Solution | UnrestrainedProblem) -> ContactLoads:
     """Return the contact forces and angles of a solution; forces and angles are nan for a problem without equilibrium."""
     if isinstance(solved, UnrestrainedProblem):
         C = solved.problem.C.copy()
@@ -106,7 +115,7 @@ def _loads(solved: Solution | UnrestrainedProblem) -> ContactLoads:
     return ContactLoads(force, angle, problem.C.copy(), solved.status)
 
 
-def nominal(scene: Scene) -> Scene:
+def nominal_scene(scene: Scene) -> Scene:
     """Return the nominal scene: with its preload by oversized balls and lead offset, but without other errors and names.
 
     Parameters
@@ -129,18 +138,18 @@ def nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> int:
         Converged result of the scene. Its contacts are counted if it is of the model lin and the scene has no errors except
         preload, which saves a solve.
     """
-    bare = nominal(scene)
+    bare = nominal_scene(scene)
     if solved is not None and solved.model == "lin" and bare == replace(scene, name="", title="", assumed=()):
         return int(np.count_nonzero(solved.load > 0.0))
-    return _contacts(bare)
+    return _count_loaded_contacts(bare)
 
 
 @lru_cache(maxsize=256)
-def _contacts(scene: Scene) -> int:
+def _count_loaded_contacts(scene: Scene) -> int:
     """Return the number of loaded contacts of a nominal scene, computed by the model lin; the results are cached."""
     layout = ball_layout(scene)
     try:
-        result = beam_loads(scene, specimen(scene, layout), layout)
+        result = beam_loads(scene, draw_specimen(scene, layout), layout)
     except ValueError:  # the solve of the scene itself reports impossible dimensions
         return 0
     return int(np.count_nonzero(result.load > 0.0)) if result.converged else 0

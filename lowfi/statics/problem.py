@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.statics.contacts import hertz_C
-from rollbench.lowfi.statics.shape import motion_matrices, principal, rigid_transport
+from rollbench.lowfi.statics.shape import motion_matrices, right_singular_vectors, rigid_transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, Specimens
-from rollbench.meshes.helix import BallLayout, groove_radii, nominal_contact_points, nominal_groove_centres
+from rollbench.meshes.helix import BallLayout, nominal_contact_points, nominal_groove_centres, nominal_groove_radii
 from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, Scene
-from rollbench.meshes.section import MERGE, BeamSection, beam_nodes, contact_stations, screw_section
+from rollbench.meshes.section import MERGE, BeamSection, beam_nodes, contact_force_positions, screw_section
 
 #: Signs of radial and axial component of the direction from ball to groove, for each flank SL, SR, NL, NR ``(4, 2)``.
 SIGNS = np.array(SIDE_SIGNS)
@@ -106,7 +106,11 @@ class SolvedState:
 
 
 def pack_geometry(
-    scene: Scene, drawn: Specimen, C: Array, use: NDArray[np.bool_], known: tuple[Array, Array] | None = None
+    scene: Scene,
+    drawn: Specimen,
+    C: Array,
+    use: NDArray[np.bool_],
+    distances_and_interference: tuple[Array, Array] | None = None,
 ) -> tuple[Array, Array]:
     """Return the kernels' array of contact data ``(N, 4, 9)``, and the interference of each ball across flank pairs.
 
@@ -122,10 +126,10 @@ def pack_geometry(
         Hertz constants ``(N, 4)`` or ``(4,)`` [m/N^(2/3)].
     use
         Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
-    known
+    distances_and_interference
         Distances and interferences of these parts as `centre_distances` returns them; None: computed here.
     """
-    offset, closure = known or centre_distances(scene, drawn)
+    offset, closure = distances_and_interference or centre_distances(scene, drawn)
     n = offset.shape[0]
     rows = np.empty((n, 4, 9))
     rows[..., :4] = offset
@@ -155,15 +159,15 @@ def centre_distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, 
         Vectors from groove to ball centre, their length and the nominal approach ``(..., N, 4, 4)`` [m], and pair closures
         ``(..., N, 2)`` [m], positive for interference.
     """
-    x, z, radii = drawn.centre[..., 0], drawn.centre[..., 1], groove_radii(scene)
-    size, nominal = _length(x, z), _length(*nominal_groove_centres(scene).T)
+    x, z, radii = drawn.centre[..., 0], drawn.centre[..., 1], nominal_groove_radii(scene)
+    size, nominal = _vector_length(x, z), _vector_length(*nominal_groove_centres(scene).T)
     wider = (drawn.radius - radii) + (radii - scene.balls.radius - nominal)
     offset = np.empty((*drawn.ball_radius.shape, 4, 4))
     offset[..., 0], offset[..., 1], offset[..., 2] = -x, -z, size
     approach, closure = offset[..., 3], np.empty((*drawn.ball_radius.shape, 2))
     approach[...] = (drawn.ball_radius - scene.balls.radius)[..., None] - wider + (size - nominal)
     for a, b in ((0, 3), (1, 2)):  # pair by pair, over all balls: numpy is slow along short axes
-        grown = _length(x[..., a] - x[..., b], z[..., a] - z[..., b]) - size[..., a] - size[..., b]
+        grown = _vector_length(x[..., a] - x[..., b], z[..., a] - z[..., b]) - size[..., a] - size[..., b]
         closure[..., a] = approach[..., a] + approach[..., b] + grown
     return offset, closure
 
@@ -179,12 +183,12 @@ def round_off_approach(problem: Problem) -> float:
     return 16.0 * float(np.finfo(float).eps) * problem.scene.balls.radius
 
 
-def _length(x: Array, z: Array) -> Array:
+def _vector_length(x: Array, z: Array) -> Array:
     """Return the length of vectors (x, z), rounded alike wherever they lie in memory, unlike numpy's hypot."""
     return np.asarray(np.sqrt(x * x + z * z))
 
 
-def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
+def flank_motion_matrix(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
     """Return the matrix from a body's six motions to the motion of one of its flanks at each ball.
 
     The rows are e . (u + theta x r), with displacement u and rotation theta of the body, arm r and axis e of the ball's
@@ -214,10 +218,10 @@ def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: in
     x = layout.centre + point[..., :1] * layout.radial
     x += point[..., 1:] * layout.binormal
     x[..., 2] -= origin_z
-    return wrench_rows(layout, x)
+    return point_motion_matrix(layout, x)
 
 
-def wrench_rows(layout: BallLayout, r: Array) -> Array:
+def point_motion_matrix(layout: BallLayout, r: Array) -> Array:
     """Return the matrix from a body's six motions about its origin to the motion of points r, in each ball's section plane.
 
     The rows are (e, r x e) for both axes e of the section plane.
@@ -261,19 +265,19 @@ def lever_arms(problem: Problem, centre: Array) -> Array:
     """
     parts = (problem.scene, replace(problem.drawn, centre=centre), problem.layout, None)
     B = np.zeros((len(centre), *problem.B.shape))
-    stations = contact_stations(problem.scene, problem.layout)
+    stations = contact_force_positions(problem.scene, problem.layout)
     for s in range(2):
         if problem.basis is not None:
-            B[:, :, s] = flank_rows(parts, s, np.full(len(stations), problem.nodes[0])) @ problem.basis
+            B[:, :, s] = flank_motion_matrix(parts, s, np.full(len(stations), problem.nodes[0])) @ problem.basis
         elif problem.use[s] and B.shape[-1] == 6:
-            B[:, :, s] = flank_rows(parts, s, problem.nodes[problem.node[:, s]])
+            B[:, :, s] = flank_motion_matrix(parts, s, problem.nodes[problem.node[:, s]])
         elif problem.use[s]:
             _, m = motion_matrices(stations[:, s], problem.nodes, problem.section)
-            B[:, :, s] = flank_rows(parts, s, stations[:, s]) @ m
+            B[:, :, s] = flank_motion_matrix(parts, s, stations[:, s]) @ m
     return B
 
 
-def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Array]:
+def _nodal_supports_and_loads(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Array]:
     """Return the fixed degrees of freedom of the nodes, their prescribed values, and the nodal loads, ``(n, 6)`` each.
 
     Raises
@@ -301,7 +305,7 @@ def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Arr
     return fixed, prescribed, load
 
 
-def build(
+def build_problem(
     scene: Scene,
     drawn: Specimen,
     layout: BallLayout,
@@ -311,7 +315,7 @@ def build(
     refine: int = 1,
     arms: Array | None = None,
     section: BeamSection | None = None,
-    known: tuple[Array, Array] | None = None,
+    distances_and_interference: tuple[Array, Array] | None = None,
 ) -> Problem:
     """Return the arrays of the static problem of a ball screw.
 
@@ -330,10 +334,10 @@ def build(
     refine
         Number of elements that each beam element is split into.
     arms
-        Extra lever arms of the contacts ``(N, 4, 2)`` [m], see `flank_rows`; None: none.
+        Extra lever arms of the contacts ``(N, 4, 2)`` [m], see `flank_motion_matrix`; None: none.
     section
         Cross-section of the screw; None: computed from the scene's dimensions (Lin C.8).
-    known
+    distances_and_interference
         Distances and interferences of these parts as `centre_distances` returns them; None: computed here.
 
     Raises
@@ -342,17 +346,17 @@ def build(
         If supports contradict each other.
     """
     parts = (scene, drawn, layout, arms)
-    geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use, known)
+    geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use, distances_and_interference)
     section = section or screw_section(scene)
-    stations = contact_stations(scene, layout)
+    stations = contact_force_positions(scene, layout)
     used = [s for s in range(2) if use[s]]
     if scene.ingredients.screw == "rigid":
-        return _rigid(parts, use, geometry, closure, section)
-    nodes, left_out = beam_nodes(scene, stations[:, used], everything=everything)
+        return _build_rigid_problem(parts, use, geometry, closure, section)
+    nodes, left_out = beam_nodes(scene, stations[:, used], whole_screw=everything)
     if refine > 1:
         steps = np.arange(refine) / refine
         nodes = np.append((nodes[:-1, None] + np.diff(nodes)[:, None] * steps[None, :]).ravel(), nodes[-1])
-    fixed, prescribed, load = _supports(scene, nodes)
+    fixed, prescribed, load = _nodal_supports_and_loads(scene, nodes)
     count = layout.z.size
     node = np.zeros((count, 2), dtype=np.int64)
     nodal = scene.ingredients.partition == "nodal"
@@ -362,25 +366,25 @@ def build(
             node[:, s] = (
                 np.abs(nodes[None, :] - stations[:, s, None]).argmin(axis=1)
                 if count < 400
-                else (_nearest(nodes, stations[:, s]))
+                else (_nearest_nodes(nodes, stations[:, s]))
             )
-            B[:, s] = flank_rows(parts, s, nodes[node[:, s]])
+            B[:, s] = flank_motion_matrix(parts, s, nodes[node[:, s]])
         else:
             node[:, s], m = motion_matrices(stations[:, s], nodes, section)
-            B[:, s] = flank_rows(parts, s, stations[:, s]) @ m
+            B[:, s] = flank_motion_matrix(parts, s, stations[:, s]) @ m
     for s in range(2):
         if not use[s]:
             node[:, s] = node[:, used[0]] if used else 0
     return Problem(scene, layout, drawn, nodes, section, fixed, prescribed, load, node, B, geometry, closure, use, left_out)
 
 
-def _nearest(nodes: Array, stations: Array) -> NDArray[np.int64]:
+def _nearest_nodes(nodes: Array, stations: Array) -> NDArray[np.int64]:
     """Return for each axial position [m] the index of the nearest of the nodes, whose positions [m] are sorted."""
     j = np.clip(np.searchsorted(nodes, stations), 1, nodes.size - 1)
     return np.where(stations - nodes[j - 1] < nodes[j] - stations, j - 1, j).astype(np.int64)
 
 
-def _rigid(
+def _build_rigid_problem(
     parts: tuple[Scene, Specimen, BallLayout, Array | None],
     use: NDArray[np.bool_],
     geometry: Array,
@@ -390,8 +394,8 @@ def _rigid(
     """Return the static problem of a rigid screw, whose six motions are taken at the nut's centre.
 
     The supports are linear constraints on these motions. ``parts``: scene, dimensions with errors, ball positions, and
-    extra lever arms, as for `flank_rows`; ``use`` ``(4,)``: which flanks get contacts; ``geometry``, ``closure``: result of
-    `pack_geometry`; ``section``: cross-section of the screw.
+    extra lever arms, as for `flank_motion_matrix`; ``use`` ``(4,)``: which flanks get contacts; ``geometry``, ``closure``:
+    result of `pack_geometry`; ``section``: cross-section of the screw.
 
     Raises
     ------
@@ -405,7 +409,7 @@ def _rigid(
     clash = contradiction(scene)
     if clash is not None:
         raise ValueError(clash.message(scene))
-    a, values, _ = rigid_rows(scene)
+    a, values, _ = support_constraints(scene)
     load = np.zeros(6)
     for x in scene.loads:
         load += rigid_transport(x.at - z0).T @ np.concatenate([x.force, x.moment])
@@ -413,13 +417,13 @@ def _rigid(
     basis = np.eye(6)
     lift = np.zeros(6)
     if values.size:
-        sv, vt = principal(a)
+        sv, vt = right_singular_vectors(a)
         held = int(np.sum(sv > 1e-9 * sv[0]))
         basis = np.concatenate([vt[held:], vt[:held]]).T
         lift[:] = np.linalg.lstsq(a, values, rcond=None)[0]
     to_motion = scale[:, None] * basis / scale[None, :]
     count = layout.z.size
-    B = np.stack([flank_rows(parts, s, np.full(count, z0)) @ to_motion for s in range(2)], axis=1)
+    B = np.stack([flank_motion_matrix(parts, s, np.full(count, z0)) @ to_motion for s in range(2)], axis=1)
     fixed = np.arange(6)[None] >= 6 - held
     prescribed, work = np.linalg.solve(to_motion, scale * lift)[None, :], (to_motion.T @ load)[None, :]
     shaft = np.array([z0]), section, fixed, prescribed, work, np.zeros((count, 2), dtype=np.int64), B
@@ -434,7 +438,7 @@ AGREES = 1e-9
 
 
 @dataclass(frozen=True)
-class Held:
+class PrescribedMotion:
     """One degree of freedom of the screw that a support fixes, with its prescribed value."""
 
     #: Number of the support in the scene, from 0.
@@ -450,28 +454,29 @@ class Contradiction:
     """Degree of freedom of a rigid screw whose prescribed value differs from the one that other supports imply."""
 
     #: The degree of freedom with its prescribed value.
-    held: Held
+    held: PrescribedMotion
     #: Value that the other supports imply [m or rad].
     implied: float
     #: Fixed degrees of freedom of other supports that imply this value.
-    by: tuple[Held, ...]
+    by: tuple[PrescribedMotion, ...]
 
     def message(self, scene: Scene) -> str:
         """Return the contradiction as one sentence for the user, with the supports' axial positions in mm."""
-        names = ", ".join(f"{x.freedom} at {_station(scene, x)}" for x in self.by)
-        contradicted = f"{self.held.freedom} at {_station(scene, self.held)}"
+        names = ", ".join(f"{x.freedom} at {_describe_support_position(scene, x)}" for x in self.by)
+        contradicted = f"{self.held.freedom} at {_describe_support_position(scene, self.held)}"
         return (
-            f"the supports contradict each other on a rigid screw: {contradicted} is {show(self.held)}, but {names} "
-            f"make it {show(Held(0, self.held.freedom, self.implied))}"
+            f"the supports contradict each other on a rigid screw: {contradicted} is "
+            f"{describe_prescribed_value(self.held)}, but {names} "
+            f"make it {describe_prescribed_value(PrescribedMotion(0, self.held.freedom, self.implied))}"
         )
 
 
-def _station(scene: Scene, held: Held) -> str:
+def _describe_support_position(scene: Scene, held: PrescribedMotion) -> str:
     """Return the axial position and the key of a support as text, for example "120 mm (supports[1])"."""
     return f"{1e3 * scene.supports[held.support].at:g} mm (supports[{held.support}])"
 
 
-def show(held: Held) -> str:
+def describe_prescribed_value(held: PrescribedMotion) -> str:
     """Return the prescribed value of a fixed degree of freedom as text: um for a displacement, mrad for a rotation.
 
     Parameters
@@ -482,7 +487,7 @@ def show(held: Held) -> str:
     return f"{1e6 * held.value:.6g} um" if held.freedom in FREEDOMS[:3] else f"{1e3 * held.value:.6g} mrad"
 
 
-def rigid_rows(scene: Scene) -> tuple[Array, Array, list[Held]]:
+def support_constraints(scene: Scene) -> tuple[Array, Array, list[PrescribedMotion]]:
     """Return the supports of a rigid screw as k linear constraints on its six motions at the nut's centre.
 
     Returns
@@ -493,7 +498,7 @@ def rigid_rows(scene: Scene) -> tuple[Array, Array, list[Held]]:
     """
     arm = scene.track.pitch_radius
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
-    held = [Held(i, name, value) for i, s in enumerate(scene.supports) for name, value in s.fixed]
+    held = [PrescribedMotion(i, name, value) for i, s in enumerate(scene.supports) for name, value in s.fixed]
     rows, values = np.zeros((len(held), 6)), np.zeros(len(held))
     for j, x in enumerate(held):
         k = FREEDOMS.index(x.freedom)
@@ -515,7 +520,7 @@ def contradiction(scene: Scene) -> Contradiction | None:
     Contradiction | None
         None if all supports agree.
     """
-    rows, values, held = rigid_rows(scene)
+    rows, values, held = support_constraints(scene)
     size = float(np.abs(values).max(initial=0.0))
     if size == 0.0:
         return None

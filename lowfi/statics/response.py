@@ -18,22 +18,22 @@ from rollbench.lowfi.compliance.bodies import (
     WholeBody,
     ball_compliance,
     body_compliance,
+    compliance_between_contacts,
     negative_part,
-    whole_body,
 )
-from rollbench.lowfi.compliance.bodies import clear_kept_bodies as forget_bodies
-from rollbench.lowfi.compliance.parts import Backend, parts_with_balls
-from rollbench.lowfi.hertz import contact_stiffness
+from rollbench.lowfi.compliance.bodies import clear_compliance_cache as forget_bodies
+from rollbench.lowfi.compliance.parts import Backend, compliance_geometry_with_balls
+from rollbench.lowfi.hertz import contact_stiffness_under_force
 from rollbench.lowfi.statics.contacts import error_free_hertz, oblique_term
 from rollbench.lowfi.statics.kernel_types import Bodies
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.shaft import (
+    SectionForceCoupling,
     Shaft,
-    Squeeze,
+    build_shaft,
+    couple_section_forces,
     flank_motions_by_loads,
     flank_response,
-    shaft_of,
-    squeezed,
     stretch_of,
 )
 from rollbench.meshes.arrays import Array
@@ -50,15 +50,15 @@ KEPT = 250
 LENT = 0.25
 
 
-def by_ball(N: int, sides: int) -> NDArray[np.int64]:
+def order_ball_by_ball(N: int, flank_count: int) -> NDArray[np.int64]:
     """Return the permutation ``(N * sides * 2,)`` from the order (flank, ball, axis) to the order (ball, flank, axis).
 
-    ``N``: number of balls; ``sides``: number of flanks; axis: one of two components in the ball's section plane.
+    ``N``: number of balls; ``flank_count``: number of flanks; axis: one of two components in the ball's section plane.
     """
-    return np.arange(sides * N * 2).reshape(sides, N, 2).swapaxes(0, 1).ravel()
+    return np.arange(flank_count * N * 2).reshape(flank_count, N, 2).swapaxes(0, 1).ravel()
 
 
-def of_both(G: Array, used: NDArray[np.bool_], N: int) -> Array:
+def compliance_of_both_flanks(G: Array, used: NDArray[np.bool_], N: int) -> Array:
     """Return the compliance ``(4 N, 4 N)`` of both flanks of a body, with zeros for a flank that is not in use.
 
     Parameters
@@ -75,7 +75,7 @@ def of_both(G: Array, used: NDArray[np.bool_], N: int) -> Array:
     return full
 
 
-def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, float]:
+def without_negative_eigenvalues(G: Array, normals: Array, tangent_compliance: float) -> tuple[Array, Array, float]:
     """Remove the negative eigenvalues of a body's compliance, which would make the energy non-convex.
 
     Near a fixed face the compliance of a body, beyond the one that Hertz's law contains, is negative. The missing
@@ -88,7 +88,7 @@ def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, fl
         Compliance matrix ``(2 n, 2 n)`` [m/N] between n contacts.
     normals
         Unit normals of the contacts ``(n, 2)``.
-    tangent
+    tangent_compliance
         Tangent compliance of a contact [m/N].
 
     Returns
@@ -97,7 +97,7 @@ def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, fl
         G without negative eigenvalues; compliance that was added along the normals ``(n,)`` [m/N]; and the magnitude of the
         largest negative eigenvalue that was set to zero [m/N].
     """
-    mended, lent, cut = Compliance(G, normals).positive(tangent)
+    mended, lent, cut = Compliance(G, normals).positive(tangent_compliance)
     return mended.G, lent, cut
 
 
@@ -126,14 +126,14 @@ class Compliance:
 
     @cached_property
     def mended(self) -> tuple[Compliance, float]:
-        """Return the matrix with all missing compliance added, and the eigenvalue that was set to zero, see `lending`."""
-        return self.lending(self.lacks)
+        """Return the matrix with all missing compliance added, and the eigenvalue that was set to zero."""
+        return self.with_added_compliance(self.lacks)
 
-    def lending(self, lent: Array) -> tuple[Compliance, float]:
+    def with_added_compliance(self, lent: Array) -> tuple[Compliance, float]:
         """Return a copy with compliance added along the normals, in which remaining negative eigenvalues are set to zero.
 
         Rollers have no normal here; they move with the beam alone, whose compliance must not change. The negative
-        eigenvalues are therefore those of the other contacts while the rollers do not move (`reduced`).
+        eigenvalues are therefore those of the other contacts while the rollers do not move (`condensed_compliance`).
 
         Parameters
         ----------
@@ -151,12 +151,12 @@ class Compliance:
         if _is_positive(G):
             return Compliance(G, self.normals), 0.0
         elastic = np.repeat(self.normals.any(axis=1), 2)
-        rest, least = negative_part(reduced(G, elastic))
+        rest, least = negative_part(condensed_compliance(G, elastic))
         G[np.ix_(elastic, elastic)] -= rest
         return Compliance(G, self.normals), max(0.0, -least)
 
     def positive(self, tangent: float) -> tuple[Compliance, Array, float]:
-        """Return the compliance without negative eigenvalues, as the function `positive` does.
+        """Return the compliance without negative eigenvalues, as the function `without_negative_eigenvalues` does.
 
         ``tangent``: tangent compliance of a contact [m/N]. Entries: the compliance; what was added to it along the normals
         ``(n,)`` [m/N]; and the magnitude of the largest negative eigenvalue that was set to zero [m/N].
@@ -164,11 +164,11 @@ class Compliance:
         if self.is_positive:
             return self, np.zeros(len(self.normals)), 0.0
         lent = np.minimum(self.lacks, LENT * tangent)
-        mended, cut = self.mended if np.array_equal(lent, self.lacks) else self.lending(lent)
+        mended, cut = self.mended if np.array_equal(lent, self.lacks) else self.with_added_compliance(lent)
         return mended, lent, cut
 
 
-def reduced(G: Array, kept: NDArray[np.bool_]) -> Array:
+def condensed_compliance(G: Array, kept: NDArray[np.bool_]) -> Array:
     """Return the compliance of the ``kept`` degrees of freedom while all others are fixed (Schur complement).
 
     ``G`` ``(m, m)``: compliance matrix of all degrees of freedom [m/N]; ``kept`` ``(m,)``: truth values. The compliance of
@@ -195,7 +195,7 @@ def _is_positive(G: Array) -> bool:
     return True
 
 
-def normals_of(geometry: Array) -> Array:
+def contact_normals(geometry: Array) -> Array:
     """Return the unit normals of contacts ``(..., 2)`` in the ball's section plane.
 
     ``geometry`` ``(..., 9)``: contact data with the vector from groove centre to ball centre (`lowfi.statics.kernel.ball`).
@@ -209,7 +209,7 @@ def typical_axes(problem: Problem, force: float) -> tuple[float, float]:
     return float(np.mean(constants.C_a)) * grow, float(np.mean(constants.C_b)) * grow
 
 
-def one_pair(problem: Problem) -> tuple[int, int] | None:
+def only_flank_pair(problem: Problem) -> tuple[int, int] | None:
     """Return the numbers of the two flanks of the only diagonal pair in use, the screw's flank first.
 
     None if all four flanks are in use or the flanks are not circular arcs.
@@ -225,7 +225,7 @@ NOTHING = Compliance(np.zeros((0, 0)), np.zeros((0, 2)))
 
 
 @dataclass(frozen=True)
-class Response:
+class BodyCompliance:
     """Compliance of shaft, screw and nut at the contacts of N balls; independent of loads and ball radii.
 
     In addition to Hertz's law, the approach of a contact has a linear term e F and a term h F^(4/3) of its force F.
@@ -241,7 +241,7 @@ class Response:
     #: Motions of the screw's flanks per metre of the free rigid motions ``(N, 2, 2, k)``.
     R: Array
     #: Coupling of contact deformation and section forces of the shaft, under the same loads; None: not modelled.
-    squeeze: Squeeze | None
+    squeeze: SectionForceCoupling | None
     #: Compliance of the balls at a force of 1 N.
     ball: BallCompliance
     #: Linear compliance e of the contacts at each flank, for a contact ellipse at 1 N ``(4,)`` [m/N].
@@ -255,7 +255,7 @@ class Response:
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _ComplianceRequest:
     """Input of a compliance computation, as argument of the cached function; equal ``key`` means an equal result."""
 
     key: tuple[object, ...]
@@ -266,7 +266,7 @@ class _Asked:
 
 def response_of(
     problem: Problem, layout: BallLayout, backend: Backend, condensed: Condensed | None, whole: WholeBody
-) -> Response:
+) -> BodyCompliance:
     """Return the compliance of shaft, screw and nut for a problem. The result may be shared and must not be changed.
 
     It is not cached if it comes from a 3D model or from another function ``whole``, or if there are more than `KEPT` balls.
@@ -284,26 +284,32 @@ def response_of(
     whole
         Function that computes the compliance of one complete screw or nut, see `body_compliance`.
     """
-    if condensed is not None or whole is not whole_body or layout.z.size > KEPT:
-        return _response(problem, layout, backend, condensed, whole)
+    if condensed is not None or whole is not compliance_between_contacts or layout.z.size > KEPT:
+        return _compute_compliance(problem, layout, backend, condensed, whole)
     layouts = layout.azimuth, layout.z, problem.drawn.centre, problem.nodes
     flanks = problem.use, problem.node, problem.B, problem.fixed, np.any(problem.load, axis=1)
-    parts = parts_with_balls(problem.scene)[0], problem.scene.ingredients, problem.section, problem.sections, backend
-    key = *parts, one_pair(problem), problem.basis is None, *(np.asarray(x).tobytes() for x in (*layouts, *flanks))
-    return kept_response(_Asked(key, problem, layout, backend))
+    parts = (
+        compliance_geometry_with_balls(problem.scene)[0],
+        problem.scene.ingredients,
+        problem.section,
+        problem.sections,
+        backend,
+    )
+    key = *parts, only_flank_pair(problem), problem.basis is None, *(np.asarray(x).tobytes() for x in (*layouts, *flanks))
+    return cached_compliance(_ComplianceRequest(key, problem, layout, backend))
 
 
 @lru_cache(maxsize=4)
-def kept_response(asked: _Asked) -> Response:
+def cached_compliance(asked: _ComplianceRequest) -> BodyCompliance:
     """Return the compliance of shaft, screw and nut from a cache of the last four; computed if it is not there."""
-    return _response(asked.problem, asked.layout, asked.backend, None, whole_body)
+    return _compute_compliance(asked.problem, asked.layout, asked.backend, None, compliance_between_contacts)
 
 
-def _response(
+def _compute_compliance(
     problem: Problem, layout: BallLayout, backend: Backend, condensed: Condensed | None, whole: WholeBody
-) -> Response:
+) -> BodyCompliance:
     """Compute the compliance of shaft, screw and nut without the cache; parameters as for `response_of`."""
-    scene, shaft, N = problem.scene, shaft_of(problem), layout.z.size
+    scene, shaft, N = problem.scene, build_shaft(problem), layout.z.size
     axes = typical_axes(problem, 1.0)
     ball = ball_compliance(scene, axes, backend)
     of_file = ball if condensed is None else condensed.ball(scene, axes)
@@ -318,37 +324,37 @@ def _response(
         body = body_compliance(scene, layout, screw, backend, axes, [s % 2 for s in sides], whole)
         assumed += [x for x in body.assumed if x not in assumed]
         e[sides], slope[sides] = body.e + ball.e, body.slope + ball.slope
-        order = by_ball(N, len(sides))
+        order = order_ball_by_ball(N, len(sides))
         compliance = body.G[np.ix_(order, order)]
         if screw:
             beam, rigid = flank_response(shaft, sides)
             stretch = stretch_of(problem, scene, layout, backend, sides, slice(0, N))
-            squeeze = squeezed(shaft, sides, [stretch] if stretch is not None else [])
+            squeeze = couple_section_forces(shaft, sides, [stretch] if stretch is not None else [])
             if squeeze is not None:
                 beam = beam + squeeze.added
             compliance = compliance + beam[np.ix_(order, order)]
             R[:, [s % 2 for s in sides]] = rigid[order].reshape(N, len(sides), 2, -1)
         if condensed is not None:
-            for s in condensed.sides_of(sides):
-                (e[s], h[s]), slope[s] = condensed.bodies.local_law(s), 0.0
+            for s in condensed.flanks_covered_by_file(sides):
+                (e[s], h[s]), slope[s] = condensed.bodies.fit_local_law(s), 0.0
                 e[s] += of_file.e
-            compliance = condensed.correct(scene, layout, sides, compliance, backend)
+            compliance = condensed.replace_normal_compliance(scene, layout, sides, compliance, backend)
         G.append(compliance)
-    normals, pair = normals_of(problem.geometry), one_pair(problem)
+    normals, pair = contact_normals(problem.geometry), only_flank_pair(problem)
     if pair is not None:
         solved = [Compliance(G[0] + G[1], normals[:, pair[0]])]
     else:
         solved = [
-            Compliance(of_both(G[k], problem.use[side], N), normals[:, side].reshape(-1, 2))
+            Compliance(compliance_of_both_flanks(G[k], problem.use[side], N), normals[:, side].reshape(-1, 2))
             for k, side in enumerate((slice(0, 2), slice(2, 4)))
         ]
-    return Response(shaft, (G[0], G[1]), tuple(solved), R, squeeze, ball, e, h, slope, tuple(assumed))
+    return BodyCompliance(shaft, (G[0], G[1]), tuple(solved), R, squeeze, ball, e, h, slope, tuple(assumed))
 
 
-def forget() -> None:
+def clear_compliance_caches() -> None:
     """Clear all caches of compliance, so that the measured time of the next solve includes its computation."""
     forget_bodies()
-    kept_response.cache_clear()
+    cached_compliance.cache_clear()
 
 
 #: Largest number of balls. The compliance matrix between all contacts is dense, so that memory grows as its square.
@@ -356,7 +362,7 @@ LARGEST = 1000
 
 
 @dataclass(frozen=True)
-class Flanks:
+class FlankCompliance:
     """Compliance of all flanks under N balls, and terms of the contact law besides Hertz, under given loads.
 
     The kernels take either the 8 motions of the four flanks of each ball, or the 2 relative motions of one diagonal pair.
@@ -375,18 +381,18 @@ class Flanks:
     kept: tuple[Array, Array, Array, Array]
     #: Derivative of e by the logarithm of s, the cube root of the typical force, ``(4,)`` [m/N]; h contains slope / s.
     slope: Array
-    #: Largest compliance that was moved from a contact's law to the bodies [m/N], see `positive`.
+    #: Largest compliance that was moved from a contact's law to the bodies [m/N], see `without_negative_eigenvalues`.
     lent: float
     #: Coupling with the shaft's section forces; None: not modelled.
-    squeeze: Squeeze | None = None
+    squeeze: SectionForceCoupling | None = None
 
 
 def contact_compliance(problem: Problem, force: float) -> float:
     """Return the tangent compliance of a contact [m/N] under a force [N], by Hertz's law with the mean constant."""
-    return float(1.0 / contact_stiffness(force, float(np.mean(problem.C))))
+    return float(1.0 / contact_stiffness_under_force(force, float(np.mean(problem.C))))
 
 
-def flanks_of(problem: Problem, force: float, shaft: Shaft, response: Response) -> Flanks:
+def flanks_of(problem: Problem, force: float, shaft: Shaft, response: BodyCompliance) -> FlankCompliance:
     """Return the compliance of all flanks, and the terms of the contact law besides Hertz, under the loads of a problem.
 
     Parameters
@@ -407,12 +413,12 @@ def flanks_of(problem: Problem, force: float, shaft: Shaft, response: Response) 
     if squeeze is not None:
         squeeze = squeeze.under(shaft)
         moved = moved + squeeze.moved
-    v0[:, sides] = moved[by_ball(N, len(sides))].reshape(N, len(sides), 2)
+    v0[:, sides] = moved[order_ball_by_ball(N, len(sides))].reshape(N, len(sides), 2)
     e, h = np.zeros((N, 4)), np.zeros((N, 4))
     used = problem.use  # log F^(1/3) in e is replaced by its tangent at the typical force
     e[:, used] = (response.e + response.slope * (np.log(size) - 1.0))[used]
     h[:, used] = (response.h + response.slope / size)[used]
-    pair = one_pair(problem)
+    pair = only_flank_pair(problem)
     if pair is not None:
         first, lent, clipped = response.solved[0].positive(tangent)
         e[:, pair[0]] -= lent
@@ -427,7 +433,7 @@ def flanks_of(problem: Problem, force: float, shaft: Shaft, response: Response) 
     R, moved = np.ascontiguousarray(free.reshape(N, start[0].size, -1)), np.ascontiguousarray(start.reshape(N, -1))
     bodies = Bodies(first.G, second.G, R, moved, shaft.work)
     kept = *response.bodies, v0, response.R
-    return Flanks(bodies, e, h, clipped / tangent, kept, response.slope, most_lent, squeeze)
+    return FlankCompliance(bodies, e, h, clipped / tangent, kept, response.slope, most_lent, squeeze)
 
 
 def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Array:
@@ -467,7 +473,7 @@ def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float
     Array
         Square root of the stiffness times direction, ``(N, 1, 2)`` for one pair, ``(N, 2, 8)`` for all flanks.
     """
-    w = normals_of(problem.geometry)
+    w = contact_normals(problem.geometry)
     root = np.sqrt(stiffness)
     if pair is not None:
         return np.ascontiguousarray(root * w[:, pair[0], None, :])

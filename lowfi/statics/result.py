@@ -13,7 +13,7 @@ import numpy as np
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollingSet
-from rollbench.meshes.quantity import Stated, quantity, record
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 Ended = Literal["converged", "not held", "not converged", "stopped"]
 Cause = Literal["", "crossed row", "mounting", "not unique"]
@@ -22,7 +22,7 @@ Cause = Literal["", "crossed row", "mounting", "not unique"]
 MOTION = (("ux_um", 1e6), ("uy_um", 1e6), ("uz_um", 1e6), ("rx_mrad", 1e3), ("ry_mrad", 1e3), ("rz_mrad", 1e3))
 
 
-def by_freedoms(motion: Array) -> dict[str, float]:
+def motion_in_um_and_mrad(motion: Array) -> dict[str, float]:
     """Return three displacements and three rotations as a dictionary in um and mrad with keys such as "ux_um".
 
     Parameters
@@ -63,7 +63,7 @@ class Status(str):
         return self.kind, self.reason, self.cause
 
 
-@record
+@result_record
 class Equilibrium:
     """Check of equilibrium: sums of the forces [N] and of the moments about the origin [N m] on the screw or shaft.
 
@@ -74,47 +74,47 @@ class Equilibrium:
     """
 
     #: Sum of the external loads ``(3,)`` [N].
-    applied_force: Array = quantity("external_force_N", "sum of the external loads, x, y, z", parts="[]")
+    applied_force: Array = quantity_field("external_force_N", "sum of the external loads, x, y, z", parts="[]")
     #: Moment of the external loads about the origin ``(3,)`` [N m].
-    applied_moment: Array = quantity(
+    applied_moment: Array = quantity_field(
         "external_moment_Nm", "moment of the external loads about the origin, x, y, z", parts="[]"
     )
     #: Sum of the supports' reactions ``(3,)`` [N].
-    reaction_force: Array = quantity("reaction_force_N", "sum of the supports' reactions", parts="[]")
+    reaction_force: Array = quantity_field("reaction_force_N", "sum of the supports' reactions", parts="[]")
     #: Moment of the supports' reactions about the origin ``(3,)`` [N m].
-    reaction_moment: Array = quantity(
+    reaction_moment: Array = quantity_field(
         "reaction_moment_Nm", "moment of the supports' reactions about the origin", parts="[]"
     )
     #: Sum of the contact loads on the screw ``(3,)`` [N].
-    contact_force: Array = quantity("contact_force_N", "sum of the contact loads on the screw", parts="[]")
+    contact_force: Array = quantity_field("contact_force_N", "sum of the contact loads on the screw", parts="[]")
     #: Moment of the contact loads about the origin ``(3,)`` [N m].
-    contact_moment: Array = quantity("contact_moment_Nm", "moment of the contact loads about the origin", parts="[]")
+    contact_moment: Array = quantity_field("contact_moment_Nm", "moment of the contact loads about the origin", parts="[]")
     #: Largest component of the sum of all forces, divided by the largest force.
-    force_residual: float = quantity(
+    force_residual: float = quantity_field(
         "force_residual",
         "sum of loads, reactions and contact loads over the largest force; does not use the solved equations",
     )
     #: Largest component of the sum of all moments, divided by the largest moment.
-    moment_residual: float = quantity(
+    moment_residual: float = quantity_field(
         "moment_residual", "sum of the moments of loads, reactions and contact loads over the largest moment"
     )
     #: Force of the pin ``(3,)`` [N].
-    pin_force: Array = quantity(
+    pin_force: Array = quantity_field(
         "pin_force_N",
         "force of the pin that prevents a motion which nothing else resists; not a reaction of a support",
         parts="[]",
         default_factory=lambda: np.zeros(3),
     )
     #: Moment of the pin ``(3,)`` [N m].
-    pin_moment: Array = quantity(
+    pin_moment: Array = quantity_field(
         "pin_moment_Nm", "moment of this pin about the origin", parts="[]", default_factory=lambda: np.zeros(3)
     )
     #: Largest component of the pin's force or moment, divided by the largest force or moment.
-    pin_share: float = quantity(
+    pin_share: float = quantity_field(
         "pin_share", "largest component of the pin's force or moment over the largest force or moment", default=0.0
     )
     #: Largest resultant contact force on a ball, divided by the largest force.
-    ball_residual: float = quantity(
+    ball_residual: float = quantity_field(
         "ball_residual", "largest unbalanced force of a ball over the largest force", default=0.0
     )
     #: Number of the ball with this force, from 1.
@@ -126,30 +126,30 @@ class Equilibrium:
         return max(self.force_residual, self.moment_residual, self.ball_residual)
 
 
-@record
+@result_record
 class SolverReport:
     """Record of the effort and the accuracy of a solve."""
 
     #: Newton steps.
-    iterations: int = quantity("iterations", "Newton steps")
+    iterations: int = quantity_field("iterations", "Newton steps")
     #: Evaluations of the equations.
-    evaluations: int = quantity("evaluations", "evaluations of the equations")
+    evaluations: int = quantity_field("evaluations", "evaluations of the equations")
     #: Largest unbalanced force over the largest force.
-    residual: float = quantity("residual", "largest unbalanced force of the solved equations over the largest force")
+    residual: float = quantity_field("residual", "largest unbalanced force of the solved equations over the largest force")
     #: Time of the solve [s].
-    seconds: float = quantity("seconds", "time of the solve")
+    seconds: float = quantity_field("seconds", "time of the solve")
     #: Number of unknowns.
-    unknowns: int = quantity("unknowns", "unknowns of the solve")
+    unknowns: int = quantity_field("unknowns", "unknowns of the solve")
     #: Number of beam elements.
-    elements: int = quantity("elements", "beam elements")
+    elements: int = quantity_field("elements", "beam elements")
     #: ``"interpreted"`` or ``"compiled"`` kernels.
-    engine: str = quantity("engine")
+    engine: str = quantity_field("engine")
     #: Formulation that is solved.
-    formulation: str = quantity("formulation")
+    formulation: str = quantity_field("formulation")
     #: Relative residual that rounding errors in double precision can leave.
-    round_off_bound: float = quantity("round_off_bound", "bound of the residual due to rounding only", default=0.0)
+    round_off_bound: float = quantity_field("round_off_bound", "bound of the residual due to rounding only", default=0.0)
     #: Largest change of a contact load [N] if every beam element is halved; None if it was not computed.
-    discretisation: float | None = quantity(
+    discretisation: float | None = quantity_field(
         "discretisation_percent",
         "change of the loads when every beam element is halved, in per cent of the mean load",
         show=lambda _: None,
@@ -158,7 +158,7 @@ class SolverReport:
     #: Time to set up the equations, before the iteration [s].
     setup_seconds: float = 0.0
     #: Sentences on special events of the solve, such as a second solve with more flanks.
-    notes: tuple[str, ...] = quantity("notes", default=())
+    notes: tuple[str, ...] = quantity_field("notes", default=())
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ class Answering:
 
     def without_answers(self) -> Self:
         """Return a copy in which the fields named in ``ANSWERS`` are nan, also in nested records."""
-        return replace(self, **{name: unknown(getattr(self, name)) for name in self.ANSWERS})
+        return replace(self, **{name: placeholder_without_solution(getattr(self, name)) for name in self.ANSWERS})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -258,36 +258,38 @@ class StaticResult(Solved):
         return (self,)
 
 
-@record
+@result_record
 class SetResult(Answering):
     """Result of one bearing or ball nut of an assembly."""
 
     #: The bearing or ball nut.
-    of: RollingSet = quantity(
+    of: RollingSet = quantity_field(
         "name",
         "",
-        Stated("kind", show=lambda of: of.kind),
-        Stated("position_mm", "axial position of the centre of the bearing or nut", show=lambda of: of.position),
-        Stated("housing", show=lambda of: of.housing),
-        Stated("offset_um", "axial offset of the outer ring or nut", show=lambda of: of.offset),
+        QuantityDescription("kind", show=lambda of: of.kind),
+        QuantityDescription(
+            "position_mm", "axial position of the centre of the bearing or nut", show=lambda of: of.position
+        ),
+        QuantityDescription("housing", show=lambda of: of.housing),
+        QuantityDescription("offset_um", "axial offset of the outer ring or nut", show=lambda of: of.offset),
         show=lambda of: of.name,
     )
     #: Force of the balls or rollers on the shaft ``(3,)`` [N].
-    force: Array = quantity("force_on_shaft_N", "force of the bearing or nut on the shaft, x, y, z", parts="[]")
+    force: Array = quantity_field("force_on_shaft_N", "force of the bearing or nut on the shaft, x, y, z", parts="[]")
     #: Moment of these forces about the axis point at the centre of the bearing or nut ``(3,)`` [N m].
-    moment: Array = quantity(
+    moment: Array = quantity_field(
         "moment_on_shaft_Nm", "moment of the bearing or nut on the shaft about its centre, x, y, z", parts="[]"
     )
     #: Force and moment on the outer ring or nut about the same point ``(6,)`` [N, N m]. They are opposite to those on the
     #: shaft except for the change of lever arms by displacements.
     reaction: Array
     #: Tangent stiffness between inner and outer part ``(6, 6)`` [N/m, N, N m].
-    stiffness: Array = quantity(
+    stiffness: Array = quantity_field(
         "stiffness", "tangent stiffness of one bearing or nut between its inner and outer part", parts="[][]"
     )
     #: Motion of the outer ring or nut at its centre, its offset included ``(6,)`` [m, rad].
-    outer: Array = quantity(
-        "outer_motion", "displacement and rotation of the outer ring or nut", show=by_freedoms, parts=".*"
+    outer: Array = quantity_field(
+        "outer_motion", "displacement and rotation of the outer ring or nut", show=motion_in_um_and_mrad, parts=".*"
     )
     #: Contact results of balls, without ``equilibrium``; None for rollers.
     balls: StaticResult | None = None
@@ -310,13 +312,13 @@ class SetResult(Answering):
     )
 
     @property
-    @Stated(
+    @QuantityDescription(
         "largest_load_N",
         "largest contact or roller load of the bearing or nut",
         error="model form",
         show=lambda loads: loads.max(initial=0.0),
     )
-    @Stated(
+    @QuantityDescription(
         "loaded",
         "number of loaded contacts or rollers of the bearing or nut",
         show=lambda loads: int((loads > 0.0).sum()) if np.isfinite(loads).all() else None,
@@ -326,21 +328,21 @@ class SetResult(Answering):
         return self.balls.load if self.balls is not None else np.zeros(0) if self.roller_load is None else self.roller_load
 
 
-@record
+@result_record
 class HousingResult(Answering):
     """Result of one housing of an assembly."""
 
     #: Name of the housing.
-    name: str = quantity("name")
+    name: str = quantity_field("name")
     #: Displacement and rotation at the housing's reference point ``(6,)`` [m, rad].
-    motion: Array = quantity(
-        "motion", "displacement and rotation of the housing at its axial position", show=by_freedoms, parts=".*"
+    motion: Array = quantity_field(
+        "motion", "displacement and rotation of the housing at its axial position", show=motion_in_um_and_mrad, parts=".*"
     )
     #: Force and moment that fixed degrees of freedom and springs exert on the housing, about this point ``(6,)`` [N, N m].
-    wrench: Array = quantity(
+    wrench: Array = quantity_field(
         "frame_force_N",
         "force on the housing by its fixed freedoms and its springs, x, y, z",
-        Stated(
+        QuantityDescription(
             "frame_moment_Nm",
             "moment of these forces about the housing's axial position",
             show=lambda wrench: wrench[3:],
@@ -350,7 +352,7 @@ class HousingResult(Answering):
         parts="[]",
     )
     #: Unbalanced force and moment on the housing, divided by the largest force.
-    residual: float = quantity("residual", "unbalanced force and moment on the housing over the largest force")
+    residual: float = quantity_field("residual", "unbalanced force and moment on the housing over the largest force")
     #: Names of the fields that are replaced by nan if the solution did not converge.
     ANSWERS: ClassVar[tuple[str, ...]] = ("motion", "wrench", "residual")
 
@@ -381,13 +383,13 @@ class AxisResult(Solved):
         return replace(super().without_answers(), stiffness=None)
 
 
-def unknown(value: Any) -> Any:
+def placeholder_without_solution(value: Any) -> Any:
     """Return what replaces a value of a solution that did not converge.
 
     Numbers and arrays become nan, also within records and tuples; an `Equilibrium` becomes None.
     """
     if isinstance(value, tuple):
-        return tuple(unknown(x) for x in value)
+        return tuple(placeholder_without_solution(x) for x in value)
     if isinstance(value, Answering):
         return value.without_answers()
     if isinstance(value, float):

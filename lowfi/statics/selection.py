@@ -18,12 +18,12 @@ from rollbench.lowfi.statics.shape import motions_at
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import BallLayout
-from rollbench.meshes.one_arc import is_one_arc, sides_of_arc
+from rollbench.meshes.one_arc import flanks_with_contacts, has_single_arc_grooves
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
-from rollbench.meshes.section import MERGE, contact_stations
+from rollbench.meshes.section import MERGE, contact_force_positions
 
 
-def all_sides(scene: Scene) -> Mask:
+def flanks_of_scene(scene: Scene) -> Mask:
     """Return which of the flanks SL, SR, NL, NR a scene has ``(4,)``: all, or one per body if grooves are single arcs.
 
     Parameters
@@ -31,10 +31,10 @@ def all_sides(scene: Scene) -> Mask:
     scene
         Screw or bearing.
     """
-    return np.isin(np.arange(4), sides_of_arc(scene) or range(4))
+    return np.isin(np.arange(4), flanks_with_contacts(scene) or range(4))
 
 
-def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | None = None) -> Mask:
+def choose_sides(scene: Scene, drawn: Specimen, distances_and_interference: tuple[Array, Array] | None = None) -> Mask:
     """Return which of the flanks SL, SR, NL, NR to model ``(4,)``.
 
     A diagonal pair of flanks is left out if no ball has interference with it and the axial load opens it. This is a guess:
@@ -47,10 +47,10 @@ def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | Non
         Screw, nut, balls, supports and loads.
     drawn
         Dimensions of the parts with their manufacturing errors.
-    known
+    distances_and_interference
         Distances and interferences of these parts as `centre_distances` returns them; None: computed here.
     """
-    use = all_sides(scene)
+    use = flanks_of_scene(scene)
     force = sum(load.force[2] for load in scene.loads)
     lateral = sum(hypot(*load.force[:2]) for load in scene.loads)
     moment = sum(hypot(*load.moment[:2]) for load in scene.loads)
@@ -59,7 +59,7 @@ def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | Non
     if not np.all(use) or force == 0.0 or bent or across:
         return use
     idle = (1, 2) if force > 0.0 else (0, 3)
-    _, closure = known or centre_distances(scene, drawn)
+    _, closure = distances_and_interference or centre_distances(scene, drawn)
     if float(closure[:, min(idle)].max()) <= 0.0:
         use[list(idle)] = False
     return use
@@ -83,7 +83,7 @@ def flank_motions(problem: Problem, motion: Array) -> Array:
             picks = 6 * problem.node[:, s, None] + np.arange(m)[None, :]
             out[:, s] = np.einsum("nak,nk->na", problem.B[:, s], flat[picks])
             continue
-        stations = contact_stations(problem.scene, layout)[:, s]
+        stations = contact_force_positions(problem.scene, layout)[:, s]
         moved_at = motions_at(stations, problem.nodes, problem.section, motion.reshape(-1, 6))
         out[:, s] = motions_in_section(layout, problem.drawn.centre[:, s], stations, moved_at)
     return out
@@ -116,7 +116,7 @@ def motions_in_section(layout: BallLayout, centre: Array, stations: Array, motio
     return np.stack([np.sum(u * layout.radial, axis=1), np.sum(u * layout.binormal, axis=1)], axis=1)
 
 
-def shifts_of_beam(problem: Problem, motion: Array) -> Array | None:
+def flank_motions_of_beam(problem: Problem, motion: Array) -> Array | None:
     """Return the motion of all four flanks at every ball ``(N, 4, 2)`` [m], with the nut fixed.
 
     None if all flanks are circular arcs, for which contact points do not depend on it.
@@ -134,7 +134,7 @@ def shifts_of_beam(problem: Problem, motion: Array) -> Array | None:
     return np.concatenate([moved, np.zeros_like(moved)], axis=1)
 
 
-def gaps(centres: Array, shift: Array, geometry: Array) -> Array:
+def gaps_to_flanks(centres: Array, shift: Array, geometry: Array) -> Array:
     """Return the gap between each ball and each of its four groove arcs in k solutions ``(k, N, 4)`` [m].
 
     A negative gap is an interference.
@@ -155,7 +155,7 @@ def gaps(centres: Array, shift: Array, geometry: Array) -> Array:
     return np.asarray(-geometry[..., 3] - grown)
 
 
-def all_clear(
+def solutions_clear_of_left_out_flanks(
     centres: Array, shift: Array, geometry: Array, loads: Array, use: Mask, margin: float = 0.0
 ) -> NDArray[np.bool_]:
     """Return for each of k solutions whether all balls are clear of the flanks that were left out ``(k,)``.
@@ -165,7 +165,7 @@ def all_clear(
     Parameters
     ----------
     centres, shift, geometry
-        Ball centres, flank motions and contact geometry as for `gaps`.
+        Ball centres, flank motions and contact geometry as for `gaps_to_flanks`.
     loads
         Contact forces ``(k, N, 4)`` [N].
     use
@@ -174,22 +174,24 @@ def all_clear(
         Least clearance required [m].
     """
     left_out = np.flatnonzero(~use)
-    loaded = _extreme(np.maximum, loads) > 0.0
+    loaded = _extreme_of_last_axis(np.maximum, loads) > 0.0
     if np.all(loaded):
         named: slice | Mask = ~use
         if left_out.size == 2:  # a slice gives a view, without a copy
             named = slice(left_out[0], left_out[1] + 1, left_out[1] - left_out[0])
-        gap = _extreme(np.minimum, gaps(centres, shift[:, :, named], geometry[:, :, named]))
+        gap = _extreme_of_last_axis(np.minimum, gaps_to_flanks(centres, shift[:, :, named], geometry[:, :, named]))
         return np.asarray((gap >= margin).all(axis=1))
-    clearance = gaps(centres, shift, geometry)
-    gap = np.where(loaded, _extreme(np.minimum, clearance[..., left_out]), _extreme(np.minimum, clearance))
+    clearance = gaps_to_flanks(centres, shift, geometry)
+    gap = np.where(
+        loaded, _extreme_of_last_axis(np.minimum, clearance[..., left_out]), _extreme_of_last_axis(np.minimum, clearance)
+    )
     idle = ~loaded.all(axis=1)
-    elsewhere = gaps(shift[idle].mean(axis=2), shift[idle], geometry[idle]).min(axis=2)
+    elsewhere = gaps_to_flanks(shift[idle].mean(axis=2), shift[idle], geometry[idle]).min(axis=2)
     gap[idle] = np.where(loaded[idle], gap[idle], np.maximum(gap[idle], elsewhere))
     return np.asarray((gap >= margin).all(axis=1))
 
 
-def _extreme(of_two: np.ufunc, values: Array) -> Array:
+def _extreme_of_last_axis(of_two: np.ufunc, values: Array) -> Array:
     """Return the smallest or the largest value along the last, short axis; faster than numpy's reduction.
 
     Parameters
@@ -221,12 +223,12 @@ def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: 
     force
         Contact forces ``(N, 4)`` [N].
     """
-    if np.array_equal(problem.use, all_sides(problem.scene)):
+    if np.array_equal(problem.use, flanks_of_scene(problem.scene)):
         return np.asarray((force > 0.0).any(axis=0))
     moved = flank_motions(problem, motion)
     if not problem.drawn.profile.shape[1]:
         shift = np.concatenate([moved, np.zeros_like(moved)], axis=1)[None]
-        if all_clear(centres[None], shift, problem.geometry[None], force[None], problem.use)[0]:
+        if solutions_clear_of_left_out_flanks(centres[None], shift, problem.geometry[None], force[None], problem.use)[0]:
             return np.asarray((force > 0.0).any(axis=0))
     touched = np.zeros(4, dtype=bool)
     p, contact, shift = np.zeros(2), np.zeros((4, 5)), np.zeros((4, 2))
@@ -255,7 +257,7 @@ def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: boo
     """
     notes: list[str] = []
     idle = [name for name, used in zip(SIDES, problem.use, strict=True) if not used]
-    if idle and is_one_arc(problem.scene):
+    if idle and has_single_arc_grooves(problem.scene):
         notes.append(f"flanks {' and '.join(idle)}: each groove is a single arc, which the other two flanks represent")
     elif idle:
         notes.append(

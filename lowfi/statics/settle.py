@@ -59,7 +59,7 @@ class Scale(NamedTuple):
         return max(self.force, 1e-6)
 
 
-def options_of(scale: Scale, arm: float, furthest: float, tolerance: float = TOLERANCE) -> Options:
+def solver_options(scale: Scale, arm: float, furthest: float, tolerance: float = TOLERANCE) -> Options:
     """Return the parameters of the kernels' Newton iteration: tolerance, limits, and typical stiffness and force.
 
     Parameters
@@ -84,7 +84,7 @@ def options_of(scale: Scale, arm: float, furthest: float, tolerance: float = TOL
     )
 
 
-class Description(NamedTuple):
+class ModelDescription(NamedTuple):
     """Description of a model that is stored with its solution."""
 
     #: Mathematical formulation, for example "convex energy".
@@ -97,7 +97,7 @@ class Description(NamedTuple):
     left_out: tuple[str, ...] = ()
 
 
-class SetFlanks(NamedTuple):
+class ContactState(NamedTuple):
     """Contact forces, ball centres and flank motions of one bearing or nut with N balls, in one state of the iteration."""
 
     #: Contact problem of the bearing or nut.
@@ -111,7 +111,7 @@ class SetFlanks(NamedTuple):
 
 
 @dataclass(kw_only=True)
-class Prepared(ABC):
+class StaticEquations(ABC):
     """Equations of one or several bearings and nuts for the numerical kernels, with the state of the iteration."""
 
     #: Name of the kernel function that solves equations of this kind.
@@ -146,7 +146,7 @@ class Prepared(ABC):
         """Return the contact problem of each bearing and nut; the kernels use its array of Hertz constants."""
 
     @abstractmethod
-    def flanks(self) -> Sequence[SetFlanks]:
+    def flanks(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions of each bearing and nut in the present state."""
 
     @abstractmethod
@@ -164,17 +164,17 @@ class Prepared(ABC):
         """Return the relative residual that rounding errors leave in double precision (`least_residual`)."""
 
     @abstractmethod
-    def description(self) -> Description:
+    def description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
 
-    def at_state(self, of: Prepared) -> Self:
+    def copy_state_from(self, of: StaticEquations) -> Self:
         """Copy the state of the equations ``of``, which have the same size, into these equations; return these."""
         for mine, known in zip(self.state, of.state, strict=True):
             mine[:] = known
         return self
 
 
-P = TypeVar("P", bound=Prepared)
+P = TypeVar("P", bound=StaticEquations)
 
 
 def contact_angles(normal: Array) -> Array:
@@ -187,14 +187,14 @@ def no_state_found(outcome: Outcome) -> bool:
     return outcome.status in NO_LOADS or outcome.residual > LOST
 
 
-def settled(system: P, profile: bool = True) -> tuple[P, Outcome]:
+def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -> tuple[P, Outcome]:
     """Solve the equilibrium, and update Hertz constants and lever arms until they no longer change.
 
     Parameters
     ----------
     system
         Equations to solve. Hertz constants are updated only if the scene's ``hertz`` is "actual".
-    profile
+    follow_profile_errors
         Whether lever arms are updated for flanks that are not circular arcs.
 
     Returns
@@ -204,9 +204,9 @@ def settled(system: P, profile: bool = True) -> tuple[P, Outcome]:
     """
     outcome = system.iterate()
     if system.problems and system.problems[0].scene.ingredients.hertz == "actual":
-        outcome = follow_hertz(system, outcome)
-    if profile and any(map(uneven, system.problems)):
-        return follow_profile(system, outcome)
+        outcome = update_hertz_constants(system, outcome)
+    if follow_profile_errors and any(map(has_profile_errors, system.problems)):
+        return update_lever_arms(system, outcome)
     return system, outcome
 
 
@@ -231,26 +231,28 @@ def least_residual(motions: float, stiffness: float, scale: float, problems: Ite
     return ROUND_OFF * (motions + radius) * stiffness / scale if scale else 0.0
 
 
-def status_of(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: bool = False) -> Status:
+def solve_status(
+    outcome: Outcome, round_off_residual: float, prove_status: Callable[[], Status], moved_too_far: bool = False
+) -> Status:
     """Return the status of a solve: "converged", or else the kind of failure with its reason.
 
     Parameters
     ----------
     outcome
         Status, residual and effort of the solver.
-    bound
+    round_off_residual
         Relative residual that rounding errors leave.
-    unheld
+    prove_status
         Function that decides by a linear program whether a body can move without limit, and returns the status.
-    far
-        Whether the bodies moved so far that ``unheld`` has to decide although the solver converged.
+    moved_too_far
+        Whether the bodies moved so far that ``prove_status`` has to decide although the solver converged.
     """
-    good = outcome.residual <= max(ACCEPTED, bound) and outcome.status in (CONVERGED, ITERATIONS)
-    if good and not far:
+    good = outcome.residual <= max(ACCEPTED, round_off_residual) and outcome.status in (CONVERGED, ITERATIONS)
+    if good and not moved_too_far:
         return Status("converged")
     if outcome.status == NOT_HELD:
-        return unheld()
-    if far and (status := unheld()).kind == "not held":
+        return prove_status()
+    if moved_too_far and (status := prove_status()).kind == "not held":
         return status
     if good:
         return Status("converged")
@@ -260,12 +262,12 @@ def status_of(outcome: Outcome, bound: float, unheld: Callable[[], Status], far:
     return Status("not converged", reason)
 
 
-def report_of(
+def solver_report(
     outcome: Outcome,
-    system: Prepared,
-    description: Description,
+    system: StaticEquations,
+    description: ModelDescription,
     elements: int,
-    times: tuple[float, float],
+    start_and_ready_times: tuple[float, float],
     notes: tuple[str, ...],
 ) -> SolverReport:
     """Return the record of effort and accuracy of a solve.
@@ -280,7 +282,7 @@ def report_of(
         Formulation and number of unknowns.
     elements
         Number of beam elements.
-    times
+    start_and_ready_times
         Times at which the computation began and at which its equations were ready (`time.perf_counter`) [s].
     notes
         Sentences on special events during the solve, such as a second solve with more flanks.
@@ -289,18 +291,18 @@ def report_of(
         iterations=outcome.iterations,
         evaluations=outcome.evaluations,
         residual=outcome.residual,
-        seconds=perf_counter() - times[0],
+        seconds=perf_counter() - start_and_ready_times[0],
         unknowns=description.unknowns,
         elements=elements,
         engine="compiled" if jit.is_compiled(system.engine.__name__) else "interpreted",
         formulation=description.formulation,
         round_off_bound=system.round_off(),
-        setup_seconds=times[1] - times[0],
+        setup_seconds=start_and_ready_times[1] - start_and_ready_times[0],
         notes=notes,
     )
 
 
-def follow_hertz(system: Prepared, outcome: Outcome) -> Outcome:
+def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Outcome:
     """Update the Hertz constants to the actual contact angles and solve again, until they no longer change.
 
     Returns the outcome of the last solve, with the iterations of all. ``system`` is left at the last state.
@@ -322,13 +324,13 @@ def follow_hertz(system: Prepared, outcome: Outcome) -> Outcome:
             updated = actual_hertz(problem.scene, problem.drawn, gamma).C
             change = max(change, float(np.abs(updated / problem.C - 1.0).max()))
             problem.C[:] = updated
-        outcome = with_counts_of(outcome, system.iterate(False))
+        outcome = add_iteration_counts(outcome, system.iterate(False))
         if change < SETTLED:
             break
     return outcome
 
 
-def follow_profile(system: P, outcome: Outcome) -> tuple[P, Outcome]:
+def update_lever_arms(system: P, outcome: Outcome) -> tuple[P, Outcome]:
     """Update the lever arms to the centres of curvature at the contact points and solve again, until they no longer change.
 
     If a flank deviates from a circular arc, its centre of curvature shifts by about the size of the deviation. Returns the
@@ -348,18 +350,18 @@ def follow_profile(system: P, outcome: Outcome) -> tuple[P, Outcome]:
         arms = [centre_shift(s) for s in system.flanks()]
         change = max(float(np.abs(x - y).max()) for x, y in zip(arms, before, strict=True))
         before, system = arms, system.with_arms(arms)
-        outcome = with_counts_of(outcome, system.iterate(False))
+        outcome = add_iteration_counts(outcome, system.iterate(False))
         if change < SETTLED:
             break
     return system, outcome
 
 
-def uneven(problem: Problem) -> bool:
+def has_profile_errors(problem: Problem) -> bool:
     """Return whether the lever arms of a bearing or nut depend on profile errors of its flanks."""
     return problem.drawn.profile.shape[1] > 0 and problem.scene.ingredients.arm != "nominal"
 
 
-def centre_shift(s: SetFlanks) -> Array:
+def centre_shift(s: ContactState) -> Array:
     """Return the vector from the nominal arc's centre to the profile's centre of curvature at each loaded contact.
 
     ``s``: contacts, ball centres and flank motions of one bearing or nut with N balls.
@@ -370,7 +372,7 @@ def centre_shift(s: SetFlanks) -> Array:
         ``(N, 4, 2)`` [m]; zero for circular arcs and unloaded contacts.
     """
     force, normal = s.contact[..., 0], s.contact[..., 1:3]
-    if not uneven(s.problem):
+    if not has_profile_errors(s.problem):
         return np.zeros(normal.shape)
     w = -s.problem.drawn.centre + s.centre[:, None, :] - s.shift
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -378,6 +380,6 @@ def centre_shift(s: SetFlanks) -> Array:
     return np.where(force[..., None] > 0.0, w - normal * radius[..., None], 0.0)
 
 
-def with_counts_of(first: Outcome, then: Outcome) -> Outcome:
+def add_iteration_counts(first: Outcome, then: Outcome) -> Outcome:
     """Return the outcome ``then`` of a later solve, with the iterations and evaluations of both solves added up."""
     return then._replace(iterations=first.iterations + then.iterations, evaluations=first.evaluations + then.evaluations)

@@ -1,7 +1,8 @@
 """Screw or shaft as a beam with supports and loads, condensed to the motions of the flanks under the balls.
 
 The condensation is exact for the beam. A beam's sections are rigid, however. In a solid shaft, section forces deform the
-grooves and so change the contacts' approach, and contact forces strain the shaft. `Squeeze` holds this coupling.
+grooves and so change the contacts' approach, and contact forces strain the shaft. `SectionForceCoupling` holds this
+coupling.
 
 Consider the stretch of shaft under one nut or bearing, cut out of the shaft. Contact loads f act on it, and at its upper
 end the wrench F (force and moment) of the shaft above; the lower end carries the resultant. Fixed at its lower end the
@@ -33,16 +34,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.compliance.bodies import end_response, section_response
+from rollbench.lowfi.compliance.bodies import screw_response_to_end_wrench, screw_response_to_section_wrench
 from rollbench.lowfi.compliance.parts import Backend
-from rollbench.lowfi.statics.kernel.beam import add_element, element_constants, force_of
+from rollbench.lowfi.statics.kernel.beam import add_element, element_constants, write_element_force
 from rollbench.lowfi.statics.kernel.matrices import factor_band, inverse_blocks, substitute_blocks
 from rollbench.lowfi.statics.problem import Problem
-from rollbench.lowfi.statics.shape import pivots, principal, rigid_transport
+from rollbench.lowfi.statics.shape import independent_columns, right_singular_vectors, rigid_transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.section import MERGE, contact_stations
+from rollbench.meshes.section import MERGE, contact_force_positions
 
 #: Number of right-hand sides solved at a time, to limit memory.
 CHUNK = 512
@@ -70,7 +71,7 @@ class Shaft:
 
     def under(self, problem: Problem) -> Shaft:
         """Return a copy of this beam model with the loads and prescribed displacements of another ``problem``."""
-        return replace(self, problem=problem, work=_work(problem, self.motions, self.pin))
+        return replace(self, problem=problem, work=_work_of_external_loads(problem, self.motions, self.pin))
 
     def solve(self, loads: Array) -> Array:
         """Return the motions ``(6 n, c)`` [m, rad] of the n nodes under c cases of nodal loads ``(6 n, c)`` [N, N m].
@@ -84,8 +85,11 @@ class Shaft:
 
     @cached_property
     def by_loads(self) -> tuple[Array, Array]:
-        """Return the nodal motions by external loads and prescribed displacements, see `free_state`; computed once."""
-        return free_state(self)
+        """Return the nodal motions by external loads and prescribed displacements, see `motions_by_external_loads`.
+
+        Computed once.
+        """
+        return motions_by_external_loads(self)
 
     def times(self, q: Array) -> Array:
         """Return the nodal forces K q ``(6 n,)`` [N, N m]; K: stiffness matrix, q ``(6 n,)``: nodal motions [m, rad]."""
@@ -98,17 +102,17 @@ class Shaft:
 
 def unsupported_motions(problem: Problem) -> Array:
     """Return the k rigid motions of the screw that no support prevents ``(6, k)``, at the node nearest to the nut."""
-    scale, z = in_metres(problem), problem.nodes
+    scale, z = metres_to_motions(problem), problem.nodes
     origin = z[pin_node(problem)]
     rows = rigid_transport(z - origin)[problem.fixed] * scale
     if rows.size == 0:
         return np.diag(scale)
-    sv, vt = principal(rows)
+    sv, vt = right_singular_vectors(rows)
     rank = int((sv > 1e-9 * sv[0]).sum())
     return np.asarray(scale[:, None] * vt[rank:].T)
 
 
-def in_metres(problem: Problem) -> Array:
+def metres_to_motions(problem: Problem) -> Array:
     """Return the factors ``(6,)`` that convert amplitudes in metres to motions of the screw.
 
     They are 1 for the three displacements and 1/pitch radius [rad/m] for the three rotations.
@@ -121,15 +125,15 @@ def pin_node(problem: Problem) -> int:
     return int(np.abs(problem.nodes - problem.scene.nut.position).argmin())
 
 
-def shaft_of(problem: Problem) -> Shaft:
+def build_shaft(problem: Problem) -> Shaft:
     """Return the beam model of a problem's screw with its factored stiffness matrix.
 
     A rigid screw has no stiffness matrix, only the rigid motions that its supports leave free.
     """
     if problem.basis is not None:
-        motions = np.diag(in_metres(problem))[:, ~problem.fixed[0]]
+        motions = np.diag(metres_to_motions(problem))[:, ~problem.fixed[0]]
         none, no = np.zeros(6, dtype=bool), np.zeros((0, 6, 6))
-        return Shaft(problem, motions, _work(problem, motions, 0), 0, none, (no, no), np.zeros((1, 6)))
+        return Shaft(problem, motions, _work_of_external_loads(problem, motions, 0), 0, none, (no, no), np.zeros((1, 6)))
     n = problem.nodes.size
     band = np.zeros((6 * n, 12))
     lengths = np.diff(problem.nodes)
@@ -141,13 +145,13 @@ def shaft_of(problem: Problem) -> Shaft:
     pin = pin_node(problem)
     held = problem.fixed.copy()
     if motions.shape[1]:
-        held[pin, pivots(motions.T)] = True
+        held[pin, independent_columns(motions.T)] = True
     free = ~held.ravel()
-    work = _work(problem, motions, pin)
-    return Shaft(problem, motions, work, pin, free, inverse_blocks(_factor(band, free)), band.T.copy())
+    work = _work_of_external_loads(problem, motions, pin)
+    return Shaft(problem, motions, work, pin, free, inverse_blocks(_factor_beam_stiffness(band, free)), band.T.copy())
 
 
-def _work(problem: Problem, motions: Array, pin: int) -> Array:
+def _work_of_external_loads(problem: Problem, motions: Array, pin: int) -> Array:
     """Return the work of the external loads on the k free rigid motions, per metre of amplitude ``(k,)`` [N].
 
     ``motions`` ``(6, k)``: the motions at the node with the number ``pin``.
@@ -158,7 +162,7 @@ def _work(problem: Problem, motions: Array, pin: int) -> Array:
     return np.asarray(motions.T @ at_pin)
 
 
-def _factor(band: Array, free: NDArray[np.bool_]) -> Array:
+def _factor_beam_stiffness(band: Array, free: NDArray[np.bool_]) -> Array:
     """Return the factor of a beam's stiffness matrix, see `kernel.matrices`.
 
     ``band`` ``(6 n, 12)``: lower band of the matrix; ``free`` ``(6 n,)``: whether a degree of freedom is free. The others
@@ -173,30 +177,30 @@ def _factor(band: Array, free: NDArray[np.bool_]) -> Array:
     return kept
 
 
-def rows_of(problem: Problem, used: list[int]) -> tuple[NDArray[np.int64], Array]:
+def flank_motion_coefficients(problem: Problem, screw_flanks: list[int]) -> tuple[NDArray[np.int64], Array]:
     """Return which nodal motions move each screw flank, and by how much: indices ``(c, m)``, coefficients ``(c, 2, m)``.
 
     Parameters
     ----------
     problem
         Static problem of N balls.
-    used
+    screw_flanks
         Numbers of the screw flanks in use, 0 for SL and 1 for SR. The c = N len(used) flanks at the balls are ordered: all
         balls of the first of these numbers, then all balls of the second.
     """
     m = problem.B.shape[3]
-    dof = [6 * problem.node[:, s, None] + np.arange(m) for s in used]
-    return np.concatenate(dof), np.concatenate([problem.B[:, s] for s in used])
+    dof = [6 * problem.node[:, s, None] + np.arange(m) for s in screw_flanks]
+    return np.concatenate(dof), np.concatenate([problem.B[:, s] for s in screw_flanks])
 
 
-def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array]:
+def flank_response(shaft: Shaft, screw_flanks: list[int]) -> tuple[Array, Array]:
     """Return how the screw's flanks move by bending and stretching of the beam, and by its free rigid motions.
 
     Parameters
     ----------
     shaft
         The beam with k free rigid motions.
-    used
+    screw_flanks
         Numbers of the screw flanks in use, 0 for SL and 1 for SR; with all balls there are c flanks.
 
     Returns
@@ -205,7 +209,7 @@ def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array]:
         Compliance ``(2 c, 2 c)`` [m/N] of the flanks, and their motions per metre of each free rigid motion ``(2 c, k)``.
     """
     problem = shaft.problem
-    dof, rows = rows_of(problem, used)
+    dof, rows = flank_motion_coefficients(problem, screw_flanks)
     count = rows.shape[0]
     if problem.basis is not None:
         return np.zeros((2 * count, 2 * count)), rows.reshape(2 * count, -1) @ shaft.motions
@@ -217,24 +221,24 @@ def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array]:
         loads[dof[pick // 2].T, np.arange(pick.size)] = rows[pick // 2, pick % 2].T
         q = shaft.solve(loads)
         G[:, pick] = np.einsum("cak,ckp->cap", rows, q[dof]).reshape(2 * count, pick.size)
-    R = np.einsum("cak,ckp->cap", rows, rigid_nodes(shaft)[dof]).reshape(2 * count, -1)
+    R = np.einsum("cak,ckp->cap", rows, nodal_motions_of_rigid_screw(shaft)[dof]).reshape(2 * count, -1)
     return 0.5 * (G + G.T), R
 
 
-def flank_motions_by_loads(shaft: Shaft, used: list[int]) -> Array:
+def flank_motions_by_loads(shaft: Shaft, screw_flanks: list[int]) -> Array:
     """Return the motions ``(2 c,)`` [m] of c screw flanks by external loads and prescribed displacements.
 
-    ``used``: numbers of the screw flanks in use (0: SL, 1: SR). There are c = len(used) x number of balls flanks, all balls
-    of the first number first, with two components in the ball's section plane each.
+    ``screw_flanks``: numbers of the screw flanks in use (0: SL, 1: SR). There are c = len(used) x number of balls flanks,
+    all balls of the first number first, with two components in the ball's section plane each.
     """
     problem = shaft.problem
-    dof, rows = rows_of(problem, used)
+    dof, rows = flank_motion_coefficients(problem, screw_flanks)
     if problem.basis is not None:
         return np.asarray(rows.reshape(2 * len(rows), -1) @ np.where(problem.fixed[0], problem.prescribed[0], 0.0))
     return np.asarray(np.einsum("cak,ck->ca", rows, np.add(*shaft.by_loads)[dof]).ravel())
 
 
-def free_state(shaft: Shaft) -> tuple[Array, Array]:
+def motions_by_external_loads(shaft: Shaft) -> tuple[Array, Array]:
     """Return the nodal motions by external loads and prescribed displacements: a rigid part and the rest, ``(6 n,)`` each.
 
     If the prescribed displacements are a rigid motion of the shaft, this motion is the rigid part; otherwise it is zero.
@@ -253,7 +257,7 @@ def free_state(shaft: Shaft) -> tuple[Array, Array]:
     return moved.ravel(), prescribed.ravel() + shaft.solve(loads[:, None])[:, 0]
 
 
-def rigid_nodes(shaft: Shaft) -> Array:
+def nodal_motions_of_rigid_screw(shaft: Shaft) -> Array:
     """Return the motions ``(6 n, k)`` [m, rad] of all n nodes per metre of each of the k free rigid motions."""
     z = shaft.problem.nodes
     return np.asarray((rigid_transport(z - z[shaft.pin]) @ shaft.motions).reshape(6 * z.size, -1))
@@ -276,7 +280,7 @@ def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
         return np.asarray(np.where(problem.fixed, problem.prescribed, 0.0) + shaft.motions @ amplitudes)
     moved, bent = shaft.by_loads
     q = bent + shaft.solve(loads[:, None])[:, 0]
-    return np.asarray((moved + q + rigid_nodes(shaft) @ amplitudes).reshape(-1, 6))
+    return np.asarray((moved + q + nodal_motions_of_rigid_screw(shaft) @ amplitudes).reshape(-1, 6))
 
 
 def node_forces(shaft: Shaft, loads: Array) -> Array:
@@ -287,13 +291,13 @@ def node_forces(shaft: Shaft, loads: Array) -> Array:
     return shaft.times(shaft.by_loads[1] + shaft.solve(loads[:, None])[:, 0]).reshape(-1, 6)
 
 
-def flank_loads(problem: Problem, forces: Array, used: list[int]) -> Array:
+def nodal_loads_of_flank_forces(problem: Problem, forces: Array, screw_flanks: list[int]) -> Array:
     """Return the nodal loads ``(6 n,)`` [N, N m] equivalent to the contact forces ``(c, 2)`` [N] on the screw's flanks.
 
-    ``used``: numbers of the screw flanks in use (0: SL, 1: SR). The c flanks are all balls of the first of these numbers,
-    then all balls of the second.
+    ``screw_flanks``: numbers of the screw flanks in use (0: SL, 1: SR). The c flanks are all balls of the first of these
+    numbers, then all balls of the second.
     """
-    dof, rows = rows_of(problem, used)
+    dof, rows = flank_motion_coefficients(problem, screw_flanks)
     out = np.zeros(6 * problem.nodes.size)
     np.add.at(out, dof, np.einsum("cak,ca->ck", rows, forces))
     return out
@@ -322,7 +326,7 @@ class Stretch:
 
 
 @dataclass(frozen=True)
-class Inside:
+class JumpsInsideStretches:
     """Motions of the shaft's nodes between a contact and the upper cut, caused by the jump that the contact's force makes.
 
     If the shaft carries no load beyond a cut, the nodes beyond this cut are included.
@@ -335,21 +339,21 @@ class Inside:
     #: Number c of flanks at all balls.
     flanks: int
 
-    def _moves(self, x: Stretch) -> tuple[Array, Ints]:
+    def _motions_per_jump(self, x: Stretch) -> tuple[Array, Ints]:
         """Return the motions of the first m nodes per unit jump at the cut of the stretch ``x``, and nodes of the flanks.
 
         The first array ``(m, 6, 6)`` has the axes node, motion of the node and component of the jump. The second array
         holds for each flank of the stretch the number of the first node above it.
         """
         nodes = self.problem.nodes
-        z = nodes[: x.cut + 1] if loaded_beyond(self.problem, x.cut) else nodes
+        z = nodes[: x.cut + 1] if is_loaded_above_node(self.problem, x.cut) else nodes
         return rigid_transport(z - nodes[x.cut]), np.searchsorted(z, x.stations - MERGE)
 
-    def by_flanks(self, pushes: Array) -> Array:
+    def nodal_motions_by_flank_forces(self, pushes: Array) -> Array:
         """Return the motions ``(6 n,)`` [m, rad] of the n nodes by the forces ``pushes`` ``(2 c,)`` [N] on the c flanks."""
         out = np.zeros((self.problem.nodes.size, 6))
         for x in self.stretches:
-            moves, first = self._moves(x)
+            moves, first = self._motions_per_jump(x)
             jumps = np.zeros((len(moves) + 1, 6))
             np.add.at(jumps, first, x.feel * pushes[x.flanks, None])
             out[: len(moves)] += np.einsum("nij,nj->ni", moves, jumps.cumsum(axis=0)[:-1])
@@ -360,11 +364,11 @@ class Inside:
     def by_loads(self, loads: Array) -> Array:
         """Return the motions ``(2 c, k)`` [m] of the c flanks under k cases of nodal loads ``(6 n, k)`` [N, N m].
 
-        By Maxwell's reciprocity the coefficients are those of `by_flanks`.
+        By Maxwell's reciprocity the coefficients are those of `nodal_motions_by_flank_forces`.
         """
         out, nodal = np.zeros((2 * self.flanks, loads.shape[1])), loads.reshape(-1, 6, loads.shape[1])
         for x in self.stretches:
-            moves, first = self._moves(x)
+            moves, first = self._motions_per_jump(x)
             wrenches = np.zeros((len(moves) + 1, *nodal.shape[1:]))
             wrenches[:-1] = np.einsum("nij,nik->njk", moves, nodal[: len(moves)])
             out[x.flanks] += np.einsum("cj,cjk->ck", x.feel, wrenches[::-1].cumsum(axis=0)[::-1][first])
@@ -374,7 +378,7 @@ class Inside:
 
 
 @dataclass(frozen=True)
-class Squeeze:
+class SectionForceCoupling:
     """Coupling between contact deformation and section forces of a shaft with n nodes and c flanks, equation (2).
 
     Section forces of the shaft deform the grooves and so move the flanks; contact forces in turn strain the shaft. Each cut
@@ -397,11 +401,11 @@ class Squeeze:
     given: Array
     #: Motions of the nodes between contacts and cuts by the forces on the flanks, which equivalent nodal loads on the beam
     #: do not produce.
-    inside: Inside
+    inside: JumpsInsideStretches
     #: Jumps at the cuts per unit wrench ``(W, W)``.
     bent: Array
 
-    def under(self, shaft: Shaft, thermal: Array | float = 0.0) -> Squeeze:
+    def under(self, shaft: Shaft, thermal: Array | float = 0.0) -> SectionForceCoupling:
         """Return a copy of the coupling for the external loads and prescribed displacements of a shaft.
 
         Parameters
@@ -415,14 +419,14 @@ class Squeeze:
         moved = self.feel @ wrench + self.inside.by_loads(shaft.problem.load.reshape(-1, 1))[:, 0]
         return replace(self, moved=moved, given=self.bent @ wrench)
 
-    def node_loads(self, pushes: Array) -> Array:
+    def nodal_loads_of_jumps(self, pushes: Array) -> Array:
         """Return the nodal loads ``(6 n,)`` [N, N m] equivalent to the jumps at the cuts that forces on the flanks cause.
 
         ``pushes`` ``(2 c,)`` [N]: forces on the c flanks of the shaft, two components each.
         """
         return np.asarray(self.wrenches.T @ (self.jumps @ pushes + self.given))
 
-    def with_inside(self, motion: Array, pushes: Array, fixed: NDArray[np.bool_]) -> Array:
+    def add_jumps_inside_stretches(self, motion: Array, pushes: Array, fixed: NDArray[np.bool_]) -> Array:
         """Add to nodal motions ``(n, 6)`` the jumps of all contacts between each contact and the upper cut.
 
         Parameters
@@ -434,7 +438,7 @@ class Squeeze:
         fixed
             Which degrees of freedom are fixed ``(n, 6)``; they stay unchanged.
         """
-        return np.where(fixed, motion, motion + (self.inside.by_flanks(pushes.ravel())).reshape(-1, 6))
+        return np.where(fixed, motion, motion + (self.inside.nodal_motions_by_flank_forces(pushes.ravel())).reshape(-1, 6))
 
     def by_loads(self, loads: Array, motions: Array) -> tuple[Array, Array]:
         """Return the motions of flanks ``(2 c, k)`` and nodes ``(6 n, k)`` that the coupling adds under k load cases.
@@ -451,7 +455,7 @@ class Squeeze:
 
 
 def stretch_of(
-    problem: Problem, scene: Scene, layout: BallLayout, backend: Backend, used: Sequence[int], balls: slice
+    problem: Problem, scene: Scene, layout: BallLayout, backend: Backend, screw_flanks: Sequence[int], balls: slice
 ) -> Stretch | None:
     """Return the part of the shaft under the balls of one nut or bearing; None if it is rigid or no flank is in use.
 
@@ -465,31 +469,35 @@ def stretch_of(
         Positions of its balls.
     backend
         Method by which the compliance of the shaft is computed.
-    used
+    screw_flanks
         Numbers of the screw flanks in use, 0 for SL and 1 for SR.
     balls
         Indices of its balls among all balls of the problem.
     """
-    response = None if problem.basis is not None else end_response(scene, layout, backend)
-    if response is None or not used:
+    response = None if problem.basis is not None else screw_response_to_end_wrench(scene, layout, backend)
+    if response is None or not screw_flanks:
         return None
-    cut = int(problem.node[balls][:, list(used)].max()) + (problem.B.shape[3] == 12)
+    cut = int(problem.node[balls][:, list(screw_flanks)].max()) + (problem.B.shape[3] == 12)
     N, first = problem.node.shape[0], np.arange(layout.z.size) + range(problem.node.shape[0])[balls].start
-    places = np.array([2 * (k * N + first)[:, None] + np.arange(2) for k in range(len(used))], dtype=np.int64)
+    places = np.array([2 * (k * N + first)[:, None] + np.arange(2) for k in range(len(screw_flanks))], dtype=np.int64)
     up = rigid_transport(float(problem.nodes[cut]) - response.high)
-    feel = response.contacts.reshape(2, -1, 6)[list(used)].reshape(-1, 6) @ up.T
-    stations = np.repeat(contact_stations(scene, layout)[:, list(used)].T.ravel(), 2)
+    feel = response.contacts.reshape(2, -1, 6)[list(screw_flanks)].reshape(-1, 6) @ up.T
+    stations = np.repeat(contact_force_positions(scene, layout)[:, list(screw_flanks)].T.ravel(), 2)
     sections = {}
     for node in np.flatnonzero(problem.load[:cut].any(axis=1)).tolist():
         at = float(problem.nodes[node])
         if response.low < at:
-            by_section = section_response(scene, layout, backend, at).reshape(2, -1, 6)[list(used)].reshape(-1, 6)
+            by_section = (
+                screw_response_to_section_wrench(scene, layout, backend, at)
+                .reshape(2, -1, 6)[list(screw_flanks)]
+                .reshape(-1, 6)
+            )
             felt = feel @ rigid_transport(at - float(problem.nodes[cut])).T
             sections[node] = by_section - np.where(stations[:, None] - MERGE <= at, felt, 0.0)
     return Stretch(places.ravel(), stations, feel, up @ response.end @ up.T, cut, sections)
 
 
-def loaded_beyond(problem: Problem, cut: int) -> bool:
+def is_loaded_above_node(problem: Problem, cut: int) -> bool:
     """Return whether a support, load or contact acts on the beam above a node, so that a wrench passes the node's cut.
 
     Parameters
@@ -524,19 +532,21 @@ def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
     constants = element_constants(length, np.array([section.EA, section.EI, section.GJ, section.kGA]))
     k = np.zeros((6, 6))
     for unit, row in zip(np.eye(6), k, strict=True):
-        force_of(unit, constants, row)
+        write_element_force(unit, constants, row)
     T = rigid_transport(length)
     return T.T @ k @ T, T.T @ k @ np.hstack([-T, np.eye(6)]), section.EA
 
 
-def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], strain: float = 0.0) -> Squeeze | None:
+def couple_section_forces(
+    shaft: Shaft, screw_flanks: Sequence[int], stretches: Sequence[Stretch], strain: float = 0.0
+) -> SectionForceCoupling | None:
     """Return the coupling between contact deformation and section forces of a shaft; None without ``stretches``.
 
     Parameters
     ----------
     shaft
         The beam.
-    used
+    screw_flanks
         Numbers of the screw flanks in use, 0 for SL and 1 for SR.
     stretches
         Parts of the shaft under nuts and bearings.
@@ -546,9 +556,9 @@ def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], st
     if not stretches:
         return None
     problem = shaft.problem
-    dof, rows = rows_of(problem, list(used))
-    count, inside = 2 * len(rows), Inside(problem, stretches, len(rows))
-    loaded = [x for x in stretches if loaded_beyond(problem, x.cut)]
+    dof, rows = flank_motion_coefficients(problem, list(screw_flanks))
+    count, inside = 2 * len(rows), JumpsInsideStretches(problem, stretches, len(rows))
+    loaded = [x for x in stretches if is_loaded_above_node(problem, x.cut)]
     W = 6 * len(loaded)
     S, k, warm = np.zeros((W, 6 * problem.nodes.size)), np.zeros((W, W)), np.zeros(W)
     D, H = np.zeros((W, count)), np.zeros((W, W))
@@ -566,5 +576,7 @@ def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], st
     feel, by_forces = (D.T + A.T @ H) @ M, A - B @ D
     added = A.T @ D + feel @ by_forces
     bent, none = H @ M, np.zeros(0)
-    squeeze = Squeeze(0.5 * (added + added.T), none, S, feel, X @ H @ M, D + bent @ by_forces, none, inside, bent)
+    squeeze = SectionForceCoupling(
+        0.5 * (added + added.T), none, S, feel, X @ H @ M, D + bent @ by_forces, none, inside, bent
+    )
     return squeeze.under(shaft, warm)

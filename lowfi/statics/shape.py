@@ -61,7 +61,7 @@ def motions_at(z: Array, nodes: Array, section: BeamSection, motion: Array) -> A
     return np.asarray(np.einsum("kab,kb->ka", m, np.concatenate([motion[j], motion[j + 1]], axis=1)))
 
 
-def lifted(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[Array, Array]:
+def initial_motions_with_supports(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[Array, Array]:
     """Return initial node motions that satisfy the prescribed displacements, and the elements' deformations by them.
 
     Between the prescribed values, each of the six motions is interpolated linearly along the shaft.
@@ -172,33 +172,33 @@ def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int
     return n
 
 
-def principal(rows: Array) -> tuple[Array, Array]:
+def right_singular_vectors(matrix: Array) -> tuple[Array, Array]:
     """Return the singular values and all right singular vectors ``(k, k)`` of a matrix ``(m, k)``.
 
     A QR decomposition comes first, so that the cost does not grow with the square of the number of rows.
     """
-    _, size, vt = np.linalg.svd(np.linalg.qr(rows, mode="r"))
+    _, size, vt = np.linalg.svd(np.linalg.qr(matrix, mode="r"))
     return np.asarray(size), np.asarray(vt)
 
 
-def unresisted(rows: Array) -> Array:
-    """Return the c combinations of k motions that none of m constraints resists ``(c, k)``: the null space of ``rows``.
+def null_space_of_constraints(constraints: Array) -> Array:
+    """Return the c combinations of k motions that no constraint resists ``(c, k)``: the null space of ``constraints``.
 
     Parameters
     ----------
-    rows
+    constraints
         Constraints ``(m, k)``, each with a norm of about one.
     """
-    if not rows.size:
-        return np.eye(rows.shape[1])
-    size, vt = principal(rows)
+    if not constraints.size:
+        return np.eye(constraints.shape[1])
+    size, vt = right_singular_vectors(constraints)
     return vt[int((size > 1e-9 * max(1.0, size.max(initial=0.0))).sum()) :]
 
 
-def pivots(rows: Array) -> list[int]:
+def independent_columns(matrix: Array) -> list[int]:
     """Return the numbers of linearly independent columns of a matrix ``(k, m)``, by QR with column pivoting."""
-    remainder, chosen = rows.copy(), []
-    for _ in range(min(rows.shape)):
+    remainder, chosen = matrix.copy(), []
+    for _ in range(min(matrix.shape)):
         sizes = (remainder * remainder).sum(axis=0)
         k = int(sizes.argmax())
         if sizes[k] == 0.0:

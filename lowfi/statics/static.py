@@ -14,37 +14,44 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi import jit
-from rollbench.lowfi.hertz import contact_force, contact_stiffness
+from rollbench.lowfi.hertz import contact_force, contact_stiffness_under_force
 from rollbench.lowfi.statics.held import Mechanism, free_motions
-from rollbench.lowfi.statics.kernel_types import BeamArrays, BeamContacts, BeamSystem, Outcome, RowState, Slopes
-from rollbench.lowfi.statics.problem import Problem, SolvedState, build, centre_distances, largest_interference
+from rollbench.lowfi.statics.kernel_types import (
+    BeamArrays,
+    BeamContacts,
+    BeamSystem,
+    EnergyDerivatives,
+    MotionState,
+    Outcome,
+)
+from rollbench.lowfi.statics.problem import Problem, SolvedState, build_problem, centre_distances, largest_interference
 from rollbench.lowfi.statics.result import StaticResult, Status
 from rollbench.lowfi.statics.selection import (
-    all_sides,
     choose_sides,
     describe_left_out,
     flank_motions,
-    shifts_of_beam,
+    flank_motions_of_beam,
+    flanks_of_scene,
     touched_sides,
 )
 from rollbench.lowfi.statics.settle import (
     NO_LOADS,
     TOLERANCE,
-    Description,
-    Prepared,
+    ContactState,
+    ModelDescription,
     Scale,
-    SetFlanks,
+    StaticEquations,
     least_residual,
     no_state_found,
-    options_of,
-    report_of,
-    settled,
-    status_of,
+    solve_status,
+    solve_with_updated_contacts,
+    solver_options,
+    solver_report,
 )
-from rollbench.lowfi.statics.shape import lifted
+from rollbench.lowfi.statics.shape import initial_motions_with_supports
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from rollbench.meshes.arrays import Array, Mask
-from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.errors import Specimen, draw_specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.section import BeamSection
@@ -76,10 +83,10 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
     most = COMPILE_UNEVEN if uneven else COMPILE_ABOVE
     many = balls > most and (uneven or balls > COMPILE_ALONE or jit.is_machine_code_cached(jit.STATICS))
     fast = engine == "compiled" or (engine == "auto" and (jit.is_copy_loaded(jit.STATICS) or many))
-    return jit.kernels(jit.STATICS, compiled=fast)
+    return jit.load_kernel_package(jit.STATICS, compiled=fast)
 
 
-def scale_of(problem: Problem) -> Scale:
+def residual_scale(problem: Problem) -> Scale:
     """Return the typical force and stiffness of a problem's contacts, by which the solver scales residuals.
 
     A contact counts as unloaded if its force is below the round-off of the typical force. If there are neither loads nor
@@ -103,13 +110,13 @@ def scale_of(problem: Problem) -> Scale:
 
 
 @dataclass(kw_only=True)
-class OneSet(Prepared):
+class OneSetEquations(StaticEquations):
     """Equations of a single ball nut or ball bearing for the kernels: base class for rigid and for elastic bodies."""
 
     #: Arrays of the contact problem.
     problem: Problem
     #: Input from which the problem is built again with other lever arms.
-    build: Build
+    build: StaticInput
 
     @property
     def problems(self) -> Sequence[Problem]:
@@ -123,7 +130,7 @@ class OneSet(Prepared):
         """
         longer: Any = self.build.ready(self.build.problem(arms[0]))
         longer.problem.C[:] = self.problem.C
-        return longer.at_state(self)  # type: ignore[no-any-return]
+        return longer.copy_state_from(self)  # type: ignore[no-any-return]
 
     @abstractmethod
     def clears(self) -> bool:
@@ -135,25 +142,25 @@ class OneSet(Prepared):
 
 
 @dataclass(kw_only=True)
-class Beam(OneSet):
+class BeamEquations(OneSetEquations):
     """Equations of a screw, modelled as a beam or as rigid, in a rigid nut."""
 
     SOLVER = "solve_beam"
     #: Arrays of beam and balls for the kernels.
     given: BeamSystem
     #: Node motions, element deformations and contacts: the unknowns of the iteration.
-    state: RowState
+    state: MotionState
 
     @property
     def force(self) -> Array:
         """Contact forces ``(N, 4)`` [N]."""
         return np.asarray(self.state.contact[..., 0])
 
-    def flanks(self) -> Sequence[SetFlanks]:
+    def flanks(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions in the present state."""
         moved = np.zeros((len(self.state.p), 4, 2))
         moved[:, :2] = flank_motions(self.problem, self.state.q)
-        return (SetFlanks(self.problem, self.state.contact, self.state.p, moved),)
+        return (ContactState(self.problem, self.state.contact, self.state.p, moved),)
 
     def clears(self) -> bool:
         """Return whether no ball touches a left-out flank, by solving every ball with four flanks at fixed screw motion."""
@@ -166,7 +173,7 @@ class Beam(OneSet):
         It follows from the largest motion, and the largest sum of contact stiffnesses on one node.
         """
         problem, motion = self.problem, float(np.abs(self.state.q[:, :3]).max(initial=0.0))
-        stiff = contact_stiffness(self.force[:, :2], problem.C[:, :2])
+        stiff = contact_stiffness_under_force(self.force[:, :2], problem.C[:, :2])
         most = float(np.bincount(problem.node.ravel(), weights=stiff.ravel()).max(initial=0.0))
         return least_residual(motion, most, self.scale, [problem])
 
@@ -178,16 +185,20 @@ class Beam(OneSet):
         problem, gradient, force = self.problem, np.zeros(self.state.q.shape), self.force.copy()
         motion, centre, normal = self.state.q.copy(), self.state.p.copy(), self.state.contact[..., 1:3].copy()
         if problem.basis is None:
-            self.engine.evaluate(self.given, self.state, Slopes(gradient, np.zeros((len(problem.C), 4, 4))))
+            self.engine.evaluate_energy(
+                self.given, self.state, EnergyDerivatives(gradient, np.zeros((len(problem.C), 4, 4)))
+            )
         held = np.where(problem.fixed, gradient, 0.0)
-        return SolvedState(problem, motion, centre, force, normal, held, shifts_of_beam(problem, motion), self.scale)
+        return SolvedState(problem, motion, centre, force, normal, held, flank_motions_of_beam(problem, motion), self.scale)
 
-    def description(self) -> Description:
+    def description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
-        return Description("convex energy", self.problem.unknowns, model_assumptions(self.problem.scene))
+        return ModelDescription("convex energy", self.problem.unknowns, model_assumptions(self.problem.scene))
 
 
-def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE, build: Build | None = None) -> Beam:
+def beam_equations(
+    problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE, build: StaticInput | None = None
+) -> BeamEquations:
     """Return the equations of a screw in a rigid nut, with an initial state that satisfies the prescribed displacements.
 
     Parameters
@@ -203,9 +214,9 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
     """
     lengths, s = np.diff(problem.nodes), problem.section
     sections = np.tile([s.EA, s.EI, s.GJ, s.kGA], (lengths.size, 1))
-    count, scale, drawn = problem.C.shape[0], scale_of(problem), problem.drawn
-    state = RowState(
-        *lifted(problem.nodes, problem.fixed, problem.prescribed),
+    count, scale, drawn = problem.C.shape[0], residual_scale(problem), problem.drawn
+    state = MotionState(
+        *initial_motions_with_supports(problem.nodes, problem.fixed, problem.prescribed),
         np.zeros((count, 2)),
         np.zeros((count, 4, 5)),
         np.zeros((0, 2)),
@@ -216,13 +227,13 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
     engine.assemble_beam(lengths, sections, constants, band)
     given = BeamSystem(BeamArrays(lengths, problem.fixed, problem.load, constants, band), contacts)
     arm, furthest = problem.scene.track.pitch_radius, float(drawn.ball_radius.max())
-    options = options_of(scale, arm, furthest, tolerance)
-    build = build or Build(problem.scene, drawn, problem.layout, problem.use, engine)
-    return Beam(engine=engine, given=given, state=state, options=options, problem=problem, build=build)
+    options = solver_options(scale, arm, furthest, tolerance)
+    build = build or StaticInput(problem.scene, drawn, problem.layout, problem.use, engine)
+    return BeamEquations(engine=engine, given=given, state=state, options=options, problem=problem, build=build)
 
 
 @dataclass(frozen=True)
-class Build:
+class StaticInput:
     """Input of a ball screw's static problem; the problem is built from it, also with other flanks or lever arms."""
 
     #: Scene: screw, nut, balls, supports and loads.
@@ -260,17 +271,17 @@ class Build:
         """
         parts = self.scene, self.drawn, self.layout, self.use
         how: dict[str, Any] = {"everything": self.everything, "refine": self.refine, "known": self.known}
-        found = build(*parts, arms=arms, section=self.section, **how)
+        found = build_problem(*parts, arms=arms, section=self.section, **how)
         held = self.held
         return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])
 
-    def holding(self, pinned: Problem) -> Self:
+    def with_supports_of(self, pinned: Problem) -> Self:
         """Return a copy of this input with the fixed degrees of freedom of the problem ``pinned``."""
         return replace(self, held=(pinned.fixed, pinned.prescribed, pinned.pins))
 
-    def ready(self, problem: Problem) -> OneSet:
+    def ready(self, problem: Problem) -> OneSetEquations:
         """Return the equations of the problem for the numerical kernels, with an initial state."""
-        return prepare(problem, self.engine, build=self)
+        return beam_equations(problem, self.engine, build=self)
 
     def touched(self) -> str:
         """Return the sentence for the result that balls touched left-out flanks, so that all four flanks were solved."""
@@ -282,11 +293,11 @@ class Solution(NamedTuple):
     """Equations of a ball screw at the state where the solver ended."""
 
     #: Equations with their last state.
-    system: OneSet
+    system: OneSetEquations
     #: Status, residual and effort of the solver.
     outcome: Outcome
     #: Input from which the equations were built.
-    build: Build
+    build: StaticInput
     #: Motions of the screw that nothing resists.
     mechanism: Mechanism
     #: Notes on the flanks that were left out.
@@ -297,7 +308,7 @@ class Solution(NamedTuple):
     @property
     def status(self) -> Status:
         """Return the status of the solve: "converged", or else the kind of failure with its reason."""
-        return status_of(self.outcome, self.system.round_off(), partial(runaway_status, self.system.problem))
+        return solve_status(self.outcome, self.system.round_off(), partial(runaway_status, self.system.problem))
 
 
 class UnrestrainedProblem(NamedTuple):
@@ -314,7 +325,7 @@ class UnrestrainedProblem(NamedTuple):
         return Status("not held", self.mechanism.text)
 
 
-def solve_sides(build: Build) -> Solution | UnrestrainedProblem:
+def solve_with_chosen_flanks(build: StaticInput) -> Solution | UnrestrainedProblem:
     """Solve a ball screw with the chosen flanks, and again with all four if a ball touches a flank that was left out.
 
     Parameters
@@ -328,14 +339,14 @@ def solve_sides(build: Build) -> Solution | UnrestrainedProblem:
         mechanism = free_motions(problem)
         if mechanism.driven:
             return UnrestrainedProblem(problem, mechanism)
-        problem = pin(problem, mechanism)
-        system = build.holding(problem).ready(problem)
+        problem = pin_free_motions(problem, mechanism)
+        system = build.with_supports_of(problem).ready(problem)
         prepared_at = perf_counter()
-        system, outcome = settled(system)
-        if np.array_equal(build.use, all_sides(build.scene)) or (outcome.status == 0 and system.clears()):
+        system, outcome = solve_with_updated_contacts(system)
+        if np.array_equal(build.use, flanks_of_scene(build.scene)) or (outcome.status == 0 and system.clears()):
             return Solution(system, outcome, build, mechanism, notes, prepared_at)
         notes = (build.touched(),)
-        build = replace(build, use=all_sides(build.scene))
+        build = replace(build, use=flanks_of_scene(build.scene))
 
 
 def solve_static(
@@ -390,18 +401,18 @@ def solve_static(
     """
     start = perf_counter()
     layout = ball_layout(scene)
-    drawn = specimen(scene, layout, member)
+    drawn = draw_specimen(scene, layout, member)
     kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
     known = centre_distances(scene, drawn)
-    use = all_sides(scene) if everything else choose_sides(scene, drawn, known)
-    build = Build(scene, drawn, layout, use, kernels, everything, refine, known)
+    use = flanks_of_scene(scene) if everything else choose_sides(scene, drawn, known)
+    build = StaticInput(scene, drawn, layout, use, kernels, everything, refine, known)
     result = solve_built(build, "lin", start)
     if discretisation and result.converged:
         result = with_discretisation_error(scene, result, partial(solve_static, engine=engine, member=member))
     return result
 
 
-def solve_built(build: Build, name: str, start: float) -> StaticResult:
+def solve_built(build: StaticInput, name: str, start: float) -> StaticResult:
     """Solve the static problem that an input describes, and return loads, motions and status.
 
     Parameters
@@ -413,7 +424,7 @@ def solve_built(build: Build, name: str, start: float) -> StaticResult:
     start
         Time at which the computation began (`time.perf_counter`) [s].
     """
-    solved = solve_sides(build)
+    solved = solve_with_chosen_flanks(build)
     if isinstance(solved, UnrestrainedProblem):
         return failed_result(solved.problem, name, solved.status, perf_counter() - start)
     system, outcome, mechanism = solved.system, solved.outcome, solved.mechanism
@@ -421,20 +432,22 @@ def solve_built(build: Build, name: str, start: float) -> StaticResult:
     if outcome.status in NO_LOADS:
         return failed_result(problem, name, status, perf_counter() - start)
     description = system.description()
-    report = report_of(outcome, system, description, problem.nodes.size - 1, (start, solved.prepared_at), solved.notes)
+    report = solver_report(outcome, system, description, problem.nodes.size - 1, (start, solved.prepared_at), solved.notes)
     left_out = (*describe_left_out(problem, mechanism, everything=build.everything), *description.left_out)
     result = assemble_result(system.solved(), name, status, report, left_out, description.assumed)
 
     def loads_with_other_pins() -> Array | None:
         """Return the contact loads ``(N, 4)`` [N] with the alternative pins; None if the solver finds no solution."""
-        again = pin(solved.build.problem(), mechanism, True)
-        other, found = settled(solved.build.holding(again).ready(again), profile=False)
+        again = pin_free_motions(solved.build.problem(), mechanism, True)
+        other, found = solve_with_updated_contacts(
+            solved.build.with_supports_of(again).ready(again), follow_profile_errors=False
+        )
         return None if no_state_found(found) else other.flanks()[0].contact[..., 0]
 
-    return with_other_pin(result, mechanism, loads_with_other_pins)
+    return with_note_on_pins(result, mechanism, loads_with_other_pins)
 
 
-def with_other_pin(result: StaticResult, mechanism: Mechanism, other_loads: Callable[[], Array | None]) -> StaticResult:
+def with_note_on_pins(result: StaticResult, mechanism: Mechanism, other_loads: Callable[[], Array | None]) -> StaticResult:
     """Return the result with a note on how much the contact loads depend on the choice of pinned degrees of freedom.
 
     A pin fixes a motion that neither load nor support determines. Without a noticeable reaction at the pin the result
@@ -463,7 +476,7 @@ def with_other_pin(result: StaticResult, mechanism: Mechanism, other_loads: Call
     return replace(result, solver=replace(result.solver, notes=(*result.solver.notes, words)))
 
 
-def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
+def pin_free_motions(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
     """Return the problem with fixed degrees of freedom, "pins", against motions that nothing resists and no load drives.
 
     If no contact can twist the shaft, its torsion is fixed too.
@@ -497,10 +510,12 @@ def runaway_status(problem: Problem) -> Status:
     The status is "not held" only if a linear program proves that contacts and supports cannot carry the load; otherwise it
     is "not converged".
     """
-    from rollbench.lowfi.statics.held import describe_motion, opening_motion, ran_away
+    from rollbench.lowfi.statics.held import describe_motion, opening_motion, status_of_runaway_body
 
     opens = "the load opens every contact that could carry it, so the screw moves without limit (linear program: {})"
-    return ran_away(partial(opening_motion, problem), "the screw", lambda motion: opens.format(describe_motion(motion)))
+    return status_of_runaway_body(
+        partial(opening_motion, problem), "the screw", lambda motion: opens.format(describe_motion(motion))
+    )
 
 
 def with_discretisation_error(scene: Scene, result: StaticResult, solve: Callable[..., StaticResult]) -> StaticResult:

@@ -15,7 +15,7 @@ from rollbench.lowfi.statics.problem import Problem, SolvedState
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.statics.shape import motion_matrices, rigid_transport
-from rollbench.lowfi.statics.validity import warnings_of
+from rollbench.lowfi.statics.validity import validity_warnings
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
@@ -62,7 +62,7 @@ def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
     if problem.basis is not None:
         stations, motion = stations_of(length, nodes), problem.basis @ q.ravel()
         return stations, rigid_transport(stations - problem.nodes[0]) @ motion
-    stations, j, m = _shapes(length, nodes, problem.section)
+    stations, j, m = _cached_motion_matrices(length, nodes, problem.section)
     of_nodes = q.reshape(-1, 6)
     motions = np.einsum("kab,kb->ka", m, np.concatenate([of_nodes[j], of_nodes[j + 1]], axis=1))
     return stations.copy(), np.asarray(motions)
@@ -83,7 +83,9 @@ def stations_of(length: float, nodes: tuple[float, ...]) -> Array:
 
 
 @lru_cache(maxsize=8)
-def _shapes(length: float, nodes: tuple[float, ...], section: BeamSection) -> tuple[Array, NDArray[np.int64], Array]:
+def _cached_motion_matrices(
+    length: float, nodes: tuple[float, ...], section: BeamSection
+) -> tuple[Array, NDArray[np.int64], Array]:
     """Return where a screw's centreline is reported, and how the motions there follow from those of the beam's nodes.
 
     Entries: axial positions of `stations_of` ``(k,)`` [m]; first of the two nodes at each, and matrices, as
@@ -110,7 +112,7 @@ def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
     return points, -np.einsum("nsa,nak->nsk", normal, axes)
 
 
-def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibrium:
+def check_screw_equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibrium:
     """Return the sums of forces and moments on the screw, and the largest sum of forces on a ball.
 
     The screw is loaded by external loads, support reactions, contact forces at the contact points, and by pins: degrees of
@@ -134,12 +136,12 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
     if problem.basis is None:
         pinned = np.where(pins, nodal[0], 0.0)
         held = np.concatenate([[nodal[0] - pinned], nodal[1:]])
-        reaction, pin = about_origin(problem.nodes, held), about_origin(problem.nodes[:1], pinned[None])
+        reaction, pin = resultant_about_origin(problem.nodes, held), resultant_about_origin(problem.nodes[:1], pinned[None])
     else:  # the supports of a rigid screw carry the remaining load along the motions that they prevent
         t, z0 = problem.basis, problem.nodes[:1]
-        along = np.where(problem.fixed[0], t.T @ about_origin(-z0, (applied + contact)[None]), 0.0)
+        along = np.where(problem.fixed[0], t.T @ resultant_about_origin(-z0, (applied + contact)[None]), 0.0)
         each = (np.asarray(np.linalg.solve(t.T, np.where(taken, along, 0.0)))[None] for taken in (~pins, pins))
-        reaction, pin = (about_origin(z0, -taken) for taken in each)
+        reaction, pin = (resultant_about_origin(z0, -taken) for taken in each)
     size = max(
         *(float(np.abs(x[:3]).max()) for x in (applied, contact, reaction)),
         float(np.abs(nodal[:, 3:]).max()) / scene.track.pitch_radius,  # supports may load the screw by torsion alone
@@ -149,8 +151,8 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
     sums = applied, reaction, contact, pin
     s, noise = problem.section, (0.0, 0.0)
     if problem.basis is None:
-        noise = round_off(np.diff(problem.nodes), np.array([[s.EA, s.EI, s.GJ, s.kGA]]), solved.motion)
-    return balance_of(sums, size, scene.track.pitch_radius, noise, net_forces(force, solved.normal))
+        noise = round_off_forces(np.diff(problem.nodes), np.array([[s.EA, s.EI, s.GJ, s.kGA]]), solved.motion)
+    return check_equilibrium(sums, size, scene.track.pitch_radius, noise, net_forces(force, solved.normal))
 
 
 def reactions_of(solved: SolvedState, reaction: Array) -> Array:
@@ -176,7 +178,7 @@ def reactions_of(solved: SolvedState, reaction: Array) -> Array:
     return out
 
 
-def nodal_reactions(nodes: Array, supports: Sequence[Support], held: Array) -> Array:
+def nodal_reactions(nodes: Array, supports: Sequence[Support], node_reactions: Array) -> Array:
     """Return force and moment of every support on the shaft ``(s, 6)`` [N, N m] from the reactions at the beam's nodes.
 
     Parameters
@@ -185,17 +187,17 @@ def nodal_reactions(nodes: Array, supports: Sequence[Support], held: Array) -> A
         Axial positions of the nodes ``(n,)`` [m].
     supports
         Supports with their fixed degrees of freedom.
-    held
+    node_reactions
         Reactions at the nodes ``(n, 6)`` [N, N m].
     """
     out = np.zeros((len(supports), 6))
     for i, support in enumerate(supports):
         freedoms = [FREEDOMS.index(name) for name, _ in support.fixed]
-        out[i, freedoms] = held[int(np.abs(nodes - support.at).argmin()), freedoms]
+        out[i, freedoms] = node_reactions[int(np.abs(nodes - support.at).argmin()), freedoms]
     return out
 
 
-def about_origin(stations: Array, wrenches: Array) -> Array:
+def resultant_about_origin(stations: Array, wrenches: Array) -> Array:
     """Return the resultant force and moment about the origin ``(6,)`` [N, N m] of wrenches that act on points of the axis.
 
     Parameters
@@ -217,7 +219,7 @@ def wrench_of(loads: Sequence[Load]) -> Array:
         External loads of a scene, each at a point of the axis.
     """
     wrenches = np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6)
-    return about_origin(np.array([x.at for x in loads]), wrenches)
+    return resultant_about_origin(np.array([x.at for x in loads]), wrenches)
 
 
 def net_forces(force: Array, normal: Array) -> Array:
@@ -233,7 +235,13 @@ def net_forces(force: Array, normal: Array) -> Array:
     return np.asarray(np.linalg.norm((force[..., None] * normal).sum(axis=1), axis=1))
 
 
-def balance_of(sums: Sequence[Array], size: float, arm: float, noise: tuple[float, float], net: Array) -> Equilibrium:
+def check_equilibrium(
+    sums: Sequence[Array],
+    largest_force: float,
+    moment_arm: float,
+    round_off_wrench: tuple[float, float],
+    net_ball_forces: Array,
+) -> Equilibrium:
     """Return the check of equilibrium of a body: sums of forces and moments, relative to the largest force and moment.
 
     Parameters
@@ -241,20 +249,20 @@ def balance_of(sums: Sequence[Array], size: float, arm: float, noise: tuple[floa
     sums
         Force and moment about the origin ``(6,)`` [N, N m] of external loads, support reactions, contact forces and pins,
         in this order. Pins are degrees of freedom that the model fixes although no support does.
-    size
+    largest_force
         Largest force of the solution [N].
-    arm
+    moment_arm
         Length [m] by which this force is multiplied to give the largest moment.
-    noise
+    round_off_wrench
         Force [N] and moment [N m] that rounding errors leave; they are subtracted from the sums.
-    net
+    net_ball_forces
         Magnitude of the resultant force on each ball ``(N,)`` [N].
     """
     applied, reaction, contact, pin = sums
-    size_m = max(max(float(np.abs(x[3:]).max()) for x in (applied, reaction, contact)), size * arm)
+    size_m = max(max(float(np.abs(x[3:]).max()) for x in (applied, reaction, contact)), largest_force * moment_arm)
     total = np.abs(applied + reaction + contact + pin)
-    df, dm = np.maximum(total[:3] - noise[0], 0.0), np.maximum(total[3:] - noise[1], 0.0)
-    worst = int(net.argmax()) if net.size else -1
+    df, dm = np.maximum(total[:3] - round_off_wrench[0], 0.0), np.maximum(total[3:] - round_off_wrench[1], 0.0)
+    worst = int(net_ball_forces.argmax()) if net_ball_forces.size else -1
     return Equilibrium(
         applied[:3],
         applied[3:],
@@ -262,17 +270,17 @@ def balance_of(sums: Sequence[Array], size: float, arm: float, noise: tuple[floa
         reaction[3:],
         contact[:3],
         contact[3:],
-        float(df.max()) / size if size else 0.0,
+        float(df.max()) / largest_force if largest_force else 0.0,
         float(dm.max()) / size_m if size_m else 0.0,
         pin[:3],
         pin[3:],
-        max(float(np.abs(pin[:3]).max()) / size, float(np.abs(pin[3:]).max()) / size_m) if size else 0.0,
-        float(net[worst]) / size if size and net.size else 0.0,
+        max(float(np.abs(pin[:3]).max()) / largest_force, float(np.abs(pin[3:]).max()) / size_m) if largest_force else 0.0,
+        float(net_ball_forces[worst]) / largest_force if largest_force and net_ball_forces.size else 0.0,
         worst + 1,
     )
 
 
-def round_off(lengths: Array, sections: Array, motion: Array) -> tuple[float, float]:
+def round_off_forces(lengths: Array, sections: Array, motion: Array) -> tuple[float, float]:
     """Return the force [N] and moment [N m] in a beam's stiffest elements by rounding errors of the node motions.
 
     Parameters
@@ -293,7 +301,9 @@ def round_off(lengths: Array, sections: Array, motion: Array) -> tuple[float, fl
     return float(force), float(max(EI * bent, GJ * last[5]))
 
 
-def judged(status: Status, balance: Equilibrium, frozen: bool, body: str = "the screw", ball: str = "") -> Status:
+def status_after_equilibrium_check(
+    status: Status, balance: Equilibrium, nominal_arms: bool, body: str = "the screw", ball: str = ""
+) -> Status:
     """Return the status of a solution after the check of equilibrium: "not converged" if a body or ball is out of balance.
 
     Parameters
@@ -302,7 +312,7 @@ def judged(status: Status, balance: Equilibrium, frozen: bool, body: str = "the 
         Status that the solver reported.
     balance
         Sums of forces and moments.
-    frozen
+    nominal_arms
         Whether the model's lever arms end at the nominal contact points, so that moments about the true points do not
         balance and only the balls are checked.
     body
@@ -310,7 +320,7 @@ def judged(status: Status, balance: Equilibrium, frozen: bool, body: str = "the 
     ball
         Name of the worst ball for the message; empty: its number.
     """
-    if status != "converged" or (balance.ball_residual if frozen else balance.largest) <= BALANCE:
+    if status != "converged" or (balance.ball_residual if nominal_arms else balance.largest) <= BALANCE:
         return status
     if balance.ball_residual == balance.largest:
         size = f"{balance.ball_residual:.1e} of the largest force"
@@ -318,7 +328,7 @@ def judged(status: Status, balance: Equilibrium, frozen: bool, body: str = "the 
     return Status("not converged", f"{body} is out of balance by {balance.largest:.1e} of the largest force or moment")
 
 
-def where_not_unique(status: Status, warnings: Sequence[Warned]) -> Status:
+def add_reason_not_unique(status: Status, warnings: Sequence[Warned]) -> Status:
     """Return the status, with an added reason if the solver did not converge and the contact pattern is not unique.
 
     Uneven flanks can touch a ball at several places; a warning of the kind "profile" says so.
@@ -329,8 +339,8 @@ def where_not_unique(status: Status, warnings: Sequence[Warned]) -> Status:
     return Status("not converged", "; ".join((status.reason, *places)), "not unique")
 
 
-def contacts_of(
-    solved: SolvedState, z: Array, motion: Array, report: SolverReport, *, both_ways: bool = False
+def contact_result(
+    solved: SolvedState, z: Array, motion: Array, report: SolverReport, *, arc_on_both_sides: bool = False
 ) -> StaticResult:
     """Return a static result with loads, angles and points of all contacts, without model name and check of equilibrium.
 
@@ -344,7 +354,7 @@ def contacts_of(
         Motions of the shaft there ``(k, 6)`` [m, rad].
     report
         Effort and accuracy of the solve.
-    both_ways
+    arc_on_both_sides
         Whether each groove is one arc that extends to both sides of its bottom, as in a deep groove bearing.
     """
     problem, force = solved.problem, solved.force
@@ -367,7 +377,7 @@ def contacts_of(
         solver=report,
         assumed=(),
         left_out=(),
-        warnings=warnings_of(solved, np.abs(raw) if both_ways else raw, z, motion),
+        warnings=validity_warnings(solved, np.abs(raw) if arc_on_both_sides else raw, z, motion),
     )
 
 
@@ -377,9 +387,9 @@ def assemble_result(
     status: Status,
     report: SolverReport,
     left_out: tuple[str, ...],
-    idealised: tuple[str, ...],
+    assumptions: tuple[str, ...],
     *,
-    own_arms: bool = False,
+    has_own_lever_arms: bool = False,
 ) -> StaticResult:
     """Return the complete result of a solve: contacts, reactions, equilibrium check, status and assumptions.
 
@@ -395,19 +405,19 @@ def assemble_result(
         Effort and accuracy of the solve.
     left_out
         Effects that the model neglects, as sentences.
-    idealised
+    assumptions
         Assumptions of the model, as sentences.
-    own_arms
+    has_own_lever_arms
         Whether the model uses other lever arms and force directions than the true contacts have, so that forces at the true
         contacts do not balance. The equilibrium check then does not change the status.
     """
     problem = solved.problem
-    result = contacts_of(solved, *centreline(problem, solved.motion), report)
-    balance = equilibrium(solved, result.contact_point, result.force_direction)
-    if not own_arms:
-        status = judged(status, balance, problem.scene.ingredients.arm == "nominal")
-    status = where_not_unique(status, result.warnings)
-    assumed = (*problem.scene.assumed, *idealised)
+    result = contact_result(solved, *centreline(problem, solved.motion), report)
+    balance = check_screw_equilibrium(solved, result.contact_point, result.force_direction)
+    if not has_own_lever_arms:
+        status = status_after_equilibrium_check(status, balance, problem.scene.ingredients.arm == "nominal")
+    status = add_reason_not_unique(status, result.warnings)
+    assumed = (*problem.scene.assumed, *assumptions)
     reactions = reactions_of(solved, np.concatenate([balance.reaction_force, balance.reaction_moment]))
     result = replace(result, model=model, status=status, equilibrium=balance, reactions=reactions)
     return replace(result, assumed=assumed, left_out=left_out)

@@ -19,15 +19,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.lowfi.compliance.parts import REFINED, Backend
-from rollbench.lowfi.statics.elastic import ElasticBuild
+from rollbench.lowfi.statics.elastic import ElasticInput
 from rollbench.lowfi.statics.kernel.elastic import ball_rows
 from rollbench.lowfi.statics.problem import Problem
-from rollbench.lowfi.statics.selection import all_sides, choose_sides
-from rollbench.lowfi.statics.shaft import rows_of
+from rollbench.lowfi.statics.selection import choose_sides, flanks_of_scene
+from rollbench.lowfi.statics.shaft import flank_motion_coefficients
 from rollbench.lowfi.statics.shape import rigid_transport
-from rollbench.lowfi.statics.static import UnrestrainedProblem, pick_engine, solve_sides
+from rollbench.lowfi.statics.static import UnrestrainedProblem, pick_engine, solve_with_chosen_flanks
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, Scene, Support
 
@@ -59,7 +59,7 @@ class Tangent:
         """
         known = ~np.isnan(np.diag(self.matrix))
         free = [k for k, name in enumerate(FREEDOMS) if name != "rz" and known[k]]
-        arm = self._arm()
+        arm = self._rotation_length()
         scale = np.where(np.array(free) < 3, 1.0, 1.0 / arm)
         scaled = self.matrix[np.ix_(free, free)] * scale[:, None] * scale[None, :]
         lam, V = np.linalg.eigh(scaled)
@@ -69,7 +69,7 @@ class Tangent:
         kept = lam > 1e-9 * lam[-1]
         return float(1.0 / np.sum(V[k, kept] ** 2 / lam[kept]) / scale[k] ** 2)
 
-    def _arm(self) -> float:
+    def _rotation_length(self) -> float:
         """Return the length [m] that scales rotations to displacements: the root of largest moment over force stiffness."""
         diagonal = np.diag(self.matrix)
         force, moment = float(diagonal[:3].max()), float(diagonal[3:].max())
@@ -105,53 +105,53 @@ def tangent_stiffness(
         length = f"{1e3 * scene.screw.length:g} mm"
         raise ValueError(f"the position of the section must lie on the screw, from 0 to {length}, got {1e3 * station:g} mm")
     layout = ball_layout(scene)
-    drawn = specimen(scene, layout, member)
+    drawn = draw_specimen(scene, layout, member)
     every = condensed is not None or "kernel" in (backend.screw, backend.nut) or drawn.profile.shape[1] > 0
-    use = all_sides(scene) if every else choose_sides(scene, drawn)  # no negative compliance from beams
+    use = flanks_of_scene(scene) if every else choose_sides(scene, drawn)  # no negative compliance from beams
     parts = scene, drawn, layout, use, pick_engine("auto", layout.z.size)
-    solved = solve_sides(ElasticBuild(*parts, backend=backend, condensed=condensed))
+    solved = solve_with_chosen_flanks(ElasticInput(*parts, backend=backend, condensed=condensed))
     status = solved.status
     if isinstance(solved, UnrestrainedProblem) or status != "converged":
         return Tangent(station, np.full((6, 6), np.nan), status)
     clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
     held = replace(solved.build, scene=replace(scene, supports=(clamp,), loads=()))
-    return Tangent(station, _condensed(solved.system, held.ready(held.problem()), station), status)
+    return Tangent(station, _stiffness_at_clamp(solved.system, held.ready(held.problem()), station), status)
 
 
-def _condensed(solved: Any, clamped: Any, station: float) -> Array:
+def _stiffness_at_clamp(equations: Any, clamped_equations: Any, station: float) -> Array:
     """Return the tangent stiffness K ``(6, 6)`` [N/m, N, N m] of equation (1) of this module.
 
     Parameters
     ----------
-    solved
+    equations
         Solved equations, which give the stiffness of the balls.
-    clamped
+    clamped_equations
         Equations with the screw clamped at the section, which give the compliance of the bodies.
     station
         Axial position of the section [m].
     """
-    N, d = solved.state.phi.shape
+    N, d = equations.state.phi.shape
     rows, counts = np.zeros((N, 6, d)), np.zeros(N, dtype=np.int64)
-    ball_rows(solved.given.contacts, solved.state.contact, rows, counts)
+    ball_rows(equations.given.contacts, equations.state.contact, rows, counts)
     used = np.arange(6)[None, :] < counts[:, None]
     ball = np.repeat(np.arange(N), counts)
     S = np.zeros((ball.size, N, d))
     S[np.arange(ball.size), ball] = rows[used]
-    bodies, by_clamp = clamped.given.bodies, flanks_by_clamp(clamped.problem, station)
+    bodies, by_clamp = clamped_equations.given.bodies, flank_motions_by_clamp(clamped_equations.problem, station)
     A = np.eye(ball.size)
-    if solved.pair is None:
+    if equations.pair is None:
         screw, nut = S[:, :, :4].reshape(ball.size, 4 * N), S[:, :, 4:].reshape(ball.size, 4 * N)
         A += nut @ bodies.second @ nut.T
     else:  # the motions are those of the screw's flank relative to the nut's
         screw = S.reshape(ball.size, 2 * N)
-        by_clamp = by_clamp.reshape(N, 2, 2, 6)[:, solved.pair[0]].reshape(2 * N, 6)
+        by_clamp = by_clamp.reshape(N, 2, 2, 6)[:, equations.pair[0]].reshape(2 * N, 6)
     A += screw @ bodies.first @ screw.T
     moved = screw @ by_clamp
     K = moved.T @ np.linalg.solve(A, moved)
     return np.asarray(0.5 * (K + K.T))
 
 
-def flanks_by_clamp(problem: Problem, station: float) -> Array:
+def flank_motions_by_clamp(problem: Problem, station: float) -> Array:
     """Return the motions of the screw's flanks per unit motion of one section, while the screw moves as a rigid body.
 
     Parameters
@@ -166,7 +166,7 @@ def flanks_by_clamp(problem: Problem, station: float) -> Array:
     Array
         R_z ``(4 N, 6)``, ball after ball: flank SL along x3 and z3, then SR along x3 and z3.
     """
-    dof, rows = rows_of(problem, [0, 1])
+    dof, rows = flank_motion_coefficients(problem, [0, 1])
     nodes = np.concatenate([rigid_transport(float(z - station)) for z in problem.nodes])
     if problem.basis is not None:
         nodes = np.linalg.solve(problem.basis, nodes)

@@ -12,10 +12,10 @@ from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.numerics import close_pairs
-from rollbench.meshes.one_arc import is_one_arc
+from rollbench.meshes.numerics import pairs_of_close_points
+from rollbench.meshes.one_arc import has_single_arc_grooves
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.section import groove_section, nut_groove_range
+from rollbench.meshes.section import axial_range_of_nut_groove, groove_section
 
 Element = Literal["ball", "roller"]
 
@@ -36,7 +36,7 @@ PROFILE_SHARE = 0.5
 OVERLAP = 1e-9
 
 
-def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> tuple[Warned, ...]:
+def validity_warnings(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> tuple[Warned, ...]:
     """Return all warnings that a static solution lies outside the model's range of validity.
 
     Parameters
@@ -55,10 +55,10 @@ def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> t
     loaded = (force.sum(axis=1, keepdims=True) > 0.0) * 1.0
     shift = solved.centre * loaded
     return (
-        *_places(problem, force, gamma, shift),
-        *_counted_twice(problem, force, gamma),
+        *_arc_limit_warnings(problem, force, gamma, shift),
+        *_overlapping_contact_warning(problem, force, gamma),
         *contact_warnings(constants.pressure(force), constants.C_a * np.cbrt(force), problem.scene.balls.radius),
-        *_wedged(problem, shift),
+        *_ball_overlap_warning(problem, shift),
         *profile_warning(solved),
         *tilt_warning(problem, force, z, motion),
         *rotation_warning(z, motion),
@@ -71,19 +71,19 @@ def groove_range(scene: Scene) -> tuple[Array, Array]:
     The arc of a Gothic groove reaches from the apex at the groove's bottom to the land. A groove of a single arc reaches
     from one land to the other, with shoulders of equal height.
     """
-    screw, nut = groove_section(scene), nut_groove_range(scene)
-    if is_one_arc(scene):
+    screw, nut = groove_section(scene), axial_range_of_nut_groove(scene)
+    if has_single_arc_grooves(scene):
         return np.repeat([-screw.gamma_2, -nut[1]], 2), np.repeat([screw.gamma_2, nut[1]], 2)
     low, high = (screw.gamma_1, nut[0]), (screw.gamma_2, nut[1])
     return np.repeat(low, 2), np.repeat(high, 2)
 
 
-def ends_of_arc(scene: Scene) -> str:
+def arc_end_names(scene: Scene) -> str:
     """Return the names of the ends of a groove's arc for messages: "land edge", or "apex or land edge"."""
-    return "land edge" if is_one_arc(scene) else "apex or land edge"
+    return "land edge" if has_single_arc_grooves(scene) else "apex or land edge"
 
 
-def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[Warned]:
+def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[Warned]:
     """Return warnings of contacts or contact ellipses beyond the edge of the groove's arc, and of balls that move far.
 
     Parameters
@@ -104,7 +104,7 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
     off = loaded & ((gamma < low) | (gamma > high))
     if off.any():
         notes.append(
-            f"{int(off.sum())} contact(s) lie beyond the groove's arc ({ends_of_arc(problem.scene)}), where the model is "
+            f"{int(off.sum())} contact(s) lie beyond the groove's arc ({arc_end_names(problem.scene)}), where the model is "
             "not valid"
         )
     semi_axis = own_hertz(problem.scene, problem.drawn).C_a * np.cbrt(force)  # the long axis lies across the groove
@@ -114,7 +114,7 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
         worst = int(np.argmax(np.where(cut, np.maximum(low - gamma + half, gamma + half - high), -np.inf)))
         notes.append(
             f"the contact ellipse of {int(cut.sum())} contact(s) reaches beyond the groove's arc "
-            f"({ends_of_arc(problem.scene)}), farthest on ball {worst // 4 + 1}: pressure and approach are higher there "
+            f"({arc_end_names(problem.scene)}), farthest on ball {worst // 4 + 1}: pressure and approach are higher there "
             "than by Hertz"
         )
     if float(np.abs(shift).max(initial=0.0)) > 0.1 * radius:
@@ -122,7 +122,7 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
     return [Warned("place", note) for note in notes]
 
 
-def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[Warned]:
+def _overlapping_contact_warning(problem: Problem, force: Array, gamma: Array) -> list[Warned]:
     """Return a warning of balls whose contacts with both flanks of a groove lie within one contact ellipse.
 
     The groove is then a single arc, and the model represents one contact by two springs. Since contact angles count from
@@ -205,7 +205,7 @@ def contact_warnings(pressure: Array, semi_axis: Array, radius: float, element: 
     return notes
 
 
-def _wedged(problem: Problem, shift: Array) -> list[Warned]:
+def _ball_overlap_warning(problem: Problem, shift: Array) -> list[Warned]:
     """Return a warning if neighbouring balls overlap in the solution, since the model has no contact between balls.
 
     Parameters
@@ -219,7 +219,7 @@ def _wedged(problem: Problem, shift: Array) -> list[Warned]:
     centre = layout.centre + shift[:, :1] * layout.radial + shift[:, 1:] * layout.binormal
     if not np.isfinite(centre).all():
         return []
-    pairs = close_pairs(centre, 2.0 * float(radius.max()) + OVERLAP)
+    pairs = pairs_of_close_points(centre, 2.0 * float(radius.max()) + OVERLAP)
     if not pairs.size:
         return []
     a, b = pairs.T
@@ -294,10 +294,10 @@ def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> lis
     tilt = max(float(np.hypot(*(np.interp(s, z, motion[:, k]) for k in (3, 4)))) for s in stations)
     inside = (z >= low) & (z <= high)
     tilt = max(tilt, float(np.hypot(motion[inside, 3], motion[inside, 4]).max(initial=0.0)))
-    return tilted(tilt, problem.scene.track.pitch_radius, approach)
+    return large_tilt_warning(tilt, problem.scene.track.pitch_radius, approach)
 
 
-def tilted(tilt: float, radius: float, approach: float, element: Element = "ball") -> list[Warned]:
+def large_tilt_warning(tilt: float, radius: float, approach: float, element: Element = "ball") -> list[Warned]:
     """Return a warning if the shaft's tilt is too large for the theory of small rotations, see `tilt_warning`.
 
     Parameters

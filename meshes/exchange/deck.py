@@ -89,7 +89,7 @@ class RigidSection:
 
 
 @dataclass(frozen=True)
-class Contact:
+class ContactPair:
     """Contact pair of an input deck: the names of the two surfaces that may come into contact."""
 
     #: Name of the slave surface.
@@ -109,7 +109,7 @@ class Deck:
     #: Names of the sets of nodes that are fixed in all directions.
     fixed: tuple[str, ...]
     #: Contact pairs.
-    contacts: tuple[Contact, ...]
+    contacts: tuple[ContactPair, ...]
     #: Slope of the pressure-overclosure law [Pa/m].
     stiffness: float
     #: Stiffness of every weak spring [N/m].
@@ -129,7 +129,7 @@ class Deck:
         return sum(len(b.points) for b in self.bodies)
 
 
-def deck_number(value: float) -> str:
+def number_text(value: float) -> str:
     """Write a number as text of at most 20 characters, the largest length that CalculiX reads.
 
     Examples
@@ -140,7 +140,7 @@ def deck_number(value: float) -> str:
     return f"{value:.12e}"
 
 
-def data_lines(entries: Iterable[int | str]) -> Iterator[str]:
+def comma_separated_lines(entries: Iterable[int | str]) -> Iterator[str]:
     """Yield lines of an input deck with at most 16 entries, separated by commas; all lines but the last end with a comma.
 
     Examples
@@ -153,12 +153,12 @@ def data_lines(entries: Iterable[int | str]) -> Iterator[str]:
         yield ", ".join(words[k : k + 16]) + ("," if k + 16 < len(words) else "")
 
 
-def set_lines(entries: Iterable[int]) -> Iterator[str]:
-    """Yield the lines of a set of an input deck, as `data_lines` does, but without a comma at the end of a line."""
-    return (line.removesuffix(",") for line in data_lines(entries))
+def set_entry_lines(entries: Iterable[int]) -> Iterator[str]:
+    """Yield the lines of a set of an input deck, without a comma at the end of a line."""
+    return (line.removesuffix(",") for line in comma_separated_lines(entries))
 
 
-def checked_names(names: Sequence[str]) -> None:
+def check_names(names: Sequence[str]) -> None:
     """Raise ValueError for a name that an input deck does not allow, or that occurs twice in upper or lower case."""
     seen = set[str]()
     for name in names:
@@ -169,7 +169,7 @@ def checked_names(names: Sequence[str]) -> None:
         seen.add(name.upper())
 
 
-def element_faces(cells: Index, corners: Index) -> Index:
+def cells_and_numbers_of_faces(cells: Index, corners: Index) -> Index:
     """Find the cell to which each face belongs, and the face's number in that cell.
 
     Parameters
@@ -201,7 +201,7 @@ def element_faces(cells: Index, corners: Index) -> Index:
     return np.stack([place // len(faces), place % len(faces) + 1], axis=1)
 
 
-def outer_faces(cells: Index) -> Index:
+def surface_faces(cells: Index) -> Index:
     """Find the faces on the surface of a body, which belong to only one tetrahedron.
 
     Parameters
@@ -247,7 +247,7 @@ def _deck_lines(deck: Deck, units: Units) -> Iterator[str]:
     """Yield all lines of an input deck."""
     names = [n for b in deck.bodies for n in (f"{b.name}_ALL", *b.nodes, *b.faces)]
     ends = [f"{s.name}_{what}" for s in deck.sections for what in ("MOVE", "TURN")]
-    checked_names([*(b.name for b in deck.bodies), *names, *ends])
+    check_names([*(b.name for b in deck.bodies), *names, *ends])
     yield "*HEADING"
     yield deck.title[:80]
     yield from (f"** {line}" for line in (*deck.heading, f"Units: {units.words}"))
@@ -259,7 +259,7 @@ def _deck_lines(deck: Deck, units: Units) -> Iterator[str]:
         nodes, cells = nodes + len(body.points), cells + len(body.cells)
     for body in deck.bodies:
         yield from (f"*MATERIAL, NAME=MAT_{body.name}", "*ELASTIC")
-        yield f"{deck_number(body.material.youngs_modulus / units.stress)}, {deck_number(body.material.poissons_ratio)}"
+        yield f"{number_text(body.material.youngs_modulus / units.stress)}, {number_text(body.material.poissons_ratio)}"
         yield f"*SOLID SECTION, ELSET={body.name}, MATERIAL=MAT_{body.name}"
     references: dict[str, int] = {}
     for section in deck.sections:
@@ -276,7 +276,7 @@ def _deck_lines(deck: Deck, units: Units) -> Iterator[str]:
     yield "*BOUNDARY"
     yield from (f"{name}, 1, 3" for name in deck.fixed)
     yield from (f"{name}, 2, 2" for name in deck.mirrored)
-    yield from _motion_lines(deck, references, units, moved=False)
+    yield from _prescribed_motion_lines(deck, references, units, moved=False)
     yield from _step_lines(deck, references, units)
 
 
@@ -287,16 +287,18 @@ def _body_lines(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterato
     """
     yield f"*NODE, NSET={body.name}_ALL"
     for k, x in enumerate((body.points / units.length).tolist(), start=nodes + 1):
-        yield f"{k}, {deck_number(x[0])}, {deck_number(x[1])}, {deck_number(x[2])}"
+        yield f"{k}, {number_text(x[0])}, {number_text(x[1])}, {number_text(x[2])}"
     yield f"*ELEMENT, TYPE=C3D10, ELSET={body.name}"
     for k, row in enumerate((body.cells[:, C3D10] + nodes + 1).tolist(), start=cells + 1):
-        yield from data_lines([k, *row])
+        yield from comma_separated_lines([k, *row])
     for name, members in body.nodes.items():
         yield f"*NSET, NSET={name}"
-        yield from set_lines((members + nodes + 1).tolist())
+        yield from set_entry_lines((members + nodes + 1).tolist())
     for name, corners in body.faces.items():
         yield f"*SURFACE, NAME={name}, TYPE=ELEMENT"
-        yield from (f"{cell + cells + 1}, S{face}" for cell, face in element_faces(body.cells, corners).tolist())
+        yield from (
+            f"{cell + cells + 1}, S{face}" for cell, face in cells_and_numbers_of_faces(body.cells, corners).tolist()
+        )
 
 
 def _section_lines(
@@ -308,7 +310,7 @@ def _section_lines(
     nodes and of elements before each body, by its name; ``reference``: largest node number before the two reference nodes.
     """
     body = next(b for b in deck.bodies if b.name == section.body)
-    place = ", ".join(deck_number(x) for x in (section.point / units.length).tolist())
+    place = ", ".join(number_text(x) for x in (section.point / units.length).tolist())
     for k, motion in enumerate(("MOVE", "TURN"), start=1):
         yield f"*NODE, NSET={section.name}_{motion}"
         yield f"{reference + k}, {place}"
@@ -321,7 +323,7 @@ def _section_lines(
             terms += [(reference + 2, b, -r[c]), (reference + 2, c, r[b])]
             yield "*EQUATION"
             yield str(len(terms))
-            yield ", ".join(f"{n}, {k + 1}, {deck_number(value)}" for n, k, value in terms)
+            yield ", ".join(f"{n}, {k + 1}, {number_text(value)}" for n, k, value in terms)
 
 
 def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, units: Units) -> Iterator[str]:
@@ -339,11 +341,11 @@ def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: flo
             value = stiffness * WEAK_ARM**2 / units.length if turn else stiffness * units.length
             yield f"*ELEMENT, TYPE=SPRING1, ELSET={name}"
             yield from (f"{cells + k}, {node}" for k, node in enumerate(nodes, start=1))
-            yield from (f"*SPRING, ELSET={name}", str(axis + 1), deck_number(value))
+            yield from (f"*SPRING, ELSET={name}", str(axis + 1), number_text(value))
             cells += len(nodes)
 
 
-def _motion_lines(deck: Deck, references: dict[str, int], units: Units, *, moved: bool) -> Iterator[str]:
+def _prescribed_motion_lines(deck: Deck, references: dict[str, int], units: Units, *, moved: bool) -> Iterator[str]:
     """Yield the lines of the sections' prescribed motions: of those equal to zero, or with ``moved`` of the others.
 
     ``references``: largest node number before the two reference nodes of each section, by its name. Abaqus accepts
@@ -353,14 +355,14 @@ def _motion_lines(deck: Deck, references: dict[str, int], units: Units, *, moved
         for freedom, value in section.held:
             if (value != 0.0) == moved:
                 node, axis = references[section.name] + freedom // AXES + 1, freedom % AXES + 1
-                tail = f", {deck_number(value / units.length if freedom < AXES else value)}" if moved else ""
+                tail = f", {number_text(value / units.length if freedom < AXES else value)}" if moved else ""
                 yield f"{node}, {axis}, {axis}{tail}"
 
 
 def _contact_lines(deck: Deck, units: Units) -> Iterator[str]:
     """Yield the lines of the frictionless contact law and of all contact pairs."""
     yield from ("*SURFACE INTERACTION, NAME=FRICTIONLESS", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR")
-    yield deck_number(deck.stiffness / units.stress * units.length)
+    yield number_text(deck.stiffness / units.stress * units.length)
     for contact in deck.contacts:
         yield "*CONTACT PAIR, INTERACTION=FRICTIONLESS, TYPE=SURFACE TO SURFACE"
         yield f"{contact.slave}, {contact.master}"
@@ -373,7 +375,7 @@ def _step_lines(deck: Deck, references: dict[str, int], units: Units) -> Iterato
     """
     yield from (f"*STEP, INC=100{', NLGEOM' if deck.nlgeom else ''}", "*STATIC", "1.0, 1.0, 1.0e-6, 1.0")
     yield from ("*CONTROLS, PARAMETERS=TIME INCREMENTATION", PATIENCE)
-    moved = list(_motion_lines(deck, references, units, moved=True))
+    moved = list(_prescribed_motion_lines(deck, references, units, moved=True))
     if moved:
         yield from ("*BOUNDARY", *moved)
     for section in deck.sections:
@@ -381,7 +383,7 @@ def _step_lines(deck: Deck, references: dict[str, int], units: Units) -> Iterato
         loads = [(k, v if k < AXES else v / units.length) for k, v in enumerate(section.load.tolist()) if v]
         if loads:
             yield "*CLOAD"
-            yield from (f"{place + k // AXES + 1}, {k % AXES + 1}, {deck_number(v)}" for k, v in loads)
+            yield from (f"{place + k // AXES + 1}, {k % AXES + 1}, {number_text(v)}" for k, v in loads)
     for contact in deck.contacts:
         yield from (f"*CONTACT PRINT, SLAVE={contact.slave}, MASTER={contact.master}", "CFN")
     for section in deck.sections:

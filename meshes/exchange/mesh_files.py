@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.exchange.deck import data_lines, deck_number, element_faces, set_lines
-from rollbench.meshes.files import temporary_name
+from rollbench.meshes.exchange.deck import cells_and_numbers_of_faces, comma_separated_lines, number_text, set_entry_lines
+from rollbench.meshes.files import temporary_path
 from rollbench.meshes.libraries import pip_command
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ FORMATS = {"vtu": "VTK files", "msh": "gmsh files", "med": "MED files", "inp": "
 """Names of the formats of mesh files, by the file's suffix without the dot."""
 
 
-def mesh_format(path: Path, form: str = "") -> str:
+def mesh_format(path: Path, given_format: str = "") -> str:
     """Return the format of a mesh file, a key of `FORMATS`.
 
     Parameters
@@ -67,15 +67,15 @@ def mesh_format(path: Path, form: str = "") -> str:
     >>> mesh_format(Path("screw.VTU"))
     'vtu'
     """
-    found = form or path.suffix.lower().removeprefix(".")
+    found = given_format or path.suffix.lower().removeprefix(".")
     if found in FORMATS:
         return found
     wanted = ", ".join(f".{name}" for name in FORMATS)
-    what = f"format {form!r}" if form else f"suffix {path.suffix!r}"
+    what = f"format {given_format!r}" if given_format else f"suffix {path.suffix!r}"
     raise ValueError(f"{path.name}: a mesh file of unknown {what}, expected one of {wanted}")
 
 
-def need_package(form: str) -> None:
+def check_packages_for_format(file_format: str) -> None:
     """Raise ImportError if a package that is needed to write a format is missing; the message says how to install it.
 
     Parameters
@@ -83,14 +83,16 @@ def need_package(form: str) -> None:
     form : str
         Format, a key of `FORMATS`.
     """
-    for package in ("meshio", *(("h5py",) if form == "med" else ())):
+    for package in ("meshio", *(("h5py",) if file_format == "med" else ())):
         try:
             import_module(package)
         except ImportError as error:
-            raise ImportError(f"{FORMATS[form]} need {package}, which cannot be loaded: {pip_command(package)}") from error
+            raise ImportError(
+                f"{FORMATS[file_format]} need {package}, which cannot be loaded: {pip_command(package)}"
+            ) from error
 
 
-def is_reduced(mesh: Mesh, form: str) -> bool:
+def loses_nodes_in_format(mesh: Mesh, file_format: str) -> bool:
     """Return whether a format cannot store all nodes of a mesh: .inp and .med have no 27-node hexahedron.
 
     Parameters
@@ -105,12 +107,12 @@ def is_reduced(mesh: Mesh, form: str) -> bool:
     bool
         True for 27-node hexahedra in .inp and .med.
     """
-    from rollbench.meshes.fem import kind_of
+    from rollbench.meshes.fem import element_type_of_mesh
 
-    return kind_of(mesh) == "Q2" and form in ("inp", "med")
+    return element_type_of_mesh(mesh) == "Q2" and file_format in ("inp", "med")
 
 
-def keep_boundaries(mesh: Mesh, *names: str) -> Mesh:
+def with_only_boundaries(mesh: Mesh, *names: str) -> Mesh:
     """Return a copy of a mesh with only some of its named boundaries.
 
     Parameters
@@ -131,15 +133,15 @@ def keep_boundaries(mesh: Mesh, *names: str) -> Mesh:
 
 
 def write_mesh(
-    path: str | Path, mesh: Mesh, fields: Mapping[str, Array] | None = None, *, region: str = "", form: str = ""
+    path: str | Path, mesh: Mesh, fields: Mapping[str, Array] | None = None, *, region: str = "", file_format: str = ""
 ) -> None:
     """Write a mesh and fields at its nodes to a file: .vtu, .msh (gmsh 4.1), .inp (Abaqus, CalculiX) or .med (Salome).
 
     The file is replaced only when it is complete. Names are written too. The region is a group of cells; in .vtu it is a
     cell field ``region`` of zeros. A boundary is a physical group of faces in .msh; groups of faces and of nodes in .med; a
     surface and a set of nodes in .inp; a point field ``boundary <name>`` of 0 and 1 in .vtu. In .vtu and .msh, names are
-    also written as the cell fields that `skfem.Mesh.load` reads. For formats without 27-node hexahedra (`is_reduced`), the
-    nodes at the centres of faces and cells are omitted, so that 20 nodes remain.
+    also written as the cell fields that `skfem.Mesh.load` reads. For formats without 27-node hexahedra
+    (`loses_nodes_in_format`), the nodes at the centres of faces and cells are omitted, so that 20 nodes remain.
 
     Parameters
     ----------
@@ -163,43 +165,48 @@ def write_mesh(
     OSError
         The file cannot be written.
     """
-    from rollbench.meshes.fem import cells_of, faces_of, kind_of, points_of
+    from rollbench.meshes.fem import element_type_of_mesh, node_coordinates, nodes_of_boundary_faces, nodes_of_cells
 
     path = Path(path)
-    form = mesh_format(path, form)
-    need_package(form)
+    file_format = mesh_format(path, file_format)
+    check_packages_for_format(file_format)
     fields = {name: np.asarray(v) for name, v in (fields or {}).items()}
-    points = points_of(mesh)
+    points = node_coordinates(mesh)
     for name, values in fields.items():
         if len(values) != len(points):
             raise ValueError(f"field {name!r} has {len(values)} values, expected {len(points)}, one for each node")
-    cell, order = VTK[kind_of(mesh)]
-    cells, faces = cells_of(mesh)[:, order], {name: faces_of(mesh, name) for name in mesh.boundaries or {}}
-    marks = _skfem_fields(mesh, region) if form in ("vtu", "msh") else {}
-    if is_reduced(mesh, form):
+    cell, order = VTK[element_type_of_mesh(mesh)]
+    cells, faces = (
+        nodes_of_cells(mesh)[:, order],
+        {name: nodes_of_boundary_faces(mesh, name) for name in mesh.boundaries or {}},
+    )
+    marks = _fields_naming_boundaries(mesh, region) if file_format in ("vtu", "msh") else {}
+    if loses_nodes_in_format(mesh, file_format):
         cell = "hexahedron20"
         used, cells = np.unique(cells[:, :20], return_inverse=True)
         points, cells = points[used], cells.reshape(-1, 20)
         fields = {name: values[used] for name, values in fields.items()}
         faces = {name: np.searchsorted(used, members[:, :8]) for name, members in faces.items()}
-    fresh = temporary_name(path, f"{form}.tmp")
+    fresh = temporary_path(path, f"{file_format}.tmp")
     try:
-        if form == "inp":
+        if file_format == "inp":
             if fields:
                 raise ValueError("an .inp file cannot contain fields: write a .vtu, .msh or .med file")
-            _write_inp(fresh, points, cell, cells, faces, region)
+            _write_abaqus_input(fresh, points, cell, cells, faces, region)
         else:
             import meshio
 
             plain = meshio.Mesh(points, [(cell, cells)], fields)
-            meshed = {"vtu": _as_vtu, "msh": _as_msh, "med": _as_med}[form](plain, faces, region, marks)
-            meshio.write(fresh, meshed, file_format=_MESHIO[form])
+            meshed = {"vtu": _meshio_mesh_for_vtu, "msh": _meshio_mesh_for_msh, "med": _meshio_mesh_for_med}[file_format](
+                plain, faces, region, marks
+            )
+            meshio.write(fresh, meshed, file_format=_MESHIO[file_format])
         os.replace(fresh, path)
     finally:
         fresh.unlink(missing_ok=True)
 
 
-def _skfem_fields(mesh: Mesh, region: str) -> dict[str, Index]:
+def _fields_naming_boundaries(mesh: Mesh, region: str) -> dict[str, Index]:
     """Return the cell fields from which scikit-fem reads names of boundaries and regions, as `Mesh.save` writes them.
 
     For a boundary, each bit of the field is set where that face of the cell lies on the boundary. These fields are needed
@@ -212,11 +219,11 @@ def _skfem_fields(mesh: Mesh, region: str) -> dict[str, Index]:
     return fields | ({f"skfem:s:{region}": np.ones(mesh.nelements, dtype=np.int64)} if region else {})
 
 
-def _as_vtu(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[str, Index]) -> Any:
+def _meshio_mesh_for_vtu(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[str, Index]) -> Any:
     """Add the fields that name boundaries and region in a .vtu file to a mesh of meshio, and return it.
 
     ``plain``: mesh of meshio, which is changed; ``faces``: nodes of each boundary's faces ``(k, nodes)``, by its name;
-    ``region``: name of the group of all cells, or empty; ``marks``: cell fields from `_skfem_fields`.
+    ``region``: name of the group of all cells, or empty; ``marks``: cell fields from `_fields_naming_boundaries`.
     """
     for name, members in faces.items():
         plain.point_data[f"boundary {name}"] = np.isin(np.arange(len(plain.points)), members).astype(np.uint8)
@@ -226,11 +233,11 @@ def _as_vtu(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[
     return plain
 
 
-def _as_msh(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[str, Index]) -> Any:
+def _meshio_mesh_for_msh(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[str, Index]) -> Any:
     """Make a mesh of meshio for a .msh file, with physical groups for the region and the boundaries.
 
     A region without a name is called "other". In this format each entity must have a node that belongs to it alone. Cell
-    fields are NaN on the faces of boundaries. Arguments as for `_as_vtu`; ``plain`` is not changed.
+    fields are NaN on the faces of boundaries. Arguments as for `_meshio_mesh_for_vtu`; ``plain`` is not changed.
     """
     import meshio
 
@@ -248,13 +255,13 @@ def _as_msh(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[
     fields["gmsh:physical"] = [np.full(*x) for x in zip(sizes, groups, strict=True)]
     fields["gmsh:geometrical"] = [np.full(size, tag) for size, (_, tag) in zip(sizes, entities, strict=True)]
     names = zip((region or "other", *faces), groups, entities, strict=True)
-    owners = _owning_sets([members for _, members in blocks], len(plain.points))
+    owners = _assign_nodes_to_sets([members for _, members in blocks], len(plain.points))
     points = {**plain.point_data, "gmsh:dim_tags": np.array(entities)[owners]}
     field_data = {name: np.array([group, dimension]) for name, group, (dimension, _) in names}
     return meshio.Mesh(plain.points, blocks, points, fields, field_data)
 
 
-def _owning_sets(cells: list[Index], count: int) -> Index:
+def _assign_nodes_to_sets(cells: list[Index], count: int) -> Index:
     """Assign each of ``count`` nodes to one of the sets of cells that contain it, so that each set owns a node.
 
     ``cells``: nodes of the cells of each set ``(k, nodes)``. Returns the number of the set that owns each node
@@ -271,11 +278,11 @@ def _owning_sets(cells: list[Index], count: int) -> Index:
     return owner
 
 
-def _as_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> Any:
+def _meshio_mesh_for_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> Any:
     """Make a mesh of meshio for a .med file, with families for the region's cells and for faces and nodes of boundaries.
 
     Faces are counter-clockwise seen from outside. Nodes of cells are reordered here, because MED orients cells in reverse,
-    and meshio does not change their order. Arguments as for `_as_vtu`; the last one is not used.
+    and meshio does not change their order. Arguments as for `_meshio_mesh_for_vtu`; the last one is not used.
     """
     import meshio
 
@@ -287,12 +294,12 @@ def _as_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> A
     cell_families = {-1: [region]} if region else {}
     if faces:
         belongs = np.stack([np.isin(np.arange(len(plain.points)), members) for members in faces.values()])
-        points["point_tags"], node_families = _family_numbers(belongs, list(faces))
+        points["point_tags"], node_families = _assign_families(belongs, list(faces))
         every = np.concatenate(list(faces.values()))
         _, first, place = np.unique(np.sort(every, axis=1), axis=0, return_index=True, return_inverse=True)
         belongs = np.zeros((len(faces), len(first)), dtype=bool)
         belongs[np.repeat(np.arange(len(faces)), list(map(len, faces.values()))), place.ravel()] = True
-        numbers, families = _family_numbers(belongs, list(faces))
+        numbers, families = _assign_families(belongs, list(faces))
         blocks.append((_FACES[every.shape[1]], every[first]))
         tags.append(-1 - numbers)
         cell_families |= {-1 - number: names for number, names in families.items()}
@@ -302,7 +309,7 @@ def _as_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> A
     return mesh
 
 
-def _family_numbers(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[Index, dict[int, list[str]]]:
+def _assign_families(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[Index, dict[int, list[str]]]:
     """Assign nodes or faces to families of a .med file: those that belong to the same groups form one family.
 
     Parameters
@@ -328,7 +335,9 @@ def _family_numbers(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[I
     return numbers[pattern_of.ravel()], {number: groups for number, groups in found.items() if number}
 
 
-def _write_inp(path: Path, points: Array, cell: str, cells: Index, faces: Mapping[str, Index], region: str) -> None:
+def _write_abaqus_input(
+    path: Path, points: Array, cell: str, cells: Index, faces: Mapping[str, Index], region: str
+) -> None:
     """Write a mesh as an Abaqus input file, with sets of nodes and cells and with surfaces.
 
     ``cell``: element type by its name in meshio; ``cells``: nodes of the cells; ``faces``: nodes of each boundary's faces,
@@ -338,17 +347,17 @@ def _write_inp(path: Path, points: Array, cell: str, cells: Index, faces: Mappin
     """
     text = ["*HEADING", "rollbench; lengths in m", "*NODE, NSET=NALL"]
     text += [
-        f"{k}, {deck_number(x)}, {deck_number(y)}, {deck_number(z)}" for k, (x, y, z) in enumerate(points.tolist(), start=1)
+        f"{k}, {number_text(x)}, {number_text(y)}, {number_text(z)}" for k, (x, y, z) in enumerate(points.tolist(), start=1)
     ]
     text.append(f"*ELEMENT, ELSET=EALL, TYPE={_ABAQUS[cell]}")
     for k, row in enumerate((cells + 1).tolist(), start=1):
-        text += data_lines([k, *row])
+        text += comma_separated_lines([k, *row])
     sets = [("NSET", name, np.unique(members)) for name, members in faces.items()]
     sets += [("ELSET", region, np.arange(len(cells)))] if region else []
     for keyword, name, members in sets:
-        text += [f"*{keyword}, {keyword}={name.replace(' ', '_')}", *set_lines((members + 1).tolist())]
+        text += [f"*{keyword}, {keyword}={name.replace(' ', '_')}", *set_entry_lines((members + 1).tolist())]
     for name, members in faces.items():
         text.append(f"*SURFACE, NAME={name.replace(' ', '_')}, TYPE=ELEMENT")
         corners = members[:, : 3 if cell.startswith("tetra") else 4]
-        text += [f"{k + 1}, S{face}" for k, face in element_faces(cells, corners).tolist()]
+        text += [f"{k + 1}, S{face}" for k, face in cells_and_numbers_of_faces(cells, corners).tolist()]
     path.write_text("\n".join(text) + "\n", encoding="ascii")

@@ -1,8 +1,8 @@
 """Write the parts of a scene as STEP files, by OpenCASCADE in gmsh; lengths are in mm.
 
 Balls and bodies of revolution are exact solids. Flanks of helical grooves are B-spline surfaces: lofts through exact arcs,
-`SECTIONS` of them for each turn. Each arc lies in a plane normal to the helix and ends at apex and land. `largest_distance`
-measures how far the loft deviates from the exact flank between its arcs.
+`SECTIONS` of them for each turn. Each arc lies in a plane normal to the helix and ends at apex and land.
+`largest_distance_from_flank` measures how far the loft deviates from the exact flank between its arcs.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
-from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
+from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.helix import ball_layout, ball_layout_at_positions, lead_per_radian
 from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
 from rollbench.meshes.shell import gmsh_session
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 #: Number of arcs through which a flank is lofted, for each turn of the helix.
 SECTIONS = 48
@@ -64,29 +64,29 @@ def write_step(path: Path, sets: Sequence[PlacedSet]) -> dict[Path, float]:
         A file cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    with _gmsh_model() as gmsh:
+    with _new_gmsh_model() as gmsh:
         for scene, shift, ends in sets:
-            body = _add_ring if scene.track.lead == 0.0 else _add_tube
-            for radius, centre in _add_balls(scene):
+            body = _add_grooved_ring if scene.track.lead == 0.0 else _add_tube_without_groove
+            for radius, centre in _ball_radii_and_centres(scene):
                 gmsh.model.occ.addSphere(*(MM * centre), MM * radius)
             body(gmsh, scene, ends, screw=True)
-            body(gmsh, scene, _face_positions(scene, shift), screw=False)
+            body(gmsh, scene, _nut_face_positions(scene, shift), screw=False)
         gmsh.model.occ.synchronize()
         _write_model(gmsh, path)
     if all(scene.track.lead == 0.0 for scene, _, _ in sets):
         return {path: 0.0}
     grooves, worst = path.with_name(f"{path.stem}-grooves.step"), 0.0
-    with _gmsh_model() as gmsh:
+    with _new_gmsh_model() as gmsh:
         for scene, shift, ends in sets:
             for side in range(len(SIDES)):
-                faces = ends if side < 2 else _face_positions(scene, shift)
-                worst = max(worst, _add_flank(gmsh, scene, side, faces, shift if side >= 2 else 0.0))
+                faces = ends if side < 2 else _nut_face_positions(scene, shift)
+                worst = max(worst, _add_helical_flank(gmsh, scene, side, faces, shift if side >= 2 else 0.0))
         _write_model(gmsh, grooves)
     return {path: 0.0, grooves: worst}
 
 
 @contextmanager
-def _gmsh_model() -> Iterator[Any]:
+def _new_gmsh_model() -> Iterator[Any]:
     """Create an empty gmsh model with lengths in mm, for the statements of a ``with`` block; yields the module gmsh."""
     with gmsh_session() as gmsh:
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
@@ -107,13 +107,13 @@ def _write_model(gmsh: Any, path: Path) -> None:
         os.close(kept)
 
 
-def _add_balls(scene: Scene) -> Iterator[tuple[float, Array]]:
+def _ball_radii_and_centres(scene: Scene) -> Iterator[tuple[float, Array]]:
     """Yield the radius [m], with errors, and the centre ``(3,)`` [m] of each ball."""
     layout = ball_layout(scene)
-    yield from zip(specimen(scene, layout).ball_radius.tolist(), layout.centre, strict=True)
+    yield from zip(draw_specimen(scene, layout).ball_radius.tolist(), layout.centre, strict=True)
 
 
-def _face_positions(scene: Scene, shift: float) -> tuple[float, float]:
+def _nut_face_positions(scene: Scene, shift: float) -> tuple[float, float]:
     """Return the axial positions of the two faces of the nut or outer ring [m].
 
     ``shift``: displacement of the nut or outer ring along z [m].
@@ -122,33 +122,35 @@ def _face_positions(scene: Scene, shift: float) -> tuple[float, float]:
     return scene.nut.position - half + shift, scene.nut.position + half + shift
 
 
-def _wall_radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
+def _land_and_wall_radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
     """Return the radius of the lands, and that of the surface opposite the groove (bore of screw, outside of nut) [m]."""
-    dims = solid_dimensions(scene)
+    dims = dimensions_of_3d_parts(scene)
     if screw:
         return scene.screw.outer_diameter / 2.0, scene.screw.bore / 2.0 or dims.hole
     return dims.land, scene.nut.outer_diameter / 2.0
 
 
-def _add_tube(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
+def _add_tube_without_groove(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
     """Add the screw or nut of a helical track to gmsh's model, as a tube without its groove.
 
     ``ends``: axial positions of its two ends [m]; ``screw``: whether it is the screw, or the nut.
     """
     occ, (low, high) = gmsh.model.occ, ends
-    inner, outer = sorted(_wall_radii(scene, screw=screw))
+    inner, outer = sorted(_land_and_wall_radii(scene, screw=screw))
     tubes = [(3, occ.addCylinder(0, 0, MM * low, 0, 0, MM * (high - low), MM * r)) for r in (outer, inner)]
     occ.cut(tubes[:1], tubes[1:])
 
 
-def _add_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
+def _add_grooved_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
     """Add a bearing ring with its groove to gmsh's model, as a solid of revolution of its cross-section.
 
     ``ends``: axial positions of its two faces [m]; ``screw``: whether it is the inner ring, or the outer one.
     """
-    occ, (land, wall), z = gmsh.model.occ, _wall_radii(scene, screw=screw), scene.nut.position
+    occ, (land, wall), z = gmsh.model.occ, _land_and_wall_radii(scene, screw=screw), scene.nut.position
     left, right = (
-        _flank_points(scene, side, np.array([apex_angle(scene, side), land_angle(scene, side, land)]))
+        _flank_section_coordinates(
+            scene, side, np.array([apex_section_angle(scene, side), land_section_angle(scene, side, land)])
+        )
         for side in _flanks_of_body(screw)
     )
     R = scene.track.pitch_radius
@@ -160,7 +162,7 @@ def _add_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool
     apex = add_point(R + left[0, 0], z + left[0, 1])
     corners += [apex, add_point(R + right[1, 0], z + right[1, 1]), add_point(land, ends[1]), add_point(wall, ends[1])]
     middles = [
-        add_point(R + x, z + y) for x, y in specimen(scene, ball_layout(scene)).centre[0, list(_flanks_of_body(screw))]
+        add_point(R + x, z + y) for x, y in draw_specimen(scene, ball_layout(scene)).centre[0, list(_flanks_of_body(screw))]
     ]
     lines = [occ.addLine(corners[0], corners[1]), occ.addLine(corners[1], corners[2])]
     lines += [occ.addCircleArc(corners[2], middles[0], apex), occ.addCircleArc(apex, middles[1], corners[4])]
@@ -174,23 +176,23 @@ def _flanks_of_body(screw: bool) -> tuple[int, int]:
     return (0, 1) if screw else (2, 3)
 
 
-def _flank_points(scene: Scene, side: int, gamma: Array) -> Array:
+def _flank_section_coordinates(scene: Scene, side: int, gamma: Array) -> Array:
     """Return section coordinates (x3, z3) of points on a flank ``(k, 2)`` [m].
 
     ``side``: flank 0 to 3; ``gamma``: section angles of the points ``(k,)`` [rad].
     """
-    drawn = specimen(scene, ball_layout(scene))
+    drawn = draw_specimen(scene, ball_layout(scene))
     (sx, sz), c = SIDE_SIGNS[side], drawn.centre[0, side]
     return np.asarray(c + drawn.radius[side] * np.column_stack([sx * np.cos(gamma), sz * np.sin(gamma)]))
 
 
-def apex_angle(scene: Scene, side: int) -> float:
+def apex_section_angle(scene: Scene, side: int) -> float:
     """Return the section angle [rad] at which the flank ``side`` (0 to 3) meets the other flank of its groove, z3 = 0."""
-    drawn = specimen(scene, ball_layout(scene))
+    drawn = draw_specimen(scene, ball_layout(scene))
     return asin(-float(drawn.centre[0, side, 1]) * SIDE_SIGNS[side][1] / float(drawn.radius[side]))
 
 
-def land_angle(scene: Scene, side: int, land: float) -> float:
+def land_section_angle(scene: Scene, side: int, land: float) -> float:
     """Compute the section angle at which a flank meets the land.
 
     Parameters
@@ -208,7 +210,7 @@ def land_angle(scene: Scene, side: int, land: float) -> float:
         Section angle [rad].
     """
     sign = SIDE_SIGNS[side][0]
-    low, high = apex_angle(scene, side), pi / 2.0
+    low, high = apex_section_angle(scene, side), pi / 2.0
     for _ in range(60):
         middle = 0.5 * (low + high)
         point = _flank_points_at_azimuth(scene, side, np.array([middle]), 0.0, 0.0)[0]
@@ -222,21 +224,21 @@ def _flank_points_at_azimuth(scene: Scene, side: int, gamma: Array, azimuth: flo
     ``side``: flank 0 to 3; ``gamma``: section angles of the points ``(k,)`` [rad]; ``shift``: displacement of the nut along
     z [m].
     """
-    z = scene.nut.position + shift + reduced_lead(scene.track) * (azimuth - scene.track.phase)
-    at = layout_at(scene.track, np.array([azimuth]), np.array([z]))
-    x3, z3 = _flank_points(scene, side, gamma).T
+    z = scene.nut.position + shift + lead_per_radian(scene.track) * (azimuth - scene.track.phase)
+    at = ball_layout_at_positions(scene.track, np.array([azimuth]), np.array([z]))
+    x3, z3 = _flank_section_coordinates(scene, side, gamma).T
     return np.asarray(at.centre + x3[:, None] * at.radial + z3[:, None] * at.binormal)
 
 
-def _add_flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, float], shift: float) -> float:
+def _add_helical_flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, float], shift: float) -> float:
     """Add the surface of a helical flank to gmsh's model, as a loft through exact arcs.
 
     ``side``: flank 0 to 3; ``ends``: axial positions between which it extends [m]; ``shift``: displacement of the nut along
     z [m]. Returns the largest distance [m] between the loft and the exact flank.
     """
-    occ, lead = gmsh.model.occ, reduced_lead(scene.track)
-    land = _wall_radii(scene, screw=side < 2)[0]
-    gamma = np.linspace(apex_angle(scene, side), land_angle(scene, side, land), 3)
+    occ, lead = gmsh.model.occ, lead_per_radian(scene.track)
+    land = _land_and_wall_radii(scene, screw=side < 2)[0]
+    gamma = np.linspace(apex_section_angle(scene, side), land_section_angle(scene, side, land), 3)
     first, last = sorted(scene.track.phase + (z - scene.nut.position - shift) / lead for z in ends)
     wires = []
     for azimuth in np.linspace(first, last, 1 + int(np.ceil((last - first) / (2.0 * pi) * SECTIONS))):
@@ -244,10 +246,12 @@ def _add_flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, float], sh
         wires.append(occ.addWire([occ.addCircleArc(*points, center=False)]))
     surfaces = [tag for dim, tag in occ.addThruSections(wires, makeSolid=False, maxDegree=3) if dim == 2]
     occ.synchronize()
-    return max(largest_distance(gmsh, scene, side, tag, shift) for tag in surfaces)
+    return max(largest_distance_from_flank(gmsh, scene, side, tag, shift) for tag in surfaces)
 
 
-def largest_distance(gmsh: Any, scene: Scene, side: int, tag: int, shift: float, along: int = 120) -> float:
+def largest_distance_from_flank(
+    gmsh: Any, scene: Scene, side: int, tag: int, shift: float, samples_along: int = 120
+) -> float:
     """Measure the largest distance between a surface in gmsh's model and the exact surface of a flank.
 
     Parameters
@@ -271,7 +275,7 @@ def largest_distance(gmsh: Any, scene: Scene, side: int, tag: int, shift: float,
         Largest distance [m].
     """
     (u0, v0), (u1, v1) = gmsh.model.getParametrizationBounds(2, tag)
-    u, v = np.meshgrid(np.linspace(u0, u1, along), np.linspace(v0, v1, along))
+    u, v = np.meshgrid(np.linspace(u0, u1, samples_along), np.linspace(v0, v1, samples_along))
     p = np.reshape(gmsh.model.getValue(2, tag, np.column_stack([u.ravel(), v.ravel()]).ravel()), (-1, 3)) / MM
     return float(np.abs(distances_from_flank(scene, side, p, shift)).max())
 
@@ -295,15 +299,15 @@ def distances_from_flank(scene: Scene, side: int, points: Array, shift: float) -
     (k,) Array
         Signed distances [m], positive where a point is further from the groove's centre than the groove radius.
     """
-    track, lead = scene.track, reduced_lead(scene.track)
+    track, lead = scene.track, lead_per_radian(scene.track)
     z0 = scene.nut.position + shift
     turn = np.arctan2(points[:, 1], points[:, 0])
     rough = track.phase + (points[:, 2] - z0) / lead
     azimuth = turn + 2.0 * pi * np.round((rough - turn) / (2.0 * pi))
     for _ in range(20):
-        at = layout_at(track, azimuth, z0 + lead * (azimuth - track.phase))
+        at = ball_layout_at_positions(track, azimuth, z0 + lead * (azimuth - track.phase))
         away = points - at.centre
         azimuth = azimuth + np.einsum("ij,ij->i", away, at.tangent) / np.hypot(track.pitch_radius, lead)
-    drawn = specimen(scene, ball_layout(scene))
+    drawn = draw_specimen(scene, ball_layout(scene))
     x3, z3 = (np.einsum("ij,ij->i", away, axis) for axis in (at.radial, at.binormal))
     return np.asarray(np.hypot(x3 - drawn.centre[0, side, 0], z3 - drawn.centre[0, side, 1]) - drawn.radius[side])

@@ -18,34 +18,44 @@ from scipy.spatial import cKDTree
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.ball_body import directions, sphere
-from rollbench.meshes.fem import Meshed, Quality, improve_cells, nodes_on
+from rollbench.meshes.ball_body import contact_frame_vectors, triangulate_sphere
+from rollbench.meshes.fem import MeshedBody, Quality, improve_curved_cells, nodes_on_boundaries
 from rollbench.meshes.groove import (
     BodySpec,
     Groove,
-    circle_curve,
     circle_in_plane,
-    level_line,
-    plane_map,
+    circle_in_space,
+    line_along_first_axis,
+    line_along_second_axis,
+    point_map_at_z,
     points_from_cylindrical,
-    upright_line,
 )
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import FLANK, Surface
+from rollbench.meshes.grooved_body import FLANK, GroovedBodySurface
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.shell import BEND, POOREST, WALL, Curve, Placing, Shell, Side, best_mesh, fill_shell
-from rollbench.meshes.sockets import SocketSize, socket_points
+from rollbench.meshes.shell import (
+    BEND,
+    POOREST,
+    WALL,
+    DividedCurve,
+    Placing,
+    Shell,
+    Side,
+    fill_shell,
+    mesh_with_smallest_fault,
+)
+from rollbench.meshes.sockets import SocketSize, points_in_socket
 
 #: Azimuths [rad] of the two cut surfaces of half a ring.
 CUT = (0.0, np.pi)
 
 
-def use_requested_sizes(shell: Shell) -> None:
+def use_requested_element_sizes(shell: Shell) -> None:
     """Make gmsh use the wanted element sizes inside faces, instead of extending the fine sizes of a face's boundary."""
     shell.gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
 
 
-class HalfRing:
+class HalfRingSurface:
     """Closed surface of one half of a bearing ring, from azimuth 0 to 180 deg; the plane y = 0 is its boundary "cut".
 
     Two rings with balls at 0 and 180 deg, displaced within the plane y = 0, deform symmetrically about this plane. So the
@@ -74,10 +84,10 @@ class HalfRing:
         ValueError
             The body is a screw or nut, it has no bore, its groove has one arc, or its groove leaves no land or wall.
         """
-        if m.rg or spec.r_in <= 0.0 or m.one_arc:
+        if m.rg or spec.r_in <= 0.0 or m.has_single_arc:
             raise ValueError("only a bearing ring with a bore and a groove of two arcs can be cut in halves")
         self.shell, self.groove, self.spec = shell, Groove.of(m, spec), spec
-        use_requested_sizes(shell)
+        use_requested_element_sizes(shell)
         g, line, (low, high) = self.groove, m.z0, (spec.z_low, spec.z_high)
         self.flank_limit = share * min(BEND[0] * float(m.radius[g.sides[0]]), FLANK * spec.coarse)
         self.land_limit = share * BEND[1] * g.land
@@ -98,44 +108,47 @@ class HalfRing:
         limits[3:6] = [min(self.land_limit, self.flank_limit)] * 3
         nodes = [shell.nodes(points_from_cylindrical(corners[:, 0], phi, corners[:, 1])) for phi in CUT]
         self.arcs = [
-            shell.curve(circle_curve(*corners[k]), *CUT, limits[k], (int(nodes[0][k]), int(nodes[1][k]))) for k in range(7)
+            shell.curve(circle_in_space(*corners[k]), *CUT, limits[k], (int(nodes[0][k]), int(nodes[1][k])))
+            for k in range(7)
         ]
         self.corners, self.line = corners, line
-        self.cuts = [[self._edge(k, phi, ends) for k in range(7)] for phi, ends in zip(CUT, nodes, strict=True)]
-        self._faces()
+        self.cuts = [
+            [self._divide_section_edge(k, phi, ends) for k in range(7)] for phi, ends in zip(CUT, nodes, strict=True)
+        ]
+        self._triangulate_faces()
 
-    def _edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> Curve:
+    def _divide_section_edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> DividedCurve:
         """Divide edge k of the ring's cross-section at the azimuth ``phi`` [rad], from its corner k to the next one.
 
         ``nodes``: numbers of the nodes at the seven corners of this cross-section.
         """
         ends = int(nodes[k]), int(nodes[(k + 1) % 7])
         if k in (3, 4):
-            begin, end = self._gamma(k)
+            begin, end = self._section_angle_range(k)
             return self.shell.curve(lambda t: self._flank(k, t, phi), begin, end, self.flank_limit, ends)
         limit = self.behind_limit if k == 0 else self.land_limit
 
         def space(t: Array) -> Array:
-            r, z = self._straight(k, t)
+            r, z = self._straight_edge_coordinates(k, t)
             return points_from_cylindrical(r, phi, z)
 
         return self.shell.curve(space, 0.0, 1.0, limit, ends)
 
-    def _gamma(self, k: int) -> tuple[float, float]:
+    def _section_angle_range(self, k: int) -> tuple[float, float]:
         """Return the section angles [rad] at which edge k (3 or 4, a flank) of the cross-section begins and ends."""
         g = self.groove
         return (g.edge, g.apex) if k == 3 else (g.apex, g.edge)
 
-    def _side(self, k: int) -> int:
+    def _flank_of_edge(self, k: int) -> int:
         """Return the flank 0 to 3 of edge k (3 or 4) of the cross-section."""
         return self.groove.sides[1 if k == 3 else 0]
 
     def _flank(self, k: int, gamma: Array, phi: float | Array) -> Array:
         """Return points ``(n, 3)`` [m] on a flank (edge 3 or 4), at section angles and azimuths [rad]."""
-        r, zeta = self.groove.profile(self._side(k), gamma)
+        r, zeta = self.groove.profile(self._flank_of_edge(k), gamma)
         return points_from_cylindrical(r, phi, self.line + zeta)
 
-    def _straight(self, k: int, t: Array) -> tuple[Array, Array]:
+    def _straight_edge_coordinates(self, k: int, t: Array) -> tuple[Array, Array]:
         """Return radius and z of points on the straight edge k of the cross-section, two arrays ``(n,)`` [m].
 
         ``t``: positions of the points along the edge, as fractions of its length ``(n,)``.
@@ -143,15 +156,15 @@ class HalfRing:
         x = self.corners[k] + t[:, None] * (self.corners[(k + 1) % 7] - self.corners[k])
         return x[:, 0], x[:, 1]
 
-    def _section(self, k: int, t: Array) -> Array:
+    def _edge_coordinates(self, k: int, t: Array) -> Array:
         """Return radius and z ``(n, 2)`` [m] along edge k of the cross-section.
 
         On a flank, t is the section angle [rad]; on a straight edge, the fraction of its length.
         """
         if k in (3, 4):
-            r, zeta = self.groove.profile(self._side(k), t)
+            r, zeta = self.groove.profile(self._flank_of_edge(k), t)
             return np.stack([r, self.line + zeta], axis=1)
-        return np.stack(self._straight(k, t), axis=1)
+        return np.stack(self._straight_edge_coordinates(k, t), axis=1)
 
     def _around(self, k: int, begin: float, end: float) -> list[Side]:
         """Return the four sides of the face that edge k of the cross-section generates about the axis.
@@ -162,34 +175,41 @@ class HalfRing:
 
         def at(t: Array, phi: float) -> Array:
             place = begin + (end - begin) * t if k not in (3, 4) else t
-            return upright_line(phi)(place)
+            return line_along_second_axis(phi)(place)
 
         first, last = (cut[k] for cut in self.cuts)
         return [
-            self.arcs[k].on(level_line(begin)),
+            self.arcs[k].on(line_along_first_axis(begin)),
             last.on(lambda t: at(t, CUT[1])),
-            self.arcs[(k + 1) % 7].back(level_line(end)),
+            self.arcs[(k + 1) % 7].back(line_along_first_axis(end)),
             first.back(lambda t: at(t, CUT[0])),
         ]
 
-    def _faces(self) -> None:
+    def _triangulate_faces(self) -> None:
         """Triangulate the curved faces, the two flat ends, and the two cut surfaces of the half ring."""
         outer = self.spec.outer
         for k, name in ((0, "bore" if outer else "outside"), (2, "land"), (5, "land")):
             r, begin, end = self.corners[k, 0], self.corners[k, 1], self.corners[(k + 1) % 7, 1]
             limit = self.behind_limit if k == 0 else self.land_limit
-            self._swept(name, k, (begin, end), np.array([r, 1.0]), _cylinder_curve(r), limit)
+            self._triangulate_swept_face(name, k, (begin, end), np.array([r, 1.0]), _cylinder_point_map(r), limit)
         for k in (3, 4):
-            side = self._side(k)
+            side = self._flank_of_edge(k)
             scale = np.array([self.corners[4, 0], float(self.groove.m.radius[side])])
-            self._swept(f"flank {SIDES[side]}", k, self._gamma(k), scale, self._flank_space(k, scale), self.flank_limit)
+            self._triangulate_swept_face(
+                f"flank {SIDES[side]}",
+                k,
+                self._section_angle_range(k),
+                scale,
+                self._flank_point_map(k, scale),
+                self.flank_limit,
+            )
         for k, name in ((1, "high end"), (6, "low end")):
             self._end(name, k)
         for phi, cut in zip(CUT, self.cuts, strict=True):
-            loop = [cut[k].on(partial(self._section, k)) for k in range(7)]
-            self.shell.face("cut", [loop], _section_space(phi), np.inf)
+            loop = [cut[k].on(partial(self._edge_coordinates, k)) for k in range(7)]
+            self.shell.face("cut", [loop], _axial_plane_point_map(phi), np.inf)
 
-    def _flank_space(self, k: int, scale: Array) -> Placing:
+    def _flank_point_map(self, k: int, scale: Array) -> Placing:
         """Return the function that maps plane coordinates of the flank of edge k to points ``(n, 3)`` [m].
 
         The plane coordinates are (azimuth, section angle), multiplied by the lengths ``scale`` [m].
@@ -201,7 +221,7 @@ class HalfRing:
         first, last = (cut[k] for cut in self.cuts)
 
         def end_edge(sign: float) -> Placing:
-            return lambda t: np.stack([sign * self._straight(k, t)[0], np.zeros(t.size)], axis=1)
+            return lambda t: np.stack([sign * self._straight_edge_coordinates(k, t)[0], np.zeros(t.size)], axis=1)
 
         loop = [
             self.arcs[k].on(circle_in_plane(float(self.corners[k, 0]))),
@@ -209,9 +229,11 @@ class HalfRing:
             self.arcs[(k + 1) % 7].back(circle_in_plane(float(self.corners[(k + 1) % 7, 0]))),
             first.back(end_edge(1.0)),
         ]
-        self.shell.face(name, [loop], plane_map(float(self.corners[k, 1])), np.inf)
+        self.shell.face(name, [loop], point_map_at_z(float(self.corners[k, 1])), np.inf)
 
-    def _swept(self, name: str, k: int, ends: tuple[float, float], scale: Array, space: Placing, limit: float) -> None:
+    def _triangulate_swept_face(
+        self, name: str, k: int, ends: tuple[float, float], scale: Array, space: Placing, limit: float
+    ) -> None:
         """Triangulate the curved face ``name`` that edge k of the cross-section generates about the axis.
 
         ``ends``: coordinate along the edge at its two corners; ``scale``: factors that convert the plane coordinates
@@ -222,17 +244,17 @@ class HalfRing:
         self.shell.face(name, [loop], space, limit)
 
 
-def _cylinder_curve(r: float) -> Placing:
+def _cylinder_point_map(r: float) -> Placing:
     """Return the function that maps plane coordinates (arc length, z) [m] to points on a cylinder of radius r [m]."""
     return lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1])
 
 
-def _section_space(phi: float) -> Placing:
+def _axial_plane_point_map(phi: float) -> Placing:
     """Return the function that maps plane coordinates (radius, z) [m] to points in the axial plane at an azimuth [rad]."""
     return lambda x: points_from_cylindrical(x[:, 0], phi, x[:, 1])
 
 
-def half_sphere(radius: float, shell: Shell, share: float, sign: float) -> None:
+def triangulate_half_sphere(radius: float, shell: Shell, edge_factor: float, sign: float) -> None:
     """Triangulate the surface of half a ball, sign * y >= 0, about the origin; its boundaries are "sphere" and "cut".
 
     Parameters
@@ -246,8 +268,8 @@ def half_sphere(radius: float, shell: Shell, share: float, sign: float) -> None:
     sign : float
         1 for the half at y >= 0, -1 for the half at y <= 0.
     """
-    use_requested_sizes(shell)
-    limit = share * BEND[1] * radius
+    use_requested_element_sizes(shell)
+    limit = edge_factor * BEND[1] * radius
     middle, pole = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.array([0.0, -sign, 0.0])
     equator = shell.curve(lambda t: radius * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit)
 
@@ -283,7 +305,7 @@ class Refinement:
 
 
 @dataclass(frozen=True)
-class WholeBody(Meshed):
+class BodyMeshForExport(MeshedBody):
     """Mesh of a whole or half body for another FE program, with the parts of its surface as named boundaries."""
 
     #: Mesh of second-order tetrahedra.
@@ -294,10 +316,10 @@ class WholeBody(Meshed):
     @cached_property
     def named(self) -> dict[str, Index]:
         """Numbers of the nodes on each boundary, by the boundary's name."""
-        return {name: nodes_on(self.mesh, name) for name in sorted(self.mesh.boundaries)}
+        return {name: nodes_on_boundaries(self.mesh, name) for name in sorted(self.mesh.boundaries)}
 
 
-def grid_in_ellipse(half: tuple[float, float], step: float) -> Array:
+def grid_points_in_ellipse(semi_axes: tuple[float, float], step: float) -> Array:
     """Return the points of a rectangular grid inside an ellipse about the origin, and points on the ellipse.
 
     Parameters
@@ -312,16 +334,20 @@ def grid_in_ellipse(half: tuple[float, float], step: float) -> Array:
     (k, 2) Array
         Coordinates of the points [m].
     """
-    counts = [max(1, int(np.ceil(x / step))) for x in half]
+    counts = [max(1, int(np.ceil(x / step))) for x in semi_axes]
     x, y = np.meshgrid(*(np.linspace(-1.0, 1.0, 2 * n + 1) for n in counts), indexing="ij")
     inside = x**2 + y**2 <= 1.0
     turn = np.linspace(0.0, 2.0 * np.pi, 8 * max(counts), endpoint=False)
     return np.stack(
-        [half[0] * np.concatenate([x[inside], np.cos(turn)]), half[1] * np.concatenate([y[inside], np.sin(turn)])], axis=1
+        [
+            semi_axes[0] * np.concatenate([x[inside], np.cos(turn)]),
+            semi_axes[1] * np.concatenate([y[inside], np.sin(turn)]),
+        ],
+        axis=1,
     )
 
 
-def groove_points(m: GrooveMap, place: tuple[float, float, int], flat: Array) -> Array:
+def points_on_groove(m: GrooveMap, ball_position: tuple[float, float, int], distances: Array) -> Array:
     """Map distances from an expected contact to points on the groove's surface.
 
     Parameters
@@ -338,12 +364,12 @@ def groove_points(m: GrooveMap, place: tuple[float, float, int], flat: Array) ->
     (k, 3) Array
         Points [m].
     """
-    radius = float(m.radius[place[2]])
-    xi = np.stack([flat[:, 0] / radius, np.zeros(len(flat)), flat[:, 1] / m.R], axis=1)
-    return socket_points(m, SocketSize(1.0, radius, 1.0), place, xi)
+    radius = float(m.radius[ball_position[2]])
+    xi = np.stack([distances[:, 0] / radius, np.zeros(len(distances)), distances[:, 1] / m.R], axis=1)
+    return points_in_socket(m, SocketSize(1.0, radius, 1.0), ball_position, xi)
 
 
-def sphere_points(m: GrooveMap, side: int, radius: float, flat: Array) -> Array:
+def points_on_ball_surface(m: GrooveMap, side: int, radius: float, distances: Array) -> Array:
     """Map distances from an expected contact to points on the surface of a ball at azimuth 0.
 
     Parameters
@@ -362,12 +388,12 @@ def sphere_points(m: GrooveMap, side: int, radius: float, flat: Array) -> Array:
     (k, 3) Array
         Coordinates relative to the ball's centre [m].
     """
-    n, t1, t2 = directions(m, side)
-    ray = n + flat[:, :1] / radius * t1 + flat[:, 1:] / radius * t2
+    n, t1, t2 = contact_frame_vectors(m, side)
+    ray = n + distances[:, :1] / radius * t1 + distances[:, 1:] / radius * t2
     return np.asarray(radius * ray / np.linalg.norm(ray, axis=1)[:, None])
 
 
-def place_ball(m: GrooveMap, at: tuple[float, float], points: Array) -> Array:
+def move_to_ball_position(m: GrooveMap, ball_position: tuple[float, float], points: Array) -> Array:
     """Move points of a ball from the ball at azimuth 0 to the ball's position in the screw or bearing.
 
     Parameters
@@ -384,12 +410,12 @@ def place_ball(m: GrooveMap, at: tuple[float, float], points: Array) -> Array:
     (n, 3) Array
         Coordinates in the frame of the screw [m].
     """
-    c, s = np.cos(at[0]), np.sin(at[0])
+    c, s = np.cos(ball_position[0]), np.sin(ball_position[0])
     out = points + np.array([m.R, 0.0, 0.0])
-    return np.asarray(out @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + np.array([0.0, 0.0, at[1]]))
+    return np.asarray(out @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + np.array([0.0, 0.0, ball_position[1]]))
 
 
-def whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBody:
+def mesh_whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> BodyMeshForExport:
     """Mesh a whole screw, nut or ring for another FE program; its boundaries have the names of `meshes.grooved_body`.
 
     Parameters
@@ -413,10 +439,10 @@ def whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBod
     """
     plain, groove = replace(spec, sockets=()), Groove.of(m, spec)
     name = "screw" if spec.outer else "nut"
-    return _fill_surface(name, lambda shell, share: Surface(shell, m, plain, share, groove), refinement)
+    return _mesh_inside_surface(name, lambda shell, share: GroovedBodySurface(shell, m, plain, share, groove), refinement)
 
 
-def whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> WholeBody:
+def mesh_whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> BodyMeshForExport:
     """Mesh a whole ball, with its centre at the origin, for another FE program.
 
     Parameters
@@ -439,10 +465,10 @@ def whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> WholeBody
         No attempt of gmsh gives a good mesh.
     """
     ball_map = replace(m, ball=radius)
-    return _fill_surface("ball", lambda shell, share: sphere(ball_map, shell, [], share), refinement)
+    return _mesh_inside_surface("ball", lambda shell, share: triangulate_sphere(ball_map, shell, [], share), refinement)
 
 
-def half_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBody:
+def mesh_half_ring(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> BodyMeshForExport:
     """Mesh the half of a bearing ring at y >= 0 for another FE program; the plane y = 0 is its boundary "cut".
 
     Parameters
@@ -462,13 +488,13 @@ def half_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBody
     Raises
     ------
     ValueError
-        As for `whole_body`; and where the body is a screw or nut, or a ring without bore.
+        As for `mesh_whole_body`; and where the body is a screw or nut, or a ring without bore.
     """
     name = "inner ring" if spec.outer else "outer ring"
-    return _fill_surface(name, lambda shell, share: HalfRing(shell, m, spec, share), refinement)
+    return _mesh_inside_surface(name, lambda shell, share: HalfRingSurface(shell, m, spec, share), refinement)
 
 
-def half_ball(radius: float, refinement: Refinement, sign: float) -> WholeBody:
+def mesh_half_ball(radius: float, refinement: Refinement, sign: float) -> BodyMeshForExport:
     """Mesh half a ball, sign * y >= 0, with its centre at the origin; the plane y = 0 is its boundary "cut".
 
     Parameters
@@ -490,22 +516,24 @@ def half_ball(radius: float, refinement: Refinement, sign: float) -> WholeBody:
     ValueError
         No attempt of gmsh gives a good mesh.
     """
-    return _fill_surface("ball", lambda shell, share: half_sphere(radius, shell, share, sign), refinement)
+    return _mesh_inside_surface(
+        "ball", lambda shell, share: triangulate_half_sphere(radius, shell, share, sign), refinement
+    )
 
 
-def _fill_surface(name: str, surface: Callable[[Shell, float], object], refinement: Refinement) -> WholeBody:
+def _mesh_inside_surface(name: str, surface: Callable[[Shell, float], object], refinement: Refinement) -> BodyMeshForExport:
     """Mesh the body inside a closed surface; edges that would invert cells are straightened.
 
     ``name``: name of the body, for messages; ``surface``: function that triangulates the surface in a `Shell`, with a
     factor on the element sizes; ``refinement``: element sizes.
     """
 
-    def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[WholeBody, float]:
+    def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[BodyMeshForExport, float]:
         shell = Shell(gmsh, refinement.size(share), share * refinement.fine, plane)
         surface(shell, share)
         filled = fill_shell(shell, volume)
         free = np.zeros(0, dtype=np.int64)
-        mesh, moved, quality = improve_cells(filled.named(shell), name, filled.on(shell.tris()), free)
-        return WholeBody(mesh, quality), moved + max(0.0, POOREST - quality.smallest)
+        mesh, moved, quality = improve_curved_cells(filled.named(shell), name, filled.on(shell.tris()), free)
+        return BodyMeshForExport(mesh, quality), moved + max(0.0, POOREST - quality.smallest)
 
-    return best_mesh(name, attempt)
+    return mesh_with_smallest_fault(name, attempt)

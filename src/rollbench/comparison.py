@@ -11,7 +11,7 @@ from types import ModuleType
 _OLD, _NEW = "rollbench.comparison", "rollbench.compare"
 
 
-class _Renamed(MetaPathFinder, Loader):
+class _FormerModuleImporter(MetaPathFinder, Loader):
     """Importer that returns the module with the new name if a module with the former name is imported."""
 
     def find_spec(
@@ -26,5 +26,5 @@ class _Renamed(MetaPathFinder, Loader):
 
 
 warnings.warn(f"{_OLD} will be removed in the next version: import {_NEW} instead", DeprecationWarning, 2)
-sys.meta_path.insert(0, _Renamed())
+sys.meta_path.insert(0, _FormerModuleImporter())
 sys.modules[__name__] = import_module(_NEW)

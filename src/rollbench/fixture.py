@@ -63,7 +63,7 @@ class Rollbench:
         from rollbench.compare.gate.user import check_scenes, gate_request
         from rollbench.compare.reference.jobs import Engine
         from rollbench.compare.scenes import catalogue
-        from rollbench.meshes.cache import default_root
+        from rollbench.meshes.cache import default_cache_folder
 
         try:
             request = gate_request(
@@ -81,7 +81,7 @@ class Rollbench:
             )
             name = str(scene)
             path = name if name in catalogue.scene_names() else str(self.root / scene)
-            verdicts = check_scenes([catalogue.scene(path)], request, Engine(cache=default_root()), lambda _: None)
+            verdicts = check_scenes([catalogue.scene(path)], request, Engine(cache=default_cache_folder()), lambda _: None)
         except InputError as error:
             pytest.fail(str(error), pytrace=False)
         bad = [v.line() for v in verdicts if v.word != "pass"]

@@ -8,30 +8,30 @@ from itertools import count
 
 import pytest
 
-from rollbench.compare.cases.lin.evidence.source_cases import pair_with_inferred_oversize
+from rollbench.compare.cases.lin.evidence.source_cases import screw_pair_with_inferred_oversize
 from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.models.study import with_balls
+from rollbench.compare.models.study import with_ball_count
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.studies.members.ensemble import run_ensemble
-from rollbench.compare.studies.members.members import run_members
-from rollbench.compare.studies.rolling.cases import rolling_case
+from rollbench.compare.studies.members.ensemble import solve_random_specimens
+from rollbench.compare.studies.members.members import solve_specimens_of_scene
+from rollbench.compare.studies.rolling.cases import prepare_rolling_case
 from rollbench.compare.studies.rolling.runs import LEVELS
 from rollbench.compare.studies.sweep.keys import read_vary
 from rollbench.compare.studies.sweep.sample import solve_sample
-from rollbench.hifi.rolling.balls import Choices, solve_rolling, unit_load_patch
-from rollbench.lowfi.as_source import solve_source
+from rollbench.hifi.rolling.balls import Choices, half_space_contact_under_unit_load, solve_rolling
+from rollbench.lowfi.as_source import solve_by_source_equations
 from rollbench.lowfi.friction.screw.run import solve_pair
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.random_errors.chain import solve_ensemble
 from rollbench.lowfi.statics.axis.solve import solve_assembly
-from rollbench.lowfi.statics.contacts import forget_nominal
-from rollbench.lowfi.statics.response import forget
+from rollbench.lowfi.statics.contacts import clear_nominal_caches
+from rollbench.lowfi.statics.response import clear_compliance_caches
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.axis import Housing, RollingSet, diagonal_stiffness
-from rollbench.meshes.cache import no_cache
+from rollbench.meshes.cache import without_geometry_cache
 from rollbench.meshes.parts import Friction
 
 CASE = catalogue.scene("lin-case1")
@@ -39,7 +39,9 @@ COMPILED = Options(engine="compiled", discretisation=False)
 
 
 def test_solve_by_lin_geometry_unknown(benchmark):
-    benchmark.pedantic(lambda: solve_static(CASE, engine="compiled"), setup=forget_nominal, rounds=30, warmup_rounds=1)
+    benchmark.pedantic(
+        lambda: solve_static(CASE, engine="compiled"), setup=clear_nominal_caches, rounds=30, warmup_rounds=1
+    )
 
 
 def test_solve_by_lin(benchmark):
@@ -51,7 +53,7 @@ def test_solve_by_lin_interpreted(benchmark):
 
 
 def test_solve_by_the_source_s_newton(benchmark):
-    benchmark(lambda: solve_source(CASE, tolerance=1e-10))
+    benchmark(lambda: solve_by_source_equations(CASE, tolerance=1e-10))
 
 
 def test_solve_refined_bodies_kept(benchmark):
@@ -60,13 +62,13 @@ def test_solve_refined_bodies_kept(benchmark):
 
 def test_solve_refined_bodies_new(benchmark):
     run_model(CASE, "refined", COMPILED)
-    with no_cache():
-        benchmark.pedantic(lambda: run_model(CASE, "refined", COMPILED), setup=forget, rounds=3)
+    with without_geometry_cache():
+        benchmark.pedantic(lambda: run_model(CASE, "refined", COMPILED), setup=clear_compliance_caches, rounds=3)
 
 
 @pytest.mark.parametrize(("model", "balls"), [("lin", 32), ("lin", 125), ("lin", 500), ("refined", 32), ("refined", 125)])
 def test_growth_with_balls(benchmark, model, balls):
-    scene = with_balls(CASE, balls)
+    scene = with_ball_count(CASE, balls)
     run_model(scene, model, COMPILED)
     benchmark.pedantic(lambda: run_model(scene, model, COMPILED), rounds=5)
 
@@ -74,19 +76,19 @@ def test_growth_with_balls(benchmark, model, balls):
 @pytest.mark.parametrize("name", ["lin-random", "lin-case3-tolerances"])
 def test_thousand_members_by_lin(benchmark, name):
     scene = catalogue.scene(name)
-    run_ensemble(scene, 10)
-    benchmark.pedantic(lambda: run_ensemble(scene, 1000), rounds=3)
+    solve_random_specimens(scene, 10)
+    benchmark.pedantic(lambda: solve_random_specimens(scene, 1000), rounds=3)
 
 
 def test_hundred_members_refined(benchmark):
     scene = catalogue.scene("lin-random")
-    run_members(scene, "refined", 10)
-    benchmark.pedantic(lambda: run_members(scene, "refined", 100), rounds=3)
+    solve_specimens_of_scene(scene, "refined", 10)
+    benchmark.pedantic(lambda: solve_specimens_of_scene(scene, "refined", 100), rounds=3)
 
 
 def row_of_nuts(number):
     """Nuts of the shipped double nut, each in a housing on springs, along one shaft."""
-    base = catalogue.shipped("double-nut")
+    base = catalogue.shipped_scene("double-nut")
     first, pitch = base.sets[0], 0.06
     screw = replace(base.screw, length=pitch * (number + 1))
     sets, housings = [], []
@@ -100,7 +102,7 @@ def row_of_nuts(number):
 
 
 def test_double_nut(benchmark):
-    pair = catalogue.shipped("double-nut")
+    pair = catalogue.shipped_scene("double-nut")
     benchmark(lambda: solve_assembly(pair, engine="compiled"))
 
 
@@ -113,7 +115,7 @@ def test_nuts_on_one_shaft(benchmark, number):
 
 @pytest.mark.parametrize("varied", ["errors.balls.oversize=0 um:7 um", "nut.outer_diameter=46 mm:60 mm"])
 def test_sample_of_a_sweep(benchmark, varied):
-    text, (vary,), numbers = catalogue.scene_text("lin-pitch"), read_vary([varied]), count(1)
+    text, (vary,), numbers = catalogue.shipped_scene_text("lin-pitch"), read_vary([varied]), count(1)
 
     def sample():
         solve_sample(text, "lin-pitch.toml", [vary], [vary.at((0.618 * next(numbers)) % 1.0)], "refined", "compiled")
@@ -130,15 +132,17 @@ def test_friction_of_a_whole_screw(benchmark):
 
 
 def test_pair_of_balls_of_a_screw(benchmark):
-    pair = pair_with_inferred_oversize()
+    pair = screw_pair_with_inferred_oversize()
     benchmark(lambda: solve_pair(pair))
 
 
 @pytest.mark.parametrize("name", ["lin-pair-a", "lin-screw-pair-a-inferred"])
 def test_rolling_contact_in_3d(benchmark, name):
-    whole = rolling_case(catalogue.case(name, KindScene), Choices(LEVELS[1])).touching
+    whole = prepare_rolling_case(catalogue.shipped_scene_of_kind(name, KindScene), Choices(LEVELS[1])).touching
     solve_rolling(whole, Choices(LEVELS[1]))
-    benchmark.pedantic(lambda: solve_rolling(whole, Choices(LEVELS[1])), setup=unit_load_patch.cache_clear, rounds=3)
+    benchmark.pedantic(
+        lambda: solve_rolling(whole, Choices(LEVELS[1])), setup=half_space_contact_under_unit_load.cache_clear, rounds=3
+    )
 
 
 def test_screws_with_random_errors(benchmark):

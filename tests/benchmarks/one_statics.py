@@ -12,18 +12,18 @@ from time import process_time
 import numpy as np
 from tests.axes import TURNING, assembly, bearing, nut
 
-from rollbench.compare.scenes.catalogue import shipped, single_set_names
-from rollbench.compare.studies.members.ensemble import run_ensemble
+from rollbench.compare.scenes.catalogue import names_of_single_set_scenes, shipped_scene
+from rollbench.compare.studies.members.ensemble import solve_random_specimens
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.jit import STATICS, kernels
+from rollbench.lowfi.jit import STATICS, load_kernel_package
 from rollbench.lowfi.statics.axis.elastic import solve_refined
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import ElasticMembers, solve_elastic
-from rollbench.lowfi.statics.response import forget
+from rollbench.lowfi.statics.response import clear_compliance_caches
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.axis import Housing
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.processes import one_thread
+from rollbench.meshes.processes import limit_to_one_thread
 
 #: The force formulation with what the source's model takes for elastic: the shaft as a beam.
 BEAM = LADDER["lin"]
@@ -62,12 +62,12 @@ def loads_of(result):
 
 def members_by_rows(scene):
     """Loads (M, N, 4) [N]."""
-    return run_ensemble(scene, MEMBERS).loads
+    return solve_random_specimens(scene, MEMBERS).loads
 
 
 def members_by_forces(scene):
     """Loads (M, N, 4) [N]."""
-    return ElasticMembers(scene, BEAM, kernels(STATICS, compiled=True)).solve(0, MEMBERS)[0]
+    return ElasticMembers(scene, BEAM, load_kernel_package(STATICS, compiled=True)).solve(0, MEMBERS)[0]
 
 
 def least(functions, scene, runs):
@@ -75,7 +75,7 @@ def least(functions, scene, runs):
     times, found = [float("inf")] * len(functions), [f(scene) for f in functions]
     for _ in range(runs):
         for k, f in enumerate(functions):
-            forget()
+            clear_compliance_caches()
             begin = process_time()
             f(scene)
             times[k] = min(times[k], process_time() - begin)
@@ -100,18 +100,18 @@ def main():
     """Print the table and the differences."""
     one, members = (by_rows, by_forces), (members_by_rows, members_by_forces)
     print(f"{'compiled, CPU':34} {'rows ms':>10} {'forces ms':>10} {'ratio':>7} {'apart':>10}")
-    line("32 balls, two sides", one, shipped("lin-case1"))
-    tight, oversize = shipped("lin-case1"), replace(shipped("lin-case1").errors.balls, oversize=3e-6)
+    line("32 balls, two sides", one, shipped_scene("lin-case1"))
+    tight, oversize = shipped_scene("lin-case1"), replace(shipped_scene("lin-case1").errors.balls, oversize=3e-6)
     line("32 balls, four sides", one, replace(tight, errors=replace(tight.errors, balls=oversize)))
-    line("240 balls", one, shipped("external-thk-bnf-3205-7p5"))
+    line("240 balls", one, shipped_scene("external-thk-bnf-3205-7p5"))
     line("six sets", one, six_sets())
-    line("1,000 members", members, shipped("lin-random"), 3)
+    line("1,000 members", members, shipped_scene("lin-random"), 3)
     if "--scenes" in sys.argv:
-        for name in single_set_names():
-            scene = shipped(name)
+        for name in names_of_single_set_scenes():
+            scene = shipped_scene(name)
             print(f"{name:34} {apart(by_rows(scene), by_forces(scene)):10.1e}")
 
 
 if __name__ == "__main__":
-    one_thread()
+    limit_to_one_thread()
     main()

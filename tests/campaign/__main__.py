@@ -22,11 +22,11 @@ from typing import Any
 from tests.campaign import record
 from tests.campaign.scenes import Campaign, Part
 
-from rollbench.compare.cli import commands
+from rollbench.compare.cli import app_with_commands
 from rollbench.compare.errors import InputError
 from rollbench.compare.files import replace_file
 from rollbench.compare.models.registry import AXIS_MODELS, MODELS
-from rollbench.meshes.processes import one_thread
+from rollbench.meshes.processes import limit_to_one_thread
 
 
 def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, str]:
@@ -42,7 +42,7 @@ def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, s
 
 def command_line() -> Callable[[list[str]], tuple[int, str]]:
     """What runs ``rollbench solve`` in this process, and gives its exit code and text."""
-    run = partial(commands("solve"), exit_on_error=False, print_error=False, result_action="return_value")
+    run = partial(app_with_commands("solve"), exit_on_error=False, print_error=False, result_action="return_value")
     return partial(captured, run)
 
 
@@ -71,16 +71,18 @@ def main(arguments: list[str] | None = None) -> int:
     if axes and asked.model not in AXIS_MODELS:
         parser.error(f"--model of axes: {', '.join(AXIS_MODELS)}")
     campaign = Campaign(asked.seed, count, asked.model, asked.files, asked.kills, axes, command_line())
-    part = asked.keep and asked.keep.with_name(f"{asked.keep.name}{campaign.option}.{asked.model}-{asked.seed}.part")
+    part = asked.keep_vectors and asked.keep_vectors.with_name(
+        f"{asked.keep_vectors.name}{campaign.option}.{asked.model}-{asked.seed}.part"
+    )
     kept = part and Part(part, asked.seed, asked.model)
     found = record.run_campaign(campaign, progress, kept)
-    if asked.keep:
-        replace_file(asked.keep, record.text(found, asked.keep))
+    if asked.keep_vectors:
+        replace_file(asked.keep_vectors, record.text(found, asked.keep_vectors))
         part.unlink(missing_ok=True)
     print("\n".join(record.lines(found)))
     return 1 if found["bad"] else 0
 
 
 if __name__ == "__main__":
-    one_thread()
+    limit_to_one_thread()
     sys.exit(main())

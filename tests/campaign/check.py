@@ -11,9 +11,9 @@ from scipy.optimize import linprog, minimize
 
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.errors import Specimen, draw_specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.one_arc import sides_of_arc
+from rollbench.meshes.one_arc import flanks_with_contacts
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 
 #: Signs of the contact directions of SL, SR, NL, NR in the section: along the radius, along the binormal.
@@ -154,7 +154,7 @@ def off_the_law(scene: Scene, result: StaticResult) -> str:
     choices = scene.ingredients
     if choices.arm == "nominal" or (choices.screw != "rigid" and choices.partition != "nodal"):
         return ""
-    drawn, (centre, axes) = specimen(scene, ball_layout(scene)), frames(scene)
+    drawn, (centre, axes) = draw_specimen(scene, ball_layout(scene)), frames(scene)
     if drawn.profile.shape[1] or float(result.load.max()) <= nothing(result):
         return ""
     z, u = result.centreline_z, result.centreline
@@ -174,7 +174,7 @@ def off_the_law(scene: Scene, result: StaticResult) -> str:
             w[:, s] -= np.einsum("nak,nk->na", axes, moved)
         here = by_law(drawn, result.hertz_C, w)
         law = np.where(np.abs(here - result.load) < np.abs(law - result.load), here, law)
-    if sides := sides_of_arc(scene):  # one contact of a ball with either groove
+    if sides := flanks_with_contacts(scene):  # one contact of a ball with either groove
         law[:, [s for s in range(4) if s not in sides]] = 0.0
     stiff = 1.5 * np.cbrt(np.maximum(law, result.load)) / result.hertz_C
     allowed = np.maximum(EXACT * float(result.load.max()), DIGITS * (furthest + drawn.radius) * stiff)
@@ -237,7 +237,7 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
     apply: a rigid screw with loads and without a free motion (which the model pins), all supports at zero, no uneven
     flanks, up to 40 balls."""
     moved = any(value != 0.0 for s in scene.supports for _, value in s.fixed)
-    drawn = specimen(scene, ball_layout(scene))
+    drawn = draw_specimen(scene, ball_layout(scene))
     few = len(drawn.ball_radius) <= 40
     if (
         scene.ingredients.screw != "rigid"

@@ -19,10 +19,10 @@ from rollbench.lowfi.rollers import TaperedBearing
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, diagonal_stiffness
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
-from rollbench.meshes.section import contact_stations, screw_section, tube_section
+from rollbench.meshes.section import contact_force_positions, screw_section, tube_section
 
 #: Sides that a set has, by its thrust.
 SIDES_OF = {"both": (0, 1, 2, 3), "+z": (0, 3), "-z": (1, 2), "deep groove": (0, 3)}
@@ -134,7 +134,7 @@ def unbalanced(assembly: Assembly, result: AxisResult, free: str) -> str:
             slack, couple = slack + felt, np.zeros(6)
             force = check.forces(s.of.parts, s.balls)
             at, push = ([x[:, h].reshape(-1, 3) for h in (slice(2), slice(2, 4))] for x in (s.balls.contact_point, force))
-            station = contact_stations(s.of.parts, ball_layout(s.of.parts)).ravel()
+            station = contact_force_positions(s.of.parts, ball_layout(s.of.parts)).ravel()
         for end, name in enumerate((s.of.carrier, s.of.housing)):
             if name is not None:
                 bodies[name] += wrench(at[end] - along(places[name]), push[end]).sum(axis=0)
@@ -192,8 +192,8 @@ def _law(assembly: Assembly, result: AxisResult, s: SetResult) -> tuple[str, flo
     if found is None or not isinstance(scene, Scene):
         return "", 0.0
     layout = ball_layout(scene)
-    drawn, (centre, axes) = specimen(scene, layout, result.member), check.frames(scene)
-    stations = contact_stations(scene, layout)
+    drawn, (centre, axes) = draw_specimen(scene, layout, result.member), check.frames(scene)
+    stations = contact_force_positions(scene, layout)
     z, q = result.centreline_z, result.centreline
     bodies, at = {h.name: h.motion for h in result.housings}, {h.name: h.at for h in assembly.housings}
     w, furthest = found.centre_shift[:, None, :] - drawn.centre, 0.0
@@ -248,7 +248,7 @@ def as_mounted(assembly: Assembly) -> Assembly:
             sets.append(s)
             continue
         name, push = f"outer part of {s.name}", -s.preload if s.thrust == "+z" else s.preload
-        on = None if s.housing is None or bodies[s.housing].stands else bodies[s.housing]
+        on = None if s.housing is None or bodies[s.housing].is_fixed else bodies[s.housing]
         if on is not None:
             bodies[on.name] = replace(on, force=(0.0, 0.0, on.force[2] - push))
             joints.append(Joint(name, on.name, s.position, TIE))

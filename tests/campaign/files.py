@@ -19,10 +19,10 @@ from tests.campaign.draw import scene_text
 from tests.campaign.scenes import placed
 
 from rollbench.compare.errors import SceneError
-from rollbench.compare.reference.store import sealed, unsealed
+from rollbench.compare.reference.store import read_checked_data, run_text_with_checksum
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.meshes.condensed import CondensedBodies, load_condensed
-from rollbench.meshes.files import temporary_name
+from rollbench.meshes.condensed import CondensedBodies, read_condensed_bodies
+from rollbench.meshes.files import temporary_path
 
 #: What a mutated file may become.
 READ, REFUSED, CRASHED, CHANGED = "read as before", "refused", "traceback", "other numbers read"
@@ -115,13 +115,13 @@ def scenes(seed: int, count: int) -> Iterator[FileOutcome]:
         path = Path(folder) / "mutated.toml"
         for number in range(count):
             rng = np.random.default_rng([seed, 1, number])
-            drawn = scene_text(seed, number) if number % 2 else catalogue.scene_text(str(rng.choice(names)))
+            drawn = scene_text(seed, number) if number % 2 else catalogue.shipped_scene_text(str(rng.choice(names)))
             path.write_bytes(mutated(drawn.encode(), rng))
             yield _outcome("scene", partial(_read_scene, path), SceneError, told)
 
 
 def _read_scene(path: Path) -> bool:
-    scene_file.parse_scene(scene_file.read_text(path), str(path))
+    scene_file.parse_scene(scene_file.read_scene_text(path), str(path))
     return True
 
 
@@ -135,8 +135,8 @@ def stored(seed: int, count: int) -> Iterator[FileOutcome]:
         json_file, npz = Path(folder) / "run.json", Path(folder) / "bodies.npz"
         bodies.save(npz)
         kinds = (
-            ("stored run", json_file, sealed(run).encode(), lambda: unsealed(json_file) == run),
-            ("stored bodies", npz, npz.read_bytes(), lambda: _same(load_condensed(npz), bodies)),
+            ("stored run", json_file, run_text_with_checksum(run).encode(), lambda: read_checked_data(json_file) == run),
+            ("stored bodies", npz, npz.read_bytes(), lambda: _same(read_condensed_bodies(npz), bodies)),
         )
         for number in range(count):
             kind, path, good, read = kinds[number % 2]
@@ -166,7 +166,7 @@ def kills(seed: int, count: int) -> Iterator[FileOutcome]:
                 child.wait()
             text = path.read_text(encoding="utf-8") if path.exists() else ""
             whole = text == "" or (len(text) == 400_000 and len(set(text)) == 1)
-            temporary_name(path)  # what the next writer does first
+            temporary_path(path)  # what the next writer does first
             left = [p.name for p in Path(folder).iterdir() if p != path]
             yield FileOutcome("kill", "whole" if whole else "half-written", whole and not left, ", ".join(left))
 

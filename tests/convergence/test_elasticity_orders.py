@@ -6,9 +6,9 @@ from skfem import Functional, condense
 from skfem.helpers import ddot, sym_grad
 from tests.fe_meshes import boundary_faces, cube, force, space
 
-from rollbench.hifi.elements.forms import assemble, elasticity, hooke
-from rollbench.hifi.linear_algebra import factor
-from rollbench.meshes.fem import freedoms_on, mesh_of, points_of
+from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, isotropic_stress_law
+from rollbench.hifi.linear_algebra import factorise_positive_definite
+from rollbench.meshes.fem import build_mesh, freedoms_on_boundaries, node_coordinates
 
 E, NU = 2.5, 0.25  # lambda = mu = 1
 LEVELS = {"P1": (5, 8, 11), "P2": (3, 4, 6), "Q1": (5, 7, 10), "Q2": (3, 4, 6)}
@@ -53,13 +53,13 @@ def at(field, x):
 def errors(name, m):
     """Mean square error of the displacement and energy norm of the error."""
     points, cells = cube(name, m)
-    mesh, _ = mesh_of(points, cells, name, {"all": boundary_faces(cells, name)})
+    mesh, _ = build_mesh(points, cells, name, {"all": boundary_faces(cells, name)})
     basis = space(mesh, quadrature=None, intorder=6)
-    K = assemble(elasticity(E, NU), mesh)
+    K = assemble_constant_form(elasticity_form(E, NU), mesh)
     load = force(lambda x: at(body_force, x)).assemble(basis)
-    u = exact(points_of(mesh)).ravel()
-    inner, right, _, loose = condense(K, load, x=u, D=freedoms_on(mesh, "all"))
-    u[loose] = factor(inner)(right)
+    u = exact(node_coordinates(mesh)).ravel()
+    inner, right, _, loose = condense(K, load, x=u, D=freedoms_on_boundaries(mesh, "all"))
+    u[loose] = factorise_positive_definite(inner)(right)
 
     def gap(w):
         return ((w.u - at(exact, w.x)) ** 2).sum(axis=0)
@@ -68,7 +68,7 @@ def errors(name, m):
         strain = sym_grad(w.u)
         true = at(slope, w.x)
         d = strain - 0.5 * (true + np.swapaxes(true, 0, 1))
-        return ddot(hooke(E, NU)(d), d)
+        return ddot(isotropic_stress_law(E, NU)(d), d)
 
     return np.sqrt([Functional(f).assemble(basis, u=basis.interpolate(u)) for f in (gap, density)])
 

@@ -9,8 +9,13 @@ import pytest
 from tests.hertz_studies import GROUP, study
 
 from rollbench.hifi.contact.block import JOBS, SIZE, nodal_contact_areas, surface_compliance
-from rollbench.meshes.block import Influence, graded_coordinates, hexahedral_block, tetrahedral_block
-from rollbench.meshes.fem import nodes_on
+from rollbench.meshes.block import (
+    BodyOfInfluence,
+    graded_coordinates,
+    mesh_block_with_hexahedra,
+    mesh_block_with_tetrahedra,
+)
+from rollbench.meshes.fem import nodes_on_boundaries
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -66,7 +71,7 @@ def test_block_of_5_mm_held_on_its_cut_shifts_the_approach_as_other_programs_fou
 
 def test_compliance_is_symmetric_and_boussinesqs_at_a_distance():
     a, young, nu = 1e-4, 210e9, 0.28
-    mesh = hexahedral_block(2, (a / 8, a / 8, a / 8), (a, a, 0.0), 3 * a, 1.5)
+    mesh = mesh_block_with_hexahedra(2, (a / 8, a / 8, a / 8), (a, a, 0.0), 3 * a, 1.5)
     found = surface_compliance(mesh, (a, a), young, nu)
     assert found.asymmetry < 1e-5
     first = int(np.argmin(np.abs(found.places - [0.875 * a, 0.0]).sum(axis=1)))
@@ -80,18 +85,18 @@ def test_compliance_is_symmetric_and_boussinesqs_at_a_distance():
 def test_mesh_fills_the_block_and_its_contact_plane(element):
     order, a = int(element[1]), 1e-4
     if element[0] == "Q":
-        mesh = hexahedral_block(order, (a / 4, a / 4, a / 4), (a, a, 0.0), 3 * a, 1.5)
+        mesh = mesh_block_with_hexahedra(order, (a / 4, a / 4, a / 4), (a, a, 0.0), 3 * a, 1.5)
     else:
-        mesh = tetrahedral_block(order, Influence(a / 4, (a, a, a / 2), 0.5, 3 * a), 3 * a)
+        mesh = mesh_block_with_tetrahedra(order, BodyOfInfluence(a / 4, (a, a, a / 2), 0.5, 3 * a), 3 * a)
     assert mesh.element == element
     assert nodal_contact_areas(mesh).sum() == pytest.approx((3 * a) ** 2, rel=1e-12)
-    assert np.abs(mesh.points[nodes_on(mesh.mesh, "contact"), 2]).max() < 1e-12 * a
+    assert np.abs(mesh.points[nodes_on_boundaries(mesh.mesh, "contact"), 2]).max() < 1e-12 * a
     assert mesh.points.min() > -1e-12 * a
     assert mesh.points.max() == pytest.approx(3 * a)
     touching = nodal_contact_areas(mesh) > 0.0
     corners = np.unique(mesh.mesh.facets[:, mesh.mesh.boundaries["contact"]])
     assert touching[corners].all() != (element == "P2")
-    np.testing.assert_allclose(mesh.points[nodes_on(mesh.mesh, "cut")].max(axis=1), 3 * a)
+    np.testing.assert_allclose(mesh.points[nodes_on_boundaries(mesh.mesh, "cut")].max(axis=1), 3 * a)
 
 
 def test_grading_keeps_to_its_ratio_and_refuses_nonsense():

@@ -7,7 +7,7 @@ import pytest
 from tests.helpers import relative, solved, with_ingredients
 
 from rollbench.compare.measure import mean_load
-from rollbench.compare.results.scene_json import discretisation_percent
+from rollbench.compare.results.scene_json import beam_discretisation_percent
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.nominal import nominal_contacts
 
@@ -54,4 +54,4 @@ def test_the_sources_partition_is_within_two_per_cent(case):
     change = np.abs(result.load - nodal(case)).max()
     assert result.solver.discretisation == pytest.approx(change, rel=1e-6)
     mean = mean_load(result.load, nominal_contacts(scene))
-    assert discretisation_percent(scene, result) == pytest.approx(100.0 * change / mean, rel=1e-6)
+    assert beam_discretisation_percent(scene, result) == pytest.approx(100.0 * change / mean, rel=1e-6)

@@ -8,8 +8,8 @@ from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling import verification
 from rollbench.hifi.rolling.bodies import ball_kernel
 from rollbench.hifi.rolling.contact_bodies import Zone
-from rollbench.hifi.rolling.patch import Patch, cell_grid, hertz_patch
-from rollbench.lowfi.friction.contact.laws import equal_contacts, friction_forces
+from rollbench.hifi.rolling.patch import Patch, cell_grid, solve_elastic_contact_on_grid
+from rollbench.lowfi.friction.contact.laws import contacts_from_values, friction_forces
 
 #: A contact like those of the linear bearing: load [N], relative radii [m] along and across, modulus [Pa], ratio.
 GROOVE = (100.0, (5e-3, 46.667e-3), 210e9, 0.28)
@@ -47,22 +47,24 @@ def test_stick_is_measured_by_what_the_tractions_leave_of_their_bound():
     held = (index[:, 0] >= 2) & (index[:, 1] < 3)
     forces = np.concatenate([np.where(held, 0.06, 0.1), np.where(held, 0.08, 0.0)])
     bound = np.where(held, 0.3, 0.1)
-    assert verification.stick_zone_deviations(patch, bound, forces) == pytest.approx(np.array([3.0, 0.75]) / np.sqrt(12.0))
+    assert verification.deviations_of_stick_distribution(patch, bound, forces) == pytest.approx(
+        np.array([3.0, 0.75]) / np.sqrt(12.0)
+    )
 
 
 def test_lateral_and_longitudinal_creep_are_alike_without_poisson():
-    c = verification.linear_coefficients(1.0, 0.0, (16, 16))
+    c = verification.kalker_linear_coefficients(1.0, 0.0, (16, 16))
     assert c[0] == pytest.approx(c[1], rel=1e-9)
     with pytest.raises(ValueError, match="even number of cells"):
-        verification.linear_coefficients(1.0, 0.0, (16, 15))
+        verification.kalker_linear_coefficients(1.0, 0.0, (16, 15))
 
 
 def test_half_of_the_cells_gives_the_coefficients_of_all():
     given = 2.0, 0.28, (12, 10)
     patch = verification.ellipse_patch(*given)
     units = np.stack([verification.Creep(*row).slip(patch.at) for row in np.eye(3)], axis=1)
-    F = units.T @ np.linalg.solve(patch.transport, units)
-    assert verification.linear_coefficients(*given) == pytest.approx([F[0, 0], F[1, 1], F[1, 2], F[2, 2]], rel=1e-10)
+    F = units.T @ np.linalg.solve(patch.transport_rate_matrix, units)
+    assert verification.kalker_linear_coefficients(*given) == pytest.approx([F[0, 0], F[1, 1], F[1, 2], F[2, 2]], rel=1e-10)
 
 
 @pytest.mark.parametrize("spin", [0.0, 30.0, 400.0])
@@ -72,7 +74,9 @@ def test_full_slip_is_that_of_rigid_bodies_under_the_same_pressure(spin):
     exact, moment = verification.full_slip_by_quadrature(*GROOVE, creep, 0.1)
     errors = []
     for shape in ((12, 12), (36, 36)):
-        found = verification.solve_steady_rolling(hertz_patch(*GROOVE, shape), creep, 0.1, elastic=1e-3)
+        found = verification.solve_steady_rolling_for_creepages(
+            solve_elastic_contact_on_grid(*GROOVE, shape), creep, 0.1, elastic=1e-3
+        )
         assert found.friction.converged
         scale = np.abs(exact).max()
         errors.append(max(np.abs(found.force - exact).max() / scale, abs(found.moment - moment) / (scale * 1e-4)))
@@ -82,9 +86,9 @@ def test_full_slip_is_that_of_rigid_bodies_under_the_same_pressure(spin):
 
 def test_the_bias_of_a_spin_pole_inside_a_cell_is_that_of_slip_at_its_centre():
     """Of a per cent and more where the slip is taken at centres; the staircase edge alone leaves less than 0.1 %."""
-    creep, patch = verification.Creep(0.02, 0.004, 400.0), hertz_patch(*GROOVE, (32, 32))
+    creep, patch = verification.Creep(0.02, 0.004, 400.0), solve_elastic_contact_on_grid(*GROOVE, (32, 32))
     exact, moment = verification.full_slip_by_quadrature(*GROOVE, creep, 0.1, 1200)
-    alone = verification.solve_steady_rolling(patch, creep, 0.1, elastic=1e-3)
+    alone = verification.solve_steady_rolling_for_creepages(patch, creep, 0.1, elastic=1e-3)
     force, turn = verification.full_slip_within_cells(patch, creep, 0.1)
     assert abs(alone.force[0] / exact[0] - 1.0) > 0.01
     assert force == pytest.approx(exact, rel=1e-3)
@@ -96,7 +100,7 @@ def test_full_slip_is_the_closed_form_of_the_low_order_model(spin):
     """Numbers of the two models at the same load: their axes are exchanged."""
     load, radii, young, poisson = GROOVE
     size = hertz(load, *radii, young, poisson)
-    contact = equal_contacts(size.semi_y, size.semi_x, load, 0.1)
+    contact = contacts_from_values(size.semi_y, size.semi_x, load, 0.1)
     low = friction_forces(contact, np.array([[0.004, 0.02, spin]]))
     force, moment = verification.full_slip_by_quadrature(*GROOVE, verification.Creep(0.02, 0.004, spin), 0.1)
     assert force == pytest.approx(low.force[0][::-1], rel=1e-3, abs=1e-3)
@@ -104,7 +108,9 @@ def test_full_slip_is_the_closed_form_of_the_low_order_model(spin):
 
 
 def test_full_slip_without_spin_is_the_coefficient_of_friction():
-    found = verification.solve_steady_rolling(hertz_patch(*GROOVE, (12, 12)), verification.Creep(0.3, 0.4, 0.0), 0.1)
+    found = verification.solve_steady_rolling_for_creepages(
+        solve_elastic_contact_on_grid(*GROOVE, (12, 12)), verification.Creep(0.3, 0.4, 0.0), 0.1
+    )
     assert found.force == pytest.approx([-6.0, -8.0], rel=1e-3)
     assert not found.friction.stick[0].any()
 

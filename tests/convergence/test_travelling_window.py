@@ -7,7 +7,7 @@ from tests.helpers import small_screw
 from rollbench.lowfi.friction.whole.run import WINDOW, TravellingCompliance
 from rollbench.lowfi.statics.nominal import elastic_loads
 from rollbench.meshes.errors import draw_errors
-from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
+from rollbench.meshes.helix import ball_layout, ball_layout_at_positions, lead_per_radian
 
 SCENE = small_screw(6, 1.2, force=(150.0, 0.0, 400.0))
 #: Parts of the widest window at which loads are compared: inside windows of all widths, at ends of some.
@@ -17,8 +17,8 @@ PARTS = np.array([0.07, 0.19, 0.31, 0.44, 0.57, 0.69, 0.81, 0.93])
 def loads_at(by, **how):
     """Contact forces (N, 4) where all balls have travelled by an angle [rad] in the nut."""
     start, track = ball_layout(SCENE), SCENE.track
-    azimuth, station = start.azimuth + by, start.z + reduced_lead(track) * by
-    layout, radius = layout_at(track, azimuth, station), np.full(start.z.size, SCENE.balls.radius)
+    azimuth, station = start.azimuth + by, start.z + lead_per_radian(track) * by
+    layout, radius = ball_layout_at_positions(track, azimuth, station), np.full(start.z.size, SCENE.balls.radius)
     found = elastic_loads(SCENE, draw_errors(SCENE).at(SCENE, azimuth, azimuth, station, radius), layout, **how)
     assert found.converged
     return found.load

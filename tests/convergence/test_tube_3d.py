@@ -9,10 +9,10 @@ from skfem import ElementVector
 from tests.fe_meshes import force
 from tests.helpers import relative
 
-from rollbench.hifi.elements.forms import assemble, elasticity, face_basis
-from rollbench.hifi.linear_algebra import compliance
+from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, face_basis
+from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.lowfi.compliance.tube import Points, Tube, contact_compliance, tube_compliance
-from rollbench.meshes.fem import cells_of, freedoms_on, mesh_of, tensor_grid
+from rollbench.meshes.fem import build_mesh, freedoms_on_boundaries, mesh_rectangular_grid, nodes_of_cells
 from rollbench.meshes.parts import Material
 
 pytestmark = [pytest.mark.xdist_group("tube in 3D"), pytest.mark.slow]
@@ -28,13 +28,13 @@ def hexahedra(counts):
     around, along, across = counts
     t = np.linspace(0.0, 2.0 * np.pi, around + 1)
     wall = np.linspace(0.0, 1.0, 2 * across + 1)
-    unrolled = tensor_grid(wall[::2], t, np.linspace(0.0, LENGTH, along + 1), "Q2")
+    unrolled = mesh_rectangular_grid(wall[::2], t, np.linspace(0.0, LENGTH, along + 1), "Q2")
     share, turn, height = unrolled.doflocs
     r = BORE + (OUTER - BORE) * share**1.3
     points = np.stack([r * np.cos(turn), r * np.sin(turn), height], axis=-1)
     _, first, number = np.unique(np.round(points, 9), axis=0, return_index=True, return_inverse=True)  # closed
-    cells = number[cells_of(unrolled)]
-    mesh, _ = mesh_of(points[first], cells, "Q2")
+    cells = number[nodes_of_cells(unrolled)]
+    mesh, _ = build_mesh(points[first], cells, "Q2")
     bore = mesh.facets_satisfying(lambda x: np.hypot(x[0], x[1]) < BORE + 1e-9, boundaries_only=True)
     low = mesh.facets_satisfying(lambda x: x[2] < 1e-9, boundaries_only=True)
     return mesh.with_boundaries({"bore": bore, "low end": low})
@@ -61,9 +61,9 @@ def patch_rows(mesh):
 def solid(counts):
     """Compliance (3 c, 3 c) of the 3D tube."""
     mesh = hexahedra(counts)
-    K = assemble(elasticity(STEEL.youngs_modulus, STEEL.poissons_ratio), mesh)
-    free = np.setdiff1d(np.arange(K.shape[0]), freedoms_on(mesh, "low end"))
-    return compliance(K[free][:, free], sp.csr_matrix(patch_rows(mesh)[:, free]))
+    K = assemble_constant_form(elasticity_form(STEEL.youngs_modulus, STEEL.poissons_ratio), mesh)
+    free = np.setdiff1d(np.arange(K.shape[0]), freedoms_on_boundaries(mesh, "low end"))
+    return symmetric_compliance_of_loads(K[free][:, free], sp.csr_matrix(patch_rows(mesh)[:, free]))
 
 
 @cache

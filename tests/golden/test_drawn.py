@@ -25,7 +25,7 @@ from tests.golden.means import leaves
 
 from rollbench.compare.cli import main
 from rollbench.compare.errors import InputError, Refusal
-from rollbench.compare.models.answers import all_answers, all_axis_answers
+from rollbench.compare.models.answers import compute_all_results, compute_axis_results
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import KINDS
@@ -159,10 +159,10 @@ def solved(text: str, model: str) -> Any:
         loose = next((text for text in several.left_out if HELD in text), "")
         if re.search("u[xyz]|r[xy]", loose):  # round-off decides where it comes to rest
             return several.status, [s.loads for s in several.sets]
-        return (several, all_axis_answers(described, several)) if several.converged else several
+        return (several, compute_axis_results(described, several)) if several.converged else several
     scene = scene_file.single_set_or_raise(described, "drawn.toml")
     result = run_model(scene, model, COMPILED)
-    return (result, all_answers(scene, result, model, COMPILED)) if result.converged else result
+    return (result, compute_all_results(scene, result, model, COMPILED)) if result.converged else result
 
 
 def of_kind(number: int, shift: float) -> str:
@@ -172,7 +172,7 @@ def of_kind(number: int, shift: float) -> str:
     text = re.sub(
         r'"(-?[\d.]+) (mm|um|N|kN|deg|mm/s|rpm)"',
         lambda m: f'"{float(m[1]) * (1.0 + rng.uniform(-0.06, 0.06)):.9g} {m[2]}"',
-        catalogue.scene_text(name),
+        catalogue.shipped_scene_text(name),
     )
     return shifted(text, shift)
 

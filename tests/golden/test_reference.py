@@ -58,7 +58,7 @@ def taken():
     scenes = [catalogue.any_scene(name) for name in TAKEN]
     screw = catalogue.any_scene("lin-screw-pair-a")
     scenes.append(replace(screw, pair=replace(screw.pair, free="r", force=(100.0,), coupling="none")))
-    return means([cases.rolling_case(scene, cases.Choices()) for scene in scenes], LEFT_OUT.search, properties=True)
+    return means([cases.prepare_rolling_case(scene, cases.Choices()) for scene in scenes], LEFT_OUT.search, properties=True)
 
 
 def test_no_number_of_a_set_up_and_its_loads_moves():

@@ -17,9 +17,9 @@ from tests.helpers import FLANK_ERRORS, small_screw
 
 from rollbench.compare.gate import gate, judged, verdict
 from rollbench.compare.models import applicability, loading, model_form, modelling, uncertainty
-from rollbench.compare.models.comparison import REFERENCED, from_result
+from rollbench.compare.models.comparison import REFERENCED, loads_from_result
 from rollbench.compare.models.registry import MODELS, Options, run_model
-from rollbench.compare.models.study import Study, with_balls, with_groove
+from rollbench.compare.models.study import Study, with_ball_count, with_conformity
 from rollbench.compare.reference import convergence, estimate, levels, tasks
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import mesh_study
@@ -71,32 +71,37 @@ def grids():
 
 def mesh_studies():
     found = STUDY().references(NAMES)
-    return [[mesh_study.level_rows(one), mesh_study.study_table(STUDY().scene(name), None)] for name, one in found.items()]
+    return [
+        [mesh_study.mesh_level_rows(one), mesh_study.mesh_study_table_of_scene(STUDY().scene(name), None)]
+        for name, one in found.items()
+    ]
 
 
 def choices():
     scenes = [STUDY().scene(name) for name in NAMES]
-    effects = [effect for scene in scenes for effect in modelling.varied(scene)]
+    effects = [effect for scene in scenes for effect in modelling.effects_of_variants(scene)]
     return {"effects": effects, "combined": [modelling.combine_effects(scene, effects) for scene in scenes]}
 
 
 def validation():
     rows = []
     for name in REFERENCED:
-        answer = from_result(STUDY().solve(name, "lin"))
+        answer = loads_from_result(STUDY().solve(name, "lin"))
         rows += [uncertainty.validated_error(STUDY(), name, "lin", quantity, answer) for quantity in uncertainty.QUANTITIES]
     rows = [row for row in rows if row is not None]
-    return {"rows": rows, "scatter": uncertainty.scatter(rows)}
+    return {"rows": rows, "scatter": uncertainty.bias_and_scatter(rows)}
 
 
 def expectations():
-    points = model_form.shipped_points()
+    points = model_form.errors_on_compared_scenes()
     return {
-        "features": [model_form.features(STUDY().scene(name), STUDY().solve(name, "lin")) for name in NAMES],
+        "features": [model_form.features_of_scene(STUDY().scene(name), STUDY().solve(name, "lin")) for name in NAMES],
         "left out": model_form.leave_one_out(points, "lin")[:12],
-        "places": [applicability.descriptors_in_range(STUDY().scene(name)) for name in NAMES],
+        "places": [applicability.descriptors_with_ranges(STUDY().scene(name)) for name in NAMES],
         "points": [
-            model_form.point(name, STUDY().scene(name), STUDY().solve(name, "lin"), STUDY().reference(name).best)
+            model_form.measure_model_error(
+                name, STUDY().scene(name), STUDY().solve(name, "lin"), STUDY().reference(name).best
+            )
             for name in REFERENCED
         ],
     }
@@ -104,7 +109,7 @@ def expectations():
 
 def uncertainties():
     found = STUDY().references(NAMES)
-    return [uncertainty.total(STUDY().scene(name), one) for name, one in found.items()]
+    return [uncertainty.uncertainty_of_loads(STUDY().scene(name), one) for name, one in found.items()]
 
 
 def faces():
@@ -125,15 +130,17 @@ def varied():
                 changed = variant.change(scene)
             except ValueError:
                 continue
-            out += [changed, vars(tasks.settings_of([scene], variant.level, key))]
-        out += [levels.with_twisted_supports(scene), with_balls(scene, 9), with_groove(scene, 0.54)]
+            out += [changed, vars(tasks.mesh_settings([scene], variant.level, key))]
+        out += [levels.with_twisted_supports(scene), with_ball_count(scene, 9), with_conformity(scene, 0.54)]
     return out
 
 
 def shafts():
     """Set-ups of several sets, all of a shaft and each alone."""
     found = [
-        tasks.set_ups([catalogue.shipped(name)], level) for name in ("double-nut", "axis-fixed-fixed") for level in (1, 3)
+        tasks.setups_to_mesh([catalogue.shipped_scene(name)], level)
+        for name in ("double-nut", "axis-fixed-fixed")
+        for level in (1, 3)
     ]
     return [tasks.settings_to_store(ups) for every in found for ups in (every, *([one] for one in every))]
 
@@ -141,21 +148,25 @@ def shafts():
 def verdicts():
     out = []
     for name in ("lin-case3", "unseen-flange"):
-        scene, found, answer = STUDY().scene(name), STUDY().reference(name), from_result(STUDY().solve(name, "lin"))
+        scene, found, answer = STUDY().scene(name), STUDY().reference(name), loads_from_result(STUDY().solve(name, "lin"))
         limits = verdict.Limits(7.0, 2.0, dict.fromkeys(judged.QUANTITIES, 3.0))
-        out += verdict.judge("lin", answer.load, found, limits)
-        out += verdict.contact_verdicts(
+        out += verdict.judge_contact_loads("lin", answer.load, found, limits)
+        out += verdict.judge_contact_quantities(
             "lin", verdict.contact_values_by_model(scene, answer, limits.others), scene, found, limits
         )
         values = verdict.screw_values_by_model(scene, answer, limits.others)
-        out += [verdict.value_verdict("lin", value, scene, found, limits) for value in values]
+        out += [verdict.judge_given_value("lin", value, scene, found, limits) for value in values]
     return {"records": out, "json": [one.as_json() for one in out]}
 
 
 def exact():
     scene = STUDY().scene("lin-case1")
-    forms = gate.ball_load_of_rigid_screw, gate.cantilever_deflection, gate.load_of_two_opposite_balls
-    return [gate.hertz_sphere_on_flat(scene, 225.0), [form(scene) for form in forms], gate.preload_by_oversize(scene, 7e-6)]
+    forms = gate.compare_rigid_screw_load, gate.compare_cantilever_deflection, gate.compare_two_ball_load
+    return [
+        gate.compare_sphere_on_flat(scene, 225.0),
+        [form(scene) for form in forms],
+        gate.compare_oversize_preload(scene, 7e-6),
+    ]
 
 
 def results():
@@ -171,8 +182,8 @@ def loaded():
     bare = loading.solve_scaled(scene, 0.0, "lin", OPTIONS)
     return {
         "result": result,
-        "preload": loading.preload(scene, bare),
-        "lift off": loading.lift_off(scene, result, bare, "lin", OPTIONS),
+        "preload": loading.preload_from_unloaded(scene, bare),
+        "lift off": loading.find_lift_off_load(scene, result, bare, "lin", OPTIONS),
     }
 
 

@@ -14,7 +14,7 @@ from scipy.special import ellipe, ellipk
 from tests.hertz_studies import GROUP, study
 
 from rollbench.compare.sections import verification
-from rollbench.hifi.contact.block import JOBS, boussinesq
+from rollbench.hifi.contact.block import JOBS, boussinesq_displacements
 from rollbench.hifi.contact.hertz import THINNEST, hertz
 from rollbench.reports.content import Figure, Table
 from rollbench.reports.figures import draw_figure
@@ -90,7 +90,11 @@ def test_boussinesqs_field_carries_one_newton_through_every_hemisphere():
     source, step = np.zeros((1, 2)), 1e-5
     slope = np.stack(
         [
-            (boussinesq(normal + d, source, young, nu) - boussinesq(normal - d, source, young, nu))[..., 0] / (2 * step)
+            (
+                boussinesq_displacements(normal + d, source, young, nu)
+                - boussinesq_displacements(normal - d, source, young, nu)
+            )[..., 0]
+            / (2 * step)
             for d in step * np.eye(3)
         ],
         axis=2,
@@ -99,7 +103,7 @@ def test_boussinesqs_field_carries_one_newton_through_every_hemisphere():
     stress = 2 * mu * strain + lam * np.trace(strain, axis1=1, axis2=2)[:, None, None] * np.eye(3)
     force = np.einsum("n,nij,nj->i", weight, stress, normal)
     np.testing.assert_allclose(force, [0.0, 0.0, -1.0], atol=1e-7)
-    surface = boussinesq(np.array([[3.0, 4.0, 0.0]]), source, young, nu)[0, :, 0]
+    surface = boussinesq_displacements(np.array([[3.0, 4.0, 0.0]]), source, young, nu)[0, :, 0]
     assert surface[2] == pytest.approx((1 - nu**2) / (np.pi * young * 5.0))
     assert surface[0] < 0.0  # the surface is drawn towards the load
 
@@ -117,7 +121,7 @@ def test_production_mesh_meets_its_targets_wherever_the_contacts_edge_falls(name
 
 def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
     monkeypatch.setattr(verification, "solve_block", study)
-    section = verification.hertz_section(verification.time_levels(lambda _: None, {"Q1": (2,), "Q2": (4,)}))
+    section = verification.hertz_section(verification.compute_hertz_contacts(lambda _: None, {"Q1": (2,), "Q2": (4,)}))
     assert section.name == "verification"
     verdicts = section.items[1].paragraphs
     assert sum("All targets are met" in line for line in verdicts) == 2
@@ -136,7 +140,7 @@ def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
 
 def test_section_admits_a_target_that_is_missed():
     coarse = replace(study(JOBS["A"], "Q2", 2.0), b_over_h=4.0)
-    words = verification.verdict_sentence([verification.time_level("27-node hexahedra", coarse)])
+    words = verification.error_target_sentences([verification.errors_of_hertz_run("27-node hexahedra", coarse)])
     assert "NOT MET: approach, semi-axes, pole pressure" in words[0]
-    rows = verification.value_rows([verification.time_level("27-node hexahedra", coarse)])
+    rows = verification.computed_and_hertz_rows([verification.errors_of_hertz_run("27-node hexahedra", coarse)])
     assert [row["met"] for row in rows] == ["NO"] * 4

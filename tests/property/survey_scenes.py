@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from rollbench.compare.models.study import with_groove
+from rollbench.compare.models.study import with_conformity
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.meshing.settings import hertz_units
+from rollbench.hifi.meshing.settings import hertz_contacts_under_unit_force
 from rollbench.meshes.parts import Load, Scene, Support
 
 CASE = catalogue.scene("lin-case1")
@@ -20,7 +20,7 @@ def axial(scene: Scene, force: float) -> Scene:
 
 def pressed(scene: Scene, pressure: float) -> Scene:
     """The scene under the axial force whose even share gives a contact's pole the pressure [Pa]."""
-    pole = max(unit.pole_pressure for unit in hertz_units(scene))
+    pole = max(unit.pole_pressure for unit in hertz_contacts_under_unit_force(scene))
     return axial(scene, (pressure / pole) ** 3 * scene.ball_count * float(np.sin(scene.track.contact_angle)))
 
 
@@ -42,7 +42,7 @@ def with_track(scene: Scene, lead: float, count: int, turns: float, length: floa
 def conformities() -> Iterator[tuple[str, Scene]]:
     """Groove radius over ball diameter at 2.5 GPa. At 0.51 the ellipse ends beyond case 1's lands: higher lands there."""
     for conformity in (0.51, 0.515, 0.52, 0.525, 0.53, 0.55, 0.58):
-        scene = with_groove(CASE, conformity)
+        scene = with_conformity(CASE, conformity)
         if conformity < 0.515:
             scene = replace(scene, screw=replace(scene.screw, outer_diameter=32.9e-3))
         yield f"conformity {conformity}", pressed(scene, 2.5e9)

@@ -7,7 +7,7 @@ import pytest
 from tests.axes import assembly, bearing, double_nut, fixed_axis, mirrored, nut, one_set, solved
 from tests.helpers import ALL_BUT_AXIAL, FLANK_ERRORS, NO_PROFILES, dense, relative, small_screw
 
-from rollbench.lowfi.statics.axis.system import build
+from rollbench.lowfi.statics.axis.system import build_assembly_arrays
 from rollbench.lowfi.statics.kernel.beam import add_element
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.axis import Housing, Segment, diagonal_stiffness
@@ -82,7 +82,7 @@ def test_nuts_on_an_elastic_shaft_share_a_load_as_their_stiffness_says():
 
 def on_springs(parts, result, loads):
     """Motions of the shaft's nodes by loads on them, its bearings replaced by their tangent stiffness at their nodes."""
-    system = build(parts)
+    system = build_assembly_arrays(parts)
     s = system.structure
     n = s.nodes.size
     K = np.zeros((6 * n, 6 * n))
@@ -112,7 +112,7 @@ def test_shaft_on_bearings_is_the_shaft_on_springs_to_first_order():
 
     rest = state(0.0)
     probe = replace(parts, loads=(Load(0.15, tuple(direction), (0.0, 0.4, 0.0)),))
-    linear = on_springs(probe, rest, build(probe).structure.load)
+    linear = on_springs(probe, rest, build_assembly_arrays(probe).structure.load)
     errors = [relative((state(t).centreline - rest.centreline) / t, linear) for t in (1.0, 0.5, 0.25, 0.125)]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert errors[-1] < 0.01
@@ -143,11 +143,13 @@ def test_envelope_grows_in_proportion_to_the_number_of_sets():
         places = 0.02 + 0.26 * (np.arange(count) + 0.5) / count
         sets = [replace(bearing(f"b{i}", z, "+z"), housing=f"h{i}") for i, z in enumerate(places)]
         housings = tuple(Housing(f"h{i}", z, (), diagonal_stiffness((1e8,) * 6)) for i, z in enumerate(places))
-        return int(build(assembly(*sets, housings=housings)).axis.start[-1])
+        return int(build_assembly_arrays(assembly(*sets, housings=housings)).axis.start[-1])
 
     assert size(32) / size(16) == pytest.approx(2.0, rel=0.03)
     joined = [nut(f"n{i}", z) for i, z in enumerate((0.05, 0.1, 0.15, 0.2))]
     held = (Housing("h", 0.1, (), diagonal_stiffness((1e8,) * 6)),)
-    apart = int(build(assembly(*joined)).axis.start[-1])
-    together = int(build(assembly(*(replace(s, housing="h") for s in joined), housings=held)).axis.start[-1])
+    apart = int(build_assembly_arrays(assembly(*joined)).axis.start[-1])
+    together = int(
+        build_assembly_arrays(assembly(*(replace(s, housing="h") for s in joined), housings=held)).axis.start[-1]
+    )
     assert together < 1.7 * apart

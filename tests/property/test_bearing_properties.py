@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, bearing_of_contact_angle
-from rollbench.lowfi.bearings.axis import BearingSet, equilibrium
-from rollbench.lowfi.bearings.tapered_roller import combined_equilibrium
+from rollbench.lowfi.bearings.axis import BearingSet, solve_set_equilibrium
+from rollbench.lowfi.bearings.tapered_roller import solve_thrust_and_radial_equilibrium
 from rollbench.lowfi.rollers import TaperedBearing, TaperedRow
 
 SEEDS = range(12)
@@ -50,18 +50,18 @@ def test_balance_monotony_mirror_image_and_similarity(seed: int) -> None:
     rows, load = any_set(seed)
     before = -np.inf
     for force in load * np.array([-20.0, -1.0, -0.1, 0.0, 0.1, 1.0, 20.0]):
-        s = equilibrium(rows, float(force))
+        s = solve_set_equilibrium(rows, float(force))
         assert np.array(rows.directions) @ s.loads == pytest.approx(force, abs=1e-11 * max(abs(force), s.loads.max()))
         assert np.all(s.loads >= 0.0)
         assert s.displacement > before
         assert s.stiffness > 0.0
         before = s.displacement
     mirror = replace(rows, directions=tuple(-s for s in rows.directions))
-    a, b = equilibrium(rows, 0.7 * load), equilibrium(mirror, -0.7 * load)
+    a, b = solve_set_equilibrium(rows, 0.7 * load), solve_set_equilibrium(mirror, -0.7 * load)
     assert b.displacement == pytest.approx(-a.displacement, rel=1e-10)
     np.testing.assert_allclose(a.loads, b.loads, rtol=1e-9, atol=1e-9 * load)
     large, more = any_set(seed, 3.0)
-    a, b = equilibrium(rows, 0.5 * load), equilibrium(large, 0.5 * more)
+    a, b = solve_set_equilibrium(rows, 0.5 * load), solve_set_equilibrium(large, 0.5 * more)
     np.testing.assert_allclose(b.loads, 9.0 * a.loads, rtol=1e-8, atol=1e-8 * load)
     assert b.displacement == pytest.approx(3.0 * a.displacement, rel=1e-7, abs=1e-15)
     assert b.stiffness == pytest.approx(3.0 * a.stiffness, rel=1e-7)
@@ -73,6 +73,6 @@ def test_combined_load_of_any_tapered_bearing(seed: int) -> None:
     b = taper(rng)
     thrust = 10.0 ** rng.uniform(0.0, 5.0)
     for share in (0.0, rng.uniform(0.01, 0.9), 0.98):
-        s = combined_equilibrium(b, thrust, share * thrust / np.tan(b.cup_angle))
+        s = solve_thrust_and_radial_equilibrium(b, thrust, share * thrust / np.tan(b.cup_angle))
         assert s.converged
         assert np.all(np.linalg.eigvalsh(s.stiffness) > 0.0)

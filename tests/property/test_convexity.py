@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tests.helpers import FLANK_ERRORS, prepared, relative, small_screw, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.statics.kernel_types import Slopes
+from rollbench.lowfi.statics.kernel_types import EnergyDerivatives
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors
 
@@ -59,8 +59,8 @@ def moved(ready, state, seed, size):
 
 def energy(ready, q, d):
     ready.state.q[:], ready.state.d[:] = q, d
-    out = Slopes(np.empty_like(q), np.zeros((ready.problem.C.shape[0], 4, 4)))
-    return ready.engine.evaluate(ready.given, ready.state, out)[0], out.gradient
+    out = EnergyDerivatives(np.empty_like(q), np.zeros((ready.problem.C.shape[0], 4, 4)))
+    return ready.engine.evaluate_energy(ready.given, ready.state, out)[0], out.gradient
 
 
 @pytest.mark.parametrize("case", SCENES)

@@ -11,12 +11,12 @@ from tests.property.test_invariance import end_for_end
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi import jit
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, fixed_surface
-from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
+from rollbench.lowfi.statics.elastic import ElasticInput, solve_elastic
 from rollbench.lowfi.statics.held import free_motions
 from rollbench.lowfi.statics.kernel import elastic as kernel
-from rollbench.lowfi.statics.kernel_types import BodyState
-from rollbench.lowfi.statics.static import pin
-from rollbench.meshes.errors import specimen
+from rollbench.lowfi.statics.kernel_types import ForceState
+from rollbench.lowfi.statics.static import pin_free_motions
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, Load, Support
 
@@ -61,11 +61,11 @@ def solved(seed, backend):
 
 def assembled(scene, backend):
     layout = ball_layout(scene)
-    drawn, use = specimen(scene, layout), np.ones(4, dtype=bool)
-    kernels = jit.kernels(jit.STATICS, compiled=True)
-    made = ElasticBuild(scene, drawn, layout, use, kernels, backend=backend)
+    drawn, use = draw_specimen(scene, layout), np.ones(4, dtype=bool)
+    kernels = jit.load_kernel_package(jit.STATICS, compiled=True)
+    made = ElasticInput(scene, drawn, layout, use, kernels, backend=backend)
     problem = made.problem()
-    return made.ready(pin(problem, free_motions(problem)))
+    return made.ready(pin_free_motions(problem, free_motions(problem)))
 
 
 @pytest.mark.parametrize("backend", LADDER)
@@ -96,14 +96,14 @@ def test_any_start_leads_to_the_same_loads(seed, backend):
 
 def energy_at(elastic, phi, amplitudes):
     """Energy of bodies, loads and balls, and its slopes by forces and free motions, as the kernels have them."""
-    state = BodyState(phi.copy(), amplitudes.copy(), elastic.state.inner.copy(), elastic.state.contact.copy())
+    state = ForceState(phi.copy(), amplitudes.copy(), elastic.state.inner.copy(), elastic.state.contact.copy())
     g, v, f = (np.empty_like(phi) for _ in range(3))
-    kernel.place_flanks(elastic.given.bodies, state, g, v)
+    kernel.write_flank_motions(elastic.given.bodies, state, g, v)
     of_balls, _ = elastic.engine.evaluate_balls(v, elastic.given.contacts, state, f)
     excess, by_forces = np.ascontiguousarray(phi - f), np.empty_like(phi)
-    kernel.body_motion(elastic.given.bodies, excess, by_forces)
+    kernel.flank_motions_by_forces(elastic.given.bodies, excess, by_forces)
     by_motions = -elastic.given.bodies.work - np.einsum("nac,na->c", elastic.given.bodies.R, f)
-    return of_balls + kernel.stored(elastic.given.bodies, state, g), by_forces, by_motions
+    return of_balls + kernel.energy_of_bodies(elastic.given.bodies, state, g), by_forces, by_motions
 
 
 @pytest.mark.parametrize("backend", LADDER)

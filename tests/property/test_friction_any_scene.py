@@ -39,7 +39,7 @@ def scenes(draw):
 def compiled():
     """Kernels that are loaded serve small scenes too."""
     for package in (jit.STATICS, jit.CONTACT):
-        jit.kernels(package, compiled=True)
+        jit.load_kernel_package(package, compiled=True)
 
 
 coefficient = st.sampled_from((1e-4, 0.01, 0.1, 0.5))

@@ -10,21 +10,21 @@ from itertools import product
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.lin.evidence.source_cases import groove_of_table_3_6, pair_as_printed
-from rollbench.lowfi.friction.screw.chain import Guess
-from rollbench.lowfi.friction.screw.run import Pair, PairResult, solve_pair
+from rollbench.compare.cases.lin.evidence.source_cases import groove_of_table_3_6, screw_pair_as_printed
+from rollbench.lowfi.friction.screw.chain import IterationStart
+from rollbench.lowfi.friction.screw.run import Pair, ScrewPairSolution, solve_pair
 
 #: Load [N] and oversize of the ball radii [m], negative for clearance.
 STATES = [*product((1.0, 50.0), (1.7e-6, 0.0)), (50.0, -1e-7), (50.0, -1e-6), (2000.0, -3e-6), (2000.0, -1e-5)]
 STARTS = 4
 
 
-def random_guess(pair: Pair, found: PairResult, rng: np.random.Generator) -> Guess:
+def random_guess(pair: Pair, found: ScrewPairSolution, rng: np.random.Generator) -> IterationStart:
     """Pushes, drags and forces from a tenth of the friction bound to ten times it, motions off by half."""
     held = pair.coupling == "ball"
     size = pair.groove.mu * float(found.ball_loads.max()) * 10.0 ** rng.uniform(-1.0, 1.0)
     q = found.touching.motion.q
-    return Guess(
+    return IterationStart(
         push=size * rng.normal(size=(2, 2)),
         drag=np.zeros(1) if held else size * rng.normal(size=1),
         q=q * (1.0 + 0.5 * rng.normal(size=q.shape)),
@@ -39,7 +39,7 @@ def test_random_starts_give_the_same_coupled_state(mu: float, coupling: str) -> 
     rng = np.random.default_rng(int(1000 * mu))
     for force, oversize in STATES:
         pair = replace(
-            pair_as_printed(np.radians(2.0)), groove=groove_of_table_3_6(mu=mu), oversize=oversize, force=(force,)
+            screw_pair_as_printed(np.radians(2.0)), groove=groove_of_table_3_6(mu=mu), oversize=oversize, force=(force,)
         )
         pair = replace(pair, coupling=coupling)  # type: ignore[arg-type]
         found = solve_pair(pair)

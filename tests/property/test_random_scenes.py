@@ -6,10 +6,10 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rollbench.compare.models.study import with_balls
+from rollbench.compare.models.study import with_ball_count
 from rollbench.compare.scenes.catalogue import scene as shipped
-from rollbench.compare.studies.extreme_cases import StabilityCase, with_conformity, with_shaft_stiffness
-from rollbench.compare.studies.extremes import ENERGY, attempt_case
+from rollbench.compare.studies.extreme_cases import StabilityCase, with_groove_radius_ratio, with_shaft_stiffness
+from rollbench.compare.studies.extremes import ENERGY, solve_case_by_formulation
 from rollbench.meshes.parts import BallErrors, Errors, Load, Support
 
 BASE = shipped("lin-case1")
@@ -56,14 +56,14 @@ def random_scenes(draw):
     scene = replace(scene, track=track, nut=replace(scene.nut, length=0.1))
     extreme = draw(st.sampled_from(("conformity", "shaft", "moduli")))
     if extreme == "conformity":
-        scene = with_conformity(scene, 1.0 + draw(powers(-5, -1)))
+        scene = with_groove_radius_ratio(scene, 1.0 + draw(powers(-5, -1)))
     elif extreme == "shaft":
         scene = with_shaft_stiffness(scene, draw(powers(-3, 3)))
     else:
         scene = all_moduli(scene, draw(powers(-3, 3)))
     # A screw that balls alone must hold in five freedoms, by one-sided contacts: not for a handful of them.
     clamped = len(scene.supports) > 0 and len(scene.supports[0].fixed) == 5
-    scene = with_balls(scene, draw(st.sampled_from((1, 2, 3, 10, 32) if clamped else (32,))))
+    scene = with_ball_count(scene, draw(st.sampled_from((1, 2, 3, 10, 32) if clamped else (32,))))
     room = 0.49 * (scene.screw.groove_radius - scene.balls.radius)  # a ball larger than its groove jams: refused
     half_width = min(draw(st.sampled_from((0.0, 2e-6, 20e-6))), room)
     oversize = min(draw(st.integers(-50, 20)) * 1e-6, room)
@@ -74,7 +74,7 @@ def random_scenes(draw):
 @settings(max_examples=40, derandomize=True, deadline=None)
 @given(random_scenes())
 def test_ours_converges_or_names_the_mechanism(scene):
-    row = attempt_case(StabilityCase("random", "random", scene), ENERGY)
+    row = solve_case_by_formulation(StabilityCase("random", "random", scene), ENERGY)
     if row.converged:
         assert row.residual is not None
         assert row.residual <= max(1e-10, row.round_off_bound)

@@ -11,10 +11,10 @@ from tests.property.survey_scenes import CASE, even, pressed, shortened, survey,
 from rollbench.compare.errors import Refusal
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.models.study import with_groove
+from rollbench.compare.models.study import with_conformity
 from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.levels import BALL
-from rollbench.compare.reference.tasks import Task, needed_sides, settings_of
+from rollbench.compare.reference.tasks import Task, flanks_to_mesh, mesh_settings
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.bodies import coarse
 from rollbench.hifi.meshing.part_meshes import (
@@ -25,16 +25,16 @@ from rollbench.hifi.meshing.part_meshes import (
     mesh_patch,
     patch_normals,
 )
-from rollbench.hifi.meshing.settings import Settings, expected_contacts, round_up_lengths
+from rollbench.hifi.meshing.settings import Settings, estimate_contacts_of_scene, round_up_lengths
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache
-from rollbench.meshes.fem import measure_quality
+from rollbench.meshes.fem import mesh_quality
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Balls, Load, Nut, Scene, Screw, Solid, Support, Track
-from rollbench.meshes.sockets import local_points
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.sockets import points_in_reference_socket
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 
 def screw(R, lead, ball, groove, outer, nut, azimuths, force=300.0, **changes):
@@ -95,7 +95,7 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache
     monkeypatch.setattr(coarse, "REALISATIONS", 1)
     scene = ALL[name]
     ratio = scene.balls.radius / BALL
-    contacts = expected_contacts(scene)
+    contacts = estimate_contacts_of_scene(scene)
     few = {"b_over_h": 0.8, "cuts": (2, 2, 2), "own_cuts": (2, 2, 2), "modes": 6, "ball_modes": 8, "growth": 2.5}
     sizes = {"fine": 3e-3, "coarse": 12e-3, "ball_fine": 1e-3, "ball_coarse": 2e-3}
     settings = Settings(
@@ -106,7 +106,7 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache
         **{name: size * ratio for name, size in sizes.items()},
         **few,
     )
-    sides = needed_sides(scene)
+    sides = flanks_to_mesh(scene)
     set_up = prepare(scene, sides, settings, cache=cache)
     result = solve_reference(set_up, scene)
     assert result.status == "converged"
@@ -128,10 +128,12 @@ TIGHT += ("unseen-63x20", "unseen-four-point")
 
 def sockets_of(scene, cuts):
     """Meshes of a scene shortened to two balls, with the sockets of the whole scene; its map and settings."""
-    settings, small = replace(settings_of([scene], 1), cuts=cuts), shortened(scene)
-    m, layout, sides = GrooveMap.of(small), ball_layout(small), needed_sides(scene)
-    meshes = mesh_parts(small, m, layout, solid_dimensions(small), sides, settings)
-    whole = choose_socket_size(scene, GrooveMap.of(scene), ball_layout(scene), sides, solid_dimensions(scene), settings)
+    settings, small = replace(mesh_settings([scene], 1), cuts=cuts), shortened(scene)
+    m, layout, sides = GrooveMap.of(small), ball_layout(small), flanks_to_mesh(scene)
+    meshes = mesh_parts(small, m, layout, dimensions_of_3d_parts(small), sides, settings)
+    whole = choose_socket_size(
+        scene, GrooveMap.of(scene), ball_layout(scene), sides, dimensions_of_3d_parts(scene), settings
+    )
     assert (meshes.size.gamma, meshes.size.cuts) == (pytest.approx(whole.gamma, rel=0.15), cuts)
     return m, meshes, settings, sides
 
@@ -144,11 +146,11 @@ def check_patches(scene, cuts):
     assert zone[1] * meshes.widths[1] >= settings.reach[1]
     for side in sides:
         body = meshes.screw if side < 2 else meshes.nut
-        groove = mesh_patch(meshes, body.sockets[side], partial(local_points, m, meshes.size, side), settings)
+        groove = mesh_patch(meshes, body.sockets[side], partial(points_in_reference_socket, m, meshes.size, side), settings)
         ball = mesh_patch(
             meshes, meshes.ball.sockets[side], ball_socket_and_map(m, meshes.size, side, meshes.zone)[1], settings
         )
-        assert min(measure_quality(x.mesh).smallest for x in (groove, ball)) > 0.1
+        assert min(mesh_quality(x.mesh).smallest for x in (groove, ball)) > 0.1
         found, wanted = patch_normals(ball, np.zeros(3)), patch_normals(groove, np.array([m.R, 0.0, 0.0]))
         np.testing.assert_allclose(found, wanted, atol=1e-9)
 
@@ -162,14 +164,14 @@ def test_patches_and_sockets_of_tight_scenes_are_meshed_however_they_are_cut(nam
 
 
 def test_displaced_supports_widen_the_patches():
-    assert settings_of([tipped()], 1).reach[0] > 1.3 * settings_of([CASE], 1).reach[0]
+    assert mesh_settings([tipped()], 1).reach[0] > 1.3 * mesh_settings([CASE], 1).reach[0]
 
 
 def test_what_does_not_fit_is_refused_before_anything_is_meshed(monkeypatch):
     for name in ("build_body", "build_ball"):
         monkeypatch.setattr(f"rollbench.hifi.meshing.part_meshes.{name}", lambda *_: pytest.fail("meshed"))
     with pytest.raises(Refusal) as refused:
-        compute_runs(Task((pressed(with_groove(CASE, 0.515), 4e9),), 1))
+        compute_runs(Task((pressed(with_conformity(CASE, 0.515), 4e9),), 1))
     words = str(refused.value)
     assert "no room for the contact ellipse" in words
     assert words.count(" mm (") == 2

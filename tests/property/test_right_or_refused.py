@@ -16,10 +16,10 @@ from rollbench.lowfi.rating.rigidity import axial_force
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.held import describe_motion, opening_motion
-from rollbench.lowfi.statics.problem import build
+from rollbench.lowfi.statics.problem import build_problem
 from rollbench.lowfi.statics.static import runaway_status, solve_static
 from rollbench.lowfi.statics.tangent import tangent_stiffness
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, SideErrors, Support
 
@@ -37,7 +37,7 @@ def solved(number, engine):
 
 def problem_of(scene):
     layout = ball_layout(scene)
-    return build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
+    return build_problem(scene, draw_specimen(scene, layout), layout, np.ones(4, dtype=bool))
 
 
 @pytest.mark.parametrize("number", [3182, 90])

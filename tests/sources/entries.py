@@ -3,12 +3,12 @@
 from tests.evidence_study import STUDY
 
 from rollbench.compare.evidence import Evidence, evidence
-from rollbench.compare.printed import Printed, load_table, tables
+from rollbench.compare.printed import Printed, load_table, printed_table_names
 
 
 def of_source(source: str) -> list[str]:
     """Tables of a source."""
-    return [name for name in tables() if name.startswith(f"{source}-")]
+    return [name for name in printed_table_names() if name.startswith(f"{source}-")]
 
 
 def rows(table: str) -> dict[str, Printed]:

@@ -8,8 +8,8 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import keys, of_source
 
-from rollbench.compare.evidence import computations_by_table, evidence, misprints
-from rollbench.compare.gate.gate import evidence_row
+from rollbench.compare.evidence import computations_with_function, evidence, misprint_rows
+from rollbench.compare.gate.gate import check_of_printed_entry
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -30,7 +30,7 @@ SHIFTED = {"external": 140, "kalker": 36, "lin": 218, "liu": 71, "smith": 269}
 
 @pytest.mark.parametrize("source", ["external", "lin", "liu", "smith"])
 def test_every_entry_has_one_finding_and_one_verdict(source):
-    names = [name for name in of_source(source) if name in computations_by_table()]
+    names = [name for name in of_source(source) if name in computations_with_function()]
     found = evidence(STUDY, *names)
     assert Counter(f"{f.printed.table}:{f.printed.key}" for f in found) == Counter(keys(*names))
     counted = {kind: of[source] for kind, of in COUNTS.items() if source in of}
@@ -58,10 +58,10 @@ def test_a_value_off_by_twice_its_tolerance_changes_the_verdict(source):
 @pytest.mark.parametrize("source", ["liu", "smith"])
 def test_gate_passes_on_what_it_holds(source):
     found = [f for f in evidence(STUDY, *of_source(source)) if f.printed.cls in ("hard", "as-printed", "input")]
-    assert all(evidence_row(f, 7.0).passed for f in found)
+    assert all(check_of_printed_entry(f, 7.0).passed for f in found)
 
 
 def test_misprints_have_evidence():
-    rows = list(misprints())
+    rows = list(misprint_rows())
     assert Counter(row["source"] for row in rows) == {"lin": 23, "liu": 19, "smith": 40}
     assert all(set(row) >= {"place", "wrong", "right", "evidence"} and all(row.values()) for row in rows)

@@ -20,38 +20,43 @@ from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import entry, load_table
+from rollbench.compare.printed import load_table, printed_entry
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.hifi.rolling.patch import hertz_patch
+from rollbench.hifi.rolling.patch import solve_elastic_contact_on_grid
 from rollbench.hifi.rolling.verification import (
     Creep,
     OnsetStep,
-    push_and_roll,
-    solve_steady_rolling,
-    solve_steady_rolling_as_contact,
+    simulate_rolling_onset,
+    solve_steady_rolling_for_creepages,
+    solve_steady_rolling_like_kalker,
 )
 from rollbench.lowfi.bearings.angular_contact import (
     BallBearing,
     BallRow,
     bearing_of_contact_angle,
+    bearing_state_at_displacement,
     relative_curvatures,
-    thrust_state,
 )
-from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_force, preloaded_rows
-from rollbench.lowfi.bearings.tapered_roller import load_zone
+from rollbench.lowfi.bearings.axis import BearingSet, equal_rows_with_preload, lift_off_force, solve_set_equilibrium
+from rollbench.lowfi.bearings.tapered_roller import load_zone_integrals
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.lowfi.rating.life import (
     PARTING,
+    basic_rating_life,
     dynamic_rating,
-    equivalent_life,
     forces_on_halves,
-    life,
+    life_by_equivalent_loads,
     mean_force,
     radial_and_axial_factors,
 )
-from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, body_compliance, contacts_displacement
+from rollbench.lowfi.rating.rigidity import (
+    axial_compliance_of_bodies,
+    axial_displacement,
+    axial_force,
+    displacement_by_contacts_only,
+)
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.numerics import brentq
@@ -64,7 +69,7 @@ PREFIX = "external-"
 
 def read_inputs() -> dict[str, Any]:
     """Read the inputs of all external cases from ``cases.toml``, by name of the case; quantities with units remain text."""
-    return files.shipped_table("cases/external/cases.toml")
+    return files.read_shipped_toml("cases/external/cases.toml")
 
 
 def read_input(case: str, key: str, quantity: str) -> float:
@@ -76,17 +81,17 @@ def read_input(case: str, key: str, quantity: str) -> float:
     return parse_quantity(read_inputs()[case][key], quantity)
 
 
-def assumptions() -> dict[str, tuple[str, ...]]:
+def assumptions_by_case() -> dict[str, tuple[str, ...]]:
     """Return the assumptions of each external case that no scene file describes, as sentences, by name of the case."""
     return {name: tuple(table["assumed"]) for name, table in read_inputs().items() if "assumed" in table}
 
 
-def shipped_assembly(name: str) -> Assembly:
+def shipped_shaft_scene(name: str) -> Assembly:
     """Return the shipped scene ``external-NAME``, a shaft with bearing rows or nuts; ``name``: last part of its name.
 
     Raises AssertionError for a scene of another kind.
     """
-    found = catalogue.shipped(PREFIX + name)
+    found = catalogue.shipped_scene(PREFIX + name)
     if not isinstance(found, Assembly):
         raise AssertionError(f"{PREFIX}{name}: expected a shaft with bearing rows or nuts, got {type(found).__name__}")
     return found
@@ -98,16 +103,16 @@ def solve_bearing(study: Study, name: str) -> tuple[AxisResult, SetResult]:
     ``study``: keeps the result, so that each scene is solved once; ``name``: last part of the scene's name. Returns the
     result of the shaft, then that of its bearing row.
     """
-    result = study.once(_solve_assembly, name)
+    result = study.compute_once(_solve_shaft_scene, name)
     return result, result.sets[0]
 
 
-def _solve_assembly(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
+def _solve_shaft_scene(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
     """Solve the shipped scene ``external-NAME`` by the beam model; raises AssertionError if it does not converge.
 
     ``study``: not used; ``name``: last part of the scene's name.
     """
-    result = run_model(shipped_assembly(name), "lin")
+    result = run_model(shipped_shaft_scene(name), "lin")
     if not result.converged:
         raise AssertionError(f"{PREFIX}{name}: expected convergence, got status {result.status!r}")
     return result
@@ -120,7 +125,7 @@ CLASSES = ("light", "medium", "strong")
 ANY = (0.53, 0.56)
 
 
-def _shaft_motion(found: AxisResult, station: float, freedom: str) -> float:
+def _shaft_displacement_at(found: AxisResult, station: float, freedom: str) -> float:
     """Return the displacement [m] or rotation [rad] of the shaft at the computed section nearest to an axial position.
 
     ``found``: result of the shaft; ``station``: axial position [m]; ``freedom``: "ux", "uy", "uz", "rx", "ry" or "rz".
@@ -142,10 +147,10 @@ def deep_groove_bearing(findings: Findings, study: Study) -> None:
         ("tilt", "masta-moment", "ry", 1e3),
     ):
         result, ring = solve_bearing(study, name)
-        findings.number(key, unit * _shaft_motion(result, ring.of.position, freedom))
+        findings.number(key, unit * _shaft_displacement_at(result, ring.of.position, freedom))
         assert ring.balls is not None
         assert isinstance(ring.of.parts, Scene)
-        found = life(ring.of.parts, ring.balls.load)
+        found = basic_rating_life(ring.of.parts, ring.balls.load)
         assert found is not None
         findings.number(f"{key}_life", found.revolutions * (rated / found.rating) ** 3)
 
@@ -157,7 +162,10 @@ def bearing_218(findings: Findings, study: Study) -> None:
     """
     result, ring = solve_bearing(study, "harris-218")
     assert ring.balls is not None
-    angle, moved = float(np.degrees(ring.balls.contact_angle[0, 0])), 1e6 * _shaft_motion(result, ring.of.position, "uz")
+    angle, moved = (
+        float(np.degrees(ring.balls.contact_angle[0, 0])),
+        1e6 * _shaft_displacement_at(result, ring.of.position, "uz"),
+    )
     findings.number("angle", angle)
     findings.number("angle_quoted", angle)
     findings.number("displacement", moved)
@@ -174,18 +182,18 @@ def half_load_zone(findings: Findings, study: Study) -> None:
     for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
         ring = solve_bearing(study, name)[1]
         assert ring.balls is not None
-        across = shipped_assembly(name).loads[0].force[0]
+        across = shipped_shaft_scene(name).loads[0].force[0]
         load, rest = ring.balls.load[:, 0], ring.balls.contact_angle[:, 0]
         top = int(load.argmax())
         # a ball of the deep groove carries the same force at both its contacts: the inner one counts
         findings.number(key, float(load[top]) * load.size * float(np.cos(rest[top])) / across)
         if key == "combined":
             findings.number("loaded", float(np.count_nonzero(load > 0.0)))
-    zone = load_zone(0.5, 1.5)
+    zone = load_zone_integrals(0.5, 1.5)
     findings.number("thrust", zone.axial / zone.radial)
 
 
-def _catalogue_bearing(case: str, row: Sequence[float], conformity: float) -> BallBearing:
+def _bearing_of_catalogue_row(case: str, row: Sequence[float], conformity: float) -> BallBearing:
     """Return a spindle bearing from its row in a catalogue.
 
     ``case``: name of the external case with contact angle and material; ``row``: pitch diameter [mm], ball diameter [mm]
@@ -199,30 +207,30 @@ def _catalogue_bearing(case: str, row: Sequence[float], conformity: float) -> Ba
 
 def _preloaded_pair(bearing: BallBearing, preload: float) -> BearingSet:
     """Return a pair of opposed bearings, preloaded against each other by a force [N]."""
-    return preloaded_rows(BallRow(bearing), (1, -1), preload)
+    return equal_rows_with_preload(BallRow(bearing), (1, -1), preload)
 
 
 @cache
-def gmn_rigidity(name: str, which: str, conformity: float) -> float:
+def gmn_pair_rigidity(name: str, preload_class: str, conformity: float) -> float:
     """Return the axial rigidity [N/um] of a preloaded pair of GMN's bearings, which is twice that of one bearing row.
 
-    ``name``: size of the bearing; ``which``: preload class "light", "medium" or "strong"; ``conformity``: groove radius
-    over ball diameter.
+    ``name``: size of the bearing; ``preload_class``: preload class "light", "medium" or "strong"; ``conformity``: groove
+    radius over ball diameter.
     """
     row = read_inputs()["gmn"]["rows"][name]
-    one = BallRow(_catalogue_bearing("gmn", row, conformity))
-    return 2e-6 * one.stiffness(one.deflection(float(row[3 + CLASSES.index(which)])))
+    one = BallRow(_bearing_of_catalogue_row("gmn", row, conformity))
+    return 2e-6 * one.stiffness(one.deflection(float(row[3 + CLASSES.index(preload_class)])))
 
 
-def gmn_rigidity_growth_ratios(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def gmn_rigidity_growth_over_printed(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     """Return the computed growth of rigidity from light to strong preload over the growth that GMN prints, for each pair.
 
     The result has one ratio for each size of bearing; ``conformity``: groove radius over ball diameter.
     """
     out = []
     for name in read_inputs()["gmn"]["rows"]:
-        printed = [entry("external-gmn", f"{name}_{which}").value or np.nan for which in ("light", "strong")]
-        ours = [gmn_rigidity(name, which, conformity) for which in ("light", "strong")]
+        printed = [printed_entry("external-gmn", f"{name}_{which}").value or np.nan for which in ("light", "strong")]
+        ours = [gmn_pair_rigidity(name, which, conformity) for which in ("light", "strong")]
         out.append(ours[1] / ours[0] * printed[0] / printed[1])
     return np.array(out)
 
@@ -236,20 +244,20 @@ def gmn_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - 
     inferred = float(read_inputs()["gmn"]["conformity"])
     for name in read_inputs()["gmn"]["rows"]:
         for which in CLASSES:
-            findings.number(f"{name}_{which}", gmn_rigidity(name, which, inferred))
-    middle = {c: float(np.median(gmn_rigidity_growth_ratios(c))) for c in (*ANY, inferred)}
+            findings.number(f"{name}_{which}", gmn_pair_rigidity(name, which, inferred))
+    middle = {c: float(np.median(gmn_rigidity_growth_over_printed(c))) for c in (*ANY, inferred)}
     words = ", ".join(f"{m:.3f} at conformity {c:g}" for c, m in middle.items())
     findings.claim("growth", all(abs(float(error_percent(m, 1.0))) <= 2.0 for m in middle.values()), f"median {words}")
 
 
-def gmn_rms_percent() -> float:
+def gmn_rigidity_rms_error_percent() -> float:
     """Return the RMS error [%] of the computed rigidities of bearing pairs against those printed by GMN.
 
     Only printed values of class "band" count, whose agreement is judged within a stated band.
     """
     inferred = float(read_inputs()["gmn"]["conformity"])
     rows = [(r.key.rsplit("_", 1), r.value) for r in load_table("external-gmn") if r.cls == "band" and r.value is not None]
-    off = [float(error_percent(gmn_rigidity(name, which, inferred), value)) for (name, which), value in rows]
+    off = [float(error_percent(gmn_pair_rigidity(name, which, inferred), value)) for (name, which), value in rows]
     return float(np.sqrt(np.mean(np.square(off))))
 
 
@@ -261,10 +269,10 @@ def snfa_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
     """
     case = read_inputs()["snfa"]
     row = [1e3 * read_input("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
-    bearing = _catalogue_bearing("snfa", [*row, case["balls"]], float(case["conformity"]))
+    bearing = _bearing_of_catalogue_row("snfa", [*row, case["balls"]], float(case["conformity"]))
     loads = [parse_quantity(text, "force") for text in case["preloads"]]
-    right = [1e-6 * equilibrium(_preloaded_pair(bearing, p)).stiffness for p in loads]
-    still = [1e-6 * constant_angle_rigidity(bearing, p) for p in loads]
+    right = [1e-6 * solve_set_equilibrium(_preloaded_pair(bearing, p)).stiffness for p in loads]
+    still = [1e-6 * pair_rigidity_at_constant_angle(bearing, p) for p in loads]
     for name, value, at in zip(("light", "medium", "heavy"), right, still, strict=True):
         findings.number(f"rigidity_{name}", value, f"{at:.1f} N/um at a constant angle, conformity {case['conformity']:g}")
     growth = right[-1] / right[0]
@@ -272,22 +280,22 @@ def snfa_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
     findings.number("growth", growth, words, as_printed=still[-1] / still[0])
     off = lift_off_force(_preloaded_pair(bearing, loads[-1])) / loads[-1]
     words = f"at {loads[-1]:g} N; the angle turns, and the pair holds together longer"
-    findings.number("lift_off", off, words, as_printed=constant_angle_lift_off())
+    findings.number("lift_off", off, words, as_printed=lift_off_over_preload_at_constant_angle())
 
 
-def constant_angle_rigidity(bearing: BallBearing, preload: float) -> float:
+def pair_rigidity_at_constant_angle(bearing: BallBearing, preload: float) -> float:
     """Return the rigidity [N/m] of a preloaded bearing pair whose contact angle stays constant under load.
 
     ``preload``: axial force F [N] between the bearings. With the displacement u of one bearing, F ~ u^(3/2), so the
     rigidity of the pair is 3 F/u.
     """
-    rest = thrust_state(bearing, 1e-9 * bearing.ball_diameter)
+    rest = bearing_state_at_displacement(bearing, 1e-9 * bearing.ball_diameter)
     sin = float(np.sin(bearing.free_angle))
     u = float(rest.inner.C + rest.outer.C) * float(np.cbrt(preload / (bearing.balls * sin))) ** 2 / sin
     return 3.0 * preload / u
 
 
-def constant_angle_lift_off() -> float:
+def lift_off_over_preload_at_constant_angle() -> float:
     """Return lift-off load over preload of a bearing pair, 2^(3/2), for contact angles that stay constant under load."""
     return float(2.0**1.5)
 
@@ -310,7 +318,7 @@ def mean_speed_of_duty_cycle(case: str) -> float:
     given = read_inputs()[case]
     phases = zip(given["speeds"], given["time"], strict=True)
     cases = [f'[[cases]]\nname = "p{k}"\nspeed = "{n} rpm"\ntime = "{t} s"\n' for k, (n, t) in enumerate(phases)]
-    cycle = scene_file.parse_scene("\n".join([catalogue.scene_text(SCENE), *cases]), SCENE)
+    cycle = scene_file.parse_scene("\n".join([catalogue.shipped_scene_text(SCENE), *cases]), SCENE)
     assert isinstance(cycle, DutyCycle)
     assert cycle.speed is not None
     return cycle.speed * 30.0 / pi
@@ -346,7 +354,7 @@ def equivalent_loads(findings: Findings, study: Study) -> None:
     findings.claim("loaded_half", holds, words)
     scene = study.scene(SCENE)
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, FORCE)) for x in scene.loads))
-    found = equivalent_life([nut], [1.0], [np.array([0.0, 0.0, FORCE])], PRELOAD)
+    found = life_by_equivalent_loads([nut], [1.0], [np.array([0.0, 0.0, FORCE])], PRELOAD)
     assert found is not None
     lives = (dynamic_rating(nut) / np.array(found.loads)) ** 3
     printed = float((lives ** (-10.0 / 9.0)).sum() ** -0.9)
@@ -371,7 +379,7 @@ def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
 
     ``findings``: receives contact angle, approaches and semi-axes for the published numbers. ``study``: not used here.
     """
-    parts = shipped_assembly("nsk-25bswz01").sets[0].parts
+    parts = shipped_shaft_scene("nsk-25bswz01").sets[0].parts
     assert isinstance(parts, Scene)
     d, steel, track = 2.0 * parts.balls.radius, parts.nut.material, parts.track
     grooves = (parts.screw.groove_radius / d, parts.nut.groove_radius / d)
@@ -399,7 +407,7 @@ def sphere_on_plane(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
     findings.number("radius", 1e3 * float(found.C_a) * float(np.cbrt(read_input("vm63", "force", "force"))))
 
 
-def _example_contact(case: str) -> tuple[float, tuple[float, float], float, float]:
+def _load_radii_and_material(case: str) -> tuple[float, tuple[float, float], float, float]:
     """Return the inputs of the normal contact in an example of the program CONTACT.
 
     First: load [N]; second: relative radii [m] along and across the rolling direction; third: Young's modulus [Pa];
@@ -410,15 +418,15 @@ def _example_contact(case: str) -> tuple[float, tuple[float, float], float, floa
     return read_input(case, "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
 
 
-def _hertz_of_example(case: str) -> tuple[float, HertzConstants]:
+def _load_and_hertz_constants(case: str) -> tuple[float, HertzConstants]:
     """Return load [N], then Hertz's constants of the contact in an example of the program CONTACT; ``case``: its name."""
-    load, radii, young, poisson = _example_contact(case)
+    load, radii, young, poisson = _load_radii_and_material(case)
     modulus = contact_modulus(young, poisson, young, poisson)
     return load, hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
 
 
 @dataclass(frozen=True)
-class ExampleResult:
+class RollingExampleResult:
     """Computed results of the steady-rolling example of the program CONTACT, which has lateral creepage and spin."""
 
     #: Lateral force over mu P.
@@ -434,20 +442,22 @@ class ExampleResult:
 
 
 @lru_cache(maxsize=8)
-def solve_example(cells: int, *, by_cells: bool = False) -> ExampleResult:
+def solve_rolling_example(cells: int, *, as_contact: bool = False) -> RollingExampleResult:
     """Solve the steady-rolling example of the program CONTACT, which has lateral creepage and spin.
 
-    ``cells``: number of cells of the grid along each axis; ``by_cells``: whether to use CONTACT's grid and its difference
+    ``cells``: number of cells of the grid along each axis; ``as_contact``: whether to use CONTACT's grid and its difference
     scheme over one cell, instead of the scheme of this package.
     """
-    case, touch = read_inputs()["contact"], _example_contact("contact")
+    case, touch = read_inputs()["contact"], _load_radii_and_material("contact")
     creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
-    if by_cells:
-        found = solve_steady_rolling_as_contact(hertz_patch(*touch, (cells, cells), margin=EXAMPLE_MARGIN), creep, mu)
+    if as_contact:
+        found = solve_steady_rolling_like_kalker(
+            solve_elastic_contact_on_grid(*touch, (cells, cells), margin=EXAMPLE_MARGIN), creep, mu
+        )
     else:
-        found = solve_steady_rolling(hertz_patch(*touch, (cells, cells)), creep, mu)
+        found = solve_steady_rolling_for_creepages(solve_elastic_contact_on_grid(*touch, (cells, cells)), creep, mu)
     sticking = int(np.count_nonzero(found.friction.stick[0]))
-    return ExampleResult(
+    return RollingExampleResult(
         float(found.force[1]) / (mu * touch[0]), 1e3 * found.moment, len(found.patch.at), sticking, found.loss
     )
 
@@ -458,50 +468,55 @@ def rolling_examples(findings: Findings, study: Study) -> None:  # noqa: ARG001 
     Steady rolling has lateral creepage and spin; its Hertz contact, force and moment on elastic half spaces are computed.
     ``findings``: receives the computed value for each published number. ``study``: not used here.
     """
-    load, hertz = _hertz_of_example("contact")
+    load, hertz = _load_and_hertz_constants("contact")
     cube = float(np.cbrt(load))
     findings.number("a", 1e3 * float(hertz.C_a) * cube)
     findings.number("b", 1e3 * float(hertz.C_b) * cube)
     findings.number("approach", 1e3 * float(hertz.C) * cube**2)
     findings.number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
-    theirs, ours = solve_example(EXAMPLE_CELLS, by_cells=True), solve_example(EXAMPLE_CELLS)
+    theirs, ours = solve_rolling_example(EXAMPLE_CELLS, as_contact=True), solve_rolling_example(EXAMPLE_CELLS)
     for key in ("lateral", "moment"):
         note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(ours, key):.4g}"
         findings.number(key, getattr(theirs, key), note)
-    _compute_wheel(findings)
-    _compute_transients(findings)
+    _compute_wheel_creep_curve(findings)
+    _compute_push_and_roll_examples(findings)
 
 
-def _compute_wheel(findings: Findings) -> None:
+def _compute_wheel_creep_curve(findings: Findings) -> None:
     """Compute the creep-force curve of CONTACT's locomotive wheel, by CONTACT's difference scheme, into ``findings``."""
-    load, hertz = _hertz_of_example("wheel")
+    load, hertz = _load_and_hertz_constants("wheel")
     cube, mu = float(np.cbrt(load)), float(read_inputs()["wheel"]["friction"])
     findings.number("wheel_a", 1e3 * float(hertz.C_b) * cube)
     findings.number("wheel_b", 1e3 * float(hertz.C_a) * cube)
-    patch = hertz_patch(*_example_contact("wheel"), WHEEL_CELLS, margin=EXAMPLE_MARGIN)
+    patch = solve_elastic_contact_on_grid(*_load_radii_and_material("wheel"), WHEEL_CELLS, margin=EXAMPLE_MARGIN)
     for row in load_table(findings.table):
         curve, _, creep = row.key.rpartition("_")
         if curve == "wheel_creep":
-            force = solve_steady_rolling_as_contact(patch, Creep(float(creep), 0.0, 0.0), mu).force
+            force = solve_steady_rolling_like_kalker(patch, Creep(float(creep), 0.0, 0.0), mu).force
             findings.number(row.key, float(force[0]) / (mu * load))
 
 
 @lru_cache(maxsize=4)
-def push_and_roll_example(case: str, steps: int) -> list[OnsetStep]:
+def solve_push_and_roll_example(case: str, steps: int) -> list[OnsetStep]:
     """Solve an example of the program CONTACT in which a ball is pushed sideways at rest, and then rolls.
 
     ``case``: name of the example; ``steps``: number of steps, each of one cell's length, that the ball rolls. The first
     entry of the result is the state at rest.
     """
-    numbers, (load, circle) = read_inputs()[case], _hertz_of_example(case)
+    numbers, (load, circle) = read_inputs()[case], _load_and_hertz_constants(case)
     margin = 0.5 * read_input(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
-    patch = hertz_patch(*_example_contact(case), (numbers["cells"], numbers["cells"]), margin=margin)
-    return push_and_roll(patch, numbers["friction"], numbers["share"], steps)
+    patch = solve_elastic_contact_on_grid(
+        *_load_radii_and_material(case), (numbers["cells"], numbers["cells"]), margin=margin
+    )
+    return simulate_rolling_onset(patch, numbers["friction"], numbers["share"], steps)
 
 
-def _compute_transients(findings: Findings) -> None:
+def _compute_push_and_roll_examples(findings: Findings) -> None:
     """Compute CONTACT's examples of a ball pushed sideways, then rolled towards steady rolling, into ``findings``."""
-    found = {"cattaneo": push_and_roll_example("cattaneo", 0), "onset": push_and_roll_example("onset", ONSET_STEPS)}
+    found = {
+        "cattaneo": solve_push_and_roll_example("cattaneo", 0),
+        "onset": solve_push_and_roll_example("onset", ONSET_STEPS),
+    }
     for row in load_table(findings.table):
         case, _, rest = row.key.partition("_")
         if case in found:
@@ -527,23 +542,23 @@ SHARES = {THK: (0.567, 0.586), HIWIN: (0.75, 0.75)}
 UNPRINTED = 0.05
 
 
-def scene_name(size: str) -> str:
+def scene_name_of_catalogue_size(size: str) -> str:
     """Return the name of the shipped scene for a nut of THK or HIWIN; ``size``: its size, such as "bnf-4010-5"."""
     return f"{PREFIX}{size}" if size in HIWIN else f"{PREFIX}thk-{size}"
 
 
-def rigidity_by_parts(scene: Scene, force: float) -> tuple[float, float]:
+def rigidities_without_and_with_bodies(scene: Scene, force: float) -> tuple[float, float]:
     """Return the axial rigidity [N/m] of a nut with equally loaded balls: of the contacts only, then also with the bodies.
 
     The bodies are nut and screw as tubes. ``scene``: screw and nut; ``force``: axial load [N]. Raises ValueError if nut
     or screw has no wall thickness.
     """
-    alone, body = contacts_displacement(scene, force), body_compliance(scene)
+    alone, body = displacement_by_contacts_only(scene, force), axial_compliance_of_bodies(scene)
     assert body is not None
     return force / alone, force / (alone + body * force)
 
 
-def rigidity_unequal_loads(study: Study, name: str, model: str) -> float:
+def rigidity_with_unequal_loads(study: Study, name: str, model: str) -> float:
     """Return the axial rigidity [N/m] of a nut by a model in which ball loads differ; zero if the model did not converge.
 
     ``study``: solved scenes; ``name``: name of the scene; ``model``: name of the model.
@@ -561,9 +576,9 @@ def nut_rigidities(findings: Findings, study: Study) -> None:
     """
     alone, bodies = {}, {}
     for size in (*THK, *HIWIN):
-        scene = study.scene(scene_name(size))
-        alone[size], bodies[size] = (1e-6 * x for x in rigidity_by_parts(scene, scene.loads[0].force[2]))
-        printed = entry(findings.table, f"rigidity_{size}").value or 0.0
+        scene = study.scene(scene_name_of_catalogue_size(size))
+        alone[size], bodies[size] = (1e-6 * x for x in rigidities_without_and_with_bodies(scene, scene.loads[0].force[2]))
+        printed = printed_entry(findings.table, f"rigidity_{size}").value or 0.0
         share = printed / alone[size]
         words = f"catalogue {printed / bodies[size]:.3f} of it; contacts alone {alone[size]:.0f} N/um"
         findings.number(f"rigidity_{size}", bodies[size], words)
@@ -573,31 +588,31 @@ def nut_rigidities(findings: Findings, study: Study) -> None:
     for turns, size in (("5", "bnf-3205-5"), ("7p5", "bnf-3205-7p5")):
         findings.number(f"turns_{turns}", alone[size] / alone["bnf-3205-2p5"], "contacts alone")
     words = f"contacts alone {2.0**1.5 / 3.0 ** (1.0 / 3.0):.3f}"
-    findings.number("double", double_nut_rigidity_ratio(study), f"with the bodies; {words}")
-    _compute_drag_torque(study, findings)
+    findings.number("double", double_over_single_nut_rigidity(study), f"with the bodies; {words}")
+    _compute_double_nut_drag_torque(study, findings)
 
 
-def double_nut_rigidity_ratio(study: Study) -> float:
+def double_over_single_nut_rigidity(study: Study) -> float:
     """Return the axial rigidity of a preloaded double nut divided by that of a single nut, contacts and bodies included.
 
     The preload is a third of the single nut's load. The double nut's rigidity is taken at the load that just unloads one
     of its nuts: its displacement is then the deflection of one nut under the preload. ``study``: shipped scenes.
     """
-    scene = study.scene(scene_name(DOUBLE))
+    scene = study.scene(scene_name_of_catalogue_size(DOUBLE))
     full = scene.loads[0].force[2]
     preload = full / 3.0
-    single = rigidity_by_parts(scene, full)[1]
-    moved = preload / rigidity_by_parts(scene, preload)[1]
+    single = rigidities_without_and_with_bodies(scene, full)[1]
+    moved = preload / rigidities_without_and_with_bodies(scene, preload)[1]
 
     def displacement_error(force: float) -> float:
         """Return the single nut's displacement [m] at a force [N], less its displacement where the double nut lifts off."""
-        return force / rigidity_by_parts(scene, force)[1] - 2.0 * moved
+        return force / rigidities_without_and_with_bodies(scene, force)[1] - 2.0 * moved
 
     unloads = float(brentq(displacement_error, preload, 4.0 * preload, rtol=1e-6))
     return unloads / moved / single
 
 
-def _compute_drag_torque(study: Study, findings: Findings) -> None:
+def _compute_double_nut_drag_torque(study: Study, findings: Findings) -> None:
     """Compute the drag torque of a preloaded double nut by THK's formula, and by sliding balls, into ``findings``."""
     case = read_inputs()["thk"]
     preload, lead, mu = (
@@ -607,8 +622,8 @@ def _compute_drag_torque(study: Study, findings: Findings) -> None:
     )
     formula = 0.05 * case["tangent"] ** -0.5 * preload * lead / (2.0 * pi)
     findings.number("drag_formula", 1e3 * formula)
-    torque = study.once(drag_torque, preload, mu)
-    printed = entry(findings.table, "drag").value or 0.0
+    torque = study.compute_once(double_nut_drag_torque, preload, mu)
+    printed = printed_entry(findings.table, "drag").value or 0.0
     words = (
         f"both nuts at a coefficient of {mu:g}, friction moving each ball across its grooves as in every scene that says "
         f"nothing else: {1e3 * torque / printed:.2f} times the printed torque"
@@ -616,12 +631,12 @@ def _compute_drag_torque(study: Study, findings: Findings) -> None:
     findings.number("drag", 1e3 * torque, words)
 
 
-def drag_torque(study: Study, preload: float, mu: float) -> float:
+def double_nut_drag_torque(study: Study, preload: float, mu: float) -> float:
     """Return the friction torque [N m] of a preloaded double nut of the size `DOUBLE` by the sliding of its balls.
 
     ``preload``: axial force between both nuts [N]; ``mu``: coefficient of friction. ``study``: solved scenes.
     """
-    scene = study.scene(scene_name(DOUBLE))
+    scene = study.scene(scene_name_of_catalogue_size(DOUBLE))
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, preload)) for x in scene.loads))
     found = run_model(nut, "lin", Options(discretisation=False))
     return 2.0 * friction_state(nut, found, Friction(mu, mu), Motion(2.0 * pi)).torque.friction

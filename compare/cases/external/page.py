@@ -16,21 +16,21 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rollbench.compare.cases.external import evidence as external
-from rollbench.compare.cases.external.evidence import PREFIX, assumptions, scene_name
-from rollbench.compare.evidence import Evidence, computations_by_table, evidence
+from rollbench.compare.cases.external.evidence import PREFIX, assumptions_by_case, scene_name_of_catalogue_size
+from rollbench.compare.evidence import Evidence, computations_with_function, evidence
 from rollbench.compare.measure import error_percent, load_error, mean_load
 from rollbench.compare.models.loading import solve_scaled
-from rollbench.compare.models.model_form import FLANGE, estimate, points_of_drawn_screws
+from rollbench.compare.models.model_form import FLANGE, errors_on_drawn_screws, estimate_model_error
 from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT, Options
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import entry
-from rollbench.compare.reference.estimate import Reference, error_near_faces, parts, read_experience
+from rollbench.compare.printed import printed_entry
+from rollbench.compare.reference.estimate import Reference, error_near_faces, mesh_uncertainty, read_experience
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.template import RIM, THICK
-from rollbench.compare.sections.verdicts import printed_table
-from rollbench.lowfi.rating.life import life
-from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, rigidities
+from rollbench.compare.sections.verdicts import printed_numbers_table
+from rollbench.lowfi.rating.life import basic_rating_life
+from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, three_axial_rigidities
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Flange, NutHeld, Scene
@@ -94,7 +94,7 @@ def assumptions_table(study: Study) -> Table:
     for name, thing in study.used.items():
         if name.startswith(PREFIX) and isinstance(thing, Scene | Assembly):
             rows += [{"case": name, "assumed": text} for text in thing.assumed]
-    for name, texts in assumptions().items():
+    for name, texts in assumptions_by_case().items():
         rows += [{"case": PREFIX + name, "assumed": text} for text in texts]
     columns = (Quantity("case", "case or scene", "", "s"), Quantity("assumed", "inferred or chosen to run it", "", "s"))
     return Table(
@@ -127,12 +127,12 @@ def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float
     """
     out: list[tuple[str, float, dict[str, float | None]]] = []
     for size in (*external.THK, *external.HIWIN):
-        name = external.scene_name(size)
+        name = external.scene_name_of_catalogue_size(size)
         scene = study.scene(name)
         force = scene.loads[0].force[2]
-        alone, bodies = external.rigidity_by_parts(scene, force)
-        solved = external.rigidity_unequal_loads(study, name, DEFAULT)
-        printed = entry("external-thk", f"rigidity_{size}").value
+        alone, bodies = external.rigidities_without_and_with_bodies(scene, force)
+        solved = external.rigidity_with_unequal_loads(study, name, DEFAULT)
+        printed = printed_entry("external-thk", f"rigidity_{size}").value
         unequal = 1e-6 * solved if solved else None
         stages = {"contacts": 1e-6 * alone, "bodies": 1e-6 * bodies, "unequal": unequal, "printed": printed}
         out.append((name, force, stages))
@@ -167,7 +167,7 @@ def nut_rigidity_row(study: Study, name: str) -> dict[str, Cell] | None:
     if abs(axial_displacement(scene, bare)) > STARTS * abs(moved):
         return None
     try:
-        stages = rigidities(scene, force, moved)
+        stages = three_axial_rigidities(scene, force, moved)
     except ValueError:
         return None
     if stages is None or stages.bodies is None or stages.unequal is None:
@@ -182,13 +182,13 @@ def nut_rigidity_row(study: Study, name: str) -> dict[str, Cell] | None:
     }
 
 
-def rigidities_table(
-    study: Study, catalogue: Sequence[tuple[str, float, dict[str, float | None]]], names: Sequence[str]
+def nut_rigidities_table(
+    study: Study, catalogue: Sequence[tuple[str, float, dict[str, float | None]]], referenced_scenes: Sequence[str]
 ) -> Table:
     """Return the table of nut rigidities by the effects included: catalogue sizes, then scenes with a 3D reference.
 
-    ``study``: solved scenes and stored 3D references; ``catalogue``: result of `catalogue_rigidities`; ``names``: names
-    of the scenes that are compared with the 3D reference.
+    ``study``: solved scenes and stored 3D references; ``catalogue``: result of `catalogue_rigidities`;
+    ``referenced_scenes``: names of the scenes that are compared with the 3D reference.
     """
     rows: list[dict[str, Cell]] = []
     for name, force, stages in catalogue:
@@ -198,7 +198,7 @@ def rigidities_table(
             if value and printed:
                 row[f"share_{key}"] = 1.0 + float(error_percent(printed, value)) / 100.0
         rows.append(row)
-    rows += [row for row in (nut_rigidity_row(study, name) for name in names) if row is not None]
+    rows += [row for row in (nut_rigidity_row(study, name) for name in referenced_scenes) if row is not None]
     columns = (
         Quantity("scene", "scene", "", "s"),
         Quantity("load", "axial load", "kN", "g3"),
@@ -233,11 +233,11 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("values of other programs, makers and textbooks")
-    tables = [name for name in computations_by_table() if name.startswith(PREFIX)]
+    tables = [name for name in computations_with_function() if name.startswith(PREFIX)]
     found = evidence(study, *tables)
     step("three rigidities of ball nuts")
-    rigid = rigidities_table(study, catalogue_rigidities(study), UNSEEN)
-    inferred = float(np.round(external.gmn_rms_percent(), 2))
+    rigid = nut_rigidities_table(study, catalogue_rigidities(study), UNSEEN)
+    inferred = float(np.round(external.gmn_rigidity_rms_error_percent(), 2))
     text = (
         (
             "Values from neither this project nor the publications of its models: other programs, makers' "
@@ -252,7 +252,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     items: tuple[Text | Figure | Table, ...] = (
         Text(text),
         agreement_figure(found),
-        *(printed_table(name, TITLES[name], [e for e in found if e.printed.table == name]) for name in tables),
+        *(printed_numbers_table(name, TITLES[name], [e for e in found if e.printed.table == name]) for name in tables),
         rigid,
         assumptions_table(study),
     )
@@ -289,7 +289,7 @@ FIXATION_COLUMNS = (
 )
 
 
-def scenes_by_fixation(scene: Scene) -> dict[str, Scene]:
+def scenes_by_nut_fixation(scene: Scene) -> dict[str, Scene]:
     """Return copies of a scene whose nut is fixed at different surfaces, by name of the surface; "left face" is first."""
     outer = scene.nut.outer_diameter
     thick = min(THICK * outer, 0.4 * scene.nut.length)
@@ -322,12 +322,12 @@ def stored_results(store: Path) -> list[dict[str, Any]]:
     return list(json.loads((store / FIXATION_FILE).read_text(encoding="utf-8")))
 
 
-def stored_contact_loads(row: dict[str, Any]) -> Array:
+def contact_loads_of_stored_result(result: dict[str, Any]) -> Array:
     """Return the contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR, from one stored 3D result.
 
-    Loads on flanks that the result does not contain are zero. ``row``: the result, by key of the JSON file.
+    Loads on flanks that the result does not contain are zero. ``result``: the result, by key of the JSON file.
     """
-    by_side = row["load"]
+    by_side = result["load"]
     return np.stack([by_side.get(side, np.zeros(len(next(iter(by_side.values()))))) for side in SIDES], axis=1)
 
 
@@ -346,18 +346,18 @@ class FixationResult(NamedTuple):
     mesh: float | None = None
 
 
-def runs_by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
+def fixation_results_by_mesh_level(scene: str, fixation: str) -> dict[int, dict[str, Any]]:
     """Return the converged stored 3D results of a scene with one fixation of its nut, by mesh level from coarse to fine.
 
-    ``scene``: name of the scene; ``held``: name of the fixation, a key of `scenes_by_fixation`.
+    ``scene``: name of the scene; ``fixation``: name of the fixation, a key of `scenes_by_nut_fixation`.
     """
     runs = [
-        x for x in stored_results(shipped_store()) if (x["scene"], x["held"], x["status"]) == (scene, held, "converged")
+        x for x in stored_results(shipped_store()) if (x["scene"], x["held"], x["status"]) == (scene, fixation, "converged")
     ]
     return {x["level"]: x for x in sorted(runs, key=lambda x: int(x["level"]))}
 
 
-def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
+def largest_mesh_uncertainty_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
     """Return the largest mesh uncertainty of any contact load [% of the mean load], on the finest given mesh level.
 
     It is the sum of two parts: the 95 % uncertainty by `compare.reference.estimate`, estimated from other scenes if only
@@ -371,23 +371,23 @@ def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
         Contact loads (n, 4) [N] of n balls in 3D, by mesh level.
     """
     level, mean = max(loads), mean_load(loads[max(loads)])
-    bars = 0.01 * mean * parts(loads, read_experience(shipped_store())).bars(loads)
+    bars = 0.01 * mean * mesh_uncertainty(loads, read_experience(shipped_store())).bars(loads)
     return float(error_percent((bars + error_near_faces(scene, loads[level], level)).max(), 0.0, mean))
 
 
-def fixation_rows(study: Study, size: str) -> list[dict[str, Cell]]:
+def fixation_table_rows(study: Study, size: str) -> list[dict[str, Cell]]:
     """Return table rows of a catalogue screw: largest load, life and rigidity for each fixation of its nut and each model.
 
     ``study``: solved scenes; ``size``: name of the catalogue size, one of `SIZES`. The rows of the default model come
     first, then those of every stored mesh level of the 3D reference. The default model fixes the whole annulus of a
     flange, so it has no row for a flange fixed by bolts.
     """
-    printed = entry("external-thk", f"rigidity_{size}").value
-    name = scene_name(size)
-    held = scenes_by_fixation(study.scene(name))
+    printed = printed_entry("external-thk", f"rigidity_{size}").value
+    name = scene_name_of_catalogue_size(size)
+    held = scenes_by_nut_fixation(study.scene(name))
     found = {way: study.solve(scene, DEFAULT) for way, scene in held.items() if way != BOLTED}
-    in_3D = {way: runs_by_level(name, way) for way in held}
-    loads = {way: {k: stored_contact_loads(x) for k, x in levels.items()} for way, levels in in_3D.items()}
+    in_3D = {way: fixation_results_by_mesh_level(name, way) for way in held}
+    loads = {way: {k: contact_loads_of_stored_result(x) for k, x in levels.items()} for way, levels in in_3D.items()}
     solved = [
         FixationResult(DEFAULT, way, result.load, axial_force(result) / axial_displacement(held[way], result))
         for way, result in found.items()
@@ -395,14 +395,14 @@ def fixation_rows(study: Study, size: str) -> list[dict[str, Cell]]:
     ]
     for level in loads[next(iter(held))]:
         for way in (x for x in held if level in loads[x]):
-            bar = mesh_percent(held[way], {k: load for k, load in loads[way].items() if k <= level})
+            bar = largest_mesh_uncertainty_percent(held[way], {k: load for k, load in loads[way].items() if k <= level})
             solved.append(
                 FixationResult(f"{THREE}, level {level}", way, loads[way][level], in_3D[way][level]["rigidity"], bar)
             )
     rows: list[dict[str, Cell]] = []
     first: dict[str, tuple[float, ...]] = {}
     for by, way, load, rigidity, mesh in solved:
-        lasts = life(held[way], load)
+        lasts = basic_rating_life(held[way], load)
         if lasts is None:
             continue
         values = float(load.max()), lasts.revolutions, 1e-6 * rigidity
@@ -416,7 +416,7 @@ def fixation_rows(study: Study, size: str) -> list[dict[str, Cell]]:
                 "held": way,
                 **dict(zip(("largest", "life", "rigidity"), values, strict=True)),
                 **dict(zip(("load_change", "life_change", "rigidity_change"), changes, strict=True)),
-                "expected": estimate(held[way], found[way]).percent if model else None,
+                "expected": estimate_model_error(held[way], found[way]).percent if model else None,
                 "off": load_error(load, loads[way][max(loads[way])]).max_percent if model and loads[way] else None,
                 "mesh": mesh,
                 "share": None if printed is None else 1.0 + float(error_percent(printed, values[2])) / 100.0,
@@ -429,16 +429,18 @@ def bolts_sentence() -> str:
     """Return the sentence on how loads and rigidity change in 3D if bolts fix the flange instead of its whole annulus."""
     words = []
     for size in SIZES:
-        scene = scene_name(size)
-        bolted, whole = runs_by_level(scene, BOLTED), runs_by_level(scene, WHOLE)
+        scene = scene_name_of_catalogue_size(size)
+        bolted, whole = fixation_results_by_mesh_level(scene, BOLTED), fixation_results_by_mesh_level(scene, WHOLE)
         levels = bolted.keys() & whole.keys()
         if levels:
             bolts, ring = bolted[max(levels)], whole[max(levels)]
             off, mean = (
-                load_error(stored_contact_loads(bolts), stored_contact_loads(ring)),
-                mean_load(stored_contact_loads(ring)),
+                load_error(contact_loads_of_stored_result(bolts), contact_loads_of_stored_result(ring)),
+                mean_load(contact_loads_of_stored_result(ring)),
             )
-            largest = float(error_percent(stored_contact_loads(bolts).max(), stored_contact_loads(ring).max(), mean))
+            largest = float(
+                error_percent(contact_loads_of_stored_result(bolts).max(), contact_loads_of_stored_result(ring).max(), mean)
+            )
             stiff = float(error_percent(bolts["rigidity"], ring["rigidity"]))
             words.append(
                 f"{scene} (level {max(levels)}): the largest load by {largest:+.2f} % of the mean load, any load by at "
@@ -451,7 +453,7 @@ def bolts_sentence() -> str:
 def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
     """Return the sentence on the mesh uncertainty of the loads in 3D, and on the change of results on a finer mesh.
 
-    ``rows``: table rows of all catalogue sizes, fixations and models, from `fixation_rows`.
+    ``rows``: table rows of all catalogue sizes, fixations and models, from `fixation_table_rows`.
     """
     bars = [float(row["mesh"] or 0.0) for row in rows if row["mesh"] is not None]
     if not bars:
@@ -477,13 +479,13 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
     )
 
 
-def range_text(rows: list[dict[str, Cell]], column: str, held: str = "", form: str = "+.1f") -> str:
+def column_range_in_words(rows: list[dict[str, Cell]], column: str, fixation: str = "", form: str = "+.1f") -> str:
     """Return in words the smallest and largest value of a table column, over the rows of the default model.
 
-    ``rows``: table rows from `fixation_rows`; ``column``: key of the column; ``held``: only fixations whose names begin
-    so count; ``form``: format of the numbers.
+    ``rows``: table rows from `fixation_table_rows`; ``column``: key of the column; ``fixation``: only fixations whose names
+    begin so count; ``form``: format of the numbers.
     """
-    values = [float(row[column] or 0.0) for row in rows if row["by"] == DEFAULT and str(row["held"]).startswith(held)]
+    values = [float(row[column] or 0.0) for row in rows if row["by"] == DEFAULT and str(row["held"]).startswith(fixation)]
     return f"{min(values):{form}} to {max(values):{form}}"
 
 
@@ -492,7 +494,7 @@ def flanged_nuts_sentence() -> str:
 
     The errors are those of contact loads against the 3D reference.
     """
-    nuts = [p for p in points_of_drawn_screws() if p.model == DEFAULT and FLANGE in p.features]
+    nuts = [p for p in errors_on_drawn_screws() if p.model == DEFAULT and FLANGE in p.features]
     if not nuts:
         return "No drawn nut fixed at a flange was compared with the 3D reference."
     return (
@@ -508,12 +510,16 @@ def fixation_section(study: Study, step: Callable[[str], None]) -> Section:
     ``study``: solved scenes; ``step``: function that receives a message before each step.
     """
     step("ways of holding a nut")
-    rows = [row for size in SIZES for row in fixation_rows(study, size)]
-    shares = {held: range_text(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")}
+    rows = [row for size in SIZES for row in fixation_table_rows(study, size)]
+    shares = {
+        held: column_range_in_words(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")
+    }
     bent = [float(x["share"] or 0.0) for x in rows if x["by"] == DEFAULT and str(x["held"]).startswith("flange, outer")]
     conclusion = (
-        f"The surface at which a nut is fixed changes its largest load by {range_text(rows, 'load_change')} %, its life by "
-        f"{range_text(rows, 'life_change')} % and its rigidity by {range_text(rows, 'rigidity_change')} % against "
+        f"The surface at which a nut is fixed changes its largest load by {column_range_in_words(rows, 'load_change')} %, "
+        "its life by "
+        f"{column_range_in_words(rows, 'life_change')} % and its rigidity by "
+        f"{column_range_in_words(rows, 'rigidity_change')} % against "
         "the left face."
     )
     text = (

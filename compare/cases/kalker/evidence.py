@@ -8,20 +8,20 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, solve_example
+from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, solve_rolling_example
 from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import entry, value_of
-from rollbench.compare.scenes.catalogue import case
+from rollbench.compare.printed import printed_entry, printed_value
+from rollbench.compare.scenes.catalogue import shipped_scene_of_kind
 from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.studies.rolling.cases import rolling_case
+from rollbench.compare.studies.rolling.cases import prepare_rolling_case
 from rollbench.compare.studies.rolling.runs import LEVELS, QUADRATURES
 from rollbench.hifi.rolling import verification
-from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, contact_place, solve_rolling
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, position_of_contact_on_groove, solve_rolling
 from rollbench.hifi.rolling.bodies import ContactPosition, Sizes
-from rollbench.hifi.rolling.patch import Patch, hertz_patch
-from rollbench.hifi.rolling.verification import linear_coefficients
+from rollbench.hifi.rolling.patch import Patch, solve_elastic_contact_on_grid
+from rollbench.hifi.rolling.verification import kalker_linear_coefficients
 from rollbench.meshes.arrays import Array
 
 #: Grids for each ratio a/b of the semi-axes: cells along and across the rolling direction; then Poisson's ratios.
@@ -58,7 +58,7 @@ def _compute_coefficients() -> Iterator[Coefficient]:
     for ratio, shapes in GRIDS.items():
         cells = np.array([1.0 / s[1] for s in shapes])
         for poisson in POISSON:
-            found = np.array([linear_coefficients(float(ratio), float(poisson), s) for s in shapes])
+            found = np.array([kalker_linear_coefficients(float(ratio), float(poisson), s) for s in shapes])
             limits = np.polyfit(cells, found, 1)[1]
             for name, values, limit in zip(NAMES, found.T, limits, strict=True):
                 steps = np.diff(values)
@@ -119,10 +119,10 @@ RUB_REACH = 0.01
 class Verification:
     """A verification of the 3D model of rolling contact: one quantity on three grids, and its exact or printed value.
 
-    ``case``: contact problem in words; ``quantity``: name with unit; ``values``: computed on the coarse, middle and fine
-    grid; ``exact``: exact or printed value; ``reach``: permitted error of ``answer`` [%]; ``answer``: value that is
-    compared with ``exact``, that of the finest grid unless stated otherwise; ``finer``: number of cells along an axis of
-    the finest grid over that of the coarsest, None if no order of convergence is expected.
+    ``shipped_scene_of_kind``: contact problem in words; ``quantity``: name with unit; ``values``: computed on the coarse,
+    middle and fine grid; ``exact``: exact or printed value; ``reach``: permitted error of ``answer`` [%]; ``answer``: value
+    that is compared with ``exact``, that of the finest grid unless stated otherwise; ``finer``: number of cells along an
+    axis of the finest grid over that of the coarsest, None if no order of convergence is expected.
     """
 
     case: str
@@ -139,7 +139,7 @@ class Verification:
         return float(error_percent(self.answer, self.exact))
 
     @property
-    def reached(self) -> bool:
+    def within_permitted_error(self) -> bool:
         """Whether the error of ``answer`` is within the permitted error ``reach``."""
         return abs(self.error) <= self.reach
 
@@ -169,19 +169,19 @@ def verifications(*, meshing: bool = True) -> tuple[Verification, ...]:
         _verify_full_slip,
         _verify_ball_to_ball_friction,
         _verify_creep_coefficients,
-        _verify_contact_example,
+        _verify_example_of_program_contact,
     )
     return tuple(proof for proof_of in ((_verify_contact_at_rest,) if meshing else ()) + parts for proof in proof_of())
 
 
-def static_reference_contact(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
+def contact_by_static_reference(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
     """Return the quantities `AT_REST` of a screw's most loaded contact by the static 3D reference.
 
     These are approach [um], semi-axes along and across the rolling direction [um], and peak pressure [MPa]. ``cells``:
     number of cells of the contact zone along and across.
     """
     at, load, material = _most_loaded_contact()
-    return _contact_quantities(verification.solve_by_static_reference(at, load, *material, cells))
+    return _approach_semi_axes_and_peak(verification.solve_normal_contact_by_patches(at, load, *material, cells))
 
 
 def _most_loaded_contact() -> tuple[ContactPosition, float, tuple[float, float]]:
@@ -189,17 +189,19 @@ def _most_loaded_contact() -> tuple[ContactPosition, float, tuple[float, float]]
 
     First: its position on the groove; second: its load [N]; third: Young's modulus [Pa] and Poisson's ratio.
     """
-    scene = rolling_case(case(SCREW, KindScene), Choices(LEVELS[1])).touching
+    scene = prepare_rolling_case(shipped_scene_of_kind(SCREW, KindScene), Choices(LEVELS[1])).touching
     touch = max((t for b in scene.balls for t in b.touches), key=lambda t: t.load)
-    return contact_place(scene, touch)[0], touch.load, (scene.young, scene.poisson)
+    return position_of_contact_on_groove(scene, touch)[0], touch.load, (scene.young, scene.poisson)
 
 
 def _verify_contact_at_rest() -> Iterator[Verification]:
     """Verify approach, semi-axes and peak pressure of a contact at rest against the static 3D reference."""
     at, load, material = _most_loaded_contact()
-    exact = static_reference_contact()
+    exact = contact_by_static_reference()
     found = [
-        _contact_quantities(verification.solve_normal_contact_at_rest(at, load, *material, shape, Sizes()))
+        _approach_semi_axes_and_peak(
+            verification.solve_normal_contact_by_rolling_model(at, load, *material, shape, Sizes())
+        )
         for shape in LEVELS.values()
     ]
     for k, (name, reach) in enumerate(zip(AT_REST, STATIC_REACH, strict=True)):
@@ -207,7 +209,7 @@ def _verify_contact_at_rest() -> Iterator[Verification]:
         yield Verification("no motion: the static reference's patch", name, values, exact[k], reach, values[-1], FINER)
 
 
-def _contact_quantities(one: verification.NormalContact) -> tuple[float, ...]:
+def _approach_semi_axes_and_peak(one: verification.NormalContact) -> tuple[float, ...]:
     """Return approach [um], semi-axes along and across rolling [um], and peak pressure [MPa] of a normal contact."""
     return 1e6 * one.approach, 1e6 * one.semi[0], 1e6 * one.semi[1], 1e-6 * one.peak
 
@@ -229,7 +231,7 @@ def _verify_finite_elements() -> Iterator[Verification]:
 def _verify_ball_to_ball_friction() -> Iterator[Verification]:
     """Verify friction force and loss over the contact patch of two balls against friction at one point."""
     choices = Choices((12, 16))
-    scene = rolling_case(case(LINEAR, KindScene), choices).touching
+    scene = prepare_rolling_case(shipped_scene_of_kind(LINEAR, KindScene), choices).touching
     found = solve_rolling(scene, choices)
     for where, bodies, grids in (("Hertz's circle", None, (20, 30, 40)), ("the balls' own patch", Sizes(), (8, 12, 16))):
         shares = [verification.compare_ball_friction_with_point(scene, found, 0, points, bodies) for points in grids]
@@ -272,7 +274,7 @@ def _verify_full_slip() -> Iterator[Verification]:
     """
     for where, creep in SLIPS.items():
         exact = _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, 1200))
-        patches = [hertz_patch(*GROOVE, (n, n)) for n in (16, 24, 32)]
+        patches = [solve_elastic_contact_on_grid(*GROOVE, (n, n)) for n in (16, 24, 32)]
         ways = {
             "by quadrature": [
                 _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n))
@@ -292,7 +294,10 @@ def _verify_full_slip() -> Iterator[Verification]:
             _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n))
             for n in QUADRATURES
         ]
-        found = [_force_and_moment_by_differences(hertz_patch(*GROOVE, shape), creep, limits) for shape in LEVELS.values()]
+        found = [
+            _force_and_moment_as_in_stored_runs(solve_elastic_contact_on_grid(*GROOVE, shape), creep, limits)
+            for shape in LEVELS.values()
+        ]
         for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
             worst = values[int(np.argmax(np.abs(np.array(values) - known)))]
             yield Verification(f"full slip {AS_RUNS}, {where}", name, values, known, REACH[2], worst, None)
@@ -303,27 +308,27 @@ def _longitudinal_force_and_moment(force: Array, moment: float) -> tuple[float, 
     return float(force[0]), 1e3 * moment
 
 
-def _rolling_force_and_moment(patch: Patch, creep: verification.Creep, share: float) -> tuple[float, float]:
+def _rolling_force_and_moment(patch: Patch, creep: verification.Creep, compliance_factor: float) -> tuple[float, float]:
     """Return friction force [N] and moment [N mm] in steady rolling of bodies whose tangential compliance is scaled.
 
     The force is the component along rolling. ``patch``: contact ellipse divided into cells; ``creep``: creepages and
-    spin; ``share``: factor on the tangential compliance (the normal contact stays unchanged).
+    spin; ``compliance_factor``: factor on the tangential compliance (the normal contact stays unchanged).
     """
-    found = verification.solve_steady_rolling(patch, creep, MU, elastic=share)
+    found = verification.solve_steady_rolling_for_creepages(patch, creep, MU, elastic=compliance_factor)
     return _longitudinal_force_and_moment(found.force, found.moment)
 
 
-def _force_and_moment_by_differences(
-    patch: Patch, creep: verification.Creep, limits: list[tuple[float, float]]
+def _force_and_moment_as_in_stored_runs(
+    patch: Patch, creep: verification.Creep, rigid_limits: list[tuple[float, float]]
 ) -> tuple[float, float]:
     """Return friction force [N] and moment [N mm] as the stored 3D results of rolling contacts are evaluated.
 
     They are the rigid limit, plus the difference between elastic and nearly rigid bodies on the same grid. ``patch``:
-    contact ellipse divided into cells; ``creep``: creepages and spin; ``limits``: force [N] and moment [N mm] of the
+    contact ellipse divided into cells; ``creep``: creepages and spin; ``rigid_limits``: force [N] and moment [N mm] of the
     rigid limit by several quadratures, of which the mean counts.
     """
     limit, elastic, near = (
-        np.mean(limits, axis=0),
+        np.mean(rigid_limits, axis=0),
         _rolling_force_and_moment(patch, creep, STIFF),
         _rolling_force_and_moment(patch, creep, STIFF * NEARLY_RIGID),
     )
@@ -335,7 +340,7 @@ def _verify_creep_coefficients() -> Iterator[Verification]:
     """Yield the comparison of each computed creep coefficient with the value that Kalker printed."""
     for one in coefficients():
         name, ratio, poisson = one.key.split("_")
-        value = value_of("kalker-E3", one.key)
+        value = printed_value("kalker-E3", one.key)
         yield Verification(
             f"Kalker, a/b = {ratio}, nu = {poisson}",
             name,
@@ -347,16 +352,16 @@ def _verify_creep_coefficients() -> Iterator[Verification]:
         )
 
 
-def _verify_contact_example() -> Iterator[Verification]:
+def _verify_example_of_program_contact() -> Iterator[Verification]:
     """Yield the comparison of lateral force and spin moment with the example printed for the program CONTACT.
 
     With CONTACT's difference scheme the printed digits must come out. With the scheme used here, the permitted error is
     the first-order error of CONTACT's scheme, estimated by its change from the coarsest grid to the finest.
     """
-    theirs = [solve_example(n, by_cells=True) for n in EXAMPLE_GRIDS]
-    ours = [solve_example(n) for n in (16, 24, 32)]
+    theirs = [solve_rolling_example(n, as_contact=True) for n in EXAMPLE_GRIDS]
+    ours = [solve_rolling_example(n) for n in (16, 24, 32)]
     for key, name in (("lateral", "lateral force over mu P"), ("moment", "moment [N mm]")):
-        printed = entry("external-contact", key)
+        printed = printed_entry("external-contact", key)
         assert printed.value is not None
         values = tuple(getattr(v, key) for v in theirs)
         digits = 100.0 * printed.tolerance / abs(printed.value)

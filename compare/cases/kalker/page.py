@@ -14,11 +14,11 @@ from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.levels import FINITE
-from rollbench.compare.reference.store import most_of, shipped_store
+from rollbench.compare.reference.store import most_frequent_conditions, shipped_store
 from rollbench.compare.running import gmsh_fault
-from rollbench.compare.scenes.catalogue import case as shipped_case
+from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as shipped_case
 from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.studies.rolling.cases import rolling_case
+from rollbench.compare.studies.rolling.cases import prepare_rolling_case
 from rollbench.compare.studies.rolling.rows import (
     GAP,
     KNOWN,
@@ -26,13 +26,13 @@ from rollbench.compare.studies.rolling.rows import (
     PAIRS,
     RINGS,
     ChoiceEffect,
-    RollingRow,
+    RollingComparisonRow,
     RunFromRest,
-    effects_of_choices,
-    is_within_limit,
-    load_state,
+    compare_scene_with_stored_runs,
+    force_changes_by_numerical_choices,
+    interpretation_of_contact_loads,
+    low_order_error_is_within_limit,
     runs_from_rest,
-    stored_rows,
 )
 from rollbench.compare.studies.rolling.runs import (
     LEVELS,
@@ -80,7 +80,7 @@ def patch_fields() -> tuple[PatchField, ...]:
     choices, out = Choices(SHAPE), []
     for name in dict.fromkeys(shown[0] for shown in SHOWN):
         scene = shipped_case(name, KindScene)
-        case = rolling_case(scene, choices)
+        case = prepare_rolling_case(scene, choices)
         found = solve_rolling(case.touching, choices)
         for _, ball, contact in (s for s in SHOWN if s[0] == name):
             touch = case.contacts.index(contact)
@@ -115,8 +115,8 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     step("rolling contacts with known answers")
     meshing = not gmsh_fault()
     proof = verifications(meshing=meshing)
-    found = {name: stored_rows(name, stores) for name in (*PAIRS, *RINGS)}
-    study.uses([name for name, rows in found.items() if rows])
+    found = {name: compare_scene_with_stored_runs(name, stores) for name in (*PAIRS, *RINGS)}
+    study.record_used_scenes([name for name, rows in found.items() if rows])
     step("linear bearing from rest")
     series = runs_from_rest()
     step("slip and traction; finite bodies of other sizes")
@@ -124,7 +124,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     sizes = StoredVariants((), left) if left else find_body_variants(stores, fresh=study.timed)
     patches = patch_fields()
     step("other grids, steps and paths")
-    changed = effects_of_choices(stores, series, sizes.variants)
+    changed = force_changes_by_numerical_choices(stores, series, sizes.variants)
     missing = [name for name, rows in found.items() if not rows]
     items: list[Text | Table | Figure | PressureMap] = [
         Text(_introduction(found, proof)),
@@ -137,7 +137,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         Table.of(
             "rolling-pairs",
             "Force between two touching balls (Lin's Tables 3.5 and 3.7): low-order and 3D model",
-            [_comparison_row(row) for name in PAIRS for row in found[name]],
+            [_low_order_against_3d_row(row) for name in PAIRS for row in found[name]],
             (
                 "3D: elastic half spaces, with the scatter of three grids as uncertainty. Table 3.7 does not "
                 "print its load state: the plain and the inferred reading are separate scenes, and the "
@@ -148,11 +148,11 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         Table.of(
             "rolling-ring",
             "Friction of one ball of a rotary bearing: low-order and 3D model",
-            [_comparison_row(row) for name in RINGS for row in found[name]],
+            [_low_order_against_3d_row(row) for name in RINGS for row in found[name]],
         ),
-        *_finite_body_items(stores, sizes, proof),
+        *_finite_body_text_and_tables(stores, sizes, proof),
         *_slip_and_traction_maps(patches),
-        Table.of("rolling-grids", "Change of the rolling contacts' forces with the grid", _grid_rows(stores)),
+        Table.of("rolling-grids", "Change of the rolling contacts' forces with the grid", _grid_dependence_rows(stores)),
         Table.of(
             "rolling-from-rest",
             "Two balls of a linear bearing (Lin 3.3.2, case (a)) started from rest: final force against steady rolling",
@@ -173,7 +173,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     return Section("rolling", "Rolling in 3D: balls that touch", items, conclusion=_ball_force_conclusion(found))
 
 
-def _finite_body_items(
+def _finite_body_text_and_tables(
     stores: Sequence[Path], sizes: StoredVariants, proof: Sequence[Verification]
 ) -> list[Text | Table | Figure | PressureMap]:
     """Return text and tables that compare bodies of finite size with elastic half spaces in the 3D rolling model.
@@ -181,7 +181,7 @@ def _finite_body_items(
     ``stores``: folders of the stored 3D results; ``sizes``: results of two touching balls by size and mesh of the bodies;
     ``proof``: verifications of the model.
     """
-    found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
+    found = {name: compare_scene_with_stored_runs(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, rows in found.items() if not rows]
     shown = [row for rows in found.values() for row in rows if row.half_space is not None]
     changes = [
@@ -225,13 +225,13 @@ def _finite_body_items(
     ]
 
 
-def _finite_body_change(row: RollingRow) -> float | None:
+def _finite_body_change(row: RollingComparisonRow) -> float | None:
     """Return the change [%] of a quantity from half spaces to bodies of finite size; None if it is not defined."""
     change = None if row.half_space is None else float(error_percent(row.reference, row.half_space))
     return change if change is not None and np.isfinite(change) and row.error_percent != 0.0 else None
 
 
-def _finite_body_row(row: RollingRow) -> Row:
+def _finite_body_row(row: RollingComparisonRow) -> Row:
     """Return the table row of a quantity for rigid bodies, elastic half spaces, and elastic bodies of finite size."""
     finite = np.isfinite(row.uncertainty)
     return {
@@ -295,7 +295,7 @@ def _slip_and_traction_maps(patches: Sequence[PatchField]) -> list[Text | Table 
     ]
 
 
-def _ball_force_conclusion(found: dict[str, list[RollingRow]]) -> str:
+def _ball_force_conclusion(found: dict[str, list[RollingComparisonRow]]) -> str:
     """Return the sentence on the low-order model's error of the ball-to-ball force; empty without a stored 3D result.
 
     ``found``: comparisons of the low-order friction models with the 3D model, by scene.
@@ -306,15 +306,15 @@ def _ball_force_conclusion(found: dict[str, list[RollingRow]]) -> str:
     return f"The low-order model's force between two touching balls is off by {row.error_percent:+.2f} % of the 3D model's."
 
 
-def _introduction(found: dict[str, list[RollingRow]], proof: Sequence[Verification]) -> list[str]:
+def _introduction(found: dict[str, list[RollingComparisonRow]], proof: Sequence[Verification]) -> list[str]:
     """Return the introductory paragraphs: the 3D model, verifications passed, quantities with errors above the limit.
 
     ``found``: comparisons of the low-order friction models with the 3D model, by scene; ``proof``: verifications of the
     model. The quantities are ball-to-ball forces and torques.
     """
-    reached = sum(p.reached for p in proof)
+    reached = sum(p.within_permitted_error for p in proof)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
-    beyond = [r for r in gated if not is_within_limit(r)]
+    beyond = [r for r in gated if not low_order_error_is_within_limit(r)]
     out = [
         "The 3D model of rolling solves the normal and tangential contact of elastic bodies on a grid in every "
         "contact. Coulomb's law holds in every cell to round-off, elastic displacements travel with the material, and "
@@ -364,11 +364,11 @@ def _verification_row(p: Verification) -> Row:
         Quantity("error", "error of the answer", "%", ".2f"): p.error,
         Quantity("order", "order", "", ".1f"): p.order,
         Quantity("reach", "to reach", "%", "g3"): p.reach,
-        "verdict": "reached" if p.reached else "not reached",
+        "verdict": "reached" if p.within_permitted_error else "not reached",
     }
 
 
-def _comparison_row(row: RollingRow) -> Row:
+def _low_order_against_3d_row(row: RollingComparisonRow) -> Row:
     """Return the table row that compares a quantity by the low-order model with the 3D model and printed values."""
     finite = np.isfinite(row.uncertainty)
     return {
@@ -385,11 +385,11 @@ def _comparison_row(row: RollingRow) -> Row:
         Quantity("ansys", "printed ANSYS", "", "g4"): row.printed_ansys,
         Quantity("flat", "3D, flat contacts", "", "g5"): row.flat,
         Quantity("rigid", "rigid limit", "", "g5"): row.rigid,
-        "verdict": f"within {LIMIT:g} %" if is_within_limit(row) else f"beyond {LIMIT:g} %",
+        "verdict": f"within {LIMIT:g} %" if low_order_error_is_within_limit(row) else f"beyond {LIMIT:g} %",
     }
 
 
-def _stored_runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
+def _stored_rolling_runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
     """Return the stored results of the 3D rolling model for a scene, on all grids.
 
     ``name``: name of the scene; ``stores``: folders of the results. The first result has the cell size of Lin's thesis.
@@ -399,20 +399,20 @@ def _stored_runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
     return [run for run in found if run is not None]
 
 
-def _grid_rows(stores: Sequence[Path]) -> list[Row]:
+def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
     """Return a table row for each stored result of the 3D rolling model, to show the influence of the grid.
 
     Columns: grid, force or torque, its change by elasticity, power lost, sticking cells, processor time.
     """
     out: list[Row] = []
-    every = [(name, run) for name in (*PAIRS, *RINGS) for run in _stored_runs(name, stores)]
-    common = most_of(run.measured for _, run in every)
+    every = [(name, run) for name in (*PAIRS, *RINGS) for run in _stored_rolling_runs(name, stores)]
+    common = most_frequent_conditions(run.measured for _, run in every)
     for name, run in every:
         key = next(k for k in run.elastic if k.startswith(("force", "torque")))
         out.append(
             {
                 "scene": name,
-                Quantity("state", "load state", "", "s"): load_state(name),
+                Quantity("state", "load state", "", "s"): interpretation_of_contact_loads(name),
                 "level": "source's size" if run.level == SOURCE_LEVEL else str(run.level),
                 "cells": f"{run.shape[0]} x {run.shape[1]}",
                 Quantity("value", "force or torque", "", "g5"): run.values[key],
@@ -477,8 +477,8 @@ def _error_over_time_figure(stores: Sequence[Path]) -> Figure | None:
     None without stored 3D results on every grid. ``stores``: folders of the results.
     """
     curves = []
-    found = {name: [r for r in _stored_runs(name, stores) if r.level != SOURCE_LEVEL] for name in PAIRS}
-    common = most_of(r.measured for runs in found.values() for r in runs)
+    found = {name: [r for r in _stored_rolling_runs(name, stores) if r.level != SOURCE_LEVEL] for name in PAIRS}
+    common = most_frequent_conditions(r.measured for runs in found.values() for r in runs)
     for name, every in found.items():
         runs = [r for r in every if r.measured == common]
         if len(runs) < len(LEVELS) or not runs[-1].values["force 1-2 N"] > 0.0:

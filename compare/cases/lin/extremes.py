@@ -20,24 +20,29 @@ from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LIN
 from rollbench.compare.cases.lin.evidence.source_cases import (
     four_point_bearing,
     groove_of_table_3_6,
-    pair_as_printed,
-    pair_with_inferred_oversize,
+    screw_pair_as_printed,
+    screw_pair_with_inferred_oversize,
 )
-from rollbench.lowfi.friction.as_source.chain import SHARPNESS, SourceMotion
+from rollbench.lowfi.friction.as_source.chain import SHARPNESS, LinMotion
 from rollbench.lowfi.friction.as_source.screw import (
+    chain_motions_from_random_starts,
     linear_solutions_from_starts,
     pair_solutions_from_starts,
-    screw_sigmoid,
-    screw_solutions_from_starts,
+    sigmoid_of_moving_or_resting_screw,
 )
-from rollbench.lowfi.friction.bearing import Bearing, solve_ball, solve_bearing
-from rollbench.lowfi.friction.contact.equilibrium import Problem, balance_by_root, least_dissipation
+from rollbench.lowfi.friction.bearing import Bearing, solve_ball_of_bearing, solve_bearing
+from rollbench.lowfi.friction.contact.equilibrium import MotionProblem, least_dissipation, motion_by_root
 from rollbench.lowfi.friction.contact.laws import Sigmoid
-from rollbench.lowfi.friction.linear.bearing import LinearBearing, angle_deviations, balanced_loads
-from rollbench.lowfi.friction.linear.chain import Chain, pair_angles_and_loads, prepare_chain, solve_linear_chain
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, contact_angle_deviations, loads_in_equilibrium
+from rollbench.lowfi.friction.linear.chain import (
+    LinearChain,
+    pair_angles_and_loads,
+    prepare_linear_chain,
+    solve_linear_chain,
+)
 from rollbench.lowfi.friction.screw.chain import Chain as ScrewChain
-from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_chain
-from rollbench.lowfi.friction.screw.motion import screw_contacts, source_law
+from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, lin_sigmoid_law
 from rollbench.lowfi.friction.screw.run import Pair, solve_pair
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Cell, Quantity, Row, Table, Text
@@ -113,7 +118,7 @@ class SolutionTally:
     overlapping: int = 0
     other: int = 0
 
-    def count_source_solution(self, found: SourceMotion | None, force: Array, bound: float) -> None:
+    def count_solution_by_lin_method(self, found: LinMotion | None, force: Array, bound: float) -> None:
         """Count one attempt by Lin's root finding, and compare its ball-to-ball forces with those of least dissipation.
 
         ``found``: the root that Lin's method found, or None if it found no loads; ``force``: ball-to-ball forces (n,) [N]
@@ -129,7 +134,7 @@ class SolutionTally:
             self.source += 1
             self.other += float(np.max(np.abs(found.ball_force - force), initial=0.0)) > OTHER * (bound or 1.0)
 
-    def count_solution(self, good: bool, power: float, loss: float, apart: float) -> None:
+    def count_own_solution(self, good: bool, power: float, loss: float, apart: float) -> None:
         """Count one solution of this package's solver.
 
         ``good``: whether the solver converged; ``power``: power [W] put in by the driven surfaces; ``loss``: power [W]
@@ -178,22 +183,24 @@ class BallProblem:
     (m, 3) with two force components [N] and the spin moment [N m] at each of m contacts.
     """
 
-    problem: Problem
+    problem: MotionProblem
     law: Sigmoid
     power: Callable[[Array], float]
 
 
-def rotary_ball_problem(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> BallProblem:
+def motion_problem_of_rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> BallProblem:
     """Return the motion problem of one ball of the rotary bearing of section 3.2 of Lin's thesis.
 
     ``bearing``: grooves, balls and friction; ``axial``: axial load on the inner ring [N]; ``u_y``: radial displacement of
     the inner ring [m]; ``sharpness``: k_S of Lin's sigmoid friction law, the larger the closer to Coulomb's law.
     """
-    s = solve_ball(bearing, axial, u_y, fast=True)
-    return BallProblem(s.problem, screw_sigmoid(bearing, sharpness), lambda f: _drive_power(s.problem, f))
+    s = solve_ball_of_bearing(bearing, axial, u_y, fast=True)
+    return BallProblem(
+        s.problem, sigmoid_of_moving_or_resting_screw(bearing, sharpness), lambda f: _power_of_driven_surfaces(s.problem, f)
+    )
 
 
-def screw_ball_problem(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallProblem:
+def motion_problem_of_screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallProblem:
     """Return the motion problem of the second of two balls of a screw that do not touch each other.
 
     ``pair``: both balls with their grooves; ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL, NR at the
@@ -206,11 +213,13 @@ def screw_ball_problem(pair: Pair, force: Array | None = None, sharpness: float 
         load = solve_pair(pair).free.load
         force, angle = load.force[1], load.angle[1]
     maps, drives = g.maps(g.normals(angle))
-    problem = Problem(screw_contacts(g, force), maps, drives, np.zeros(4))
-    return BallProblem(problem, screw_sigmoid(g, sharpness), lambda f: _drive_power(problem, f))
+    problem = MotionProblem(contact_ellipses_of_screw(g, force), maps, drives, np.zeros(4))
+    return BallProblem(
+        problem, sigmoid_of_moving_or_resting_screw(g, sharpness), lambda f: _power_of_driven_surfaces(problem, f)
+    )
 
 
-def _drive_power(problem: Problem, wrench: Array) -> float:
+def _power_of_driven_surfaces(problem: MotionProblem, wrench: Array) -> float:
     """Return the power [W] that the driven surfaces must supply against the friction on the ball.
 
     ``wrench``: friction on the ball at each of m contacts, (m, 3): two force components [N] and the spin moment [N m].
@@ -234,9 +243,9 @@ def solve_ball_by_both_methods(tally: SolutionTally, ball: BallProblem, rng: np.
     for m in (first, *(least_dissipation(ball.problem, q, fast=True) for q in starts)):
         wrench = np.column_stack([m.friction.force, m.friction.moment])
         apart = abs(m.loss - first.loss) / first.loss if first.loss > 0.0 else abs(m.loss)
-        tally.count_solution(m.status != "failed", ball.power(wrench), m.loss, apart)
+        tally.count_own_solution(m.status != "failed", ball.power(wrench), m.loss, apart)
     for q in starts:
-        tally.source += balance_by_root(ball.problem, ball.law, q, fast=True).status == "exact"
+        tally.source += motion_by_root(ball.problem, ball.law, q, fast=True).status == "exact"
         tally.source_tries += 1
 
 
@@ -254,15 +263,15 @@ def solve_ball_group(
     return tally.to_group_result(group, model, note)
 
 
-def screw_ball_problem_with_diagonal(share: float) -> BallProblem:
+def screw_ball_with_unequal_diagonals(share: float) -> BallProblem:
     """Return the motion problem of a screw's ball whose two pairs of opposite contacts carry different loads.
 
     ``share``: load of the pair SR and NL divided by that of the pair SL and NR, which is 100 N.
     """
-    return screw_ball_problem(pair_with_inferred_oversize(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
+    return motion_problem_of_screw_ball(screw_pair_with_inferred_oversize(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
 
 
-def single_ball_results() -> list[GroupResult]:
+def solve_all_single_ball_groups() -> list[GroupResult]:
     """Solve all groups of single balls under given contact loads, and return the results of each group."""
     two, rest = radians(2.0), groove_of_table_3_6(nut_speed=0.0)
     around = 1e-6 * np.linspace(4.2, 4.5, 13)
@@ -270,64 +279,79 @@ def single_ball_results() -> list[GroupResult]:
     rows = []
     for off, k in product((NEAR_START, FAR_START), SHARPNESSES):
         note = f"starts within {off:.0%}"
-        printed = [rotary_ball_problem(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in CASES.values()]
+        printed = [motion_problem_of_rotary_ball(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in CASES.values()]
         rows.append(solve_ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
-        pairs = [screw_ball_problem(p(two), None, k) for p in (pair_as_printed, pair_with_inferred_oversize)]
+        pairs = [
+            motion_problem_of_screw_ball(p(two), None, k)
+            for p in (screw_pair_as_printed, screw_pair_with_inferred_oversize)
+        ]
         rows.append(solve_ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
     rows += [
         solve_ball_group(
-            "theta to ±5°", "screw", [screw_ball_problem(pair_with_inferred_oversize(radians(t))) for t in ANGLES]
+            "theta to ±5°",
+            "screw",
+            [motion_problem_of_screw_ball(screw_pair_with_inferred_oversize(radians(t))) for t in ANGLES],
         ),
         solve_ball_group(
             "mu 0.001 to 0.5",
             "screw",
-            [screw_ball_problem(replace(pair_with_inferred_oversize(two), groove=groove_of_table_3_6(mu=m))) for m in MU],
+            [
+                motion_problem_of_screw_ball(
+                    replace(screw_pair_with_inferred_oversize(two), groove=groove_of_table_3_6(mu=m))
+                )
+                for m in MU
+            ],
         ),
         solve_ball_group(
             "mu 0.001 to 0.5",
             "rotary",
-            [rotary_ball_problem(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(MU, CASES.values())],
+            [motion_problem_of_rotary_ball(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(MU, CASES.values())],
         ),
         solve_ball_group(
             "two-point transition",
             "rotary",
-            [rotary_ball_problem(ROTARY, AXIAL, float(u)) for u in around],
+            [motion_problem_of_rotary_ball(ROTARY, AXIAL, float(u)) for u in around],
             "radial displacement 4.2 to 4.5 µm",
         ),
         solve_ball_group(
             "two-point transition",
             "screw",
-            [screw_ball_problem_with_diagonal(10.0**-k) for k in range(13)],
+            [screw_ball_with_unequal_diagonals(10.0**-k) for k in range(13)],
             "load of the second diagonal down to 1e-12 of the first",
         ),
         solve_ball_group(
-            "loads 1e-3 to 1e5 N", "rotary", [rotary_ball_problem(ROTARY, f, u) for f, u in product(LOADS, CASES.values())]
+            "loads 1e-3 to 1e5 N",
+            "rotary",
+            [motion_problem_of_rotary_ball(ROTARY, f, u) for f, u in product(LOADS, CASES.values())],
         ),
         solve_ball_group(
             "loads 1e-3 to 1e5 N",
             "screw",
-            [screw_ball_problem(replace(pair_with_inferred_oversize(two), force=(f,))) for f in LOADS],
+            [motion_problem_of_screw_ball(replace(screw_pair_with_inferred_oversize(two), force=(f,))) for f in LOADS],
         ),
         solve_ball_group(
             "clearance to 10 µm",
             "rotary",
-            [rotary_ball_problem(b, AXIAL, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))],
+            [motion_problem_of_rotary_ball(b, AXIAL, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))],
         ),
         solve_ball_group(
             "clearance to 10 µm",
             "screw",
-            [screw_ball_problem(replace(pair_as_printed(two), oversize=-c, coupling="none")) for c in CLEARANCE],
+            [
+                motion_problem_of_screw_ball(replace(screw_pair_as_printed(two), oversize=-c, coupling="none"))
+                for c in CLEARANCE
+            ],
         ),
         solve_ball_group(
             "zero speed",
             "rotary",
-            [rotary_ball_problem(replace(ROTARY, screw_speed=0.0), AXIAL, u) for u in CASES.values()],
+            [motion_problem_of_rotary_ball(replace(ROTARY, screw_speed=0.0), AXIAL, u) for u in CASES.values()],
             "nothing turns",
         ),
         solve_ball_group(
             "zero speed",
             "screw",
-            [screw_ball_problem(replace(pair_with_inferred_oversize(two), groove=rest))],
+            [motion_problem_of_screw_ball(replace(screw_pair_with_inferred_oversize(two), groove=rest))],
             "nothing turns",
         ),
     ]
@@ -338,7 +362,7 @@ def single_ball_results() -> list[GroupResult]:
 
 
 @dataclass(frozen=True)
-class LinearCase:
+class LinearBearingBalls:
     """Neighbouring balls of a linear bearing that may touch each other.
 
     ``bearing``: grooves, balls and friction; ``angles``, ``loads``: contact angles [rad] and contact loads [N], each (N,
@@ -349,14 +373,14 @@ class LinearCase:
     angles: Array
     loads: Array
 
-    def chain(self) -> Chain:
+    def chain(self) -> LinearChain:
         """Return the row of balls in the form that the solver for neighbouring balls takes."""
-        return prepare_chain(self.bearing, self.angles, self.loads)
+        return prepare_linear_chain(self.bearing, self.angles, self.loads)
 
 
-def solve_chain_group(
+def solve_linear_bearing_group(
     group: str,
-    cases: Sequence[LinearCase],
+    cases: Sequence[LinearBearingBalls],
     model: str = "linear pair",
     starts: int = CHAIN_STARTS,
     most: int = 200,
@@ -376,17 +400,17 @@ def solve_chain_group(
         for k in range(starts + 1):
             r = solve_linear_chain(c, None if k == 0 else c.problem.nominal * rng.uniform(-3.0, 3.0, (c.count, 3)))
             apart = float(np.max(np.abs(r.ball_force - first))) / (c.scale or 1.0)
-            tally.count_solution(r.status == "converged", r.power, r.loss, apart)
+            tally.count_own_solution(r.status == "converged", r.power, r.loss, apart)
         if c.count > most:
             continue
         for found in linear_solutions_from_starts(case.bearing, case.angles, case.loads, rng, starts, FAR_START):
-            tally.count_source_solution(found, first, c.scale)
+            tally.count_solution_by_lin_method(found, first, c.scale)
     return tally.to_group_result(group, model, note)
 
 
-def linear_pair(
+def linear_bearing_pair(
     theta: float, rho: float, vertical: float = VERTICAL, mu: float = LINEAR.mu, speed: float = LINEAR.speed
-) -> LinearCase:
+) -> LinearBearingBalls:
     """Return two neighbouring balls of the linear bearing of section 3.3 of Lin's thesis, with their contact loads.
 
     ``theta``: deviation of the contact angle from nominal [deg]; ``rho``: side force divided by vertical load;
@@ -394,45 +418,45 @@ def linear_pair(
     ``speed``: speed of the carriage [m/s].
     """
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
-    return LinearCase(bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic"))
+    return LinearBearingBalls(bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic"))
 
 
-def random_chain_state(count: int) -> tuple[Array, Array]:
+def random_contact_angles_and_loads(count: int) -> tuple[Array, Array]:
     """Return random contact angles [rad], then contact loads [N], of neighbouring balls in the linear bearing.
 
     Both are (N, 4) for N balls. ``count``: the number N, also the seed of the random numbers. The loads balance the
     vertical load and a random side force of each ball.
     """
     rng = np.random.default_rng(count)
-    angles = LINEAR.contact_angle + angle_deviations(np.radians(rng.uniform(-3.0, 3.0, count)))
-    return angles, balanced_loads(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
+    angles = LINEAR.contact_angle + contact_angle_deviations(np.radians(rng.uniform(-3.0, 3.0, count)))
+    return angles, loads_in_equilibrium(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
 
 
-def linear_chain(count: int, mu: float = LINEAR.mu) -> LinearCase:
+def linear_bearing_balls_at_random(count: int, mu: float = LINEAR.mu) -> LinearBearingBalls:
     """Return neighbouring balls of the linear bearing of Lin's section 3.3 with random contact angles and loads.
 
     ``count``: number of balls; ``mu``: friction coefficient of grooves and of touching balls.
     """
-    return LinearCase(replace(LINEAR, mu=mu, mu_balls=mu), *random_chain_state(count))
+    return LinearBearingBalls(replace(LINEAR, mu=mu, mu_balls=mu), *random_contact_angles_and_loads(count))
 
 
-def chain_with_unloaded_contacts(count: int, mu: float) -> LinearCase:
+def balls_with_unloaded_contacts(count: int, mu: float) -> LinearBearingBalls:
     """Return neighbouring balls of the linear bearing with random contact loads, about a quarter of which are zero.
 
     The contact loads of a ball are not in equilibrium. ``count``: number of balls; ``mu``: friction coefficient of
     grooves and of touching balls.
     """
-    case, rng = linear_chain(count, mu), np.random.default_rng(1000 + count)
+    case, rng = linear_bearing_balls_at_random(count, mu), np.random.default_rng(1000 + count)
     loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
     return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
 
 
-def pair_with_relieved_diagonal(share: float) -> LinearCase:
+def pair_with_nearly_unloaded_diagonal(share: float) -> LinearBearingBalls:
     """Return two balls of the linear bearing of which one pair of opposite contacts is nearly unloaded.
 
     ``share``: side force over vertical load, plus 1. At zero, this pair of opposite contacts carries no load.
     """
-    return linear_pair(2.0, -1.0 + share)
+    return linear_bearing_pair(2.0, -1.0 + share)
 
 
 def solve_screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> GroupResult:
@@ -446,17 +470,17 @@ def solve_screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Grou
         tally.cases += 1
         r = solve_pair(p)
         m = r.touching.motion
-        tally.count_solution(r.converged, m.input_power, m.loss, 0.0)
+        tally.count_own_solution(r.converged, m.input_power, m.loss, 0.0)
         load = r.touching.load
         chain = ScrewChain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
-        solve_from_random_starts(tally, chain, m, rng, FAR_START)
+        count_solutions_from_random_starts(tally, chain, m, rng, FAR_START)
         bound = p.groove.mu * float(r.ball_loads.max())
         for found in pair_solutions_from_starts(p, r, rng, CHAIN_STARTS, FAR_START):
-            tally.count_source_solution(found, m.ball_force[:1], bound)
+            tally.count_solution_by_lin_method(found, m.ball_force[:1], bound)
     return tally.to_group_result(group, "screw pair", note)
 
 
-def solve_from_random_starts(
+def count_solutions_from_random_starts(
     tally: SolutionTally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float
 ) -> None:
     """Solve neighbouring balls of a screw from random starts, and count the solutions in ``tally``.
@@ -469,14 +493,14 @@ def solve_from_random_starts(
     size = np.maximum(first.ball_force, NO_FORCE * bound)
     for _ in range(CHAIN_STARTS):
         q = first.q * rng.uniform(1.0 - off, 1.0 + off, first.q.shape)
-        m = solve_chain(chain, (q, size * rng.uniform(0.0, 2.0, size.size)))
+        m = solve_motion_of_chain(chain, (q, size * rng.uniform(0.0, 2.0, size.size)))
         apart = float(np.max(np.abs(m.ball_force - first.ball_force))) / bound
-        tally.count_solution(m.converged, m.input_power, m.loss, apart)
+        tally.count_own_solution(m.converged, m.input_power, m.loss, apart)
         tally.restarts += 1
         tally.direct += m.from_start
 
 
-def random_screw_chain_state(count: int) -> tuple[Array, Array, Array]:
+def random_loads_angles_and_slacks(count: int) -> tuple[Array, Array, Array]:
     """Return random contact loads (N, 4) [N], contact angles (N, 4) [rad] and slacks (N,) of N balls of a screw.
 
     ``count``: the number N of neighbouring balls, also the seed of the random numbers. Slack: largest rate [rad/s] at
@@ -489,12 +513,12 @@ def random_screw_chain_state(count: int) -> tuple[Array, Array, Array]:
     return force, angle, np.append(slack[:-1], np.inf)
 
 
-def screw_chain(count: int) -> ScrewChain:
+def screw_balls_at_random(count: int) -> ScrewChain:
     """Return neighbouring balls of a screw with random contact loads, contact angles and slacks.
 
     ``count``: number of balls. The slack of a ball is the largest rate [rad/s] at which it may gain on the next one.
     """
-    g, (force, angle, slack) = groove_of_table_3_6(), random_screw_chain_state(count)
+    g, (force, angle, slack) = groove_of_table_3_6(), random_loads_angles_and_slacks(count)
     return ScrewChain(g, force, g.normals(angle), slack)
 
 
@@ -506,15 +530,15 @@ def solve_screw_chains() -> GroupResult:
     rng, tally = np.random.default_rng(4), SolutionTally()
     for count in BALLS:
         tally.cases += 1
-        chain = screw_chain(count)
-        m = solve_chain(chain)
-        tally.count_solution(m.converged, m.input_power, m.loss, 0.0)
-        solve_from_random_starts(tally, chain, m, rng, NEAR_START)
+        chain = screw_balls_at_random(count)
+        m = solve_motion_of_chain(chain)
+        tally.count_own_solution(m.converged, m.input_power, m.loss, 0.0)
+        count_solutions_from_random_starts(tally, chain, m, rng, NEAR_START)
         bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
-        for found in screw_solutions_from_starts(
-            chain, random_screw_chain_state(count)[1], m, rng, CHAIN_STARTS, NEAR_START
+        for found in chain_motions_from_random_starts(
+            chain, random_loads_angles_and_slacks(count)[1], m, rng, CHAIN_STARTS, NEAR_START
         ):
-            tally.count_source_solution(found, m.ball_force[:-1], bound)
+            tally.count_solution_by_lin_method(found, m.ball_force[:-1], bound)
     return tally.to_group_result("chains", f"screw, {', '.join(map(str, BALLS))} balls")
 
 
@@ -528,38 +552,48 @@ def solve_bearing_with_clearance() -> GroupResult:
     for c, tilt in product(CLEARANCE, (False, True)):
         tally.cases += 1
         s = solve_bearing(four_point_bearing(clearance=c, tilt=tilt), radians(12.0))
-        tally.count_solution(s.converged, s.input_power, float(s.loss.sum()), 0.0)
+        tally.count_own_solution(s.converged, s.input_power, float(s.loss.sum()), 0.0)
     return tally.to_group_result("clearance to 10 µm", "four-point bearing, 9 balls", "one start each")
 
 
-def chain_results() -> list[GroupResult]:
+def solve_all_groups_of_touching_balls() -> list[GroupResult]:
     """Solve all groups of two and more neighbouring balls, and of a bearing with clearance; return each group's results."""
     two = radians(2.0)
-    base, few = pair_with_inferred_oversize(two), f"one random start; source up to {SOURCE_BALLS} balls"
+    base, few = screw_pair_with_inferred_oversize(two), f"one random start; source up to {SOURCE_BALLS} balls"
     return [
-        solve_chain_group("rho to ±0.999, theta to ±5°", [linear_pair(t, r) for t, r in product(ANGLES, RHO)]),
-        solve_chain_group("mu 0.001 to 0.5", [linear_pair(2.0, r, VERTICAL, m) for r, m in product((-0.6, -0.999), MU)]),
-        solve_chain_group("loads 1e-3 to 1e5 N", [linear_pair(2.0, r, f) for r, f in product((-0.6, -0.999), LOADS)]),
-        solve_chain_group("two-point transition", [pair_with_relieved_diagonal(10.0**-k) for k in range(1, 13)]),
-        solve_chain_group("zero speed", [linear_pair(2.0, -0.6, speed=0.0)]),
-        solve_chain_group("chains", [linear_chain(n) for n in BALLS], f"linear, {', '.join(map(str, BALLS))} balls"),
-        solve_chain_group(
+        solve_linear_bearing_group(
+            "rho to ±0.999, theta to ±5°", [linear_bearing_pair(t, r) for t, r in product(ANGLES, RHO)]
+        ),
+        solve_linear_bearing_group(
+            "mu 0.001 to 0.5", [linear_bearing_pair(2.0, r, VERTICAL, m) for r, m in product((-0.6, -0.999), MU)]
+        ),
+        solve_linear_bearing_group(
+            "loads 1e-3 to 1e5 N", [linear_bearing_pair(2.0, r, f) for r, f in product((-0.6, -0.999), LOADS)]
+        ),
+        solve_linear_bearing_group(
+            "two-point transition", [pair_with_nearly_unloaded_diagonal(10.0**-k) for k in range(1, 13)]
+        ),
+        solve_linear_bearing_group("zero speed", [linear_bearing_pair(2.0, -0.6, speed=0.0)]),
+        solve_linear_bearing_group(
+            "chains", [linear_bearing_balls_at_random(n) for n in BALLS], f"linear, {', '.join(map(str, BALLS))} balls"
+        ),
+        solve_linear_bearing_group(
             "chains, mu 0.001 to 0.5",
-            [linear_chain(n, m) for n, m in product(BALLS, MU)],
+            [linear_bearing_balls_at_random(n, m) for n, m in product(BALLS, MU)],
             f"linear, {', '.join(map(str, BALLS))} balls",
             1,
             SOURCE_BALLS,
             few,
         ),
-        solve_chain_group(
+        solve_linear_bearing_group(
             "chains, mu 0.001 to 0.5",
-            [chain_with_unloaded_contacts(n, m) for n, m in product(BALLS, MU)],
+            [balls_with_unloaded_contacts(n, m) for n, m in product(BALLS, MU)],
             "the same, a quarter of the contacts unloaded",
             1,
             SOURCE_BALLS,
             few,
         ),
-        solve_screw_pairs("theta to ±5°", [pair_with_inferred_oversize(radians(t)) for t in ANGLES]),
+        solve_screw_pairs("theta to ±5°", [screw_pair_with_inferred_oversize(radians(t)) for t in ANGLES]),
         solve_screw_pairs("mu 0.001 to 0.5", [replace(base, groove=groove_of_table_3_6(mu=m)) for m in MU]),
         solve_screw_pairs("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in LOADS]),
         solve_screw_pairs(
@@ -569,17 +603,17 @@ def chain_results() -> list[GroupResult]:
         ),
         solve_screw_pairs(
             "clearance to 10 µm",
-            [replace(pair_as_printed(two), oversize=-c, coupling="none") for c in CLEARANCE],
+            [replace(screw_pair_as_printed(two), oversize=-c, coupling="none") for c in CLEARANCE],
             "loads not coupled",
         ),
         solve_screw_pairs(
             "clearance to 10 µm",
-            [replace(pair_as_printed(two), oversize=-c) for c in CLEARANCE],
+            [replace(screw_pair_as_printed(two), oversize=-c) for c in CLEARANCE],
             "friction moves the balls",
         ),
         solve_screw_pairs(
             "small loads and clearance",
-            [replace(pair_as_printed(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
+            [replace(screw_pair_as_printed(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
             "friction moves the balls; 1e-3 to 0.3 N, 1 to 10 µm",
         ),
         solve_screw_pairs("zero speed", [replace(base, groove=groove_of_table_3_6(nut_speed=0.0))]),
@@ -595,16 +629,18 @@ def chain_results() -> list[GroupResult]:
 ROOT_STARTS = 8
 
 
-def extreme_linear_pairs() -> list[tuple[str, list[Chain]]]:
+def groups_of_extreme_linear_pairs() -> list[tuple[str, list[LinearChain]]]:
     """Return groups of extreme cases of two balls in the linear bearing of Lin's section 3.3.
 
     Each entry: names of the varied inputs with their ranges; then the ball pairs of the group, prepared for the solver.
     """
 
-    def make_pair(theta: float, rho: float, vertical: float, mu: float) -> Chain:
-        """Return two balls of the linear bearing, prepared for the solver, with the arguments of `linear_pair`."""
+    def make_pair(theta: float, rho: float, vertical: float, mu: float) -> LinearChain:
+        """Return two balls of the linear bearing, prepared for the solver, with the arguments of `linear_bearing_pair`."""
         bearing = replace(LINEAR, mu=mu, mu_balls=mu)
-        return prepare_chain(bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic"))
+        return prepare_linear_chain(
+            bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic")
+        )
 
     return [
         (
@@ -632,7 +668,7 @@ def extreme_pair_rows() -> list[Row]:
     starts.
     """
     rng, rows = np.random.default_rng(3), list[Row]()
-    for group, chains in extreme_linear_pairs():
+    for group, chains in groups_of_extreme_linear_pairs():
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
         for c in chains:
             starts = [None, *(c.problem.nominal * rng.uniform(-3.0, 3.0, (c.count, 3)) for _ in range(2))]
@@ -663,11 +699,11 @@ def root_finding_rows() -> list[Row]:
     rng, rows = np.random.default_rng(5), list[Row]()
     first = {case: solve_rotary(case, "as printed") for case in CASES}
     for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
-        s, law = first[case], source_law(ROTARY, sharpness)
+        s, law = first[case], lin_sigmoid_law(ROTARY, sharpness)
         row: Row = {"case": case, Quantity("sharpness", "k_S", "", "g3"): sharpness}
         for key, words, off in (("near", "1 % of the solution", 0.01), ("far", "50 %", 0.5)):
             begin = [s.motion.q * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]
-            by_root = sum(balance_by_root(s.problem, law, q, fast=True).status == "exact" for q in begin)
+            by_root = sum(motion_by_root(s.problem, law, q, fast=True).status == "exact" for q in begin)
             heading = f"root finding, starts within {words}"
             row[Quantity(key, heading, "", "s")] = f"{by_root} of {ROOT_STARTS}"
         least = [least_dissipation(s.problem, q, fast=True) for q in begin]
@@ -677,9 +713,9 @@ def root_finding_rows() -> list[Row]:
     return rows
 
 
-def all_group_results() -> list[GroupResult]:
+def solve_all_groups() -> list[GroupResult]:
     """Solve all groups of extreme cases and return their results."""
-    return [*single_ball_results(), *chain_results()]
+    return [*solve_all_single_ball_groups(), *solve_all_groups_of_touching_balls()]
 
 
 COLUMNS = (
@@ -694,7 +730,7 @@ COLUMNS = (
 )
 
 
-def root_finding_by_model(tried: Sequence[GroupResult]) -> str:
+def root_finding_success_in_words(tried: Sequence[GroupResult]) -> str:
     """Return in words from how many starts Lin's root finding finds a solution, for each model, the lowest fraction first.
 
     ``tried``: results of the groups of cases that Lin's method can solve.
@@ -707,12 +743,12 @@ def root_finding_by_model(tried: Sequence[GroupResult]) -> str:
     return "; ".join(f"{model}: {solved} of {tries}" for model, (solved, tries) in worst_first)
 
 
-def table_section_items(found: Sequence[GroupResult] | None = None) -> tuple[Text | Table, ...]:
+def extreme_cases_text_and_table(found: Sequence[GroupResult] | None = None) -> tuple[Text | Table, ...]:
     """Return text and table of the report on all extreme cases of the friction models.
 
     ``found``: results of all groups of cases; None: all cases are solved here.
     """
-    found = all_group_results() if found is None else found
+    found = solve_all_groups() if found is None else found
     cells = list[dict[str, Cell]]()
     for r in found:
         theirs = "–" if r.source is None else f"{r.source} of {r.source_tries}"
@@ -722,7 +758,7 @@ def table_section_items(found: Sequence[GroupResult] | None = None) -> tuple[Tex
     text = (
         f"Solved here: {sum(r.ours for r in found)} of {sum(r.tries for r in found)}; the source's root finding "
         f"{sum(r.source or 0 for r in tried)} of {sum(r.source_tries or 0 for r in tried)}. Model by model, the worst "
-        f"first: {root_finding_by_model(tried)}. It decides which balls touch from their motions without contact "
+        f"first: {root_finding_success_in_words(tried)}. It decides which balls touch from their motions without contact "
         f"(Lin 3.31, 3.77), so "
         "that roots of longer chains may let balls overlap; these do not count as solved.",
     )

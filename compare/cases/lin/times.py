@@ -12,18 +12,18 @@ from dataclasses import dataclass
 from rollbench.compare.models.registry import MODELS, Options
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import measuring_conditions, shipped_store
-from rollbench.compare.scenes.catalogue import case
+from rollbench.compare.scenes.catalogue import shipped_scene_of_kind
 from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.sections.reference_time import warm_seconds
+from rollbench.compare.sections.reference_time import further_solution_seconds
 from rollbench.compare.studies.rolling.runs import LEVELS, load_run
 from rollbench.compare.studies.run_times import (
     ColdLevelTime,
-    Kept,
     RunTime,
-    measure_call,
-    measure_level,
-    measure_model,
-    times_of_page,
+    StoredRunTimes,
+    run_times_for_page,
+    time_call_in_new_process,
+    time_mesh_level_in_new_process,
+    time_model_in_new_process,
     today,
 )
 
@@ -48,7 +48,7 @@ CALLS = {
 }
 
 
-def measure_run_times(study: Study, step: Callable[[str], None]) -> Kept:
+def measure_run_times(study: Study, step: Callable[[str], None]) -> StoredRunTimes:
     """Measure all run times that are compared with the tables of Lin's thesis.
 
     This takes ten to fifteen minutes on two idle cores. ``study``: solved scenes and stored 3D references; ``step``:
@@ -59,20 +59,20 @@ def measure_run_times(study: Study, step: Callable[[str], None]) -> Kept:
     levels: list[ColdLevelTime] = []
     for name in STATIC.values():
         step(f"{name}, source's model: cold and further")
-        cold, model = measure_model(name, "lin", repeats=1), MODELS["lin"]
-        further = warm_seconds(model, study.scene(name), Options(discretisation=False, engine="compiled"))
+        cold, model = time_model_in_new_process(name, "lin", repeats=1), MODELS["lin"]
+        further = further_solution_seconds(model, study.scene(name), Options(discretisation=False, engine="compiled"))
         times[name, "lin"] = RunTime(cold.process, further, cold.memory)
         found = study.reference(name)
         if found is not None:
             step(f"{name}, level {found.best.level} of the 3D reference: cold and a further load case")
-            levels.append(measure_level(name, found.best.level))
+            levels.append(time_mesh_level_in_new_process(name, found.best.level))
     for name in (*LINEAR.values(), *SCREW.values()):
         for way, (imports, call) in CALLS.items():
             if way != "formula" or name in LINEAR.values():
                 step(f"{name}, {way}: cold and further")
                 words = call.format(name=name, mated=name == LINEAR["b"], level=max(LEVELS))
-                times[name, way] = measure_call(imports, words, f"{way} of {name}")
-    return Kept(measuring_conditions(), today(), times, {}, levels)
+                times[name, way] = time_call_in_new_process(imports, words, f"{way} of {name}")
+    return StoredRunTimes(measuring_conditions(), today(), times, {}, levels)
 
 
 @dataclass(frozen=True)
@@ -88,26 +88,26 @@ class RunTimes:
     older: str = ""
 
 
-def stored_run_times(study: Study, name: str, way: str) -> RunTimes:
+def stored_run_times(study: Study, name: str, model: str) -> RunTimes:
     """Return the stored run times of one model for a scene; without any, the fields of the result are None or empty.
 
-    ``name``: name of the scene; ``way``: model, "lin" (static model), "numerical" (friction model of two balls),
+    ``name``: name of the scene; ``model``: model, "lin" (static model), "numerical" (friction model of two balls),
     "formula" (Lin's formula for two balls) or "3D". ``study``: solved scenes and stored 3D results.
     """
-    kept = study.once(times_of_page, "lin")
-    found = study.reference(name) if name in STATIC.values() and way == "3D" else None
+    kept = study.compute_once(run_times_for_page, "lin")
+    found = study.reference(name) if name in STATIC.values() and model == "3D" else None
     if found is not None:
         for level in () if kept is None else kept.levels:
             if (level.scene, level.level) == (name, found.best.level):
                 return RunTimes(level.process, level.load_case)
         run = found.best
         return RunTimes(older=f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}")
-    known = None if kept is None else kept.times.get((name, way))
+    known = None if kept is None else kept.times.get((name, model))
     if known is not None:
         return RunTimes(known.cold, known.warm)
-    if way != "3D":
+    if model != "3D":
         return RunTimes()
-    two = load_run(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
+    two = load_run(shipped_scene_of_kind(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
     return (
         RunTimes()
         if two is None

@@ -11,8 +11,14 @@ from functools import cache
 import numpy as np
 
 from rollbench.compare.cases.liu import evidence as liu
-from rollbench.compare.printed import value_of
-from rollbench.lowfi.random_errors.chain import Chain, Ensemble, draw_errors, solve_chain, solve_ensemble
+from rollbench.compare.printed import printed_value
+from rollbench.lowfi.random_errors.chain import (
+    BallScrewChain,
+    Ensemble,
+    draw_uniform_errors,
+    solve_ball_screw,
+    solve_ensemble,
+)
 from rollbench.lowfi.random_errors.chain import Quantity as Spread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import screw_section
@@ -26,7 +32,7 @@ TEST_LOADS = (*LOADS, 7000.0, 9000.0, 10845.0)
 CURVES = 1000
 
 #: Length of the screw outside the nut in the test [m].
-FREE_LENGTH = 1e-3 * value_of("liu-3", "free_length")
+FREE_LENGTH = 1e-3 * printed_value("liu-3", "free_length")
 
 BALLS = "ball number"
 
@@ -44,7 +50,7 @@ def _random_ball_errors(half_range: int, number: int = 0) -> Array:
     ``half_range``: the errors are uniform within plus and minus this range [um]; ``number``: number of
     the screw, from 0.
     """
-    return np.asarray(draw_errors(liu.SEED + half_range, number, 1, liu.ball_count(), 1e-6 * half_range)[0])
+    return np.asarray(draw_uniform_errors(liu.SEED + half_range, number, 1, liu.ball_count(), 1e-6 * half_range)[0])
 
 
 def _curve_over_balls(values: Array, label: str, *, emphasis: bool = False) -> Series:
@@ -55,12 +61,12 @@ def _curve_over_balls(values: Array, label: str, *, emphasis: bool = False) -> S
     return Series(label, list(range(1, liu.ball_count() + 1)), [float(v) for v in values], "line", emphasis=emphasis)
 
 
-def _ball_loads(errors: Array, force: float, chain: Chain | None = None) -> Array:
+def _solve_ball_loads(errors: Array, force: float, chain: BallScrewChain | None = None) -> Array:
     """Return the contact load of each ball (78,) [N] under an axial force [N].
 
     ``errors``: errors of the ball diameters (78,) [m]; ``chain``: axial model; None: Liu's, calibrated.
     """
-    return solve_chain(chain or liu.calibrated_model(), errors, force).load
+    return solve_ball_screw(chain or liu.calibrated_model(), errors, force).load
 
 
 def _printed_markers(x: Sequence[float], y: Sequence[float], label: str = "printed") -> Series:
@@ -100,9 +106,9 @@ def _curve_without_errors(value: Callable[[float], float], loads: Sequence[float
     return Series("no errors", list(loads), [value(f) for f in loads], "line")
 
 
-def _solve_without_errors(force: float) -> tuple[float, float]:
+def _displacement_and_stiffness_without_errors(force: float) -> tuple[float, float]:
     """Return axial displacement [um], then stiffness [1e8 N/m] of the screw without errors under an axial force [N]."""
-    state = solve_chain(liu.calibrated_model(), np.zeros(liu.ball_count()), force)
+    state = solve_ball_screw(liu.calibrated_model(), np.zeros(liu.ball_count()), force)
     return 1e6 * state.displacement, 1e-8 * state.stiffness
 
 
@@ -110,7 +116,7 @@ def ball_deformation_figure() -> Figure:
     """Draw Liu's Figure 11: normal deformation of each ball under three axial loads, with random ball errors of ±2 um."""
     errors, panels = _random_ball_errors(2), []
     for force in (2000.0, 1000.0, 500.0):
-        load = _ball_loads(errors, force)
+        load = _solve_ball_loads(errors, force)
         approach = 1e6 * (load / liu.calibrated_model().stiffness) ** (2.0 / 3.0)
         title = f"{force:g} N: {int(np.count_nonzero(load == 0.0))} unloaded"
         panels.append(
@@ -124,7 +130,7 @@ def ball_deformation_figure() -> Figure:
     return Figure("liu-figure-11", title, panels, caption, columns=3, same_y=True)
 
 
-def free_screw_elongation(force: float) -> float:
+def elongation_outside_nut(force: float) -> float:
     """Return the elongation [um] of the part of the screw outside the nut in Liu's experiment, under an axial force [N].
 
     The cross section is not printed; it is taken from the scene liu-screw.
@@ -132,18 +138,18 @@ def free_screw_elongation(force: float) -> float:
     return 1e6 * force * FREE_LENGTH / screw_section(liu.liu_screw()).EA
 
 
-def test_figure() -> Figure:
+def displacement_test_figure() -> Figure:
     """Draw Liu's Figure 13: computed displacement and stiffness of the nut over the axial load of the experiment."""
     found = _percentile_curves(3, "displacement_first_loaded", 1e-6, TEST_LOADS)
-    free = [float(v) + free_screw_elongation(f) for f, v in zip(TEST_LOADS, found[1].y, strict=True)]
+    free = [float(v) + elongation_outside_nut(f) for f, v in zip(TEST_LOADS, found[1].y, strict=True)]
     series = (
         *found,
-        _curve_without_errors(lambda f: _solve_without_errors(f)[0], TEST_LOADS),
+        _curve_without_errors(lambda f: _displacement_and_stiffness_without_errors(f)[0], TEST_LOADS),
         Series("median and free screw", list(TEST_LOADS), free, "line"),
     )
     stiff = (
         *_percentile_curves(3, "stiffness", 1e8, TEST_LOADS),
-        _curve_without_errors(lambda f: _solve_without_errors(f)[1], TEST_LOADS),
+        _curve_without_errors(lambda f: _displacement_and_stiffness_without_errors(f)[1], TEST_LOADS),
     )
     panels = (
         Panel("displacement", "axial load / N", "axial displacement / µm", series, zero=True),
@@ -162,7 +168,7 @@ def test_figure() -> Figure:
     )
 
 
-def test_table() -> Table:
+def displacement_test_table() -> Table:
     """Return the table of computed displacements for the experiment of Liu's Figure 13, at several axial loads."""
     rows: list[Row] = []
     for force in (500.0, 1000.0, 3000.0, 5000.0, 7000.0, 9000.0, 10845.0):
@@ -175,8 +181,8 @@ def test_table() -> Table:
                 Quantity("middle", "±3 µm, median", "µm", ".2f"): middle,
                 Quantity("low", "0.5 %", "µm", ".2f"): low,
                 Quantity("high", "99.5 %", "µm", ".2f"): high,
-                Quantity("none", "no errors", "µm", ".2f"): _solve_without_errors(force)[0],
-                Quantity("stretch", "screw outside the nut", "µm", ".2f"): free_screw_elongation(force),
+                Quantity("none", "no errors", "µm", ".2f"): _displacement_and_stiffness_without_errors(force)[0],
+                Quantity("stretch", "screw outside the nut", "µm", ".2f"): elongation_outside_nut(force),
                 Quantity("loaded", "loaded balls, median", "", ".0f"): float(
                     np.median(_ensemble_of_screws(3).values_at("loaded", force))
                 ),
@@ -194,14 +200,14 @@ def test_table() -> Table:
     )
 
 
-def mei_figure() -> Figure:
+def liu_and_mei_loads_figure() -> Figure:
     """Draw Liu's Figure 14: ball loads by Liu's and by Mei's model under 5000 N, without errors and with +-2 um."""
     force, panels = liu.calibration_load(), []
     for title, errors in (("no errors", np.zeros(liu.ball_count())), ("±2 µm, one draw", _random_ball_errors(2))):
-        ours, mei = (_ball_loads(errors, force, chain) for chain in (liu.calibrated_model(), liu.mei_model()))
+        ours, mei = (_solve_ball_loads(errors, force, chain) for chain in (liu.calibrated_model(), liu.mei_model()))
         series = [_curve_over_balls(ours, "implicit contact angle", emphasis=True), _curve_over_balls(mei, "Mei, 45°")]
         if not errors.any():
-            ends = [float(q[0]) * value_of("liu-4.1", key) for q, key in ((ours, "ratio"), (mei, "ratio_mei"))]
+            ends = [float(q[0]) * printed_value("liu-4.1", key) for q, key in ((ours, "ratio"), (mei, "ratio_mei"))]
             series.append(_printed_markers([liu.ball_count()] * 2, ends, "printed Q78/Q1 times our Q1"))
         panels.append(Panel(title, BALLS, "normal load / N", series))
     caption = f"No load of this figure is printed, only the ratios of the last to the first. {DRAWN}"
@@ -210,16 +216,16 @@ def mei_figure() -> Figure:
     )
 
 
-def one_ball_figure() -> Figure:
+def one_faulty_ball_figure() -> Figure:
     """Draw Liu's Figure 15: loads of all balls, where ball 33 is too small or too large by 2 um."""
     panels = []
     for sign, words in (("minus", "a: −2 µm"), ("plus", "b: +2 µm")):
         errors, series, at, printed = liu.errors_of_ball_33(-2e-6 if sign == "minus" else 2e-6), [], [], []
         for force in (liu.LIGHT, liu.HEAVY):
-            load = _ball_loads(errors, force)
+            load = _solve_ball_loads(errors, force)
             series.append(_curve_over_balls(load, f"ours, {force:g} N"))
             at += [33.0, float(liu.ball_count())]
-            q33, ratio = (value_of("liu-4.2", f"{sign}_{key}_{force:.0f}") for key in ("Q33", "ratio"))
+            q33, ratio = (printed_value("liu-4.2", f"{sign}_{key}_{force:.0f}") for key in ("Q33", "ratio"))
             printed += [q33, ratio * float(load[0])]
         panels.append(
             Panel(f"{words} at ball 33", BALLS, "normal load / N", (*series, _printed_markers(at, printed)), zero=True)
@@ -240,14 +246,14 @@ def _load_curves_and_ranges(half_range: int, loads: Iterable[float]) -> list[Ser
     """
     series = []
     for force in loads:
-        series.append(_curve_over_balls(_ball_loads(_random_ball_errors(half_range), force), f"ours, {force:g} N"))
+        series.append(_curve_over_balls(_solve_ball_loads(_random_ball_errors(half_range), force), f"ours, {force:g} N"))
         if half_range:
-            ends = [value_of("liu-4.3", f"{end}_{half_range}_{force:.0f}") for end in ("min", "max")]
+            ends = [printed_value("liu-4.3", f"{end}_{half_range}_{force:.0f}") for end in ("min", "max")]
             series.append(_printed_markers([0.0, 0.0], ends, f"printed range, {force:g} N"))
     return series
 
 
-def loads_figure() -> Figure:
+def random_error_loads_figure() -> Figure:
     """Draw Liu's Figure 16: loads of all balls with random errors of +-2 um."""
     panel = Panel("±2 µm", BALLS, "normal load / N", _load_curves_and_ranges(2, (500.0, 1000.0, 5000.0)), zero=True)
     caption = f"Marks at the left: the smallest and largest loads that the text prints. {DRAWN}"
@@ -256,7 +262,7 @@ def loads_figure() -> Figure:
     )
 
 
-def loads_by_range_figure() -> Figure:
+def loads_by_error_range_figure() -> Figure:
     """Draw Liu's Figure 17: loads of all balls with random errors of 0, +-1, +-2 and +-3 um."""
     panels = []
     for half_range, letter in enumerate("abcd"):
@@ -288,7 +294,7 @@ def loaded_balls_figure(found: dict[str, float], words: str) -> Figure:
 
 def displacement_figure() -> Figure:
     """Draw Liu's Figure 19: axial displacement of the nut over the axial load."""
-    free = _curve_without_errors(lambda f: _solve_without_errors(f)[0])
+    free = _curve_without_errors(lambda f: _displacement_and_stiffness_without_errors(f)[0])
     panels = [
         Panel(
             f"±{h} µm",
@@ -318,7 +324,7 @@ def stiffness_figure(found: dict[str, float], words: str) -> Figure:
 
     ``found``: printed values by key, such as "K_2_3000"; ``words``: text that ends the caption.
     """
-    free, panels = _curve_without_errors(lambda f: _solve_without_errors(f)[1]), []
+    free, panels = _curve_without_errors(lambda f: _displacement_and_stiffness_without_errors(f)[1]), []
     for h in liu.RANGES:
         marks = [_printed_stiffness_markers(found, h, "printed"), _printed_stiffness_markers(found, 0, "printed, none")]
         series = (*_percentile_curves(h, "stiffness", 1e8), free, *marks)
@@ -338,15 +344,15 @@ def three_draws_figure(found: dict[str, float]) -> Figure:
     """
     curves = []
     for i, name in enumerate(liu.SETS):
-        values = [1e-8 * solve_chain(liu.calibrated_model(), _random_ball_errors(2, i), f).stiffness for f in LOADS]
+        values = [1e-8 * solve_ball_screw(liu.calibrated_model(), _random_ball_errors(2, i), f).stiffness for f in LOADS]
         curves.append(Series(f"ours, draw {i + 1}", list(LOADS), values, "line"))
         curves.append(_printed_stiffness_markers(found, name, f"printed, set {name}"))
-    loads, spread = (100.0, 1100.0, 2100.0), [liu.stiffness_spreads(f) for f in (100.0, 1100.0, 2100.0)]
+    loads, spread = (100.0, 1100.0, 2100.0), [liu.stiffness_spreads_of_triples(f) for f in (100.0, 1100.0, 2100.0)]
     low, middle, high = ([float(np.quantile(s, q)) for s in spread] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
     differ = (
         Series("central 99 % of drawn triples", loads, low, "band", high),
         Series("median", loads, middle, "line"),
-        _printed_markers(loads, [value_of("liu-4.4", f"spread_{f:.0f}") for f in loads]),
+        _printed_markers(loads, [printed_value("liu-4.4", f"spread_{f:.0f}") for f in loads]),
     )
     panels = (
         Panel("three draws of ±2 µm", "axial load / N", "stiffness / 10⁸ N/m", curves, zero=True),

@@ -16,25 +16,25 @@ import numpy as np
 
 from rollbench.compare.evidence import Findings
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import Printed, value_of
+from rollbench.compare.printed import Printed, printed_value
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.random_errors.chain import (
-    Chain,
+    BallScrewChain,
     ChainState,
     Ensemble,
     Law,
     PercentileRank,
     Quantity,
     calibrate_compliance,
-    draw_errors,
-    end_ratio,
-    first_carrying_load,
+    draw_uniform_errors,
+    last_to_first_load_ratio,
+    load_at_which_ball_is_loaded,
     percentile_rank,
-    solve_chain,
+    solve_ball_screw,
     solve_ensemble,
 )
 from rollbench.lowfi.random_errors.elimination import solve_by_elimination
-from rollbench.lowfi.statics.liu import row_of
+from rollbench.lowfi.statics.liu import nut_as_spring_row
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.numerics import brentq
@@ -76,9 +76,9 @@ def ball_count() -> int:
 
 
 @cache
-def printed_load_ratio() -> float:
+def printed_last_over_first_load() -> float:
     """Return the printed load ratio Q78/Q1 of last and first ball without errors (section 4.1), used for calibration."""
-    return value_of("liu-4.1", "ratio")
+    return printed_value("liu-4.1", "ratio")
 
 
 def calibration_load() -> float:
@@ -87,15 +87,17 @@ def calibration_load() -> float:
 
 
 @cache
-def calibrated_model(law: Law = "implicit") -> Chain:
+def calibrated_model(law: Law = "implicit") -> BallScrewChain:
     """Return Liu's axial model of the screw, with a compliance that gives the printed load ratio Q78/Q1.
 
     ``law``: contact-angle law, "implicit" (Liu's), "exact" or "constant".
     """
-    return calibrate_compliance(row_of(liu_screw(), law=law).chain, printed_load_ratio(), calibration_load())
+    return calibrate_compliance(
+        nut_as_spring_row(liu_screw(), law=law).chain, printed_last_over_first_load(), calibration_load()
+    )
 
 
-def implied_area(balls_a_turn: float) -> float:
+def implied_series_cross_section(balls_a_turn: float) -> float:
     """Return the cross sections of nut and screw in series [m^2], 1/(1/A_n + 1/A_s), implied by the calibrated model.
 
     ``balls_a_turn``: number of balls in a turn, which determines the length of a segment between two balls.
@@ -112,17 +114,17 @@ def errors_of_ball_33(error: float) -> Array:
 
 
 @cache
-def single_error_state(error_um: float, load: float, chain: Chain | None = None) -> ChainState:
+def solve_with_error_of_ball_33(error_um: float, load: float, chain: BallScrewChain | None = None) -> ChainState:
     """Solve the contact loads of the screw under an axial load, where only ball 33 has an error.
 
     ``error_um``: error of the ball's diameter [um]; ``load``: axial load [N]; ``chain``: axial model; None: Liu's model,
     calibrated.
     """
-    return solve_chain(chain or calibrated_model(), errors_of_ball_33(1e-6 * error_um), load)
+    return solve_ball_screw(chain or calibrated_model(), errors_of_ball_33(1e-6 * error_um), load)
 
 
 @cache
-def drawn_ensemble(half_range_um: int) -> Ensemble:
+def solve_drawn_screws(half_range_um: int) -> Ensemble:
     """Draw and solve `MEMBERS` screws with random ball errors, under the axial loads `LOADS`.
 
     ``half_range_um``: the errors of the ball diameters are uniform within plus and minus this range [um].
@@ -132,16 +134,16 @@ def drawn_ensemble(half_range_um: int) -> Ensemble:
     )
 
 
-def sample_of_drawn_screws(half_range_um: int, quantity: Quantity, load: float) -> Array:
+def quantity_of_drawn_screws(half_range_um: int, quantity: Quantity, load: float) -> Array:
     """Return one quantity of all randomly drawn screws under an axial load, (n,) in SI units for n screws.
 
     ``half_range_um``: half range of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``load``: axial load
     [N], one of `LOADS`.
     """
-    return drawn_ensemble(half_range_um).values_at(quantity, load)
+    return solve_drawn_screws(half_range_um).values_at(quantity, load)
 
 
-def percentile_sentence(values: Array, printed: float, half_digit: float) -> tuple[PercentileRank, str]:
+def percentile_and_words(values: Array, printed: float, half_digit: float) -> tuple[PercentileRank, str]:
     """Return the percentile of a printed number among randomly drawn screws, then the same in words.
 
     ``values``: computed values of these screws, in the unit of the printed number; ``half_digit``: half a step of the
@@ -150,8 +152,8 @@ def percentile_sentence(values: Array, printed: float, half_digit: float) -> tup
     p = percentile_rank(values, printed, half_digit)
     low, high = np.quantile(values, [UNLIKELY, 1.0 - UNLIKELY])
     words = f"percentile {p.middle:.1f} ± {p.error:.1f} of {p.size} drawn screws, median {np.median(values):.4g}, "
-    words += f"central 99 % {low:.4g} to {high:.4g}; as far out: probability {p.tail:.4f}"
-    return p, words + (f", at most {p.tail_bound:.4f} (95 %)" if p.tail < UNLIKELY else "")
+    words += f"central 99 % {low:.4g} to {high:.4g}; as far out: probability {p.tail_probability:.4f}"
+    return p, words + (f", at most {p.tail_bound:.4f} (95 %)" if p.tail_probability < UNLIKELY else "")
 
 
 #: Number of randomly drawn screws on which the Newton method and the elimination are compared.
@@ -187,10 +189,10 @@ def compare_with_elimination() -> tuple[int, int, float]:
     Returns, in this order: the number of screws with the same loaded balls by both; the most rounds of the elimination;
     the largest difference of a load over the largest load.
     """
-    errors = draw_errors(SEED, 0, FEW, ball_count(), 2e-6)
+    errors = draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
     same, rounds, worst = 0, 0, 0.0
     for e in errors:
-        ours, other = solve_chain(calibrated_model(), e, 500.0), solve_by_elimination(calibrated_model(), e, 500.0)
+        ours, other = solve_ball_screw(calibrated_model(), e, 500.0), solve_by_elimination(calibrated_model(), e, 500.0)
         same += int(other.converged and np.array_equal(ours.load > 0.0, other.load > 0.0))
         rounds = max(rounds, other.rounds)
         worst = max(worst, float(np.abs(ours.load - other.load).max() / ours.load.max()))
@@ -202,7 +204,10 @@ def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 
     ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
-    steps = max(solve_chain(calibrated_model(), x, 500.0).iterations for x in draw_errors(SEED, 0, FEW, ball_count(), 2e-6))
+    steps = max(
+        solve_ball_screw(calibrated_model(), x, 500.0).iterations
+        for x in draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
+    )
     same, rounds, worst = compare_with_elimination()
     e.claim(
         "newton",
@@ -210,36 +215,38 @@ def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
         f"on the convex energy at most {steps} steps for {FEW} screws at 500 N; the elimination's loaded balls are "
         f"the same in {same} of {FEW}, in up to {rounds} rounds, loads to {worst:.0e}",
     )
-    loaded = {f: sample_of_drawn_screws(2, "loaded", f) for f in (500.0, 1000.0, 1500.0, 2000.0)}
+    loaded = {f: quantity_of_drawn_screws(2, "loaded", f) for f in (500.0, 1000.0, 1500.0, 2000.0)}
     share = float(np.mean(loaded[2000.0] == ball_count()))
     e.claim("all_2000", share >= UNLIKELY, f"probability {share:.3f}")
     for key, load in (("unloaded_1500", 1500.0), ("unloaded_500", 500.0)):
         sample = ball_count() - loaded[load]
-        e.number(key, float(np.median(sample)), percentile_sentence(sample, e.printed(key), 0.0)[1])
+        e.number(key, float(np.median(sample)), percentile_and_words(sample, e.printed(key), 0.0)[1])
     exactly = {f: float(np.mean(loaded[f] == ball_count() - 1)) for f in (1000.0, 1500.0)}
     e.remark("caption_1000", "probability of exactly one: {:.3f} at 1000 N, {:.3f} at 1500 N".format(*exactly.values()))
     e.numbers({"load": e.printed("load"), "free_length": e.printed("free_length")})
-    ratio = sample_of_drawn_screws(3, "smallest", 3000.0) / sample_of_drawn_screws(3, "largest", 3000.0)
+    ratio = quantity_of_drawn_screws(3, "smallest", 3000.0) / quantity_of_drawn_screws(3, "largest", 3000.0)
     low, high = np.quantile(ratio, [UNLIKELY, 1.0 - UNLIKELY])
     e.claim("uniform_3000", low > 0.5, f"smallest over largest load {low:.2f} to {high:.2f} (central 99 %) at 3000 N")
-    medians = [float(np.median(sample_of_drawn_screws(3, "stiffness", f))) / 1e8 for f in LOADS[3]]
+    medians = [float(np.median(quantity_of_drawn_screws(3, "stiffness", f))) / 1e8 for f in LOADS[3]]
     words = ", ".join(f"{v:.2f}" for v in medians)
     e.claim("falls", bool(np.all(np.diff(medians) < 0.0)), f"{words} 1e8 N/m from 100 to 5000 N (medians, ±3 um)")
 
 
-def mei_model() -> Chain:
+def mei_model() -> BallScrewChain:
     """Return Mei's axial model as Liu et al. use it: constant contact angle of 45 deg, compliance as in Liu's model."""
     return replace(calibrated_model(), law="constant")
 
 
-def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
+def largest_deviations_from_mei(
+    chain: BallScrewChain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]
+) -> tuple[float, float]:
     """Return the largest difference [%] between a ball's loads by an axial model and by Mei's model, at 5000 N.
 
     First: relative to the load by Mei's model; second: relative to the load by the other model. ``chain``: the other
     model; ``errors``: errors of the ball diameters (78,) [m].
     """
-    load = solve_chain(chain, errors, calibration_load()).load
-    mei = solve_chain(replace(chain, law="constant"), errors, calibration_load()).load
+    load = solve_ball_screw(chain, errors, calibration_load()).load
+    mei = solve_ball_screw(replace(chain, law="constant"), errors, calibration_load()).load
     return float(100.0 * np.abs(1.0 - load / mei).max()), float(100.0 * np.abs(mei / load - 1.0).max())
 
 
@@ -249,61 +256,68 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     load = calibration_load()
-    area = 1e6 * implied_area(26.0)
+    area = 1e6 * implied_series_cross_section(26.0)
     words = f"compliance of a segment {calibrated_model().compliance:.4g} m/N"
     words += f": with 26 balls a turn, areas in series 1/(1/A_n + 1/A_s) = {area:.0f} mm2"
-    e.number("ratio", end_ratio(calibrated_model(), load), words)
-    exact = end_ratio(replace(calibrated_model("exact"), law="constant"), load)
-    e.number("ratio_mei", end_ratio(mei_model(), load), f"beside the exact contact angle it would be {exact:.4f}")
+    e.number("ratio", last_to_first_load_ratio(calibrated_model(), load), words)
+    exact = last_to_first_load_ratio(replace(calibrated_model("exact"), law="constant"), load)
+    e.number(
+        "ratio_mei", last_to_first_load_ratio(mei_model(), load), f"beside the exact contact angle it would be {exact:.4f}"
+    )
     zero = np.zeros(ball_count())
-    found = [x for law in ("implicit", "exact") for x in mei_deviations(calibrated_model(law), zero)]
+    found = [x for law in ("implicit", "exact") for x in largest_deviations_from_mei(calibrated_model(law), zero)]
     e.number("deviation", found[0], "implicit {:.2f} of Mei's, {:.2f} of its own load; exact {:.2f}, {:.2f}".format(*found))
-    less = solve_chain(mei_model(), zero, load).load - single_error_state(0.0, load).load
+    less = solve_ball_screw(mei_model(), zero, load).load - solve_with_error_of_ball_33(0.0, load).load
     e.claim("smaller", bool(np.all(less > 0.0)), f"by {less.min():.2f} to {less.max():.2f} N")
-    errors = draw_errors(SEED, 0, FEW, ball_count(), 2e-6)
-    worst = [mei_deviations(calibrated_model(), x)[0] for x in errors]
+    errors = draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
+    worst = [largest_deviations_from_mei(calibrated_model(), x)[0] for x in errors]
     e.claim("deviation_errors", max(worst) <= 2.875, f"{min(worst):.2f} to {max(worst):.2f} % in {FEW} drawn screws")
 
 
-def load_ratio(error_um: float, load: float) -> float:
+def last_over_first_ball_load(error_um: float, load: float) -> float:
     """Return the ratio Q78/Q1 of the loads of last and first ball, where only ball 33 has an error.
 
     ``error_um``: error of the diameter of ball 33 [um]; ``load``: axial load [N].
     """
-    q = single_error_state(error_um, load).load
+    q = solve_with_error_of_ball_33(error_um, load).load
     return float(q[-1] / q[0])
 
 
-def load_by_other_angle_laws(error_um: float, load: float) -> str:
+def load_by_other_angle_laws_in_words(error_um: float, load: float) -> str:
     """Return in words the load [N] of ball 33 by the exact and by the constant contact-angle law.
 
     The model is calibrated to the printed ratio Q78/Q1 for each law. ``error_um``: error of the diameter of ball 33 [um];
     ``load``: axial load [N].
     """
-    found = {law: single_error_state(error_um, load, calibrated_model(law)).load[32] for law in ("exact", "constant")}
+    found = {
+        law: solve_with_error_of_ball_33(error_um, load, calibrated_model(law)).load[32] for law in ("exact", "constant")
+    }
     return "; ".join(f"{law} contact angle {value:.2f} N" for law, value in found.items())
 
 
-def load_change_of_other_balls(error_um: float) -> list[float]:
+def load_change_range_of_other_balls(error_um: float) -> list[float]:
     """Return the smallest, then the largest change [N] of the loads of all balls but ball 33 by an error of ball 33.
 
     Both are taken over the axial loads `LIGHT` and `HEAVY`. ``error_um``: error of the diameter of ball 33 [um].
     """
-    change = [np.delete(single_error_state(error_um, f).load - single_error_state(0.0, f).load, 32) for f in (LIGHT, HEAVY)]
+    change = [
+        np.delete(solve_with_error_of_ball_33(error_um, f).load - solve_with_error_of_ball_33(0.0, f).load, 32)
+        for f in (LIGHT, HEAVY)
+    ]
     return [float(np.min(change)), float(np.max(change))]
 
 
-def error_for_load(load: float) -> float:
+def error_of_ball_33_for_load(load: float) -> float:
     """Return the diameter error [um] of ball 33 at which this ball carries ``load`` [N] under an axial load of 5000 N."""
-    return float(brentq(lambda e: single_error_state(e, HEAVY).load[32] - load, 0.0, 3.0, xtol=1e-6))
+    return float(brentq(lambda e: solve_with_error_of_ball_33(e, HEAVY).load[32] - load, 0.0, 3.0, xtol=1e-6))
 
 
 def first_carrying_loads() -> tuple[float, float]:
     """Return the axial loads [N] from which on ball 1, then ball 78, carries load, with ball 33 too large by 2 um."""
     errors = errors_of_ball_33(2e-6)
     return (
-        first_carrying_load(calibrated_model(), errors, 0, LIGHT),
-        first_carrying_load(calibrated_model(), errors, ball_count() - 1, LIGHT),
+        load_at_which_ball_is_loaded(calibrated_model(), errors, 0, LIGHT),
+        load_at_which_ball_is_loaded(calibrated_model(), errors, ball_count() - 1, LIGHT),
     )
 
 
@@ -314,26 +328,29 @@ def section_4_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     """
     for name, error in (("minus", -2.0), ("plus", 2.0)):
         for load in (LIGHT, HEAVY):
-            q = float(single_error_state(error, load).load[32])
-            e.number(f"{name}_Q33_{load:.0f}", q, load_by_other_angle_laws(error, load))
-            e.number(f"{name}_ratio_{load:.0f}", load_ratio(error, load))
-    q = float(single_error_state(2.0, HEAVY).load[32])
+            q = float(solve_with_error_of_ball_33(error, load).load[32])
+            e.number(f"{name}_Q33_{load:.0f}", q, load_by_other_angle_laws_in_words(error, load))
+            e.number(f"{name}_ratio_{load:.0f}", last_over_first_ball_load(error, load))
+    q = float(solve_with_error_of_ball_33(2.0, HEAVY).load[32])
     words = (
-        f"142.55 would be {100.0 * (142.55 / q - 1.0):+.2f} % off; 124.55 takes an error of {error_for_load(124.55):.2f} um"
+        f"142.55 would be {100.0 * (142.55 / q - 1.0):+.2f} % off; 124.55 takes an error of "
+        f"{error_of_ball_33_for_load(124.55):.2f} um"
     )
     e.number("plus_Q33_5000", q, words)
-    start = first_carrying_load(calibrated_model(), errors_of_ball_33(-2e-6), 32, HEAVY)
-    e.number("minus_Q33_1000", float(single_error_state(-2.0, LIGHT).load[32]), f"loaded from {start:.0f} N on")
-    low, high = load_change_of_other_balls(-2.0)
+    start = load_at_which_ball_is_loaded(calibrated_model(), errors_of_ball_33(-2e-6), 32, HEAVY)
+    e.number("minus_Q33_1000", float(solve_with_error_of_ball_33(-2.0, LIGHT).load[32]), f"loaded from {start:.0f} N on")
+    low, high = load_change_range_of_other_balls(-2.0)
     e.claim("minus_others", low > 0.0, f"by {low:.3f} to {high:.3f} N")
-    low, high = load_change_of_other_balls(2.0)
+    low, high = load_change_range_of_other_balls(2.0)
     e.claim("plus_others", high < 0.0, f"by {low:.3f} to {high:.3f} N")
     first, last = first_carrying_loads()
     e.claim("only_33", first > 0.0, f"up to {first:.2f} N; ball 78 carries from {last:.2f} N")
-    falls = all(load_ratio(s, LIGHT) > load_ratio(s, HEAVY) for s in (-2.0, 2.0))
-    words = ", ".join(f"{load_ratio(s, LIGHT):.4f} to {load_ratio(s, HEAVY):.4f}" for s in (-2.0, 2.0))
+    falls = all(last_over_first_ball_load(s, LIGHT) > last_over_first_ball_load(s, HEAVY) for s in (-2.0, 2.0))
+    words = ", ".join(
+        f"{last_over_first_ball_load(s, LIGHT):.4f} to {last_over_first_ball_load(s, HEAVY):.4f}" for s in (-2.0, 2.0)
+    )
     e.claim("ratio_falls", falls, words)
-    pairs = [(load_ratio(2.0, f), load_ratio(-2.0, f)) for f in (LIGHT, HEAVY)]
+    pairs = [(last_over_first_ball_load(2.0, f), last_over_first_ball_load(-2.0, f)) for f in (LIGHT, HEAVY)]
     words = ", ".join(f"{a:.4f} at +2 um, {b:.4f} at -2 um" for a, b in pairs)
     e.claim("plus_evens", all(a > b for a, b in pairs), words)
 
@@ -355,25 +372,25 @@ STEP = 0.12
 SETS = "abc"
 
 
-def sample_for_printed_number(key: str) -> Array:
+def drawn_values_for_printed_number(key: str) -> Array:
     """Return the values of all randomly drawn screws (n,) that belong to one printed number, in its printed unit.
 
     ``key``: key of the printed number: quantity, half range of the ball errors [um], and axial load [N], such as
     "K_2_3000".
     """
     name, which, load = key.removesuffix("_again").split("_")
-    values = sample_of_drawn_screws(2 if which in SETS else int(which), NAMES[name], float(load))
+    values = quantity_of_drawn_screws(2 if which in SETS else int(which), NAMES[name], float(load))
     if name == "unloaded":
         return ball_count() - values
     return 1e-8 * values if name == "K" else values
 
 
-def count_matching_screws(half_range: int, at_500: int, at_1000: int) -> str:
+def matching_screws_in_words(half_range: int, at_500: int, at_1000: int) -> str:
     """Return in words how many randomly drawn screws have the printed numbers of loaded balls at 500 N and 1000 N.
 
     ``half_range``: half range of the ball errors [um]; ``at_500``, ``at_1000``: printed numbers of loaded balls.
     """
-    first, then = (sample_of_drawn_screws(half_range, "loaded", f) for f in (500.0, 1000.0))
+    first, then = (quantity_of_drawn_screws(half_range, "loaded", f) for f in (500.0, 1000.0))
     some = then[np.abs(first - at_500) <= 1]
     reached = int(np.count_nonzero(some <= at_1000))
     return f"of {some.size} screws with {at_500} ± 1 loaded at 500 N, {reached} have at most {at_1000} at 1000 N"
@@ -386,9 +403,9 @@ def record_percentile(e: Findings, key: str, *remarks: str) -> None:
     ``remarks``: further remarks.
     """
     row = next(f.printed for f in e.evidence() if f.printed.key == key)
-    values = sample_for_printed_number(key)
+    values = drawn_values_for_printed_number(key)
     half = 0.0 if key.startswith(("loaded", "unloaded")) else row.tolerance
-    words = percentile_sentence(values, e.printed(key), half)[1]
+    words = percentile_and_words(values, e.printed(key), half)[1]
     e.number(key, float(np.median(values)), ". ".join((words, *remarks)))
 
 
@@ -401,12 +418,12 @@ def judge_fraction_of_screws(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_
     return p >= UNLIKELY, f"probability {p:.3f} ± {np.sqrt(p * (1.0 - p) / mask.size):.3f}"
 
 
-def falls_with_range(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def falls_with_error_range(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Return for each randomly drawn screw (n,) whether a quantity falls when the half range of ball errors grows.
 
     The half ranges are 1, 2 and 3 um. ``quantity``: name of the quantity, such as "stiffness"; ``load``: axial load [N].
     """
-    a, b, c = (sample_of_drawn_screws(h, quantity, load) for h in RANGES)
+    a, b, c = (quantity_of_drawn_screws(h, quantity, load) for h in RANGES)
     return np.asarray((a > b) & (b > c))
 
 
@@ -423,22 +440,25 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
         ("unloaded_2_1000_again", 53, 61),
         ("unloaded_3_1000", 42, 43),
     ):
-        record_percentile(e, key, count_matching_screws(int(key.split("_")[1]), at_500, at_1000))
-    every = [sample_of_drawn_screws(h, "loaded", 2137.0) == ball_count() for h in RANGES]
+        record_percentile(e, key, matching_screws_in_words(int(key.split("_")[1]), at_500, at_1000))
+    every = [quantity_of_drawn_screws(h, "loaded", 2137.0) == ball_count() for h in RANGES]
     holds, words = judge_fraction_of_screws(np.logical_and.reduce(every))
     alone = ", ".join(f"{np.mean(m):.3f}" for m in every)
     e.claim("all_2137", holds, f"{words} (singly {alone})")
-    e.claim("all_5000", *judge_fraction_of_screws(sample_of_drawn_screws(2, "loaded", 5000.0) == ball_count()))
-    e.claim("fewer", *judge_fraction_of_screws(falls_with_range("loaded", 100.0) & falls_with_range("loaded", 500.0)))
+    e.claim("all_5000", *judge_fraction_of_screws(quantity_of_drawn_screws(2, "loaded", 5000.0) == ball_count()))
+    e.claim(
+        "fewer",
+        *judge_fraction_of_screws(falls_with_error_range("loaded", 100.0) & falls_with_error_range("loaded", 500.0)),
+    )
     width = {
-        (h, f): sample_of_drawn_screws(h, "largest", f) - sample_of_drawn_screws(h, "smallest", f)
+        (h, f): quantity_of_drawn_screws(h, "largest", f) - quantity_of_drawn_screws(h, "smallest", f)
         for h in RANGES
         for f in (1000.0, 5000.0)
     }
     grows = [width[h, 5000.0] > width[h, 1000.0] for h in RANGES]
     grows += [width[h + 1, f] > width[h, f] for h in (1, 2) for f in (1000.0, 5000.0)]
     e.claim("wider", *judge_fraction_of_screws(np.logical_and.reduce(grows)))
-    a, b, c = (sample_of_drawn_screws(h, "displacement_first_loaded", 1000.0) for h in RANGES)
+    a, b, c = (quantity_of_drawn_screws(h, "displacement_first_loaded", 1000.0) for h in RANGES)
     e.claim("further", *judge_fraction_of_screws((a < b) & (b < c)))
     _check_displacement_claims(e)
 
@@ -446,7 +466,7 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 def _check_displacement_claims(e: Findings) -> None:
     """Check Liu's claims on displacement over load by the medians of randomly drawn screws; ``e``: receives the results."""
     loads = np.array(LOADS[1])
-    curve = np.array([[np.median(sample_of_drawn_screws(h, "displacement", f)) for f in loads] for h in RANGES])
+    curve = np.array([[np.median(quantity_of_drawn_screws(h, "displacement", f)) for f in loads] for h in RANGES])
     power = np.diff(np.log(curve[1])) / np.diff(np.log(loads))
     words = f"a power between {power.min():.2f} and {power.max():.2f} of the load: it grows ever more slowly"
     e.claim("exponential", bool(power.min() > 1.0), words)
@@ -456,16 +476,16 @@ def _check_displacement_claims(e: Findings) -> None:
     e.remark("parallel", f"{words}by {grown} % still from 3000 to 5000 N")
 
 
-def stiffness_spreads(load: float) -> Array:
+def stiffness_spreads_of_triples(load: float) -> Array:
     """Return the largest minus the smallest stiffness [1e8 N/m] in each group of three randomly drawn screws, (groups,).
 
     The ball errors are within ±2 um. ``load``: axial load [N].
     """
-    values = 1e-8 * sample_of_drawn_screws(2, "stiffness", load)
+    values = 1e-8 * quantity_of_drawn_screws(2, "stiffness", load)
     return np.asarray(np.ptp(values[: values.size // 3 * 3].reshape(-1, 3), axis=1))
 
 
-def relative_stiffness_percentile(key: str, printed: float, reference: float) -> str:
+def relative_stiffness_percentile_in_words(key: str, printed: float, reference: float) -> str:
     """Return in words the percentile of a printed stiffness divided by the printed stiffness without errors.
 
     The percentile is that among randomly drawn screws. The ratio does not change if all stiffnesses differ from the
@@ -474,50 +494,50 @@ def relative_stiffness_percentile(key: str, printed: float, reference: float) ->
     """
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
     ratio = (
-        sample_of_drawn_screws(h, "stiffness", load)
-        / solve_chain(calibrated_model(), np.zeros(ball_count()), load).stiffness
+        quantity_of_drawn_screws(h, "stiffness", load)
+        / solve_ball_screw(calibrated_model(), np.zeros(ball_count()), load).stiffness
     )
-    return "over the value without errors: " + percentile_sentence(ratio, printed / reference, 0.0)[1]
+    return "over the value without errors: " + percentile_and_words(ratio, printed / reference, 0.0)[1]
 
 
-def secant_stiffness(load: float, step: float) -> float:
+def secant_stiffness_without_errors(load: float, step: float) -> float:
     """Return the stiffness [1e8 N/m] of the screw without errors by equation (22) of Liu et al. (2025).
 
     ``load``: axial load [N]; ``step``: load step over which the stiffness is a secant [N]; 0: tangent stiffness.
     """
     chain, zero = calibrated_model(), np.zeros(ball_count())
     if step == 0.0:
-        return 1e-8 * solve_chain(chain, zero, load).stiffness
-    moved = [solve_chain(chain, zero, f).displacement for f in (load, load + step)]
+        return 1e-8 * solve_ball_screw(chain, zero, load).stiffness
+    moved = [solve_ball_screw(chain, zero, f).displacement for f in (load, load + step)]
     return 1e-8 * step / (moved[1] - moved[0])
 
 
 @cache
-def drawn_secant_stiffness(half_range_um: int, load: float, share: float) -> Array:
+def secant_stiffness_of_drawn_screws(half_range_um: int, load: float, relative_load_step: float) -> Array:
     """Return the secant stiffness [1e8 N/m] of all randomly drawn screws, (n,) for n screws.
 
-    ``half_range_um``: half range of the ball errors [um]; ``load``: axial load [N]; ``share``: load step of the secant
-    over the load; 0: tangent stiffness.
+    ``half_range_um``: half range of the ball errors [um]; ``load``: axial load [N]; ``relative_load_step``: load step of
+    the secant over the load; 0: tangent stiffness.
     """
-    if share == 0.0:
-        return 1e-8 * sample_of_drawn_screws(half_range_um, "stiffness", load)
-    ends = [load, (1.0 + share) * load]
+    if relative_load_step == 0.0:
+        return 1e-8 * quantity_of_drawn_screws(half_range_um, "stiffness", load)
+    ends = [load, (1.0 + relative_load_step) * load]
     found = solve_ensemble(calibrated_model(), 1e-6 * half_range_um, ends, MEMBERS, seed=SEED + half_range_um)
     first, last = (found.values_at("displacement", f) for f in ends)
-    return np.asarray(1e-8 * share * load / (last - first))
+    return np.asarray(1e-8 * relative_load_step * load / (last - first))
 
 
-def stiffness_agrees(row: Printed, share: float) -> bool:
+def printed_stiffness_agrees(row: Printed, relative_load_step: float) -> bool:
     """Return whether a printed stiffness lies in the range of the secant stiffness of randomly drawn screws.
 
-    ``row``: printed number; ``share``: load step of the secant over the load; 0: tangent stiffness. A stiffness without
-    errors must agree with the computed one to 1 %, as the publication's other results do.
+    ``row``: printed number; ``relative_load_step``: load step of the secant over the load; 0: tangent stiffness. A
+    stiffness without errors must agree with the computed one to 1 %, as the publication's other results do.
     """
     _, which, load = row.key.split("_")
     assert row.value is not None
     if which == "0":
-        return abs(row.value / secant_stiffness(float(load), share * float(load)) - 1.0) <= 0.01
-    values = drawn_secant_stiffness(2 if which in SETS else int(which), float(load), share)
+        return abs(row.value / secant_stiffness_without_errors(float(load), relative_load_step * float(load)) - 1.0) <= 0.01
+    values = secant_stiffness_of_drawn_screws(2 if which in SETS else int(which), float(load), relative_load_step)
     return bool(values.min() - row.tolerance <= row.value <= values.max() + row.tolerance)
 
 
@@ -526,7 +546,7 @@ def agreement_by_load_step(rows: Sequence[Printed]) -> str:
 
     ``rows``: printed stiffnesses; the load step of the secant is `STEP` times the load.
     """
-    counts = [sum(stiffness_agrees(row, share) for row in rows) for share in (0.0, STEP)]
+    counts = [sum(printed_stiffness_agrees(row, share) for row in rows) for share in (0.0, STEP)]
     return (
         f"the step of load of (22) is not printed: of {len(rows)} stiffnesses {counts[0]} come out with the tangent and "
         f"{counts[1]} by a step of {100.0 * STEP:g} % of the load"
@@ -542,20 +562,23 @@ def section_4_4(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     for row in printed_K:
         if row.value is not None and row.key != "K_0_3000":
             near = row.key.endswith("_3000")
-            record_percentile(e, row.key, *((relative_stiffness_percentile(row.key, row.value, bare),) if near else ()))
+            record_percentile(
+                e, row.key, *((relative_stiffness_percentile_in_words(row.key, row.value, bare),) if near else ())
+            )
     other = {
-        law: 1e-8 * solve_chain(calibrated_model(law), np.zeros(ball_count()), 3000.0).stiffness
+        law: 1e-8 * solve_ball_screw(calibrated_model(law), np.zeros(ball_count()), 3000.0).stiffness
         for law in ("exact", "constant")
     }
     words = "; ".join(f"{law} contact angle {value:.3f}" for law, value in other.items())
     words = (
-        f"{words}; by a step of {100.0 * STEP:g} % of the load {secant_stiffness(3000.0, STEP * 3000.0):.3f}; "
+        f"{words}; by a step of {100.0 * STEP:g} % of the load "
+        f"{secant_stiffness_without_errors(3000.0, STEP * 3000.0):.3f}; "
         f"{agreement_by_load_step(printed_K)}"
     )
-    e.number("K_0_3000", secant_stiffness(3000.0, 0.0), words)
+    e.number("K_0_3000", secant_stiffness_without_errors(3000.0, 0.0), words)
     for load in (100, 1100, 2100):
         printed = [e.printed(f"K_{s}_{load}") for s in SETS]
-        _, words = percentile_sentence(stiffness_spreads(float(load)), max(printed) - min(printed), 0.0005)
+        _, words = percentile_and_words(stiffness_spreads_of_triples(float(load)), max(printed) - min(printed), 0.0005)
         e.number(f"spread_{load}", max(printed) - min(printed), words.replace("screws", "triples"))
     low = min(e.printed(f"K_{s}_1100") for s in SETS)
     e.number("spread_percent", 100.0 * e.printed("spread_1100") / low)
@@ -564,20 +587,22 @@ def section_4_4(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 def _check_stiffness_claims(e: Findings) -> None:
     """Check Liu's claims on the stiffness of screws with random errors, section 4.4; ``e``: receives the results."""
-    s = {load: stiffness_spreads(load) for load in (100.0, 1100.0, 2100.0)}
+    s = {load: stiffness_spreads_of_triples(load) for load in (100.0, 1100.0, 2100.0)}
     e.claim("largest_1100", *judge_fraction_of_screws((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
-    percent = 100.0 * s[100.0] / (1e-8 * np.median(sample_of_drawn_screws(2, "stiffness", 100.0)))
+    percent = 100.0 * s[100.0] / (1e-8 * np.median(quantity_of_drawn_screws(2, "stiffness", 100.0)))
     median, printed = np.median(percent), 100.0 * e.printed("spread_100") / e.printed("K_a_100")
     e.claim(
         "minimal",
         bool(median <= 4.31),
         f"three draws differ by {median:.0f} % at 100 N in the median; its own by {printed:.1f} %",
     )
-    rises = [np.diff(np.stack([sample_of_drawn_screws(h, "stiffness", f) for f in LOADS[h]]), axis=0) > 0.0 for h in RANGES]
+    rises = [
+        np.diff(np.stack([quantity_of_drawn_screws(h, "stiffness", f) for f in LOADS[h]]), axis=0) > 0.0 for h in RANGES
+    ]
     e.claim(
         "rises", all(bool(r.all()) for r in rises), f"in all of {3 * MEMBERS} drawn screws, {LOADS[1][0]:.0f} to 5000 N"
     )
-    e.claim("softer", *judge_fraction_of_screws(falls_with_range("stiffness", 500.0)))
-    free = solve_chain(calibrated_model(), np.zeros(ball_count()), 3000.0).stiffness
-    off = [100.0 * (np.median(sample_of_drawn_screws(h, "stiffness", 3000.0)) / free - 1.0) for h in RANGES]
+    e.claim("softer", *judge_fraction_of_screws(falls_with_error_range("stiffness", 500.0)))
+    free = solve_ball_screw(calibrated_model(), np.zeros(ball_count()), 3000.0).stiffness
+    off = [100.0 * (np.median(quantity_of_drawn_screws(h, "stiffness", 3000.0)) / free - 1.0) for h in RANGES]
     e.remark("meet", ", ".join(f"{x:.1f}" for x in off) + " % in the median of drawn screws")

@@ -14,15 +14,15 @@ import numpy as np
 from rollbench.compare.case import CASES
 from rollbench.compare.cases.liu import curves
 from rollbench.compare.cases.liu import evidence as liu
-from rollbench.compare.evidence import counts, evidence, trust
+from rollbench.compare.evidence import count_entries_by_verdict, evidence, reproduction_sentence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.estimate import uncertainty_percent
-from rollbench.compare.sections.source_tables import computation_tables, read_layouts, shown_tables
+from rollbench.compare.reference.estimate import largest_uncertainty_percent
+from rollbench.compare.sections.source_tables import computation_tables, read_layouts, tables_of_printed_numbers
 from rollbench.compare.sections.verdicts import misprints_table
-from rollbench.lowfi.random_errors.chain import Chain, draw_errors, solve_chain
-from rollbench.lowfi.statics.liu import Row as ModelInputs
-from rollbench.lowfi.statics.liu import row_of
+from rollbench.lowfi.random_errors.chain import BallScrewChain, draw_uniform_errors, solve_ball_screw
+from rollbench.lowfi.statics.liu import SpringRow as ModelInputs
+from rollbench.lowfi.statics.liu import nut_as_spring_row
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
@@ -51,7 +51,7 @@ ABOUT = (
 )
 
 
-def loaded_counts_sentence(found: dict[str, float]) -> str:
+def loaded_ball_counts_in_words(found: dict[str, float]) -> str:
     """Return in words how many printed numbers of loaded balls lie in the central 99 % interval of randomly drawn screws.
 
     ``found``: printed values by key, such as "loaded_2_500".
@@ -63,7 +63,9 @@ def loaded_counts_sentence(found: dict[str, float]) -> str:
             continue
         half_range, load = int(parts[2]), float(parts[3])
         count = liu.ball_count() - value if parts[1] else value
-        low, high = np.quantile(liu.sample_of_drawn_screws(half_range, "loaded", load), [liu.UNLIKELY, 1.0 - liu.UNLIKELY])
+        low, high = np.quantile(
+            liu.quantity_of_drawn_screws(half_range, "loaded", load), [liu.UNLIKELY, 1.0 - liu.UNLIKELY]
+        )
         total += 1
         if not low <= count <= high:
             out.append(f"±{half_range} µm at {load:g} N {'below' if count < low else 'above'}")
@@ -72,7 +74,7 @@ def loaded_counts_sentence(found: dict[str, float]) -> str:
     return f"{total - len(out)} of {total} printed counts lie within {span}{beyond}"
 
 
-def stiffness_sentence(found: dict[str, float]) -> str:
+def stiffness_deviation_in_words(found: dict[str, float]) -> str:
     """Return in words the deviation of printed stiffnesses from the median stiffness of randomly drawn screws.
 
     Only axial loads count at which the median screw has no unloaded ball. ``found``: printed values by key, such as
@@ -84,10 +86,10 @@ def stiffness_sentence(found: dict[str, float]) -> str:
         half_range, load = (int(parts[1]), float(parts[2])) if parts else (0, 0.0)
         if (
             load in liu.LOADS.get(half_range, ())
-            and np.median(liu.sample_of_drawn_screws(half_range, "loaded", load)) == liu.ball_count()
+            and np.median(liu.quantity_of_drawn_screws(half_range, "loaded", load)) == liu.ball_count()
         ):
             off.append(
-                error_percent(1e8 * value, float(np.median(liu.sample_of_drawn_screws(half_range, "stiffness", load))))
+                error_percent(1e8 * value, float(np.median(liu.quantity_of_drawn_screws(half_range, "stiffness", load))))
             )
     if not off:
         return "no printed stiffness stands at a load that all balls of most draws carry"
@@ -142,12 +144,12 @@ def change_errors_and_load(scene: Scene, errors: Array, load: float) -> Scene:
     return replace(scene, errors=replace(scene.errors, balls=balls), loads=(force,))
 
 
-def rigid_nut_model(scene: Scene) -> ModelInputs:
+def axial_model_with_rigid_nut(scene: Scene) -> ModelInputs:
     """Return the inputs of Liu's axial model for a scene, changed to two assumptions of the beam model.
 
     These are a rigid nut, and contact angles that follow exactly from the displacements.
     """
-    row = row_of(scene, law="exact")
+    row = nut_as_spring_row(scene, law="exact")
     return replace(row, chain=replace(row.chain, compliance=row.share * row.chain.compliance))
 
 
@@ -158,8 +160,8 @@ def compare_models(study: Study) -> tuple[ModelLoads, ...]:
     random errors. ``study``: solved scenes.
     """
     scene = study.scene(SCENE)
-    chain = rigid_nut_model(scene).chain
-    drawn = draw_errors(liu.SEED + 2, 0, DRAWN, liu.ball_count(), HALF_RANGE)
+    chain = axial_model_with_rigid_nut(scene).chain
+    drawn = draw_uniform_errors(liu.SEED + 2, 0, DRAWN, liu.ball_count(), HALF_RANGE)
     kinds = [
         ("none", np.zeros(liu.ball_count())),
         ("ball 33: -2 um", liu.errors_of_ball_33(-2e-6)),
@@ -169,7 +171,7 @@ def compare_models(study: Study) -> tuple[ModelLoads, ...]:
     return tuple(_compute_loads(study, scene, chain, name, errors, load) for name, errors in kinds for load in LOADS)
 
 
-def _compute_loads(study: Study, scene: Scene, chain: Chain, name: str, errors: Array, load: float) -> ModelLoads:
+def _compute_loads(study: Study, scene: Scene, chain: BallScrewChain, name: str, errors: Array, load: float) -> ModelLoads:
     """Compute the contact loads of one screw under one axial load by Liu's axial, the beam and the refined model.
 
     ``chain``: axial model of the scene; ``name``: ball errors in words; ``errors``: errors of the ball diameters (78,)
@@ -177,7 +179,7 @@ def _compute_loads(study: Study, scene: Scene, chain: Chain, name: str, errors: 
     """
     changed = change_errors_and_load(scene, errors, load)
     beam, refined = (study.solve(changed, model).load[:, 0] for model in ("lin", "refined"))
-    return ModelLoads(name, load, solve_chain(chain, errors, load).load, beam, refined)
+    return ModelLoads(name, load, solve_ball_screw(chain, errors, load).load, beam, refined)
 
 
 @dataclass(frozen=True)
@@ -211,7 +213,7 @@ def compare_with_3d(study: Study) -> tuple[DifferenceFrom3D, ...]:
     """
     rows = []
     for name, found in study.references(SOLID).items():
-        scene, bar = study.scene(name), uncertainty_percent(found)
+        scene, bar = study.scene(name), largest_uncertainty_percent(found)
         for model in ("axial", "lin", "refined"):
             load = axial_model_loads(scene) if model == "axial" else study.solve(scene, model).load
             e = load_error(load, found.load, found.contacts)
@@ -227,12 +229,12 @@ def axial_model_loads(scene: Scene) -> Array:
 
     The loads of a ball are equal at its contacts on the flanks SL and NR, and zero on the other two.
     """
-    row, load = rigid_nut_model(scene), np.zeros((scene.ball_count, 4))
+    row, load = axial_model_with_rigid_nut(scene), np.zeros((scene.ball_count, 4))
     load[row.order, 0] = load[row.order, 3] = row.solved(row.force).load
     return load
 
 
-def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
+def scenes_to_solve_again_in_3d(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
     """Yield the scenes of Liu's screw, with their mesh levels, whose 3D solutions a report must compute again.
 
     ``fresh``: whether 3D solutions are to be computed again; else nothing is yielded, and the stored ones are used.
@@ -247,7 +249,7 @@ def model_loads_table(study: Study) -> Table:
     ``study``: solved scenes.
     """
     rows: list[Row] = []
-    for c in study.once(compare_models):
+    for c in study.compute_once(compare_models):
         row: Row = {"errors": c.errors, Quantity("load", "axial load", "N", ".0f"): c.load}
         for name, words, model in (
             ("axial", "axial only", c.axial),
@@ -288,7 +290,7 @@ def errors_against_3d_table(study: Study) -> Table:
             Quantity("loaded", "loaded balls", "", "s"): c.loaded,
             Quantity("solid", "in 3D", "", "s"): c.loaded_in_3d,
         }
-        for c in study.once(compare_with_3d)
+        for c in study.compute_once(compare_with_3d)
     ]
     levels = " and ".join(str(k) for k in SOLID_LEVELS)
     contacts = 2 * study.scene(SCENE).ball_count
@@ -316,32 +318,32 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     printed = {f.printed.key: f.printed.value for f in found if f.printed.value is not None}
     listed = read_layouts(next(case for case in CASES if case.name == "liu"))
     drawn = {
-        "liu-test": (curves.ball_deformation_figure(), curves.test_figure(), curves.test_table()),
-        "liu-mei": (curves.mei_figure(),),
-        "liu-one-ball": (curves.one_ball_figure(),),
+        "liu-test": (curves.ball_deformation_figure(), curves.displacement_test_figure(), curves.displacement_test_table()),
+        "liu-mei": (curves.liu_and_mei_loads_figure(),),
+        "liu-one-ball": (curves.one_faulty_ball_figure(),),
         "liu-loads": (
-            curves.loads_figure(),
-            curves.loads_by_range_figure(),
-            curves.loaded_balls_figure(printed, f"{loaded_counts_sentence(printed)}."),
+            curves.random_error_loads_figure(),
+            curves.loads_by_error_range_figure(),
+            curves.loaded_balls_figure(printed, f"{loaded_ball_counts_in_words(printed)}."),
             curves.displacement_figure(),
         ),
         "liu-stiffness": (
-            curves.stiffness_figure(printed, f"{stiffness_sentence(printed)}."),
+            curves.stiffness_figure(printed, f"{stiffness_deviation_in_words(printed)}."),
             curves.three_draws_figure(printed),
         ),
     }
     chapters = [
-        Section(name, title, (*shown_tables(tables, listed, by_name), *drawn.get(name, ())))
+        Section(name, title, (*tables_of_printed_numbers(tables, listed, by_name), *drawn.get(name, ())))
         for name, (title, tables) in CHAPTERS.items()
     ]
-    study.uses(SOLID)
+    study.record_used_scenes(SOLID)
     beyond = [model_loads_table(study), *([errors_against_3d_table(study)] if study.references(SOLID) else ())]
     return (
         Section(
             "liu",
             "Liu et al. (2025): contact loads of a ball screw with random geometric errors",
             (Text(ABOUT, bullets=True),),
-            conclusion=trust(counts(found)[0]),
+            conclusion=reproduction_sentence(count_entries_by_verdict(found)[0]),
         ),
         *chapters,
         Section("liu-beyond", "Liu's screw by the axial-only model, a beam, the refined model and in 3D", beyond),

@@ -12,17 +12,21 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from rollbench.compare.cases.makers.outside import (
-    Band,
+    ComputedBand,
     MakerTable,
-    Outside,
-    compare_row,
-    half_step,
-    read_table,
-    read_tables,
+    PublishedValue,
+    compare_table_entry,
+    half_step_of_last_digit,
+    read_maker_table,
+    read_maker_tables,
 )
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.bearings.angular_contact import CatalogueBearings, conformity_of_pair, thrust_state_under_load
-from rollbench.lowfi.bearings.axis import PointRow, equal_rows, equilibrium
+from rollbench.lowfi.bearings.angular_contact import (
+    CatalogueBearings,
+    bearing_states_under_thrust,
+    conformity_from_pair_rigidity,
+)
+from rollbench.lowfi.bearings.axis import PointRow, equal_rows_with_gap, solve_set_equilibrium
 from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.meshes.arrays import Array
@@ -41,7 +45,7 @@ TORQUE = 4.0 / 3.0
 
 
 @cache
-def ratios_of_set_to_pair(name: str) -> tuple[float, float, float]:
+def bearing_set_over_pair_ratios(name: str) -> tuple[float, float, float]:
     """Return the ratios of a set of bearings to a DB pair: of preload, of tangent rigidity, and of starting torque.
 
     ``name``: arrangement of the rows, such as "DBD". All rows have equal gaps and a constant contact angle.
@@ -51,7 +55,7 @@ def ratios_of_set_to_pair(name: str) -> tuple[float, float, float]:
     def set_totals(name: str) -> Array:
         """Return preload, tangent rigidity and starting torque (3,) of a set of bearings, in arbitrary units."""
         rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
-        state = equilibrium(equal_rows(one, rows, 1e-6))
+        state = solve_set_equilibrium(equal_rows_with_gap(one, rows, 1e-6))
         loads = state.loads
         return np.array([loads[np.array(rows) == 1].sum(), state.stiffness, (loads**TORQUE).sum()])
 
@@ -67,9 +71,9 @@ SET_QUANTITIES = (
 )
 
 
-def compare_bearing_sets() -> Iterator[Outside]:
+def compare_nsk_bearing_sets() -> Iterator[PublishedValue]:
     """Yield printed preload, rigidity and starting torque of NSK's bearing sets, with values computed from DB pairs."""
-    for source in read_tables("nsk-tac"):
+    for source in read_maker_tables("nsk-tac"):
         named = dict(entry.split("=") for entry in source.head["sets"].split("; "))
         pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}
         for row in source.rows:
@@ -80,18 +84,24 @@ def compare_bearing_sets() -> Iterator[Outside]:
             pair = pairs[row["bearing"], cls if kind != "class" else "C10"]
             growth = source.number(row["preload_N"]) / source.number(pair["preload_N"])
             ratios = (
-                ratios_of_set_to_pair(name) if kind != "class" else tuple(growth**power for *_, power in SET_QUANTITIES)
+                bearing_set_over_pair_ratios(name)
+                if kind != "class"
+                else tuple(growth**power for *_, power in SET_QUANTITIES)
             )
             for (quantity, column, unit, power), ratio in zip(SET_QUANTITIES, ratios, strict=True):
                 if kind == "class" and quantity == "preload":
                     continue
                 half, base = 0.5 * float(source.head.get(f"{quantity}_step_{cls}", "0")), source.number(pair[column])
-                off = max(half_step(pair[column]), half) / base
+                off = max(half_step_of_last_digit(pair[column]), half) / base
                 if kind == "class":
-                    off += power * sum(half_step(r["preload_N"]) / source.number(r["preload_N"]) for r in (row, pair))
+                    off += power * sum(
+                        half_step_of_last_digit(r["preload_N"]) / source.number(r["preload_N"]) for r in (row, pair)
+                    )
                 what = (quantity, "sets and preloads from one pair", f"{row['bearing']} {cls} {name}", unit)
-                rounding = max(half_step(row[column]), half)
-                yield compare_row(source, row, "line", column, what, Band.within(ratio * base, off), rounding=rounding)
+                rounding = max(half_step_of_last_digit(row[column]), half)
+                yield compare_table_entry(
+                    source, row, "line", column, what, ComputedBand.within(ratio * base, off), rounding=rounding
+                )
 
 
 # --- bearings from their ratings
@@ -100,7 +110,7 @@ def compare_bearing_sets() -> Iterator[Outside]:
 @cache
 def _bearing_with_iso_material() -> Scene:
     """Return the shipped scene of a nine-ball bearing, with the elastic constants assumed for ISO 281 and ISO 76."""
-    found = catalogue.shipped("bearing-9")
+    found = catalogue.shipped_scene("bearing-9")
     assert isinstance(found, Scene)
     material = replace(found.nut.material, youngs_modulus=YOUNG, poissons_ratio=POISSON)
     balls = replace(found.balls, material=material)
@@ -109,7 +119,7 @@ def _bearing_with_iso_material() -> Scene:
     )
 
 
-def bearing_scene(balls: int, ball: float, pitch: float, angle: float, conformity: float = CONFORMITY) -> Scene:
+def single_row_bearing_scene(balls: int, ball: float, pitch: float, angle: float, conformity: float = CONFORMITY) -> Scene:
     """Return the scene of a single-row ball bearing with given dimensions.
 
     ``balls``: number of balls; ``ball``, ``pitch``: diameters of ball and pitch circle [m]; ``angle``: contact angle
@@ -138,7 +148,7 @@ def rating_factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
     First: C/(Z^(2/3) D^1.8) of the dynamic rating C; second: C_0/(Z D^2) of the static rating C_0, in N and m. Z: number
     of balls; D: ball diameter; d_m: pitch diameter; ``angle``: contact angle [rad].
     """
-    rings = [bearing_scene(FEW, x * PITCH, PITCH, angle) for x in RELATIVE]
+    rings = [single_row_bearing_scene(FEW, x * PITCH, PITCH, angle) for x in RELATIVE]
     balls = RELATIVE * PITCH
     dynamic = [dynamic_rating(one) for one in rings] / (FEW ** (2.0 / 3.0) * balls**1.8)
     static = [static_rating(one) for one in rings] / (FEW * balls**2)
@@ -175,14 +185,14 @@ def _mean_diameter(row: Mapping[str, str]) -> float:
     return 0.5e-3 * (float(row["bore_mm"]) + float(row["outside_diameter_mm"]))
 
 
-def compare_ball_bearings() -> Iterator[Outside]:
+def compare_nsk_ball_bearings() -> Iterator[PublishedValue]:
     """Yield NSK's printed axial clearance, rigidity and factor f_0 of ball bearings, with computed values.
 
     Number and diameter of the balls follow from the printed ratings, the conformity from the rigidity at the highest
     preload. The axial clearance of a preloaded pair is 2 (u(measuring load) - u(preload)), with u the displacement of one
     row under a thrust. Contact angles change under load.
     """
-    source = read_table("nsk-angular")
+    source = read_maker_table("nsk-angular")
     groups: dict[str, list[Mapping[str, str]]] = {}
     for row in source.rows:
         groups.setdefault(row["bearing"], []).append(row)
@@ -197,25 +207,25 @@ def compare_ball_bearings() -> Iterator[Outside]:
     count, ball = np.array([balls_from_ratings(*of) for of in zip(dynamic, static, pitch, angle, strict=True)]).T
     begin = CatalogueBearings(np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON)
     forces, rigid, load = column_values("preload_N"), column_values("rigidity_N_per_um"), column_values("measuring_load_N")
-    step = np.array([half_step(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
+    step = np.array([half_step_of_last_digit(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
     moved, stiff = [], []
     for off in (0.0, step, -step):
-        conformity = conformity_of_pair(begin, forces[:, -1], 1e6 * (rigid[:, -1] + off))
+        conformity = conformity_from_pair_rigidity(begin, forces[:, -1], 1e6 * (rigid[:, -1] + off))
         balls, balls_size, circle, groove, rest = (x[:, None] for x in (begin.balls, ball, pitch, conformity, angle))
         each = CatalogueBearings(balls, balls_size, circle, groove, rest, YOUNG, POISSON)
-        state = thrust_state_under_load(each, np.column_stack([forces, load[:, -1]]))
+        state = bearing_states_under_thrust(each, np.column_stack([forces, load[:, -1]]))
         moved.append(1e6 * state.displacement)
         stiff.append(2e-6 * state.stiffness[:, :-1])
     for i, rows in enumerate(bearings):
-        yield from _compare_one_bearing(source, rows, forces[i], np.array(moved)[:, i], np.array(stiff)[:, i])
+        yield from _compare_clearances_and_rigidities(source, rows, forces[i], np.array(moved)[:, i], np.array(stiff)[:, i])
         if rows[0]["f0"][:1].isdigit():
             factor = 1e-6 * static[i] / (count[i] * ball[i] ** 2 * cos(angle[i]))
             yield _compare_factor_f0(source, rows[0], float(factor))
 
 
-def _compare_one_bearing(
+def _compare_clearances_and_rigidities(
     source: MakerTable, rows: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
-) -> Iterator[Outside]:
+) -> Iterator[PublishedValue]:
     """Yield the printed axial clearances and rigidities of one bearing at p preloads, with computed values.
 
     ``rows``: rows of the table, one for each preload; ``forces``: preloads (p,) [N]; ``moved``: displacements (3, p + 1)
@@ -224,46 +234,46 @@ def _compare_one_bearing(
     """
     clearance = 2.0 * (moved[:, -1:] - moved[:, :-1])
     for i, row in enumerate(rows):
-        share = half_step(row["preload_N"]) / forces[i]
+        share = half_step_of_last_digit(row["preload_N"]) / forces[i]
         item, law = f"{row['bearing']} {row['preload_class']}", "bearing whose angle turns"
-        yield compare_row(
+        yield compare_table_entry(
             source,
             row,
             "line_clearance",
             "clearance_um",
             ("displacement", law, item, "um"),
-            Band.of(clearance[:, i], 4.0 / 3.0 * moved[0, i] * share),
+            ComputedBand.of(clearance[:, i], 4.0 / 3.0 * moved[0, i] * share),
             rounding=0.5,
             scale=float(2.0 * moved[0, -1]),
         )
-        yield compare_row(
+        yield compare_table_entry(
             source,
             row,
             "line_preload",
             "rigidity_N_per_um",
             ("rigidity", law, item, "N/um"),
-            Band.of(rigid[:, i], rigid[0, i] * share / 3.0),
+            ComputedBand.of(rigid[:, i], rigid[0, i] * share / 3.0),
             left="the conformity is taken from it" if row is rows[-1] else "",
         )
 
 
-def _compare_factor_f0(source: MakerTable, row: Mapping[str, str], factor: float) -> Outside:
+def _compare_factor_f0(source: MakerTable, row: Mapping[str, str], factor: float) -> PublishedValue:
     """Return the printed factor f_0 = C_0/(Z D^2 cos alpha) of a bearing together with the computed value.
 
     ``source``: the maker's table; ``row``: texts of the bearing's row, by column; ``factor``: the computed value
     [N/mm^2], with number Z and diameter D of the balls that follow from the printed ratings.
     """
-    off = factor * sum(half_step(row[key]) / source.number(row[key]) for key in ("Cr_kN", "C0r_kN"))
+    off = factor * sum(half_step_of_last_digit(row[key]) / source.number(row[key]) for key in ("Cr_kN", "C0r_kN"))
     what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} f0", "")
-    return compare_row(source, row, "line_product", "f0", what, Band.of((factor,), off))
+    return compare_table_entry(source, row, "line_product", "f0", what, ComputedBand.of((factor,), off))
 
 
-def compare_constant_angle_pairs() -> Iterator[Outside]:
+def compare_snfa_pair_rigidities() -> Iterator[PublishedValue]:
     """Yield SNFA's printed rigidity of preloaded bearing pairs, with values for contact angles that change under load.
 
     The printed values follow the catalogue's formula for a constant angle, so they are shown, but not judged.
     """
-    source = read_table("snfa-angular")
+    source = read_maker_table("snfa-angular")
 
     def column_values(key: str, factor: float = 1.0) -> Array:
         """Return a column of the table as an array of numbers, times a factor; ``key``: name of the column."""
@@ -274,26 +284,28 @@ def compare_constant_angle_pairs() -> Iterator[Outside]:
     rows = CatalogueBearings(
         column_values("balls"), column_values("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON
     )
-    stiff = 2e-7 * thrust_state_under_load(rows, column_values("preload_daN", 10.0)).stiffness
+    stiff = 2e-7 * bearing_states_under_thrust(rows, column_values("preload_daN", 10.0)).stiffness
     for row, found in zip(source.rows, stiff, strict=True):
         item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"
         what, left = ("rigidity", "bearing whose angle turns", item, "daN/um"), "a formula in disguise"
-        yield compare_row(source, row, "line_preload", "Ra_pair_daN_per_um", what, Band.of((found,)), left=left)
+        yield compare_table_entry(
+            source, row, "line_preload", "Ra_pair_daN_per_um", what, ComputedBand.of((found,)), left=left
+        )
 
 
-def compare_ratings_of_printed_balls() -> Iterator[Outside]:
+def compare_snfa_load_ratings() -> Iterator[PublishedValue]:
     """Yield SNFA's printed load ratings C and C_0, each with the value by ISO 281 or ISO 76 for the printed balls.
 
     The band of the computed value covers pitch diameters within 2 % of the mean of bore and outside diameter, and the
     rounding of the printed ball diameter.
     """
-    source, done = read_table("snfa-angular"), set[tuple[str, str]]()
+    source, done = read_maker_table("snfa-angular"), set[tuple[str, str]]()
     for row in source.rows:
         if (row["bearing"], row["C33_daN"]) in done:
             continue
         done.add((row["bearing"], row["C33_daN"]))
         ball, count, x = 1e-3 * float(row["ball_diameter_mm"]), int(row["balls"]), 1.0 / np.array([1.0, 0.98, 1.02])
-        off = 2.0 * half_step(row["ball_diameter_mm"]) / float(row["ball_diameter_mm"])
+        off = 2.0 * half_step_of_last_digit(row["ball_diameter_mm"]) / float(row["ball_diameter_mm"])
         of_dynamic, of_static = rating_factors(radians(float(row["angle_deg"])))
         x *= ball / _mean_diameter(row)
         maker = f"{source.head['maker']}, series {'VE' if row['bearing'].startswith('VE') else 'S, E'}"
@@ -302,5 +314,5 @@ def compare_ratings_of_printed_balls() -> Iterator[Outside]:
             ("C0_daN", 0.1 * of_static(x) * count * ball**2),
         ):
             what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} {column.partition('_')[0]}", "daN")
-            band = Band.of(found, off * float(found[0]))
-            yield compare_row(source, row, "line_product", column, what, band, maker=maker)
+            band = ComputedBand.of(found, off * float(found[0]))
+            yield compare_table_entry(source, row, "line_product", column, what, band, maker=maker)

@@ -14,13 +14,13 @@ from math import pi, prod, radians, sqrt
 import numpy as np
 
 from rollbench.compare.cases.makers.outside import (
-    Band,
+    ComputedBand,
     MakerTable,
-    Outside,
-    compare_row,
-    half_step,
-    read_table,
-    read_tables,
+    PublishedValue,
+    compare_table_entry,
+    half_step_of_last_digit,
+    read_maker_table,
+    read_maker_tables,
 )
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
@@ -29,7 +29,7 @@ from rollbench.compare.scenes.template import BEYOND, STOCK, WALL
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import dynamic_rating
-from rollbench.lowfi.rating.rigidity import PRACTICE, approach_per_displacement, body_compliance
+from rollbench.lowfi.rating.rigidity import PRACTICE, approach_per_displacement, axial_compliance_of_bodies
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.parts import BallErrors, Friction, Load, Motion, Scene, Support
 
@@ -53,13 +53,13 @@ LIFT = 2.0**1.5
 @cache
 def _base_screw() -> Scene:
     """Return the shipped scene of a 40x10 ball screw, from which the scenes of catalogue nuts are made."""
-    found = catalogue.shipped("unseen-40x10")
+    found = catalogue.shipped_scene("unseen-40x10")
     assert isinstance(found, Scene)
     return found
 
 
 @dataclass(frozen=True)
-class Nut:
+class CatalogueNut:
     """Dimensions of a ball nut in a catalogue.
 
     ``ball``, ``pitch``: diameters of ball and pitch circle [m]; ``lead``: lead of the screw [m]; ``turns``: number of
@@ -83,7 +83,7 @@ class Nut:
         return SHORT if self.short else LONG
 
 
-def scene_of_one_turn(nut: Nut, conformity: float) -> Scene:
+def scene_of_one_turn(nut: CatalogueNut, conformity: float) -> Scene:
     """Return the scene of a screw and nut with one loaded turn, filled with balls that touch each other.
 
     ``conformity``: groove radius over ball diameter.
@@ -100,7 +100,7 @@ def scene_of_one_turn(nut: Nut, conformity: float) -> Scene:
     )
 
 
-def nut_load_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float, float]:
+def nut_load_ratings(nut: CatalogueNut, conformity: float, filling: float) -> tuple[float, float]:
     """Return the dynamic rating C, then the static rating C_0 of a nut [N] by ISO 3408-5.
 
     ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with balls.
@@ -110,7 +110,7 @@ def nut_load_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float
     return dynamic_rating(one) * share ** (2.0 / 3.0) * nut.turns**0.86, static_rating(one) * share * nut.turns
 
 
-def nut_displacement(nut: Nut, conformity: float, filling: float, load: float, *, bodies: bool = True) -> float:
+def nut_displacement(nut: CatalogueNut, conformity: float, filling: float, load: float, *, bodies: bool = True) -> float:
     """Return the axial displacement [m] of a nut without preload, all balls loaded equally.
 
     ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with balls;
@@ -120,14 +120,14 @@ def nut_displacement(nut: Nut, conformity: float, filling: float, load: float, *
     one = scene_of_one_turn(nut, conformity)
     constants, slope = error_free_hertz(one).C, approach_per_displacement(one)
     each = load / (filling * nut.touching * nut.turns * slope)
-    tubes = (body_compliance(one) or 0.0) / nut.turns if bodies else 0.0
+    tubes = (axial_compliance_of_bodies(one) or 0.0) / nut.turns if bodies else 0.0
     return float((constants[0] + constants[3]) * np.cbrt(each) ** 2 / slope + tubes * load)
 
 
 # --- dimensions from catalogue entries
 
 
-def read_turns(row: Mapping[str, str]) -> tuple[float, bool]:
+def read_loaded_turns(row: Mapping[str, str]) -> tuple[float, bool]:
     """Return the number of loaded turns of a nut in a catalogue, then whether each circuit has only one turn.
 
     ``row``: texts of the nut's row, by column. Makers write the number as ``4`` of ``T4`` or ``K4``, as ``2x2.5`` (also
@@ -146,7 +146,7 @@ def read_turns(row: Mapping[str, str]) -> tuple[float, bool]:
     return float(prod(map(float, turns.split("x")))), False
 
 
-def read_nut(source: MakerTable, row: Mapping[str, str]) -> Nut:
+def nut_of_catalogue_row(source: MakerTable, row: Mapping[str, str]) -> CatalogueNut:
     """Return the dimensions of a nut from its row in a catalogue.
 
     ``source``: table of the catalogue; ``row``: texts of the nut's row, by column. If the ball is not printed, it is the
@@ -160,11 +160,11 @@ def read_nut(source: MakerTable, row: Mapping[str, str]) -> Nut:
         fits = (pitch - source.number(row["root_mm"])) / DEPTH
         ball = min(STOCK, key=lambda known: abs(known - fits))
     pitch = pitch or source.number(row["diameter_mm"]) + 2.0 * BEYOND * ball
-    turns, short = read_turns(row)
-    return Nut(1e-3 * ball, 1e-3 * pitch, 1e-3 * source.number(row["lead_mm"]), turns, short)
+    turns, short = read_loaded_turns(row)
+    return CatalogueNut(1e-3 * ball, 1e-3 * pitch, 1e-3 * source.number(row["lead_mm"]), turns, short)
 
 
-def maker_and_type(source: MakerTable, row: Mapping[str, str]) -> str:
+def maker_and_nut_type(source: MakerTable, row: Mapping[str, str]) -> str:
     """Return the maker's name, with the type of nut if this maker rates several types by different rules.
 
     ``source``: table of the maker; ``row``: texts of the nut's row, by column.
@@ -180,25 +180,27 @@ def maker_and_type(source: MakerTable, row: Mapping[str, str]) -> str:
 # --- comparisons with printed values
 
 
-def compare_nut_ratings() -> Iterator[Outside]:
+def compare_nut_ratings() -> Iterator[PublishedValue]:
     """Yield printed load ratings C and C_0 of nuts, each with the value by ISO 3408-5.
 
     Only nuts whose ball diameter is printed are compared. The band of the computed value covers the usual ranges of
     conformity and of the fraction of turns filled with balls.
     """
-    for source in read_tables("nuts-"):
+    for source in read_maker_tables("nuts-"):
         for row in source.rows:
             if not row["ball_mm"]:
                 continue
-            nut, unit = read_nut(source, row), source.unit("load_unit")
+            nut, unit = nut_of_catalogue_row(source, row), source.unit("load_unit")
             corners = [(CONFORMITY, 0.5 * sum(nut.filling))] + [(c, x) for c in CONFORMITIES for x in nut.filling]
             found = np.array([nut_load_ratings(nut, *corner) for corner in corners]) / unit
             for k, key in enumerate(("C", "C0")):
                 what = ("rating", "ISO 3408-5", f"{row['nut']} {key}", source.head["load_unit"])
-                yield compare_row(source, row, "line", key, what, Band.of(found[:, k]), maker=maker_and_type(source, row))
+                yield compare_table_entry(
+                    source, row, "line", key, what, ComputedBand.of(found[:, k]), maker=maker_and_nut_type(source, row)
+                )
 
 
-def filled_fraction(nut: Nut, static: float) -> float:
+def filled_fraction_from_static_rating(nut: CatalogueNut, static: float) -> float:
     """Return the fraction of a nut's turns filled with loaded balls that follows from the static rating by ISO 3408-5.
 
     ``static``: static rating C_0 that the maker prints [N].
@@ -206,24 +208,24 @@ def filled_fraction(nut: Nut, static: float) -> float:
     return static / nut_load_ratings(nut, CONFORMITY, 1.0)[1]
 
 
-def compare_nut_rigidity() -> Iterator[Outside]:
+def compare_nut_rigidity() -> Iterator[PublishedValue]:
     """Yield printed secant rigidities of nuts, each with the computed value.
 
     The secant ends at an axial load of 0.3 C and starts at zero, for preloaded nuts at 0.1 C (C: dynamic rating). The
     computed rigidity has the deformations of Hertz contacts and thick tubes. The number of balls follows from the printed
     C_0, so that the band covers the range of conformity, and 5 % more or fewer balls only.
     """
-    for source in read_tables("nuts-"):
+    for source in read_maker_tables("nuts-"):
         for row in source.rows:
             if not row.get("rigidity"):
                 continue
-            nut, unit = read_nut(source, row), source.unit("load_unit")
+            nut, unit = nut_of_catalogue_row(source, row), source.unit("load_unit")
             load = LOADED * source.number(row["C"]) * unit
-            share = filled_fraction(nut, source.number(row["C0"]) * unit)
+            share = filled_fraction_from_static_rating(nut, source.number(row["C0"]) * unit)
             preload = PRELOADED / LOADED * load if row["type"] in source.head.get("preloaded", "-").split(", ") else 0.0
 
             def secant_rigidity(
-                conformity: float, filling: float, nut: Nut = nut, load: float = load, held: float = preload
+                conformity: float, filling: float, nut: CatalogueNut = nut, load: float = load, held: float = preload
             ) -> float:
                 """Return the load over the nut's displacement [N/m] between the loads ``held`` and ``load`` [N]."""
                 start = nut_displacement(nut, conformity, filling, held) if held else 0.0
@@ -231,19 +233,19 @@ def compare_nut_rigidity() -> Iterator[Outside]:
 
             stiff = source.unit("rigidity_unit")
             corners = [(CONFORMITY, share)] + [(c, x * share) for c in CONFORMITIES for x in (0.95, 1.05)]
-            band = Band.of(secant_rigidity(*corner) / stiff for corner in corners)
+            band = ComputedBand.of(secant_rigidity(*corner) / stiff for corner in corners)
             what = ("rigidity", "contacts and tubes under 0.3 C", row["nut"], source.head["rigidity_unit"])
-            maker, practice = maker_and_type(source, row), PRACTICE * band.value
-            yield compare_row(source, row, "line", "rigidity", what, band, maker=maker, practice=practice)
+            maker, practice = maker_and_nut_type(source, row), PRACTICE * band.value
+            yield compare_table_entry(source, row, "line", "rigidity", what, band, maker=maker, practice=practice)
 
 
-def compare_preloaded_nuts() -> Iterator[Outside]:
+def compare_preloaded_nuts() -> Iterator[PublishedValue]:
     """Yield Rexroth's printed rigidities of preloaded nuts at several preloads, each with the computed value.
 
     At the highest preload, the rigidity is computed from contacts and tubes. At the other preloads it is the printed
     rigidity at the highest preload times the cube root of the ratio of the preloads.
     """
-    source = read_table("rexroth-preload")
+    source = read_maker_table("rexroth-preload")
     groups: dict[tuple[str, str], list[Mapping[str, str]]] = {}
     for row in source.rows:
         groups.setdefault((row["nut_kind"], row["size"]), []).append(row)
@@ -252,7 +254,7 @@ def compare_preloaded_nuts() -> Iterator[Outside]:
         ball, outer, lead = (
             1e-3 * source.number(rows[0][k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm")
         )
-        nut = Nut(ball, outer + 2.0 * BEYOND * ball, lead, turns, short=False)
+        nut = CatalogueNut(ball, outer + 2.0 * BEYOND * ball, lead, turns, short=False)
         ordered = sorted(rows, key=lambda row: source.number(row["preload_percent_of_C"]))
         top = ordered[-1]
         for row in ordered:
@@ -265,11 +267,13 @@ def compare_preloaded_nuts() -> Iterator[Outside]:
                 ]
                 law, practice = "contacts and tubes, both nuts loaded", PRACTICE * ends[0]
             else:
-                base, step = source.number(top["Rnu_N_per_um"]), half_step(top["Rnu_N_per_um"])
+                base, step = source.number(top["Rnu_N_per_um"]), half_step_of_last_digit(top["Rnu_N_per_um"])
                 growth = np.cbrt(share / source.number(top["preload_percent_of_C"]))
                 ends, law, practice = [x * growth for x in (base, base + step, base - step)], "growth with preload", None
             what = ("rigidity", law, f"{kind} {size}, {share:g} % of C", "N/um")
-            yield compare_row(source, row, "line_values", "Rnu_N_per_um", what, Band.of(ends), practice=practice)
+            yield compare_table_entry(
+                source, row, "line_values", "Rnu_N_per_um", what, ComputedBand.of(ends), practice=practice
+            )
 
 
 #: Coefficient of friction of balls on grooves: default of the command `friction`, and least value of lubricated bearings.
@@ -282,7 +286,7 @@ SLIDING = "sliding of the balls, coefficient 0.1"
 FEW = 8
 
 
-def _screw_with_few_balls(nut: Nut) -> Scene:
+def _screw_with_few_balls(nut: CatalogueNut) -> Scene:
     """Return the scene of a nut with one turn and only `FEW` balls, on a screw that is supported at both ends."""
     one = scene_of_one_turn(nut, CONFORMITY)
     ends = (("ux", "uy", "rx", "ry", "rz"), ("ux", "uy"))
@@ -297,7 +301,7 @@ def _screw_with_few_balls(nut: Nut) -> Scene:
 
 
 @cache
-def torque_of_ball(nut: Nut, share: float, coefficient: float, *, double: bool) -> float:
+def drag_torque_of_ball(nut: CatalogueNut, share: float, coefficient: float, *, double: bool) -> float:
     """Return the drag torque [N m] of one ball of a preloaded nut, or of two balls of a double nut, one in each nut.
 
     ``share``: axial force [N] that the preload exerts on the ball; ``coefficient``: coefficient of friction; ``double``:
@@ -315,14 +319,14 @@ def torque_of_ball(nut: Nut, share: float, coefficient: float, *, double: bool) 
     return (2.0 if double else 1.0) * torque / FEW
 
 
-def drag_torque(nut: Nut, preload: float, coefficient: float = DEFAULT, *, double: bool = False) -> float:
+def drag_torque_of_nut(nut: CatalogueNut, preload: float, coefficient: float = DEFAULT, *, double: bool = False) -> float:
     """Return the drag torque [N m] of a nut under an axial preload [N], with all turns filled with balls.
 
     ``coefficient``: coefficient of friction; ``double``: whether it is a double nut with balls loaded on two flanks,
     instead of a single nut with oversize balls.
     """
     balls = nut.touching * nut.turns
-    return balls * torque_of_ball(nut, preload / balls, coefficient, double=double)
+    return balls * drag_torque_of_ball(nut, preload / balls, coefficient, double=double)
 
 
 # --- makers' formulas for the drag torque T over preload F [N], nominal diameter d_0 and lead P [m]
@@ -380,9 +384,9 @@ class DragComparison:
 SWEPT, BALL, SHARE = (32.0, (8.0, 10.0, 16.0, 20.0, 32.0)), 4.763, 60.0
 
 
-def compared_nut(lead: float) -> Nut:
+def nut_for_drag_comparison(lead: float) -> CatalogueNut:
     """Return the nut for which the makers' drag-torque formulas are compared: one turn, and a given lead [m]."""
-    return Nut(1e-3 * BALL, 1e-3 * (SWEPT[0] + 0.22 * BALL), lead, 1.0, short=False)
+    return CatalogueNut(1e-3 * BALL, 1e-3 * (SWEPT[0] + 0.22 * BALL), lead, 1.0, short=False)
 
 
 def compare_drag_over_lead() -> list[DragComparison]:
@@ -392,37 +396,39 @@ def compare_drag_over_lead() -> list[DragComparison]:
     """
     rows = []
     for lead in SWEPT[1]:
-        nut, d0 = compared_nut(1e-3 * lead), 1e-3 * SWEPT[0]
-        drag = [torque_of_ball(nut, SHARE, mu, double=x) / (SHARE * d0) for mu in (DEFAULT, LEAST) for x in (False, True)]
+        nut, d0 = nut_for_drag_comparison(1e-3 * lead), 1e-3 * SWEPT[0]
+        drag = [
+            drag_torque_of_ball(nut, SHARE, mu, double=x) / (SHARE * d0) for mu in (DEFAULT, LEAST) for x in (False, True)
+        ]
         formulas = tuple(f(1.0, d0, 1e-3 * lead) / d0 for _, f in FORMULAS)
         rows.append(DragComparison(d0, 1e-3 * lead, drag[0], drag[1], (drag[2], drag[3]), formulas))
     return rows
 
 
-def power_exponent(values: list[float], over: list[float]) -> float:
+def fit_power_exponent(values: list[float], over: list[float]) -> float:
     """Return the exponent n of the power law ``values`` ~ ``over``^n, fitted by least squares of the logarithms."""
     return float(np.polyfit(np.log(over), np.log(values), 1)[0])
 
 
-def compare_printed_torques() -> Iterator[Outside]:
+def compare_rexroth_drag_torques() -> Iterator[PublishedValue]:
     """Yield Rexroth's printed ranges of drag torque, each with the computed torque.
 
     They are not judged, since the printed torques follow a formula.
     """
-    source = read_table("rexroth-preload")
+    source = read_maker_table("rexroth-preload")
     for row in source.rows:
         ball, outer, lead = (1e-3 * source.number(row[k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm"))
         if not row["torque_low_Nm"]:
             continue
         turns = prod(map(float, row["turns"].replace(",", ".").split("x")))
         share = source.number(row["preload_percent_of_C"])
-        nut = Nut(ball, outer + 0.22 * ball, lead, turns, short=False)
+        nut = CatalogueNut(ball, outer + 0.22 * ball, lead, turns, short=False)
         preload, double = 0.01 * share * source.number(row["C_N"]), row["nut_kind"] == "double nut"
-        torque = drag_torque(nut, preload, double=double)
+        torque = drag_torque_of_nut(nut, preload, double=double)
         low, high = (source.number(row[k]) for k in ("torque_low_Nm", "torque_high_Nm"))
         what = ("torque", SLIDING, f"{row['nut_kind']} {row['size']}, {share:g} % of C", "N m")
-        one = compare_row(
-            source, row, "line_values", "torque_high_Nm", what, Band.of((torque,)), left="a formula in disguise"
+        one = compare_table_entry(
+            source, row, "line_values", "torque_high_Nm", what, ComputedBand.of((torque,)), left="a formula in disguise"
         )
         yield replace(one, value=0.5 * (low + high), rounding=0.5 * (high - low))
 
@@ -431,7 +437,7 @@ def compare_printed_torques() -> Iterator[Outside]:
 MEASURED_LEAD, MEASURED_C, MEASURED_PRELOAD, DIAMETERS = 8e-3, 16_400.0, 1_500.0, (25.0, 32.0, 40.0)
 
 
-def torque_of_measured_screws() -> Band:
+def drag_torque_of_measured_screws() -> ComputedBand:
     """Return the computed drag torque [N m] of two ball screws whose friction torque was measured, with its range.
 
     The value is that of the middle nominal diameter as a double nut, at the default coefficient of friction; the range
@@ -441,22 +447,22 @@ def torque_of_measured_screws() -> Band:
     ball = 1e-3 * max(b for b in STOCK if b <= 0.635e3 * MEASURED_LEAD)
     found = {}
     for outer in DIAMETERS:
-        one = Nut(ball, 1e-3 * outer + 0.22 * ball, MEASURED_LEAD, 1.0, short=False)
+        one = CatalogueNut(ball, 1e-3 * outer + 0.22 * ball, MEASURED_LEAD, 1.0, short=False)
         turns = (MEASURED_C / nut_load_ratings(one, CONFORMITY, 0.95)[0]) ** (1.0 / 0.86)
         for double in (False, True):
-            found[outer, double] = drag_torque(replace(one, turns=turns), MEASURED_PRELOAD, double=double)
-    return Band.of((found[DIAMETERS[1], True], *found.values()))
+            found[outer, double] = drag_torque_of_nut(replace(one, turns=turns), MEASURED_PRELOAD, double=double)
+    return ComputedBand.of((found[DIAMETERS[1], True], *found.values()))
 
 
-def compare_measured_torques() -> Iterator[Outside]:
+def compare_measured_drag_torques() -> Iterator[PublishedValue]:
     """Yield the measured mean friction torque of two screws, new and worn, with the computed torque.
 
     Worn: at the end of the test. Measurements between start and end belong to the same test and are left out.
     """
-    source = read_table("xjtu-torque")
-    band = torque_of_measured_screws()
+    source = read_maker_table("xjtu-torque")
+    band = drag_torque_of_measured_screws()
     ends = {name: [r for r in source.rows if r["screw"] == name] for name in dict.fromkeys(r["screw"] for r in source.rows)}
     for name, rows in ends.items():
         for row, state in ((rows[0], "new"), (rows[-1], "worn")):
             what, maker = ("torque", SLIDING, f"{name}, {state}", "N m"), f"{source.head['maker']}, rig"
-            yield compare_row(source, row, "line", "torque_Nm", what, band, maker=maker)
+            yield compare_table_entry(source, row, "line", "torque_Nm", what, band, maker=maker)

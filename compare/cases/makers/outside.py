@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollbench.compare.evidence import computations_by_table, evidence
+from rollbench.compare.evidence import computations_with_function, evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.reports.content import Cell, Quantity, Table
@@ -48,7 +48,7 @@ class MakerTable:
         """Return the factor from a printed unit to SI; ``key``: line of the table's head with the unit, as "load_unit"."""
         return UNITS[self.head[key]]
 
-    def misprinted(self, what: str) -> bool:
+    def lists_as_misprint(self, what: str) -> bool:
         """Return whether the table's head lists a printed value as a misprint.
 
         ``what``: name of the part, or name of the part and quantity, such as "SFE1632-3 rigidity". A name that is listed
@@ -58,7 +58,7 @@ class MakerTable:
 
 
 @cache
-def read_table(name: str) -> MakerTable:
+def read_maker_table(name: str) -> MakerTable:
     """Read a maker's table from the file ``tables/NAME.csv``; ``name``: NAME. Further calls return the same object."""
     lines = (TABLES_FOLDER / f"{name}.csv").read_text(encoding="utf-8").splitlines()
     remarks = [line[2:].partition(": ") for line in lines if line.startswith("# ")]
@@ -66,12 +66,12 @@ def read_table(name: str) -> MakerTable:
     return MakerTable(name, {key: text for key, _, text in remarks if key != "note"}, tuple(body))
 
 
-def read_tables(prefix: str) -> list[MakerTable]:
+def read_maker_tables(prefix: str) -> list[MakerTable]:
     """Read all makers' tables whose file name begins with ``prefix``, such as "nuts-", sorted by name."""
-    return [read_table(path.stem) for path in sorted(TABLES_FOLDER.glob(f"{prefix}*.csv"))]
+    return [read_maker_table(path.stem) for path in sorted(TABLES_FOLDER.glob(f"{prefix}*.csv"))]
 
 
-def half_step(text: str) -> float:
+def half_step_of_last_digit(text: str) -> float:
     """Return half a step of the last nonzero digit of a printed number: 5 for ``"2 150"``, 0.005 for ``"0.14"``."""
     plain = "".join(text.split()).replace(",", ".").lstrip("+-")
     places = len(plain.partition(".")[2])
@@ -79,7 +79,7 @@ def half_step(text: str) -> float:
     return float(0.5 * 10.0 ** (zeros - places))
 
 
-class Band(NamedTuple):
+class ComputedBand(NamedTuple):
     """A computed value with the range of values that rounded or unprinted inputs allow; all three in the same unit."""
 
     value: float
@@ -87,7 +87,7 @@ class Band(NamedTuple):
     high: float
 
     @classmethod
-    def of(cls, values: Iterable[float], slack: float = 0.0) -> Band:
+    def of(cls, values: Iterable[float], slack: float = 0.0) -> ComputedBand:
         """Return a band from computed values: the first one is its value, and their range is its range.
 
         ``slack``: amount by which the range is widened at each end, in the unit of the values.
@@ -96,7 +96,7 @@ class Band(NamedTuple):
         return cls(every[0], min(every) - slack, max(every) + slack)
 
     @classmethod
-    def within(cls, value: float, share: float) -> Band:
+    def within(cls, value: float, share: float) -> ComputedBand:
         """Return a band from one computed value, with a range of plus or minus a fraction of this value.
 
         ``share``: half width of the range over the value.
@@ -105,7 +105,7 @@ class Band(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Outside:
+class PublishedValue:
     """One published value of a maker, program, textbook or measurement, with the computed value.
 
     ``quantity``: such as "rigidity"; ``law``: name of the model that computes the quantity; ``maker``: publisher;
@@ -125,7 +125,7 @@ class Outside:
     unit: str
     value: float
     rounding: float
-    computed: Band
+    computed: ComputedBand
     scale: float = 0.0
     practice: float | None = None
     left: str = ""
@@ -150,28 +150,28 @@ class Outside:
         return float(error_percent(self.computed.value, self.value, self.scale or None))
 
 
-def compare_row(
+def compare_table_entry(
     source: MakerTable,
     row: Mapping[str, str],
     line: str,
     column: str,
     what: tuple[str, str, str, str],
-    computed: Band,
+    computed: ComputedBand,
     **others: Any,
-) -> Outside:
+) -> PublishedValue:
     """Return a number printed in a maker's table together with the computed value.
 
     ``source``: the table; ``row``: printed texts by column; ``line``: name of the column with the line number in the
     original file; ``column``: name of the column of the number. ``what``: quantity, name of the model, part, and unit of
     the number, in this order. ``computed``: computed value and range in that unit. ``others``: values of further fields
-    of `Outside`, by name.
+    of `PublishedValue`, by name.
     """
     quantity, law, item, unit = what
-    fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step(row[column])} | others
-    if source.misprinted(f"{item} {quantity}"):
+    fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step_of_last_digit(row[column])} | others
+    if source.lists_as_misprint(f"{item} {quantity}"):
         fields["left"] = "a misprint"
     origin, value = f"{source.name}.csv, line {row[line]} of its origin", source.number(row[column])
-    return Outside(
+    return PublishedValue(
         quantity=quantity,
         law=law,
         item=item,
@@ -201,7 +201,7 @@ class ErrorStatistics:
     practice: float | None
 
 
-def bias_and_scatter(found: Sequence[Outside]) -> ErrorStatistics | None:
+def error_statistics(found: Sequence[PublishedValue]) -> ErrorStatistics | None:
     """Return the statistics of the errors of all judged values; None if no value is judged.
 
     ``found``: published values with the computed ones.
@@ -217,13 +217,13 @@ def bias_and_scatter(found: Sequence[Outside]) -> ErrorStatistics | None:
     return ErrorStatistics(len(judged), float(errors.mean()), float(errors.std()), inside, float(np.median(widths)), mean)
 
 
-def group_values(found: Iterable[Outside], *keys: str) -> dict[tuple[str, ...], list[Outside]]:
-    """Group published values by fields of `Outside`, in the order in which they first occur.
+def group_by_fields(found: Iterable[PublishedValue], *keys: str) -> dict[tuple[str, ...], list[PublishedValue]]:
+    """Group published values by fields of `PublishedValue`, in the order in which they first occur.
 
     ``keys``: names of these fields. The result has the values of a group by the tuple of the fields' values. ``found``:
     published values with the computed ones.
     """
-    groups: dict[tuple[str, ...], list[Outside]] = {}
+    groups: dict[tuple[str, ...], list[PublishedValue]] = {}
     for one in found:
         groups.setdefault(tuple(getattr(one, key) for key in keys), []).append(one)
     return groups
@@ -236,26 +236,26 @@ SCATTER = Quantity("scatter", "scatter", "%", ".1f")
 NUMBER = Quantity("number", "outside values", "", ".0f")
 
 
-def statistics_by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
+def statistics_cells_by_quantity(found: Sequence[PublishedValue]) -> dict[str, dict[Quantity, Cell]]:
     """Return table cells with number, bias [%] and scatter [%] of the errors of all judged values, by quantity.
 
     ``found``: published values with the computed ones.
     """
-    rows = {key: bias_and_scatter(values) for (key,), values in group_values(found, "quantity").items()}
+    rows = {key: error_statistics(values) for (key,), values in group_by_fields(found, "quantity").items()}
     return {key: {NUMBER: s.number, BIAS: s.bias, SCATTER: s.scatter} for key, s in rows.items() if s is not None}
 
 
-def summary_table(found: Sequence[Outside]) -> Table:
+def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
     """Return the table of bias and scatter of the computed values, with a row for each quantity, model and publisher.
 
     ``found``: published values with the computed ones.
     """
     rows: list[dict[Quantity | str, Cell]] = []
     without: list[str] = []
-    for (quantity, law, group), values in group_values(found, "quantity", "law", "group").items():
+    for (quantity, law, group), values in group_by_fields(found, "quantity", "law", "group").items():
         left = [x.left for x in values if x.left]
         words = "; ".join(f"{left.count(why)}: {why}" for why in dict.fromkeys(left))
-        s = bias_and_scatter(values)
+        s = error_statistics(values)
         if s is None:
             without.append(f"{quantity} of {group}, {words}")
             continue
@@ -284,7 +284,7 @@ def summary_table(found: Sequence[Outside]) -> Table:
     )
 
 
-def published_values_table(found: Sequence[Outside]) -> Table:
+def published_values_table(found: Sequence[PublishedValue]) -> Table:
     """Return the table of all published values, each with its computed value, band, error and verdict.
 
     ``found``: published values with the computed ones.
@@ -344,13 +344,13 @@ QUANTITIES = {
 OTHERS = {("external-contact", "approach"): "displacement"}
 
 
-def compare_external_tables(study: Study) -> Iterator[Outside]:
+def compare_external_tables(study: Study) -> Iterator[PublishedValue]:
     """Yield every number of the printed tables `PRINTED` that has a computed value, with this value.
 
     Numbers of class "open", whose basis is not printed, are yielded but not judged. ``study``: solved scenes.
     """
     for name, (maker, cls) in PRINTED.items():
-        if name not in computations_by_table():
+        if name not in computations_with_function():
             continue
         for e in evidence(study, name):
             p = e.printed
@@ -359,7 +359,7 @@ def compare_external_tables(study: Study) -> Iterator[Outside]:
             patch = "contact patch" if name == "external-contact" and not p.unit else QUANTITIES[p.unit]
             quantity = OTHERS.get((name, p.key), patch)
             rounding = p.tolerance if p.cls == "hard" else max(p.value - (p.low or p.value), (p.high or p.value) - p.value)
-            yield Outside(
+            yield PublishedValue(
                 quantity,
                 "the model of its table",
                 maker,
@@ -369,18 +369,23 @@ def compare_external_tables(study: Study) -> Iterator[Outside]:
                 p.unit,
                 p.value,
                 rounding,
-                Band.of((e.value,)),
+                ComputedBand.of((e.value,)),
                 left="" if p.cls in ("hard", "band") else "open: what it rests on is not printed",
             )
 
 
-def compare_calculix(study: Study) -> Iterator[Outside]:
+def compare_calculix(study: Study) -> Iterator[PublishedValue]:
     """Yield the contact loads [N] by the program CalculiX, each with the load by the 3D reference as the computed value.
 
     CalculiX's loads are extrapolated over its meshes. Errors are in per cent of the mean contact load. ``study``: stored
     3D references.
     """
-    from rollbench.compare.studies.crosscheck.results import contact_rows, load_results, result_path, shipped_results
+    from rollbench.compare.studies.crosscheck.results import (
+        compare_contact_loads,
+        load_results,
+        path_of_stored_results,
+        shipped_results,
+    )
     from rollbench.compare.studies.crosscheck.study import STUDIES
 
     for name in STUDIES:
@@ -388,10 +393,13 @@ def compare_calculix(study: Study) -> Iterator[Outside]:
         if data is None or ours is None:
             continue
         mean = float(ours.mean)
-        for row in contact_rows(data, ours):
+        for row in compare_contact_loads(data, ours):
             off = 0.01 * row.ours_percent * mean
             words = ("contact load", "3D reference", "CalculiX", f"{name}: ball {row.ball} {row.side}", PROGRAM)
-            value = (row.theirs, 0.01 * row.theirs_percent * mean, Band.of((row.ours,), off), mean)
-            yield Outside(
-                *words, f"stored run, compare/studies/crosscheck/{result_path(shipped_results(), name).name}", "N", *value
+            value = (row.theirs, 0.01 * row.theirs_percent * mean, ComputedBand.of((row.ours,), off), mean)
+            yield PublishedValue(
+                *words,
+                f"stored run, compare/studies/crosscheck/{path_of_stored_results(shipped_results(), name).name}",
+                "N",
+                *value,
             )

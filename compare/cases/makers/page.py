@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from rollbench.compare.cases.makers import bearings, nuts, outside
-from rollbench.compare.cases.makers.outside import read_tables
+from rollbench.compare.cases.makers.outside import read_maker_tables
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.lowfi.rating.rigidity import PRACTICE
@@ -18,24 +18,24 @@ TITLE = "Computed values against makers' tables, measurements and other programs
 #: Order of quantities in tables; others follow.
 ORDER = ("contact load", "displacement", "pressure", "torque", "rigidity", "rating", "preload")
 COMPARISONS = (
-    bearings.compare_bearing_sets,
-    bearings.compare_ball_bearings,
-    bearings.compare_ratings_of_printed_balls,
-    bearings.compare_constant_angle_pairs,
+    bearings.compare_nsk_bearing_sets,
+    bearings.compare_nsk_ball_bearings,
+    bearings.compare_snfa_load_ratings,
+    bearings.compare_snfa_pair_rigidities,
     nuts.compare_nut_ratings,
     nuts.compare_nut_rigidity,
     nuts.compare_preloaded_nuts,
-    nuts.compare_printed_torques,
-    nuts.compare_measured_torques,
+    nuts.compare_rexroth_drag_torques,
+    nuts.compare_measured_drag_torques,
 )
 
 
-def published_values(study: Study) -> tuple[outside.Outside, ...]:
+def compared_published_values(study: Study) -> tuple[outside.PublishedValue, ...]:
     """Return all published values with their computed values, sorted by quantity; ``study``: keeps the result."""
-    return study.once(_compare_all)
+    return study.compute_once(_compare_all)
 
 
-def _compare_all(study: Study) -> tuple[outside.Outside, ...]:
+def _compare_all(study: Study) -> tuple[outside.PublishedValue, ...]:
     """Compute all values that are compared with published ones, sorted by quantity."""
     found = [
         *outside.compare_external_tables(study),
@@ -51,11 +51,11 @@ def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
 
     The errors are those of computed against published values. ``study``: solved scenes and stored 3D references.
     """
-    return outside.statistics_by_quantity(published_values(study))
+    return outside.statistics_cells_by_quantity(compared_published_values(study))
 
 
-def _statistics_of(
-    found: Sequence[outside.Outside], quantity: str, law: str = "", maker: str = ""
+def _error_statistics_of_quantity(
+    found: Sequence[outside.PublishedValue], quantity: str, law: str = "", maker: str = ""
 ) -> outside.ErrorStatistics:
     """Return the statistics of the errors of one quantity, of which at least one value must be judged.
 
@@ -63,26 +63,29 @@ def _statistics_of(
     so; empty: all.
     """
     values = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
-    result = outside.bias_and_scatter(values)
+    result = outside.error_statistics(values)
     assert result is not None
     return result
 
 
-def _clearance_errors(found: Sequence[outside.Outside]) -> Array:
+def _clearance_errors(found: Sequence[outside.PublishedValue]) -> Array:
     """Return the differences [um] between computed and printed axial clearances of preloaded bearings."""
     printed = (x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale)
     return np.array([x.computed.value - x.value for x in printed])
 
 
-def conclusion(found: Sequence[outside.Outside]) -> str:
+def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
     """Return the page's conclusion: how many values lie in the computed band, and errors where no input is assumed.
 
     ``found``: all published values with the computed ones.
     """
     judged = [x for x in found if not x.left]
-    clear = _statistics_of(found, "displacement", "bearing whose angle turns")
+    clear = _error_statistics_of_quantity(found, "displacement", "bearing whose angle turns")
     off = _clearance_errors(found)
-    sets = [_statistics_of(found, quantity, "sets and preloads", "NSK") for quantity in ("preload", "rigidity", "torque")]
+    sets = [
+        _error_statistics_of_quantity(found, quantity, "sets and preloads", "NSK")
+        for quantity in ("preload", "rigidity", "torque")
+    ]
     within = sum(x.verdict == "in the band" for x in judged)
     return (
         (
@@ -95,12 +98,12 @@ def conclusion(found: Sequence[outside.Outside]) -> str:
     )
 
 
-def clearances_text(found: Sequence[outside.Outside]) -> str:
+def clearances_text(found: Sequence[outside.PublishedValue]) -> str:
     """Return the paragraph on NSK's printed clearances and rigidities, which agree with a contact angle that changes.
 
     ``found``: all published values with the computed ones.
     """
-    stiff = _statistics_of(found, "rigidity", "bearing whose angle turns")
+    stiff = _error_statistics_of_quantity(found, "rigidity", "bearing whose angle turns")
     off = _clearance_errors(found)
     return (
         "NSK's axial clearances are called measured, but are computed with a contact angle that turns under "
@@ -110,19 +113,19 @@ def clearances_text(found: Sequence[outside.Outside]) -> str:
     )
 
 
-def nut_rigidity_text(found: Sequence[outside.Outside]) -> str:
+def nut_rigidity_text(found: Sequence[outside.PublishedValue]) -> str:
     """Return the paragraph on why makers print lower rigidities of nuts than are computed.
 
     ``found``: all published values with the computed ones.
     """
     judged = [x for x in found if not x.left and x.practice is not None]
     most = [x for x in judged if x.maker != "Rexroth"]
-    rest = outside.group_values(most, "maker")
+    rest = outside.group_by_fields(most, "maker")
     after = {key: [float(error_percent(x.practice or 0.0, x.value)) for x in one] for key, one in rest.items()}
     means = [float(np.mean(errors)) for errors in after.values()]
     close = sum(abs(error) <= 10.0 for errors in after.values() for error in errors)
-    bare = outside.bias_and_scatter(most)
-    rex = outside.bias_and_scatter([x for x in judged if x.maker == "Rexroth"])
+    bare = outside.error_statistics(most)
+    rex = outside.error_statistics([x for x in judged if x.maker == "Rexroth"])
     assert bare is not None
     assert rex is not None
     return (
@@ -136,19 +139,19 @@ def nut_rigidity_text(found: Sequence[outside.Outside]) -> str:
     )
 
 
-def loaded_balls_text(found: Sequence[outside.Outside]) -> str:
+def loaded_balls_text(found: Sequence[outside.PublishedValue]) -> str:
     """Return the paragraph on the number of loaded balls in a nut that makers' ratings C and C_0 imply.
 
     ``found``: all published values with the computed ones.
     """
     shares = dict[str, list[tuple[float, float]]]()
-    for source in read_tables("nuts-"):
+    for source in read_maker_tables("nuts-"):
         for row in source.rows:
-            if row["ball_mm"] and not source.misprinted(row["nut"]) and source.head["maker"] != "Rexroth":
-                nut, unit = nuts.read_nut(source, row), source.unit("load_unit")
+            if row["ball_mm"] and not source.lists_as_misprint(row["nut"]) and source.head["maker"] != "Rexroth":
+                nut, unit = nuts.nut_of_catalogue_row(source, row), source.unit("load_unit")
                 ratings = nuts.nut_load_ratings(nut, nuts.CONFORMITY, 1.0)
                 printed = [source.number(row[key]) * unit / x for key, x in zip(("C", "C0"), ratings, strict=True)]
-                shares.setdefault(nuts.maker_and_type(source, row), []).append((printed[0] ** 1.5, printed[1]))
+                shares.setdefault(nuts.maker_and_nut_type(source, row), []).append((printed[0] ** 1.5, printed[1]))
     words = ", ".join(
         f"{name} {np.median([x for _, x in pairs]):.2f} ({np.median([x for x, _ in pairs]):.2f} by C)"
         for name, pairs in shares.items()
@@ -165,20 +168,21 @@ def loaded_balls_text(found: Sequence[outside.Outside]) -> str:
     )
 
 
-def drag_torque_text(found: Sequence[outside.Outside]) -> str:
+def drag_torque_text(found: Sequence[outside.PublishedValue]) -> str:
     """Return the paragraph on makers' formulas for drag torque, compared with sliding balls and with measured screws.
 
     ``found``: all published values with the computed ones.
     """
     rows = nuts.compare_drag_over_lead()
     leads = [r.lead for r in rows]
-    sliding = [nuts.power_exponent([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
-    theirs = [nuts.power_exponent([r.formulas[k] for r in rows], leads) for k in range(len(nuts.FORMULAS))]
+    sliding = [nuts.fit_power_exponent([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
+    theirs = [nuts.fit_power_exponent([r.formulas[k] for r in rows], leads) for k in range(len(nuts.FORMULAS))]
     named = ", ".join(f"{name.split(':')[0]} {x:.2f}" for (name, _), x in zip(nuts.FORMULAS, theirs, strict=True))
     shares = [nuts.SHARE, 2.0 * nuts.SHARE]
     over = [
-        nuts.power_exponent(
-            [nuts.torque_of_ball(nuts.compared_nut(0.01), x, nuts.DEFAULT, double=d) for x in shares], shares
+        nuts.fit_power_exponent(
+            [nuts.drag_torque_of_ball(nuts.nut_for_drag_comparison(0.01), x, nuts.DEFAULT, double=d) for x in shares],
+            shares,
         )
         for d in (False, True)
     ]
@@ -225,13 +229,15 @@ def drag_torque_table() -> Table:
     )
 
 
-def errors_figure(found: Sequence[outside.Outside]) -> Figure:
+def sorted_errors_figure(found: Sequence[outside.PublishedValue]) -> Figure:
     """Draw the sorted errors against published values, one curve for each quantity with more than 20 values.
 
     ``found``: published values with the computed ones.
     """
     series = []
-    for (quantity,), values in outside.group_values([x for x in found if not x.left and not x.scale], "quantity").items():
+    for (quantity,), values in outside.group_by_fields(
+        [x for x in found if not x.left and not x.scale], "quantity"
+    ).items():
         if len(values) > 20:
             x = [float(k + 1) / len(values) for k in range(len(values))]
             series.append(Series(quantity, x, sorted(v.error_percent for v in values), "line"))
@@ -251,11 +257,13 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("outside values")
-    found = published_values(study)
+    found = compared_published_values(study)
     items = (
         Text((clearances_text(found), nut_rigidity_text(found), loaded_balls_text(found), drag_torque_text(found))),
-        outside.summary_table(found),
-        errors_figure(found),
+        outside.bias_and_scatter_table(found),
+        sorted_errors_figure(found),
         drag_torque_table(),
     )
-    return Section("outside", TITLE, (*items, outside.published_values_table(found)), conclusion=conclusion(found))
+    return Section(
+        "outside", TITLE, (*items, outside.published_values_table(found)), conclusion=band_and_errors_conclusion(found)
+    )

@@ -8,18 +8,18 @@ import numpy as np
 
 from rollbench.compare.case import CASES
 from rollbench.compare.cases.smith.evidence import axis, bearings
-from rollbench.compare.evidence import Evidence, counts, evidence, trust
+from rollbench.compare.evidence import Evidence, count_entries_by_verdict, evidence, reproduction_sentence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import load_table
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sections.source_tables import computation_tables, read_layouts, shown_tables
+from rollbench.compare.sections.source_tables import computation_tables, read_layouts, tables_of_printed_numbers
 from rollbench.compare.sections.verdicts import misprints_table
 from rollbench.compare.studies import roller as rollers
 from rollbench.lowfi.bearings import as_printed
-from rollbench.lowfi.bearings.angular_contact import contact_parameters
-from rollbench.lowfi.bearings.axis import axis_stiffness
+from rollbench.lowfi.bearings.angular_contact import dimensionless_hertz_parameters
+from rollbench.lowfi.bearings.axis import carriage_to_frame_stiffness
 from rollbench.meshes.axis import Assembly
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
@@ -52,10 +52,10 @@ ABOUT = (
 )
 
 
-def parameters_figure() -> Figure:
+def hertz_parameters_figure() -> Figure:
     """Draw Smith's Figure 2-8: Hertz contact parameters of Table 2-1, with the errors of the table and of Smith's fits."""
     at = np.linspace(0.0, 0.9999, 200)
-    exact = np.array([contact_parameters(float(f)) for f in at])
+    exact = np.array([dimensionless_hertz_parameters(float(f)) for f in at])
     names = {"delta": ("δ*", "approach", 0), "a": ("a*", "major", 1), "b": ("b*", "minor", 2)}
     printed = {key: [r for r in load_table("smith-table-2-1") if r.key.startswith(f"{key}_") and r.value] for key in names}
     differences = bearings.DIFFERENCES
@@ -67,12 +67,17 @@ def parameters_figure() -> Figure:
                 Series(f"{label}, exact", at.tolist(), exact[:, column].tolist(), "line"),
                 Series(f"{label}, printed", differences, values, "markers"),
             ]
-        right = [contact_parameters(f)[column] for f in differences]
+        right = [dimensionless_hertz_parameters(f)[column] for f in differences]
         off.append(
             Series(f"{label}, table", differences, error_percent(np.array(values), np.array(right)).tolist(), "markers")
         )
         inside = [f for f in differences if 0.3 < f < 0.99]
-        fits = [float(error_percent(as_printed.fitted_parameter(f, fit), contact_parameters(f)[column])) for f in inside]
+        fits = [
+            float(
+                error_percent(as_printed.hertz_parameter_by_polynomial(f, fit), dimensionless_hertz_parameters(f)[column])
+            )
+            for f in inside
+        ]
         if key != "b":
             off.append(Series(f"{label}, fit", inside, fits, "line"))
     panels = (
@@ -88,7 +93,7 @@ def parameters_figure() -> Figure:
     )
 
 
-def stiffness_panel(found: Sequence[Evidence]) -> Panel:
+def bearing_stiffness_panel(found: Sequence[Evidence]) -> Panel:
     """Draw the axial stiffness of one bearing over its thrust: computed, by Smith's spreadsheets, and tested.
 
     ``found``: printed values of Smith's thesis with the computed ones.
@@ -124,7 +129,7 @@ def stiffness_panel(found: Sequence[Evidence]) -> Panel:
     return Panel("one bearing", "thrust / lbf", "stiffness / 10⁶ lbf/in", series, zero=True)
 
 
-def axis_panel(found: Sequence[Evidence]) -> Panel:
+def axis_stiffness_panel(found: Sequence[Evidence]) -> Panel:
     """Draw the axis stiffness over the nut's position, for ball and tapered support bearings, with Smith's sum in series.
 
     ``found``: printed values of Smith's thesis with the computed ones.
@@ -136,8 +141,8 @@ def axis_panel(found: Sequence[Evidence]) -> Panel:
     for kind in axis.KINDS:
         k = axis.bearing_state_at_end(kind, "left", "stretch").stiffness
         for words, right in (("fixed-fixed", k), ("fixed-supported", 0.0)):
-            a = bearings.screw_axis(k, right)
-            values = axis_stiffness(a, a.length * places, bearings.NUT) / unit
+            a = bearings.screw_as_bar_between_supports(k, right)
+            values = carriage_to_frame_stiffness(a, a.length * places, bearings.NUT) / unit
             series.append(Series(f"{kind}, {words}", at, [float(v) for v in values], "line"))
         total = next(f for f in found if f.printed.key == f"total_{kind}")
         series.append(Series(f"{kind}, sum in series", [0.5], [1e-6 * (total.as_printed or 0.0)], "markers"))
@@ -158,7 +163,7 @@ def stiffness_figure(found: Sequence[Evidence]) -> Figure:
         "sum in series, which an end-to-end test with hammer and accelerometer seemed to confirm."
     )
     title = "Deflection of support bearings and axis under load: measured by Smith and computed"
-    return Figure("smith-stiffness", title, (stiffness_panel(found), axis_panel(found)), caption)
+    return Figure("smith-stiffness", title, (bearing_stiffness_panel(found), axis_stiffness_panel(found)), caption)
 
 
 def row_loads_figure(found: Sequence[Evidence]) -> Figure:
@@ -193,17 +198,17 @@ LAYOUT_NOTE = (
 )
 
 
-def layout_table(study: Study) -> Table:
+def axis_layouts_table(study: Study) -> Table:
     """Return the table of end thrusts and axis stiffness by layout and position of the nut.
 
     They are computed by the beam model, by closed formulas, and by Smith's sum in series. ``study``: solved scenes.
     """
     unit = 1e6 * bearings.POUND_PER_INCH
     rows: list[Row] = []
-    for layout, place, scene, closed in axis.compare_layouts(study):
-        study.uses((layout.scene,))
+    for layout, place, scene, closed in axis.compare_scenes_with_formulas(study):
+        study.record_used_scenes((layout.scene,))
         difference = float(error_percent(scene.stiffness, closed.stiffness))
-        series = axis.stiffness_sum_in_series(layout) / unit
+        series = axis.axis_stiffness_by_smith_sum(layout) / unit
         rows.append(
             {
                 "layout": layout.words,
@@ -238,15 +243,15 @@ def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
 
     ``study``: records that the scene smith-axis-taper is used.
     """
-    study.uses(("smith-axis-taper",))
-    scene = catalogue.shipped("smith-axis-taper")
+    study.record_used_scenes(("smith-axis-taper",))
+    scene = catalogue.shipped_scene("smith-axis-taper")
     assert isinstance(scene, Assembly)
-    (roller,) = rollers.loaded_rollers(scene)
+    (roller,) = rollers.roller_kinds_with_largest_load(scene)
     runs = [run for level in rollers.LEVELS if (run := rollers.stored_run(roller, level, (shipped_store(),))) is not None]
     if not runs:
         return ()
     rows: list[Row] = []
-    for one in rollers.quantity_rows(roller, runs):
+    for one in rollers.roller_quantity_rows(roller, runs):
         row: Row = {"quantity": f"{one['quantity']}, {one['unit']}"}
         row |= {
             Quantity(f"level_{run.level}", f"3D, level {run.level}", "", ".4g"): one[f"level {run.level}"] for run in runs
@@ -301,12 +306,12 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     by_name = {f.printed.name: f for f in found}
     listed = read_layouts(next(case for case in CASES if case.name == "smith"))
     drawn = {
-        "smith-ball": (parameters_figure(), stiffness_figure(found)),
+        "smith-ball": (hertz_parameters_figure(), stiffness_figure(found)),
         "smith-taper": roller_table_and_figure(study),
-        "smith-axis": (row_loads_figure(found), layout_table(study)),
+        "smith-axis": (row_loads_figure(found), axis_layouts_table(study)),
     }
     chapters = [
-        Section(name, title, (*shown_tables(printed, listed, by_name), *drawn.get(name, ())))
+        Section(name, title, (*tables_of_printed_numbers(printed, listed, by_name), *drawn.get(name, ())))
         for name, (title, printed) in CHAPTERS.items()
     ]
     return (
@@ -314,7 +319,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
             "smith",
             "Smith (1994): support bearings of a ball-screw axis, and the axis",
             (Text(ABOUT, bullets=True),),
-            conclusion=trust(counts(found)[0]),
+            conclusion=reproduction_sentence(count_entries_by_verdict(found)[0]),
         ),
         *chapters,
         Section(

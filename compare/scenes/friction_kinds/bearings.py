@@ -16,10 +16,10 @@ from pydantic import Field
 
 from rollbench.compare.scenes.fault import Fault
 from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.friction_kinds.common import KindKeys, KindScene, head_fields
+from rollbench.compare.scenes.friction_kinds.common import KindKeys, KindScene, first_scene_fields
 from rollbench.compare.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, SpeedKeys, Table, key
 from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, Bearing, BearingCase
-from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, angle_deviations
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, contact_angle_deviations
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ranges import ContactAngle, Quantity, Rate, Size
@@ -88,35 +88,35 @@ def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
     yield from wrong
     if wrong:
         return
-    reach = common.groove_radius(keys.screw, keys.balls) - keys.balls.radius
+    reach = common.groove_radius_from_keys(keys.screw, keys.balls) - keys.balls.radius
     yield from common.displacement_faults(reach, keys.load.radial_displacement, "load.radial_displacement")
-    yield from _law_faults(keys.friction, keys.motion.speed)
+    yield from _friction_law_faults(keys.friction, keys.motion.speed)
 
 
-def _law_faults(f: LawKeys, speed: float) -> Iterator[Fault]:
+def _friction_law_faults(friction: LawKeys, speed: float) -> Iterator[Fault]:
     """Yield faults of a friction law: parameters of another law, missing parameters, or a sigmoid without rotation.
 
-    ``f``: keys of the friction law; ``speed``: angular speed of the inner ring [rad/s].
+    ``friction``: keys of the friction law; ``speed``: angular speed of the inner ring [rad/s].
     """
     for name, law in (("creep", "regularised"), ("sharpness", "sigmoid"), ("map_step", "sigmoid")):
-        if getattr(f, name) is not None and f.law != law:
+        if getattr(friction, name) is not None and friction.law != law:
             yield Fault((f"friction.{name}",), f'only with law = "{law}"', f'remove it, or set law = "{law}"')
-    if f.law == "regularised" and f.creep is None:
+    if friction.law == "regularised" and friction.creep is None:
         advice = 'add creep = "0.1 mm/s", the speed below which friction is regularised'
         yield Fault(("friction.creep",), "above 0 m/s", advice, "nothing")
-    if f.law == "sigmoid" and f.sharpness is None:
+    if friction.law == "sigmoid" and friction.sharpness is None:
         yield Fault(("friction.sharpness",), "above 0", "add sharpness = 100, the k_S of the sigmoid", "nothing")
-    if f.law == "sigmoid" and speed == 0.0:
+    if friction.law == "sigmoid" and speed == 0.0:
         advice = "let the ring turn, or choose another law; the sigmoid refers to the ring's speed"
         yield Fault(("motion.speed",), "not zero for the sigmoid", advice)
 
 
-def bearing_ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
+def bearing_ball_scene(keys: BearingBallKeys, name: str) -> BearingBallScene:
     """Return the scene ``name`` of one bearing ball from its validated keys."""
     f = keys.friction
     bearing = Bearing(
         keys.balls.radius,
-        common.groove_radius(keys.screw, keys.balls),
+        common.groove_radius_from_keys(keys.screw, keys.balls),
         keys.track.pitch_radius,
         0.0,
         keys.track.contact_angle,
@@ -124,11 +124,11 @@ def bearing_ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
         f.coefficient,
         0.0,
         keys.motion.speed,
-        hertz=keys.ingredients.mode,
+        hertz=keys.ingredients.solver_mode,
         clearance=0.0 - keys.errors.balls.oversize,
     )
     return BearingBallScene(
-        *head_fields(keys, name),
+        *first_scene_fields(keys, name),
         bearing,
         keys.load.axial_force,
         keys.load.radial_displacement,
@@ -220,7 +220,7 @@ def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
             if b.balls.count > most:
                 advice = "choose fewer or smaller balls, which do not overlap"
                 yield Fault((f"{table}.balls.count",), f"1 to {most}", advice)
-            yield from common.hertz_faults(_bearing_case(keys, b).groove, f"{table}.")
+            yield from common.missing_hertz_constant_faults(_bearing_case_from_keys(keys, b).groove, f"{table}.")
     if np.any(np.diff(keys.load.angles) <= 0.0):
         advice = "sort the angles and give each once; each solution starts from that of the angle before"
         yield Fault(("load.angles",), "angles in ascending order", advice)
@@ -228,32 +228,32 @@ def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
         yield Fault(("motion.speed",), "not zero", "let the inner ring turn; friction torque is computed for a moving ring")
 
 
-def _bearing_case(keys: BearingPairKeys, b: RingKeys) -> BearingCase:
-    """Return the record of the bearing with the keys ``b``, one of the two of the scene, with its load and friction."""
+def _bearing_case_from_keys(keys: BearingPairKeys, ring: RingKeys) -> BearingCase:
+    """Return the record of the bearing with the keys ``ring``, one of the two of the scene, with its load and friction."""
     groove = ScrewGroove(
-        b.balls.radius,
-        common.groove_radius(b.screw, b.balls),
-        b.track.pitch_radius,
+        ring.balls.radius,
+        common.groove_radius_from_keys(ring.screw, ring.balls),
+        ring.track.pitch_radius,
         0.0,
-        b.track.contact_angle,
+        ring.track.contact_angle,
         *common.elastic_constants(keys.material),
         keys.friction.coefficient,
         0.0,
         keys.motion.speed,
-        hertz=keys.ingredients.mode,
+        hertz=keys.ingredients.solver_mode,
     )
     rows: tuple[BallRow, ...] = (BallRow(0.0, ALL),)
-    if isinstance(b, DoubleRowKeys):
-        half = 0.5 * b.rows.distance
-        first, second = (OTHER, DIAGONAL) if b.rows.arrangement == "back to back" else (DIAGONAL, OTHER)
+    if isinstance(ring, DoubleRowKeys):
+        half = 0.5 * ring.rows.distance
+        first, second = (OTHER, DIAGONAL) if ring.rows.arrangement == "back to back" else (DIAGONAL, OTHER)
         rows = (BallRow(-half, first), BallRow(half, second))
-    return BearingCase(groove, b.balls.count, rows, keys.load.force, 0.0 - b.errors.balls.oversize, keys.load.tilt)
+    return BearingCase(groove, ring.balls.count, rows, keys.load.force, 0.0 - ring.errors.balls.oversize, keys.load.tilt)
 
 
-def bearing_pair_record(keys: BearingPairKeys, name: str) -> BearingPairScene:
+def bearing_pair_scene(keys: BearingPairKeys, name: str) -> BearingPairScene:
     """Return the scene ``name`` of a four-point and a double-row bearing from its validated keys."""
-    four, double = (_bearing_case(keys, b) for b in (keys.four_point, keys.double_row))
-    return BearingPairScene(*head_fields(keys, name), four, double, np.array(keys.load.angles))
+    four, double = (_bearing_case_from_keys(keys, b) for b in (keys.four_point, keys.double_row))
+    return BearingPairScene(*first_scene_fields(keys, name), four, double, np.array(keys.load.angles))
 
 
 Speed = Annotated[float, Rate("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
@@ -369,11 +369,11 @@ class LinearChainScene(LinearScene):
 
 def linear_bearing_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
     """Yield faults of a linear bearing: contradictory keys, and geometry that the model does not cover."""
-    wrong = [*common.material_faults(keys.material), *common.groove_faults(keys.grooves, keys.balls, "grooves")]
-    yield from wrong or _linear_faults(keys)
+    wrong = [*common.material_faults(keys.material), *common.groove_radius_faults(keys.grooves, keys.balls, "grooves")]
+    yield from wrong or _linear_ball_faults(keys)
 
 
-def _linear_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
+def _linear_ball_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
     """Yield faults of gaps, contact angles and side forces of the balls of a linear bearing."""
     angles, side, gap = _ball_angles_and_gaps(keys)
     chain = isinstance(keys, LinearChainKeys)
@@ -386,7 +386,7 @@ def _linear_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
             advice = f"choose smaller deviations; the nominal contact angle is {degrees(keys.track.contact_angle):.6g} deg"
             yield Fault((where,), "contact angles above 0 deg, below 90 deg", advice)
             return
-        low, high = side_force_range(row, keys.track.contact_angle, keys.load.distribution)
+        low, high = allowed_side_force_ratios(row, keys.track.contact_angle, keys.load.distribution)
         if not low <= side[i] <= high:
             where = f"chain[{i}].side_force_ratio" if chain else "load.side_force_ratio"
             least, most = (low, high) if chain or i == 0 else (-high, -low)
@@ -395,7 +395,7 @@ def _linear_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
             return
 
 
-def side_force_range(angles: Array, nominal: float, distribution: Loads) -> tuple[float, float]:
+def allowed_side_force_ratios(angles: Array, nominal: float, distribution: Loads) -> tuple[float, float]:
     """Return the smallest and largest ratio of side force to vertical force for which no contact of a ball is in tension.
 
     ``angles``: contact angles (4,) [rad] at BL, BR, TR, TL; ``nominal``: nominal contact angle [rad]; ``distribution``: how
@@ -420,19 +420,19 @@ def _ball_angles_and_gaps(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array
     """
     if isinstance(keys, LinearPairKeys):
         two = np.full(2, keys.angles.deviation)
-        turned, rho = angle_deviations(two, mated=keys.angles.mated), keys.load.side_force_ratio
+        turned, rho = contact_angle_deviations(two, mated=keys.angles.mated), keys.load.side_force_ratio
         return keys.track.contact_angle + turned, np.array([rho, -rho]), np.zeros(2)
     turned = np.array([b.angle_deviations for b in keys.chain])
     side, gap = (np.array([getattr(b, name) for b in keys.chain]) for name in ("side_force_ratio", "gap"))
     return keys.track.contact_angle + turned, side, gap
 
 
-def linear_bearing_record(keys: LinearPairKeys | LinearChainKeys, name: str) -> LinearScene:
+def linear_bearing_scene(keys: LinearPairKeys | LinearChainKeys, name: str) -> LinearScene:
     """Return the scene ``name`` of balls in a linear bearing from its validated keys."""
     f, radius = keys.friction, keys.balls.radius
     bearing = LinearBearing(
         radius,
-        keys.grooves.conformity or 0.5 * common.groove_radius(keys.grooves, keys.balls) / radius,
+        keys.grooves.conformity or 0.5 * common.groove_radius_from_keys(keys.grooves, keys.balls) / radius,
         keys.track.contact_angle,
         keys.motion.carriage,
         f.coefficient,
@@ -440,7 +440,7 @@ def linear_bearing_record(keys: LinearPairKeys | LinearChainKeys, name: str) -> 
         *common.elastic_constants(keys.material),
     )
     angles, side, gap = _ball_angles_and_gaps(keys)
-    force, how, head = keys.load.vertical_force, keys.load.distribution, head_fields(keys, name)
+    force, how, head = keys.load.vertical_force, keys.load.distribution, first_scene_fields(keys, name)
     if isinstance(keys, LinearPairKeys):
         return LinearPairScene(*head, bearing, angles, force, side, how, gap[:-1], keys.angles.deviation)
     return LinearChainScene(*head, bearing, angles, force, side, how, gap[:-1])

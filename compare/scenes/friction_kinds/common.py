@@ -9,8 +9,8 @@ from typing import Annotated, Any, ClassVar, Literal, Protocol
 import numpy as np
 
 from rollbench.compare.errors import escape_unprintable
-from rollbench.compare.scenes.fault import Fault, mm
-from rollbench.compare.scenes.key_checks import groove_choice_faults
+from rollbench.compare.scenes.fault import Fault, length_text
+from rollbench.compare.scenes.key_checks import groove_definition_faults
 from rollbench.compare.scenes.keys import (
     MATERIAL,
     BallSizeKeys,
@@ -25,7 +25,7 @@ from rollbench.compare.scenes.keys import (
 )
 from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
 from rollbench.meshes.ranges import Coefficient, Quantity
-from rollbench.meshes.scene_text import to_toml
+from rollbench.meshes.scene_text import toml_of_tables
 
 
 class KindKeys(HeadKeys):
@@ -50,15 +50,15 @@ class KindScene:
 
     def to_toml(self) -> str:
         """Return the scene as the text of a scene file."""
-        from rollbench.compare.scenes.friction_kinds.table import scene_tables
+        from rollbench.compare.scenes.friction_kinds.table import friction_scene_tables
 
-        return to_toml(scene_tables(self))
+        return toml_of_tables(friction_scene_tables(self))
 
 
 Head = tuple[str, str, str, tuple[str, ...]]
 
 
-def head_fields(keys: KindKeys, name: str) -> Head:
+def first_scene_fields(keys: KindKeys, name: str) -> Head:
     """Return the first four fields of a scene's record: ``name``, title, source and assumptions."""
     assumed = tuple(map(escape_unprintable, keys.assumed))
     return name, escape_unprintable(keys.title), escape_unprintable(keys.source), assumed
@@ -96,7 +96,7 @@ class HertzKeys(Table):
     )
 
     @property
-    def mode(self) -> Mode:
+    def solver_mode(self) -> Mode:
         """Name of this choice in the friction solvers: "right" or "as printed"."""
         return "right" if self.hertz == "nominal" else "as printed"
 
@@ -128,7 +128,7 @@ def elastic_constants(material: MaterialKeys) -> tuple[float, float]:
     return material.youngs_modulus or 0.0, material.poissons_ratio or 0.0
 
 
-def groove_radius(groove: GrooveKeys, balls: BallSizeKeys) -> float:
+def groove_radius_from_keys(groove: GrooveKeys, balls: BallSizeKeys) -> float:
     """Return the radius of a groove [m], as given or as conformity times ball diameter.
 
     ``groove``, ``balls``: tables with the keys of the groove and of the balls.
@@ -136,17 +136,17 @@ def groove_radius(groove: GrooveKeys, balls: BallSizeKeys) -> float:
     return groove.groove_radius or 2.0 * (groove.conformity or 0.0) * balls.radius
 
 
-def groove_faults(groove: GrooveKeys, balls: BallSizeKeys, table: str) -> Iterator[Fault]:
+def groove_radius_faults(groove: GrooveKeys, balls: BallSizeKeys, table: str) -> Iterator[Fault]:
     """Yield a fault for a groove that is given twice, not at all, or with a radius not above that of the ball.
 
     ``groove``, ``balls``: tables with the keys of the groove and of the balls; ``table``: name of the groove's table in the
     file.
     """
-    wrong = list(groove_choice_faults(groove, table))
+    wrong = list(groove_definition_faults(groove, table))
     yield from wrong
-    if not wrong and groove_radius(groove, balls) <= balls.radius:
+    if not wrong and groove_radius_from_keys(groove, balls) <= balls.radius:
         advice = "choose a groove radius above the ball's radius"
-        yield Fault((f"{table}.groove_radius", f"{table}.conformity"), f"above {mm(balls.radius)}", advice)
+        yield Fault((f"{table}.groove_radius", f"{table}.conformity"), f"above {length_text(balls.radius)}", advice)
 
 
 class OneRingKeys(Protocol):
@@ -165,48 +165,53 @@ class OneRingKeys(Protocol):
         """Size of the balls."""
 
 
-def groove_and_path_faults(body: OneRingKeys, p: str = "", *, ring: bool) -> Iterator[Fault]:
+def groove_and_path_faults(body: OneRingKeys, prefix: str = "", *, ring: bool) -> Iterator[Fault]:
     """Yield faults of the grooves, the ball path and the oversize of a bearing ring or screw.
 
     Parameters
     ----------
     body
         Tables of the ring or screw.
-    p
+    prefix
         Prefix of the names of its tables, such as ``four_point.``.
     ring
         Whether it is a bearing ring, whose lead must be zero; else the lead must be positive.
     """
-    track, radius = body.track, groove_radius(body.screw, body.balls)
+    track, radius = body.track, groove_radius_from_keys(body.screw, body.balls)
     for name, groove in (("screw", body.screw), ("nut", body.nut)):
-        wrong = list(groove_faults(groove, body.balls, p + name))
+        wrong = list(groove_radius_faults(groove, body.balls, prefix + name))
         yield from wrong
         if wrong:
             return
-    if abs(groove_radius(body.nut, body.balls) / radius - 1.0) > 1e-12:
+    if abs(groove_radius_from_keys(body.nut, body.balls) / radius - 1.0) > 1e-12:
         advice = "give both grooves the same radius, or describe the whole screw or bearing for different grooves"
-        yield Fault((f"{p}nut.groove_radius", f"{p}nut.conformity"), f"the screw's, {mm(radius)}", advice)
+        yield Fault(
+            (f"{prefix}nut.groove_radius", f"{prefix}nut.conformity"), f"the screw's, {length_text(radius)}", advice
+        )
     if ring and track.lead != 0.0:
-        yield Fault((f"{p}track.lead",), '"0 mm"', "write 0 mm; this kind describes bearing rings, which have no lead")
+        yield Fault((f"{prefix}track.lead",), '"0 mm"', "write 0 mm; this kind describes bearing rings, which have no lead")
     if not ring and track.lead == 0.0:
-        yield Fault((f"{p}track.lead",), "above 0 mm", "give the lead; this kind describes a ball screw")
+        yield Fault((f"{prefix}track.lead",), "above 0 mm", "give the lead; this kind describes a ball screw")
     if track.pitch_radius <= radius:
         advice = "correct the radius; the pitch circle is larger than the groove radius"
-        yield Fault((f"{p}track.pitch_radius",), f"above {mm(radius)}", advice)
-    yield from displacement_faults(radius - body.balls.radius, body.errors.balls.oversize, f"{p}errors.balls.oversize")
+        yield Fault((f"{prefix}track.pitch_radius",), f"above {length_text(radius)}", advice)
+    yield from displacement_faults(radius - body.balls.radius, body.errors.balls.oversize, f"{prefix}errors.balls.oversize")
 
 
-def displacement_faults(reach: float, size: float, where: str) -> Iterator[Fault]:
+def displacement_faults(limit: float, displacement: float, key_name: str) -> Iterator[Fault]:
     """Yield a fault for an oversize or a displacement of the inner ring that is too large for the groove.
 
-    ``reach``: groove radius less ball radius [m]; ``size``: the oversize or displacement [m]; ``where``: name of its key.
+    ``limit``: groove radius less ball radius [m]; ``displacement``: the oversize or displacement [m]; ``key_name``: name of
+    its key.
     """
-    if abs(size) >= reach:
+    if abs(displacement) >= limit:
         advice = "choose a smaller value; the models hold for small displacements of the ball's centre"
-        yield Fault((where,), f"between -{mm(reach)} and {mm(reach)}, groove radius less ball radius", advice)
+        yield Fault(
+            (key_name,), f"between -{length_text(limit)} and {length_text(limit)}, groove radius less ball radius", advice
+        )
 
 
-def hertz_faults(groove: ScrewGroove, prefix: str = "") -> Iterator[Fault]:
+def missing_hertz_constant_faults(groove: ScrewGroove, prefix: str = "") -> Iterator[Fault]:
     """Yield a fault for grooves whose Hertz constants do not exist.
 
     ``prefix``: prefix of the names of the grooves' tables in the file, such as ``four_point.``.

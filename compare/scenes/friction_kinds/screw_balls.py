@@ -10,17 +10,17 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from rollbench.compare.scenes.fault import Fault, mm
+from rollbench.compare.scenes.fault import Fault, length_text
 from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.friction_kinds.common import KindScene, head_fields
-from rollbench.compare.scenes.key_checks import time_faults
+from rollbench.compare.scenes.friction_kinds.common import KindScene, first_scene_fields
+from rollbench.compare.scenes.key_checks import simulation_time_faults
 from rollbench.compare.scenes.keys import BallSizeKeys, HelixKeys, Table, key
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Pair, Run
 from rollbench.meshes.parts import Motion, Time
-from rollbench.meshes.ranges import Azimuth, Quantity, Turns, Whole
-from rollbench.meshes.record_keys import usual
+from rollbench.meshes.ranges import Azimuth, IntegerRange, Quantity, Turns
+from rollbench.meshes.record_keys import frozen_default
 
 Share = Annotated[float, Quantity("number", -1, 1, 1)]
 Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]
@@ -84,7 +84,7 @@ class ClosedTrackKeys(Table):
 class RunTimeKeys(Time):
     """Simulation over time, over an angle of rotation or a duration."""
 
-    rounds: Annotated[int, Whole(1, 100)] = usual(
+    rounds: Annotated[int, IntegerRange(1, 100)] = frozen_default(
         1, "rounds of loads and friction at an instant; one: loads with the friction of the instant before", 1
     )
 
@@ -142,7 +142,7 @@ def ball_screw_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
     wrong = wrong or list(common.groove_and_path_faults(keys, ring=False))
     wrong = wrong or list(_angle_and_load_faults(keys))
     if not wrong and isinstance(keys, ScrewRunKeys):
-        wrong = list(_run_faults(keys))
+        wrong = list(_screw_simulation_faults(keys))
     yield from wrong
 
 
@@ -157,28 +157,28 @@ def _angle_and_load_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault
         advice = f"choose a smaller deviation; the nominal contact angle is {degrees(nominal):.6g} deg"
         yield Fault((where,), "contact angles above 0 deg, below 90 deg", advice)
     try:
-        _ = _screw_groove(keys).pair
+        _ = _screw_groove_from_keys(keys).pair
     except ValueError:
         advice = "choose smaller balls, of which two touch within a quarter of a turn"
-        yield Fault(("balls.radius",), f"small against the pitch radius, {mm(keys.track.pitch_radius)}", advice)
-    yield from common.hertz_faults(_screw_groove(keys))
+        yield Fault(("balls.radius",), f"small against the pitch radius, {length_text(keys.track.pitch_radius)}", advice)
+    yield from common.missing_hertz_constant_faults(_screw_groove_from_keys(keys))
     if keys.load.force == 0.0 and keys.errors.balls.oversize <= 0.0:
         advice = "give a force, or an oversize above 0 um; without them the balls carry no load"
         yield Fault(("load.force",), "not zero for balls without oversize", advice)
 
 
-def _run_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
+def _screw_simulation_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
     """Yield faults of speed, number of balls and time steps of the transient simulation of a whole screw."""
     if keys.motion.speed == 0.0:
         advice = "let nut and screw turn relative to each other; friction torque is computed for a moving screw"
         yield Fault(("motion.speed",), "any angular speed except zero", advice)
-    groove, count = _screw_groove(keys), keys.balls.count
+    groove, count = _screw_groove_from_keys(keys), keys.balls.count
     ring = 2.0 * pi * keys.balls.turns + keys.circulation.return_tube / groove.radius
     most = int(np.ceil(ring / groove.pair.spacing)) - 1
     if count > most:
         advice = "choose fewer balls, more turns or a longer return tube; the balls need some free length on the track"
         yield Fault(("balls.count",), f"2 to {most} on this track" if most > 1 else "none on so short a track", advice)
-    yield from time_faults(keys.time)
+    yield from simulation_time_faults(keys.time)
     if keys.time.steps is not None and count * keys.time.steps > MOST:
         advice = "choose fewer steps or fewer balls; the results of all steps are stored"
         yield Fault(("time.steps",), f"1 to {MOST // count} with {count} balls", advice)
@@ -187,13 +187,13 @@ def _run_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
 # --- records
 
 
-def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
+def _screw_groove_from_keys(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
     """Return groove, balls, speeds and friction of a ball screw from its validated keys."""
     track, f, motion = keys.track, keys.friction, keys.motion
     nut, screw = (motion.speed, 0.0) if motion.turns == "nut" else (0.0, motion.speed)
     return ScrewGroove(
         keys.balls.radius,
-        common.groove_radius(keys.screw, keys.balls),
+        common.groove_radius_from_keys(keys.screw, keys.balls),
         track.pitch_radius,
         -track.lead if track.hand == "left" else track.lead,
         track.contact_angle,
@@ -202,16 +202,16 @@ def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
         nut,
         screw,
         f.balls,
-        keys.ingredients.mode,
+        keys.ingredients.solver_mode,
     )
 
 
-def screw_pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
+def screw_pair_scene(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
     """Return the scene ``name`` of two balls of a ball screw from its validated keys."""
     first, second = keys.angles.deviations
     pattern = tuple(keys.angles.pattern)
     pair = Pair(
-        _screw_groove(keys),
+        _screw_groove_from_keys(keys),
         (first, second),
         (pattern, pattern),
         keys.errors.balls.oversize,
@@ -219,12 +219,12 @@ def screw_pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
         (keys.load.force,),
         keys.friction.coupling,
     )
-    return ScrewPairScene(*head_fields(keys, name), pair)
+    return ScrewPairScene(*first_scene_fields(keys, name), pair)
 
 
-def screw_run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
+def screw_run_scene(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
     """Return the scene ``name`` of a simulation of a whole ball screw over time from its validated keys."""
-    groove, a = _screw_groove(keys), keys.angles
+    groove, a = _screw_groove_from_keys(keys), keys.angles
     time = Time(**{f.name: getattr(keys.time, f.name) for f in fields(Time)})
     run = Run(
         groove,
@@ -245,4 +245,4 @@ def screw_run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
         keys.time.rounds,
         a.follows,
     )
-    return ScrewRunScene(*head_fields(keys, name), run, time)
+    return ScrewRunScene(*first_scene_fields(keys, name), run, time)

@@ -14,33 +14,33 @@ import numpy as np
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.model_form import estimate
+from rollbench.compare.models.model_form import estimate_model_error
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.reference.tasks import needed_sides
+from rollbench.compare.reference.tasks import flanks_to_mesh
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.ball_body import directions, parting
-from rollbench.meshes.errors import Specimen, specimen
-from rollbench.meshes.exchange.deck import Contact, Deck, DeckBody, RigidSection, outer_faces
+from rollbench.meshes.ball_body import contact_frame_vectors, parting_plane_normal
+from rollbench.meshes.errors import Specimen, draw_specimen
+from rollbench.meshes.exchange.deck import ContactPair, Deck, DeckBody, RigidSection, surface_faces
 from rollbench.meshes.exchange.whole_bodies import (
+    BodyMeshForExport,
     Refinement,
-    WholeBody,
-    grid_in_ellipse,
-    groove_points,
-    half_ball,
-    half_body,
-    place_ball,
-    sphere_points,
-    whole_ball,
-    whole_body,
+    grid_points_in_ellipse,
+    mesh_half_ball,
+    mesh_half_ring,
+    mesh_whole_ball,
+    mesh_whole_body,
+    move_to_ball_position,
+    points_on_ball_surface,
+    points_on_groove,
 )
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii, lead_angle, nominal_groove_centres
+from rollbench.meshes.helix import BallLayout, ball_layout, lead_angle, nominal_groove_centres, nominal_groove_radii
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
-from rollbench.meshes.sockets import SocketSize, socket_coordinates
-from rollbench.meshes.solid import Dimensions, solid_dimensions
+from rollbench.meshes.sockets import SocketSize, local_coordinates_in_socket
+from rollbench.meshes.solid import Dimensions, dimensions_of_3d_parts
 
 #: Semi-axes over those of the expected contact ellipse: of the refined zone, and of the contact faces of slave (ball) and
 #: master (groove) with the number of elements by which these are wider.
@@ -82,7 +82,7 @@ def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
     return float(found.C_a), float(found.C_b)
 
 
-def contact_places(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[ExpectedContact], float]:
+def expected_contacts(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[ExpectedContact], float]:
     """Return the expected contacts, then the minor semi-axis [m] of a contact with mean load on the first of the flanks.
 
     ``load``: contact loads (N, 4) [N] of a low-order solution for N balls and the flanks SL, SR, NL, NR (screw left and
@@ -99,71 +99,79 @@ def contact_places(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[l
     return places, unit[sides[0]][1] * float(np.cbrt(mean))
 
 
-def ball_face_name(place: ExpectedContact) -> str:
-    """Return the name that a deck gives to the mesh faces of a ball at a contact; ``place``: the contact."""
-    return f"BALL{place.ball + 1}_{SIDES[place.side]}"
+def ball_face_name(contact: ExpectedContact) -> str:
+    """Return the name that a deck gives to the mesh faces of a ball at a contact; ``contact``: the contact."""
+    return f"BALL{contact.ball + 1}_{SIDES[contact.side]}"
 
 
-def groove_face_name(place: ExpectedContact) -> str:
-    """Return the name that a deck gives to the mesh faces of a groove at a contact; ``place``: the contact."""
-    return f"{'SCREW' if place.side < 2 else 'NUT'}_{SIDES[place.side]}_{place.ball + 1}"
+def groove_face_name(contact: ExpectedContact) -> str:
+    """Return the name that a deck gives to the mesh faces of a groove at a contact; ``contact``: the contact."""
+    return f"{'SCREW' if contact.side < 2 else 'NUT'}_{SIDES[contact.side]}_{contact.ball + 1}"
 
 
-def _widened_semi_axes(place: ExpectedContact, fine: float, wide: tuple[float, float]) -> tuple[float, float]:
+def _semi_axes_of_contact_zone(
+    contact: ExpectedContact, element_size: float, semi_axes: tuple[float, float]
+) -> tuple[float, float]:
     """Return the semi-axes [m] of the elliptic zone that holds the contact faces, across and along the groove.
 
-    ``place``: expected contact; ``fine``: element size there [m]; ``wide``: factor on the semi-axes of the contact, and
-    number of elements that are then added to each.
+    ``contact``: expected contact; ``element_size``: element size there [m]; ``semi_axes``: factor on the semi-axes of the
+    contact, and number of elements that are then added to each.
     """
-    across, along = (wide[0] * x + wide[1] * fine for x in place.half)
+    across, along = (semi_axes[0] * x + semi_axes[1] * element_size for x in contact.half)
     return across, along
 
 
-def refined_zone_points(place: ExpectedContact, fine: float) -> Array:
+def refined_zone_points(contact: ExpectedContact, element_size: float) -> Array:
     """Return points (k, 2) [m] that fill the zone of small elements at a contact, across and along the groove.
 
-    ``place``: expected contact; ``fine``: element size in the zone [m]; k: number of points.
+    ``contact``: expected contact; ``element_size``: element size in the zone [m]; k: number of points.
     """
-    return grid_in_ellipse((FINE * place.half[0], FINE * place.half[1]), 0.7 * fine)
+    return grid_points_in_ellipse((FINE * contact.half[0], FINE * contact.half[1]), 0.7 * element_size)
 
 
-def flank_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, fine: float) -> Index:
+def flank_contact_faces(groove: GrooveMap, mesh: BodyMeshForExport, contact: ExpectedContact, element_size: float) -> Index:
     """Return the mesh faces of a groove's flank that may touch the ball (master faces), each by the numbers of its nodes.
 
-    ``m``: geometry of the groove; ``mesh``: mesh of screw or nut; ``place``: expected contact; ``fine``: element size there
-    [m].
+    ``groove``: geometry of the groove; ``mesh``: mesh of screw or nut; ``contact``: expected contact; ``element_size``:
+    element size there [m].
     """
-    flank = mesh.named[f"flank {SIDES[place.side]}"]
-    x, radius = mesh.points[flank], float(m.radius[place.side])
-    xi = socket_coordinates(
-        m, SocketSize(1.0, radius, 1.0), place.at, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
+    flank = mesh.named[f"flank {SIDES[contact.side]}"]
+    x, radius = mesh.points[flank], float(groove.radius[contact.side])
+    xi = local_coordinates_in_socket(
+        groove, SocketSize(1.0, radius, 1.0), contact.at, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
     )
-    half = _widened_semi_axes(place, fine, MASTER)
-    inside = (radius * xi[:, 0] / half[0]) ** 2 + (m.R * xi[:, 2] / half[1]) ** 2 <= 1.0
-    return _faces_within(mesh, flank[inside])
+    half = _semi_axes_of_contact_zone(contact, element_size, MASTER)
+    inside = (radius * xi[:, 0] / half[0]) ** 2 + (groove.R * xi[:, 2] / half[1]) ** 2 <= 1.0
+    return _outer_faces_with_corners(mesh, flank[inside])
 
 
-def ball_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, radius: float, fine: float) -> Index:
+def ball_contact_faces(
+    groove: GrooveMap, mesh: BodyMeshForExport, contact: ExpectedContact, radius: float, element_size: float
+) -> Index:
     """Return the mesh faces of a ball that may touch the groove (slave faces), each by the numbers of its nodes.
 
-    ``m``: geometry of the groove; ``mesh``: mesh of the ball with its centre in the origin, turned to azimuth zero;
-    ``place``: expected contact; ``radius``: radius of the ball [m]; ``fine``: element size at the contact [m].
+    ``groove``: geometry of the groove; ``mesh``: mesh of the ball with its centre in the origin, turned to azimuth zero;
+    ``contact``: expected contact; ``radius``: radius of the ball [m]; ``element_size``: element size at the contact [m].
     """
-    (n, t1, t2), sphere, half = directions(m, place.side), mesh.named["sphere"], _widened_semi_axes(place, fine, SLAVE)
+    (n, t1, t2), sphere, half = (
+        contact_frame_vectors(groove, contact.side),
+        mesh.named["sphere"],
+        _semi_axes_of_contact_zone(contact, element_size, SLAVE),
+    )
     x = mesh.points[sphere]
     height = np.where(x @ n > 0.0, x @ n, 1e-9 * radius)  # nodes behind are far outside
     across, along = radius * (x @ t1) / height, radius * (x @ t2) / height
     inside = (x @ n > 0.0) & ((across / half[0]) ** 2 + (along / half[1]) ** 2 <= 1.0)
-    return _faces_within(mesh, sphere[inside])
+    return _outer_faces_with_corners(mesh, sphere[inside])
 
 
-def _faces_within(mesh: WholeBody, nodes: Index) -> Index:
+def _outer_faces_with_corners(mesh: BodyMeshForExport, nodes: Index) -> Index:
     """Return the outer mesh faces whose corner nodes are all among the given nodes, each by the numbers of its nodes.
 
     Faces in the cut plane of a half body are left out. ``nodes``: numbers of the given nodes. Raises ValueError if no face
     remains.
     """
-    faces = outer_faces(mesh.cells)
+    faces = surface_faces(mesh.cells)
     within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.named.get("cut", [])).all(axis=1)]
     if not len(within):
         raise ValueError(
@@ -266,12 +274,12 @@ def _refuse_unsupported_scene(scene: Scene, half: bool) -> None:
     raise_first_fault(scene.name, faults)
 
 
-def representable_errors(scene: Scene) -> Specimen:
+def geometric_errors_for_deck(scene: Scene) -> Specimen:
     """Return the geometric errors of a scene if a deck can describe all of them; raise InputError otherwise.
 
     A deck can describe errors of ball radii and of groove radii, which are meshed as real geometry.
     """
-    drawn = specimen(scene, ball_layout(scene))
+    drawn = draw_specimen(scene, ball_layout(scene))
     moved = bool(np.abs(drawn.centre - nominal_groove_centres(scene)).max() > 0.0 or drawn.centre_slopes.any())
     uneven = bool(drawn.radius[0] != drawn.radius[1] or drawn.radius[2] != drawn.radius[3])
     faults = (
@@ -284,15 +292,15 @@ def representable_errors(scene: Scene) -> Specimen:
     return drawn
 
 
-def real_groove_map(m: GrooveMap, drawn: Specimen, scene: Scene, screw: bool) -> GrooveMap:
+def groove_with_real_radius(groove: GrooveMap, errors: Specimen, scene: Scene, screw: bool) -> GrooveMap:
     """Return the geometry of a groove whose radius includes its error.
 
-    ``m``: nominal geometry; ``drawn``: geometric errors of the scene; ``screw``: whether it is the groove of the screw,
-    else of the nut. The centres of the groove's arcs stay; the groove radius, and the radius of a ball that would fit,
-    change by the same amount.
+    ``groove``: nominal geometry; ``errors``: geometric errors of the scene; ``screw``: whether it is the groove of the
+    screw, else of the nut. The centres of the groove's arcs stay; the groove radius, and the radius of a ball that would
+    fit, change by the same amount.
     """
-    change = drawn.radius - groove_radii(scene)
-    return replace(m, radius=drawn.radius, ball=m.ball + float(change[0 if screw else 2]))
+    change = errors.radius - nominal_groove_radii(scene)
+    return replace(groove, radius=errors.radius, ball=groove.ball + float(change[0 if screw else 2]))
 
 
 def solve_expected_loads(scene: Scene) -> StaticResult:
@@ -331,12 +339,12 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     """
     options = options or DeckOptions()
     _refuse_unsupported_scene(scene, options.half)
-    drawn, found, sides = representable_errors(scene), solve_expected_loads(scene), needed_sides(scene)
+    drawn, found, sides = geometric_errors_for_deck(scene), solve_expected_loads(scene), flanks_to_mesh(scene)
     m, layout = GrooveMap.of(scene), ball_layout(scene)
-    places, short = contact_places(scene, found.load, sides)
+    places, short = expected_contacts(scene, found.load, sides)
     fine = short / options.b_over_h
     try:
-        dims = solid_dimensions(scene)
+        dims = dimensions_of_3d_parts(scene)
         meshed = _mesh_screw_and_nut(scene, dims, drawn, m, places, fine, options)
         meshed += _mesh_balls(scene, drawn, m, layout, places, fine, options)
     except ValueError as error:
@@ -348,10 +356,10 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     count = sum(len(b.points) for b in bodies)
     smaller = "lower `b_over_h`, raise `growth`, or cut the screw by `balls`"
     raise_first_fault(scene.name, [(count > MOST_NODES, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes", smaller)])
-    contacts = tuple(Contact(ball_face_name(p), groove_face_name(p)) for p in places)
+    contacts = tuple(ContactPair(ball_face_name(p), groove_face_name(p)) for p in places)
     deck = Deck(
         bodies,
-        _rigid_sections(scene, dims),
+        _rigid_sections_of_screw(scene, dims),
         ("NUT_HELD",),
         contacts,
         options.stiffness,
@@ -364,46 +372,47 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     return MeshedDeck(deck, found.load, fine, quality)
 
 
-def _deck_refinement(points: list[Array], fine: float, coarse: float, options: DeckOptions) -> Refinement:
+def _deck_refinement(points: list[Array], finest_size: float, coarsest_size: float, options: DeckOptions) -> Refinement:
     """Return the element sizes of a body, which grow with the distance from its contacts.
 
-    ``points``: points in the zone of small elements at each contact [m]; ``fine``: element size there [m]; ``coarse``:
-    largest element size [m]; ``options``: options of the deck with the growth of the element size.
+    ``points``: points in the zone of small elements at each contact [m]; ``finest_size``: element size there [m];
+    ``coarsest_size``: largest element size [m]; ``options``: options of the deck with the growth of the element size.
     """
-    return Refinement(np.concatenate(points), fine, options.growth, max(coarse, fine))
+    return Refinement(np.concatenate(points), finest_size, options.growth, max(coarsest_size, finest_size))
 
 
 def _mesh_screw_and_nut(
     scene: Scene,
     dims: Dimensions,
-    drawn: Specimen,
-    m: GrooveMap,
-    places: list[ExpectedContact],
-    fine: float,
+    errors: Specimen,
+    groove_map: GrooveMap,
+    contacts: list[ExpectedContact],
+    element_size: float,
     options: DeckOptions,
 ) -> list[tuple[DeckBody, float]]:
     """Mesh a piece of the screw and the nut; return each body with the smallest scaled Jacobian of its elements.
 
-    ``dims``: dimensions of the bodies, with the ends of the piece of the screw; ``drawn``: geometric errors; ``m``: nominal
-    geometry of the grooves; ``places``: expected contacts; ``fine``: element size at the contacts [m].
+    ``dims``: dimensions of the bodies, with the ends of the piece of the screw; ``errors``: geometric errors;
+    ``groove_map``: nominal geometry of the grooves; ``contacts``: expected contacts; ``element_size``: element size at the
+    contacts [m].
     """
     low, high = dims.ends(scene)
     half, z = scene.nut.length / 2.0, scene.nut.position
-    unused = SocketSize(1.0, m.ball, 1.0)
+    unused = SocketSize(1.0, groove_map.ball, 1.0)
     bodies = []
     for name, part, ends, radii in (
         ("SCREW", scene.screw, (low, high), (dims.hole, scene.screw.outer_diameter / 2.0)),
         ("NUT", scene.nut, (z - half, z + half), (dims.land, scene.nut.outer_diameter / 2.0)),
     ):
         screw = name == "SCREW"
-        on_body = [p for p in places if (p.side < 2) == screw]
-        groove = real_groove_map(m, drawn, scene, screw)
-        near = [groove_points(groove, p.at, refined_zone_points(p, fine)) for p in on_body]
-        size = _deck_refinement(near, fine, FAR_SIZES[0] * options.growth * m.ball, options)
+        on_body = [p for p in contacts if (p.side < 2) == screw]
+        groove = groove_with_real_radius(groove_map, errors, scene, screw)
+        near = [points_on_groove(groove, p.at, refined_zone_points(p, element_size)) for p in on_body]
+        size = _deck_refinement(near, element_size, FAR_SIZES[0] * options.growth * groove_map.ball, options)
         flange = None if screw else scene.nut.flange
-        spec = BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse, flange=flange)
-        mesh = (half_body if options.half else whole_body)(groove, spec, size)
-        faces = {groove_face_name(p): flank_contact_faces(groove, mesh, p, fine) for p in on_body}
+        spec = BodySpec(*radii, *ends, screw, (), unused, element_size, size.coarse, flange=flange)
+        mesh = (mesh_half_ring if options.half else mesh_whole_body)(groove, spec, size)
+        faces = {groove_face_name(p): flank_contact_faces(groove, mesh, p, element_size) for p in on_body}
         if screw:
             held = (
                 {"SCREW_BORE": mesh.named["bore"]}
@@ -421,37 +430,41 @@ def _mesh_screw_and_nut(
 
 def _mesh_balls(
     scene: Scene,
-    drawn: Specimen,
-    m: GrooveMap,
+    errors: Specimen,
+    groove: GrooveMap,
     layout: BallLayout,
-    places: list[ExpectedContact],
-    fine: float,
+    contacts: list[ExpectedContact],
+    element_size: float,
     options: DeckOptions,
 ) -> list[tuple[DeckBody, float]]:
     """Mesh every ball with its real radius at its position; return each with the smallest scaled Jacobian of its elements.
 
-    ``drawn``: geometric errors; ``m``: nominal geometry of the grooves; ``layout``: positions of the balls; ``places``:
-    expected contacts; ``fine``: element size at the contacts [m].
+    ``errors``: geometric errors; ``groove``: nominal geometry of the grooves; ``layout``: positions of the balls;
+    ``contacts``: expected contacts; ``element_size``: element size at the contacts [m].
     """
-    bodies, meshed, shared = [], dict[tuple[float, float], WholeBody](), options.half or options.alike
-    for i, radius in enumerate(drawn.ball_radius.tolist()):
-        on_ball, side = [p for p in places if p.ball == i], float(np.sign(np.cos(layout.azimuth[i])))
+    bodies, meshed, shared = [], dict[tuple[float, float], BodyMeshForExport](), options.half or options.alike
+    for i, radius in enumerate(errors.ball_radius.tolist()):
+        on_ball, side = [p for p in contacts if p.ball == i], float(np.sign(np.cos(layout.azimuth[i])))
         kind = radius, side * options.half
         mesh = meshed.get(kind)
         if mesh is None:
-            near = [p for p in places if drawn.ball_radius[p.ball] == radius] if shared else on_ball
-            zones = [sphere_points(m, p.side, radius, refined_zone_points(p, fine)) for p in near]
-            size = _deck_refinement(zones, fine, FAR_SIZES[1] * options.growth * m.ball, options)
-            mesh = half_ball(radius, size, side) if options.half else whole_ball(m, radius, size)
+            near = [p for p in contacts if errors.ball_radius[p.ball] == radius] if shared else on_ball
+            zones = [points_on_ball_surface(groove, p.side, radius, refined_zone_points(p, element_size)) for p in near]
+            size = _deck_refinement(zones, element_size, FAR_SIZES[1] * options.growth * groove.ball, options)
+            mesh = mesh_half_ball(radius, size, side) if options.half else mesh_whole_ball(groove, radius, size)
             if shared:
                 meshed[kind] = mesh
-        faces = {ball_face_name(p): ball_contact_faces(m, mesh, p, radius, fine) for p in on_ball}
+        faces = {ball_face_name(p): ball_contact_faces(groove, mesh, p, radius, element_size) for p in on_ball}
         name = f"BALL{i + 1}"
-        points = place_ball(m, (float(layout.azimuth[i]), float(layout.z[i])), mesh.points)
-        axes = [parting(m)] if options.half else [parting(m), directions(m, 0)[2]]
+        points = move_to_ball_position(groove, (float(layout.azimuth[i]), float(layout.z[i])), mesh.points)
+        axes = (
+            [parting_plane_normal(groove)]
+            if options.half
+            else [parting_plane_normal(groove), contact_frame_vectors(groove, 0)[2]]
+        )
         poles = np.argmax(mesh.points @ np.stack([sign * x for x in axes for sign in (1.0, -1.0)]).T, axis=0)
         pairs = poles.reshape(-1, 2)
-        alike = half_ball_turning_constraint(points, pairs[0]) if options.half else turning_constraints(points, pairs)
+        alike = half_ball_turning_constraint(points, pairs[0]) if options.half else ball_rotation_constraints(points, pairs)
         weak = poles[:1]
         nodes = {f"{name}_WEAK": weak}
         if options.half:
@@ -471,7 +484,7 @@ def half_ball_turning_constraint(points: Array, pair: Index) -> Index:
     return np.array([(*pair, int(np.argmax(arms)))], dtype=np.int64)
 
 
-def turning_constraints(points: Array, pairs: Index) -> Index:
+def ball_rotation_constraints(points: Array, pairs: Index) -> Index:
     """Return three constraints (3, 3) that keep a ball from turning, each of two nodes that move alike along an axis.
 
     The entries of a row are the numbers of the two nodes, and the number of the axis.
@@ -487,7 +500,7 @@ def turning_constraints(points: Array, pairs: Index) -> Index:
     return np.array([found[k] for k in best], dtype=np.int64)
 
 
-def _rigid_sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
+def _rigid_sections_of_screw(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
     """Return the rigid sections of the screw (its ends or its bore) at which supports and loads act.
 
     ``dims``: dimensions of the bodies. Raises InputError if supports or loads act elsewhere.
@@ -520,17 +533,19 @@ def _rigid_sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
 
 
 def _deck_heading(
-    scene: Scene, dims: Dimensions, found: StaticResult, fine: float, count: int, options: DeckOptions
+    scene: Scene, dims: Dimensions, static_result: StaticResult, element_size: float, count: int, options: DeckOptions
 ) -> tuple[str, ...]:
     """Return the comment lines at the top of a deck: scene, mesh sizes, contact options, expected contact loads.
 
-    ``found``: static result of the low-order model; ``fine``: element size at the contacts [m]; ``count``: number of nodes.
+    ``static_result``: static result of the low-order model; ``element_size``: element size at the contacts [m]; ``count``:
+    number of nodes.
     """
-    load = found.load
+    load = static_result.load
     mean = float(load[load > 0.0].mean())
     return (
         f"Scene {scene.name}, by rollbench {__version__}. Whole bodies, {count} nodes, C3D10; z is the screw's axis.",
-        f"Elements of {1e3 * fine:.4g} mm at the contacts, {options.b_over_h:.4g} across the minor semi-axis at mean load,",
+        f"Elements of {1e3 * element_size:.4g} mm at the contacts, {options.b_over_h:.4g} across the minor semi-axis at "
+        "mean load,",
         f"growing by {options.growth:.4g} per length away from them.",
         f"Contact without friction, pressure per overclosure {options.stiffness * 1e-9:.4g} N/mm3.",
         "Balls cannot turn: two pairs of their nodes move alike along three axes (couples, no force on the ball).",
@@ -538,7 +553,8 @@ def _deck_heading(
         "of the screw that no support holds (turning: N mm/rad); their force is that times the motion that is printed.",
         "Oversize of balls and errors of groove radii are in the geometry; flanks are exact arcs.",
         *dims.assumed,
-        f"Expected contact loads / N: low-order model refined, {_expected_error_clause(scene, found)}; mean {mean:.1f} N.",
+        f"Expected contact loads / N: low-order model refined, {_clause_on_load_error(scene, static_result)}; mean "
+        f"{mean:.1f} N.",
         "ball " + " ".join(f"{s:>10}" for s in SIDES),
         *(f"{i:>4} " + " ".join(f"{x:10.2f}" for x in row) for i, row in enumerate(load, start=1)),
         "CalculiX: ccx -i FILE (without .inp); loads by *CONTACT PRINT in FILE.dat.",
@@ -546,9 +562,12 @@ def _deck_heading(
     )
 
 
-def _expected_error_clause(scene: Scene, found: StaticResult) -> str:
-    """Return a clause on the error to expect of the contact loads by the low-order model; ``found``: its static result."""
-    form = estimate(scene, found)
-    if not found.converged or form.percent is None:
+def _clause_on_load_error(scene: Scene, static_result: StaticResult) -> str:
+    """Return a clause on the error to expect of the contact loads by the low-order model.
+
+    ``static_result``: its static result.
+    """
+    form = estimate_model_error(scene, static_result)
+    if not static_result.converged or form.percent is None:
         return "no similar scene was compared with the 3D reference"
     return f"error to expect {form.percent:.1f} % of the mean load on the worst contact (nearest compared: {form.nearest})"

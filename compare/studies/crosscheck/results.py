@@ -59,7 +59,7 @@ class BodyMesh:
 
 
 @dataclass(frozen=True)
-class CrossRun:
+class CalculixRun:
     """Solution of one input deck by CalculiX: mesh, contact options and contact loads."""
 
     #: Elements across the minor semi-axis at mean load.
@@ -106,7 +106,7 @@ class CrossRun:
 
 
 @dataclass(frozen=True)
-class CrossData:
+class CalculixRunsOfScene:
     """All solutions of one scene by CalculiX."""
 
     #: Name of the scene.
@@ -118,7 +118,7 @@ class CrossData:
     #: Version of gmsh that made the meshes.
     gmsh: str
     #: The runs.
-    runs: tuple[CrossRun, ...]
+    runs: tuple[CalculixRun, ...]
 
 
 def shipped_results() -> Path:
@@ -126,12 +126,12 @@ def shipped_results() -> Path:
     return Path(__file__).parent
 
 
-def result_path(folder: Path, scene: str) -> Path:
+def path_of_stored_results(folder: Path, scene: str) -> Path:
     """Return the path of the JSON file with the CalculiX results of a scene; ``folder``: folder of stored results."""
     return folder / f"{scene}.json"
 
 
-def save_results(folder: Path, data: CrossData) -> Path:
+def save_results(folder: Path, data: CalculixRunsOfScene) -> Path:
     """Write the CalculiX results of a scene to a folder and return the path of the file.
 
     The file is written completely or not at all. Raises InputError if that fails.
@@ -139,44 +139,44 @@ def save_results(folder: Path, data: CrossData) -> Path:
     plain = asdict(data)
     for run in plain["runs"]:
         run["load"] = [[float(f"{x:.7g}") for x in row] for row in run["load"].tolist()]
-    path = result_path(folder, data.scene)
+    path = path_of_stored_results(folder, data.scene)
     replace_file(path, json.dumps(plain, indent=1) + "\n")
     return path
 
 
-def load_results(folder: Path, scene: str) -> CrossData | None:
+def load_results(folder: Path, scene: str) -> CalculixRunsOfScene | None:
     """Return the stored CalculiX results of a scene from a folder; None without a file.
 
     Raises InputError for a damaged file.
     """
     found = "results that rollbench crosscheck wrote", "compute the results again by `run=True`"
-    return read_json(
-        result_path(folder, scene),
-        lambda x: CrossData(**{**x, "runs": tuple(_run_from_json(r) for r in x["runs"])}),
+    return read_object_from_json(
+        path_of_stored_results(folder, scene),
+        lambda x: CalculixRunsOfScene(**{**x, "runs": tuple(_calculix_run_from_json(r) for r in x["runs"])}),
         *found,
     )
 
 
-def read_json(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, advice: str) -> T | None:
+def read_object_from_json(path: Path, build: Callable[[dict[str, Any]], T], allowed: str, advice: str) -> T | None:
     """Return the object that a function builds from the JSON values of a file; None if there is no such file.
 
-    ``made``: the function; ``allowed`` and ``advice``: content of a valid file, and how to get one, for the message of the
+    ``build``: the function; ``allowed`` and ``advice``: content of a valid file, and how to get one, for the message of the
     InputError that a damaged file raises.
     """
     try:
-        return made(json.loads(path.read_text(encoding="utf-8")))
+        return build(json.loads(path.read_text(encoding="utf-8")))
     except FileNotFoundError:
         return None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(str(path), "file", str(error), allowed, advice) from None
 
 
-def _run_from_json(plain: dict[str, Any]) -> CrossRun:
+def _calculix_run_from_json(plain: dict[str, Any]) -> CalculixRun:
     """Return a CalculiX solution from its stored JSON values; raises ValueError for contact loads of a wrong shape."""
     load = np.array(plain["load"], dtype=float)
     if load.ndim != 2 or load.shape[1] != len(SIDES):
         raise ValueError(f"loads of shape {load.shape}")
-    return CrossRun(**{**plain, "load": load, "meshes": tuple(BodyMesh(**m) for m in plain["meshes"])})
+    return CalculixRun(**{**plain, "load": load, "meshes": tuple(BodyMesh(**m) for m in plain["meshes"])})
 
 
 #: Orders of convergence that are tried. Second-order elements have 4 where the field is smooth, and 3 at the rim of a
@@ -242,14 +242,16 @@ def element_error(size: Array, growth: Array, order: float) -> Array:
     return np.asarray((np.multiply.outer(size, at) + np.multiply.outer(growth, 1.0 - at)) ** order @ (0.5 * w))
 
 
-def contact_law_effect(runs: Sequence[CrossRun]) -> Array | None:
+def contact_compliance_factor(runs: Sequence[CalculixRun]) -> Array | None:
     """Return the factor B of the contact compliance 1/k in F = F0 + A e + B / k, for each contact [N Pa/m].
 
     F is a contact load, F0 its limit, e the relative error of the elements, and k the contact stiffness (pressure per
     overclosure). B is the mean over pairs of solutions with the same mesh and different k; None without such a pair.
     """
     pairs = [
-        (a, b) for a, b in combinations(runs, 2) if mesh_identity(a) == mesh_identity(b) and a.stiffness != b.stiffness
+        (a, b)
+        for a, b in combinations(runs, 2)
+        if mesh_options_of_run(a) == mesh_options_of_run(b) and a.stiffness != b.stiffness
     ]
     if not pairs:
         return None
@@ -258,7 +260,7 @@ def contact_law_effect(runs: Sequence[CrossRun]) -> Array | None:
     )
 
 
-def mesh_identity(run: CrossRun) -> tuple[float, float, bool, bool]:
+def mesh_options_of_run(run: CalculixRun) -> tuple[float, float, bool, bool]:
     """Return the options that determine the mesh of a CalculiX solution.
 
     In this order: elements across the minor semi-axis, growth of the element size, whether only a half was meshed, and
@@ -267,7 +269,7 @@ def mesh_identity(run: CrossRun) -> tuple[float, float, bool, bool]:
     return run.b_over_h, run.growth, run.half, run.alike
 
 
-def extrapolate_loads(runs: Sequence[CrossRun]) -> Extrapolation:
+def extrapolate_loads(runs: Sequence[CalculixRun]) -> Extrapolation:
     """Extrapolate the contact loads of CalculiX to zero element size and rigid contact, from runs with small displacements.
 
     Many pairs of order and length are fitted. The uncertainty of a contact load combines three parts by root of squares:
@@ -296,13 +298,13 @@ def extrapolate_loads(runs: Sequence[CrossRun]) -> Extrapolation:
         With a single mesh, and if the contact stiffness varies, but on no mesh.
     """
     linear = [r for r in runs if not r.nlgeom]
-    law = contact_law_effect(linear)
+    law = contact_compliance_factor(linear)
     if law is None and len({r.stiffness for r in linear}) > 1:
         raise ValueError("the contact stiffness varies, but on no mesh: add a run that differs in it alone")
     law = np.zeros(linear[0].load.size) if law is None else law
-    groups: dict[tuple[float, float, bool, bool], list[CrossRun]] = {}
+    groups: dict[tuple[float, float, bool, bool], list[CalculixRun]] = {}
     for r in linear:
-        groups.setdefault(mesh_identity(r), []).append(r)
+        groups.setdefault(mesh_options_of_run(r), []).append(r)
     if len({m[:2] for m in groups}) < 2:
         raise ValueError("one mesh only: two are needed to extrapolate")
     h, g = (np.array([x[k] for x in groups]) for k in (0, 1))
@@ -310,9 +312,12 @@ def extrapolate_loads(runs: Sequence[CrossRun]) -> Extrapolation:
     loads = np.stack([np.mean([r.load.ravel() - law / r.stiffness for r in same], axis=0) for same in groups.values()])
     typical = loads.mean(axis=0)
     half = np.cbrt(np.maximum(typical / typical[typical > 0.0].mean(), 1e-3))  # own semi-axis over that at mean load
-    weight = 1.0 / _element_errors(h, g, half, *WEIGHING)
+    weight = 1.0 / _relative_element_errors_of_contacts(h, g, half, *WEIGHING)
     weight = weight / weight.max(axis=0)
-    fits = [_fit_loads(loads, _element_errors(h, g, half, p, s), weight, p, s) for p, s in product(ORDERS, LENGTHS)]
+    fits = [
+        _fit_loads_over_element_error(loads, _relative_element_errors_of_contacts(h, g, half, p, s), weight, p, s)
+        for p, s in product(ORDERS, LENGTHS)
+    ]
     best = min(fits, key=lambda fit: fit.misfit)
     free = max(1, len(loads) - 2)
     enough = np.hypot(best.residual, COVERED * np.maximum(best.residual, best.misfit) / np.sqrt(free))
@@ -335,15 +340,17 @@ def extrapolate_loads(runs: Sequence[CrossRun]) -> Extrapolation:
     )
 
 
-def _element_errors(h: Array, g: Array, half: Array, order: float, length: float) -> Array:
+def _relative_element_errors_of_contacts(
+    elements_per_semi_axis: Array, growth: Array, half: Array, order: float, length: float
+) -> Array:
     """Return the relative error e of the elements on each of m meshes for each of c contacts, (m, c).
 
-    The formula is in the docstring of the module. ``h``: element size over the minor semi-axis of a contact with mean load
-    (m,); ``g``: growth of the element size (m,); ``half``: minor semi-axis of each contact over that at mean load (c,);
-    ``order``: order p; ``length``: length over which the field changes, over the minor semi-axis.
+    The formula is in the docstring of the module. ``elements_per_semi_axis``: element size over the minor semi-axis of a
+    contact with mean load (m,); ``growth``: growth of the element size (m,); ``half``: minor semi-axis of each contact over
+    that at mean load (c,); ``order``: order p; ``length``: length over which the field changes, over the minor semi-axis.
     """
-    size = h[:, None] / (length * half)
-    return element_error(size, np.broadcast_to(g[:, None], size.shape), order)
+    size = elements_per_semi_axis[:, None] / (length * half)
+    return element_error(size, np.broadcast_to(growth[:, None], size.shape), order)
 
 
 @dataclass(frozen=True)
@@ -369,25 +376,27 @@ class _LoadFit:
     elements: Array
 
 
-def _fit_loads(loads: Array, e: Array, weight: Array, order: float, length: float) -> _LoadFit:
+def _fit_loads_over_element_error(
+    loads: Array, element_errors: Array, weight: Array, order: float, length: float
+) -> _LoadFit:
     """Fit the load of each contact by a straight line over the relative error of the elements, by weighted least squares.
 
-    ``loads``: loads of c contacts on m meshes (m, c) [N]; ``e``: relative error of the elements (m, c); ``weight``: weights
-    of the residuals over those of the finest mesh (m, c); ``order`` and ``length``: parameters with which ``e`` was
-    computed.
+    ``loads``: loads of c contacts on m meshes (m, c) [N]; ``element_errors``: relative error of the elements (m, c);
+    ``weight``: weights of the residuals over those of the finest mesh (m, c); ``order`` and ``length``: parameters with
+    which ``element_errors`` was computed.
     """
     w = weight**2 / (weight**2).sum(axis=0)
-    middle, mean = (w * e).sum(axis=0), (w * loads).sum(axis=0)
-    wide = (w * (e - middle) ** 2).sum(axis=0)
-    slope = (w * (e - middle) * (loads - mean)).sum(axis=0) / wide
+    middle, mean = (w * element_errors).sum(axis=0), (w * loads).sum(axis=0)
+    wide = (w * (element_errors - middle) ** 2).sum(axis=0)
+    slope = (w * (element_errors - middle) * (loads - mean)).sum(axis=0) / wide
     limit = mean - slope * middle
-    square = (weight * (loads - limit - slope * e)) ** 2
+    square = (weight * (loads - limit - slope * element_errors)) ** 2
     free = max(1, len(loads) - 2)
     scatter = np.sqrt(np.maximum(square.sum(axis=0), square.sum() / square.shape[1]) / free)
     # Var F0 = sigma^2 (1 + middle^2 / wide) / sum of weights squared, sigma that of the finest mesh
     error = scatter * np.sqrt((1.0 + middle**2 / wide) / (weight**2).sum(axis=0)) * (mean > 0.0)
     residual = np.sqrt(square.mean(axis=0))
-    return _LoadFit(order, length, float(np.sqrt(square.mean())), residual, limit, error, slope * e)
+    return _LoadFit(order, length, float(np.sqrt(square.mean())), residual, limit, error, slope * element_errors)
 
 
 #: Target of the agreement [% of the mean load].
@@ -409,7 +418,7 @@ COLUMNS = (*PLACE, *COMPARED)
 
 
 @dataclass(frozen=True)
-class ContactRow:
+class ContactLoadComparison:
     """Loads of one contact by the 3D reference and by CalculiX, and their difference."""
 
     #: Ball, from 1.
@@ -435,7 +444,7 @@ class ContactRow:
         return {"ball": str(self.ball), "side": self.side, **self.meshes, **compared}
 
 
-def comparable_runs(data: CrossData) -> list[CrossRun]:
+def runs_with_common_contact_stiffness(data: CalculixRunsOfScene) -> list[CalculixRun]:
     """Return the CalculiX solutions with small displacements and the most frequent contact stiffness.
 
     They are sorted by number of nodes, fewest first.
@@ -446,7 +455,7 @@ def comparable_runs(data: CrossData) -> list[CrossRun]:
     return sorted((r for r in linear if r.stiffness == most), key=lambda r: r.nodes)
 
 
-def deck_label(run: CrossRun) -> str:
+def deck_label(run: CalculixRun) -> str:
     """Return a short name of the mesh of a CalculiX solution.
 
     It names the elements across the minor semi-axis, the growth of the element size, whether only a half was meshed, and
@@ -455,45 +464,52 @@ def deck_label(run: CrossRun) -> str:
     return f"b/h {run.b_over_h:g}, g {run.growth:g}" + ", half" * run.half + ", equal balls" * run.alike
 
 
-def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None = None) -> list[ContactRow]:
+def compare_contact_loads(
+    data: CalculixRunsOfScene, reference: Reference, extrapolation: Extrapolation | None = None
+) -> list[ContactLoadComparison]:
     """Return the comparison of each contact that carries load in the 3D reference or in CalculiX.
 
-    ``data``: solutions by CalculiX; ``ours``: the 3D reference; ``limit``: extrapolated loads of CalculiX, None to compute
-    them.
+    ``data``: solutions by CalculiX; ``reference``: the 3D reference; ``extrapolation``: extrapolated loads of CalculiX,
+    None to compute them.
     """
-    limit = limit or extrapolate_loads(data.runs)
-    best, mean, rows = ours.load, ours.mean, []
-    meshes = {f"level {r.level}": r.load for r in ours.runs} | {deck_label(r): r.load for r in comparable_runs(data)}
-    for i, s in zip(*np.nonzero((best > 0.0) | (limit.load > 1e-3 * mean)), strict=True):
-        uncertainty = float(error_percent(ours.uncertainty[i, s], 0.0, mean))
+    extrapolation = extrapolation or extrapolate_loads(data.runs)
+    best, mean, rows = reference.load, reference.mean, []
+    meshes = {f"level {r.level}": r.load for r in reference.runs} | {
+        deck_label(r): r.load for r in runs_with_common_contact_stiffness(data)
+    }
+    for i, s in zip(*np.nonzero((best > 0.0) | (extrapolation.load > 1e-3 * mean)), strict=True):
+        uncertainty = float(error_percent(reference.uncertainty[i, s], 0.0, mean))
         rows.append(
-            ContactRow(
+            ContactLoadComparison(
                 int(i) + 1,
                 SIDES[s],
                 {name: float(load[i, s]) for name, load in meshes.items()},
                 float(best[i, s]),
                 uncertainty,
-                float(limit.load[i, s]),
-                float(error_percent(limit.uncertainty[i, s], 0.0, mean)),
-                float(error_percent(best[i, s], limit.load[i, s], mean)),
+                float(extrapolation.load[i, s]),
+                float(error_percent(extrapolation.uncertainty[i, s], 0.0, mean)),
+                float(error_percent(best[i, s], extrapolation.load[i, s], mean)),
             )
         )
     return rows
 
 
-def mesh_columns(data: CrossData, ours: Reference) -> list[Quantity]:
+def columns_of_load_table(data: CalculixRunsOfScene, reference: Reference) -> list[Quantity]:
     """Return the columns of the table of contact loads: the contact, then its load on every mesh of both programs.
 
-    ``data``: solutions by CalculiX; ``ours``: the 3D reference with its solutions on several mesh levels.
+    ``data``: solutions by CalculiX; ``reference``: the 3D reference with its solutions on several mesh levels.
     """
     return [
         *PLACE,
-        *(Quantity(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),
-        *(Quantity(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f") for r in comparable_runs(data)),
+        *(Quantity(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in reference.runs),
+        *(
+            Quantity(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f")
+            for r in runs_with_common_contact_stiffness(data)
+        ),
     ]
 
 
-def agreement_sentence(name: str, rows: Sequence[ContactRow]) -> str:
+def agreement_sentence(name: str, rows: Sequence[ContactLoadComparison]) -> str:
     """Return a sentence on the largest and RMS difference of contact loads between the 3D reference and CalculiX.
 
     It also says how many contacts differ by more than both uncertainties. ``name``: name of the scene; ``rows``: comparison

@@ -32,19 +32,19 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, MeshedDeck, build_deck
 from rollbench.compare.studies.crosscheck.results import (
     BodyMesh,
-    CrossData,
-    CrossRun,
+    CalculixRun,
+    CalculixRunsOfScene,
     extrapolate_loads,
     load_results,
-    read_json,
+    read_object_from_json,
     shipped_results,
 )
-from rollbench.hifi.elements.forms import assemble, elasticity
-from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.hifi.linear_algebra import factor
+from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
+from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
+from rollbench.hifi.linear_algebra import factorise_positive_definite
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.deck import UNITS, Deck, DeckBody, RigidSection, deck_text
-from rollbench.meshes.fem import mesh_of
+from rollbench.meshes.fem import build_mesh
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.libraries import installed_version
 from rollbench.meshes.parts import SIDES, Scene
@@ -106,7 +106,7 @@ def deck_digest(text: str) -> str:
     return hashlib.sha256("\n".join(content).encode()).hexdigest()[:16]
 
 
-def run_calculix(text: str, folder: Path) -> CalculixResult:
+def solve_deck_or_read_result(text: str, folder: Path) -> CalculixResult:
     """Solve an input deck with CalculiX in a folder, or read the results of an equal deck that are already there.
 
     ``text``: text of the deck. CalculiX uses one thread. Raises InputError if CalculiX is missing, and ValueError with its
@@ -121,8 +121,8 @@ def run_calculix(text: str, folder: Path) -> CalculixResult:
     if facts.get("deck") != key:
         facts = {"deck": key, **_solve_deck(program, text, folder)}
         kept.write_text(json.dumps(facts), encoding="utf-8")
-    forces, moved = read_dat((folder / f"{NAME}.dat").read_text(encoding="ascii"))
-    iterations, correction = read_cvg((folder / f"{NAME}.cvg").read_text(encoding="ascii"))
+    forces, moved = read_forces_and_displacements((folder / f"{NAME}.dat").read_text(encoding="ascii"))
+    iterations, correction = read_iterations_and_correction((folder / f"{NAME}.cvg").read_text(encoding="ascii"))
     return CalculixResult(forces, moved, iterations, correction, facts["seconds"], facts["date"], facts["version"])
 
 
@@ -152,7 +152,7 @@ def _solve_deck(program: str, text: str, folder: Path) -> dict[str, Any]:
     return {"seconds": seconds or elapsed, "date": today, "version": ccx_version(program)}
 
 
-def read_dat(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]]:
+def read_forces_and_displacements(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]]:
     """Return contact forces and displacements of the last time step from the text of a .dat file of CalculiX.
 
     The first dictionary has the contact force along x, y, z by the name of the ball's faces. The second has the
@@ -171,7 +171,7 @@ def read_dat(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]
     return forces, moved
 
 
-def read_cvg(text: str) -> tuple[int, float]:
+def read_iterations_and_correction(text: str) -> tuple[int, float]:
     """Return the number of iterations of all increments, and the last correction over the largest displacement [%].
 
     ``text``: text of a .cvg file of CalculiX. A linear step has no entry there and counts as one iteration.
@@ -215,24 +215,26 @@ def deck_folder_name(options: DeckOptions) -> str:
     return f"bh{options.b_over_h:g}-g{options.growth:g}-k{1e-9 * options.stiffness:g}{tail}"
 
 
-def scene_key(name: str) -> str:
+def digest_of_shipped_scene(name: str) -> str:
     """Return the digest of a scene of the package, by which stored results are recognised as results of this scene.
 
     Remarks in the scene file do not change the digest. ``name``: name of the scene.
     """
-    content = {k: v for k, v in tomllib.loads(catalogue.scene_text(name)).items() if k not in ("source", "assumed")}
+    content = {k: v for k, v in tomllib.loads(catalogue.shipped_scene_text(name)).items() if k not in ("source", "assumed")}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def studied_scene(name: str) -> Scene:
+def scene_compared_with_calculix(name: str) -> Scene:
     """Return a scene of the package that is compared with CalculiX; raises InputError for other names."""
     if name not in STUDIES:
         raise ArgumentError("scene", name, ", ".join(STUDIES), "choose one of these")
     return catalogue.scene(name)
 
 
-def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Sequence[CrossRun] = ()) -> CrossData:
-    """Solve all decks of a scene with CalculiX one after the other, each in a folder of its own below ``work``.
+def solve_decks_of_scene(
+    scene: Scene, deck_folder: Path, step: Callable[[str], None], stored: Sequence[CalculixRun] = ()
+) -> CalculixRunsOfScene:
+    """Solve all decks of a scene with CalculiX one after the other, each in a folder of its own below ``deck_folder``.
 
     ``step``: function that is called with each line of progress; ``stored``: known solutions. A deck is not solved again if
     its folder or the stored solutions have a solution with the same digest. Raises InputError if CalculiX is missing or
@@ -247,7 +249,7 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
             step(f"{deck_folder_name(options)}: stored")
             continue
         try:
-            outcome = run_calculix(text, work / scene.name / deck_folder_name(options))
+            outcome = solve_deck_or_read_result(text, deck_folder / scene.name / deck_folder_name(options))
             runs.append(run_record(meshed, options, deck_digest(text), outcome))
         except ValueError as error:
             raise InputError(
@@ -257,10 +259,12 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
             f"{deck_folder_name(options)}: {meshed.deck.node_count} nodes, {outcome.iterations} iterations, "
             f"{outcome.seconds:.0f} s"
         )
-    return CrossData(scene.name, scene_key(scene.name), __version__, installed_version("gmsh") or "", tuple(runs))
+    return CalculixRunsOfScene(
+        scene.name, digest_of_shipped_scene(scene.name), __version__, installed_version("gmsh") or "", tuple(runs)
+    )
 
 
-def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult) -> CrossRun:
+def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult) -> CalculixRun:
     """Return the record of a CalculiX solution that is stored.
 
     ``meshed``: the deck with its meshes; ``options``: its options; ``deck``: digest of its text; ``outcome``: results of
@@ -282,7 +286,7 @@ def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Cal
     weak = [list(outcome.moved[f"BALL{i + 1}_WEAK"].values()) for i in range(count)]
     held = np.array([mirror * spring * np.sum(nodes, axis=0) for nodes in weak])
     loose = np.linalg.norm(resultant - held, axis=1)  # what is printed acts on the slave, the ball
-    return CrossRun(
+    return CalculixRun(
         **vars(options),
         fine=meshed.fine,
         deck=deck,
@@ -302,11 +306,11 @@ def extrapolated_results() -> tuple[str, dict[str, Array]]:
     content has changed since they were solved are left out.
     """
     stored = {name: load_results(shipped_results(), name) for name in STUDIES}
-    kept = {name: d for name, d in stored.items() if d is not None and d.key == scene_key(name)}
+    kept = {name: d for name, d in stored.items() if d is not None and d.key == digest_of_shipped_scene(name)}
     return "CalculiX", {name: extrapolate_loads(d.runs).load for name, d in kept.items()}
 
 
-def find_references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:  # noqa: ARG001 - as every such function
+def scenes_and_levels_for_report(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:  # noqa: ARG001 - as every such function
     """Yield the names of the scenes that the report compares with CalculiX, and the mesh levels of the 3D reference.
 
     ``fresh``: not used; the report calls all functions of this kind with it.
@@ -323,7 +327,7 @@ SECTION_FORCE = 1000.0
 
 
 @dataclass(frozen=True)
-class NutCheck:
+class NutComplianceComparison:
     """Compliance of a nut between its contacts by two finite-element programs.
 
     Entry [i][j] is the displacement along the normal of contact i by a unit force on contact j.
@@ -350,7 +354,7 @@ class NutCheck:
         ours, theirs = np.array(self.ours), np.array(self.theirs)
         return float(100.0 * np.abs(ours - theirs).max() / np.diag(theirs).min())
 
-    def sentence(self) -> str:
+    def sentence_on_agreement(self) -> str:
         """Return a sentence on the agreement of both programs."""
         met = "within" if self.difference <= NUT_TARGET else "NOT within"
         return (
@@ -396,18 +400,18 @@ def section_translations(decks: list[Deck]) -> Array:
     they have one body, no contacts, and sections without fixed degrees of freedom.
     """
     body, sections = decks[0].bodies[0], decks[0].sections
-    mesh, number = mesh_of(body.points, body.cells, "P2")
-    K = assemble(elasticity(body.material.youngs_modulus, body.material.poissons_ratio), mesh)
-    C = _section_transform(body, sections, number, decks[0].fixed)
+    mesh, number = build_mesh(body.points, body.cells, "P2")
+    K = assemble_constant_form(elasticity_form(body.material.youngs_modulus, body.material.poissons_ratio), mesh)
+    C = _matrix_of_rigid_sections(body, sections, number, decks[0].fixed)
     loads = np.zeros((C.shape[1], len(decks)))
     count = 6 * len(sections)
     for k, deck in enumerate(decks):
         loads[-count:, k] = np.concatenate([s.load for s in deck.sections])
-    moved = factor((C.T @ K @ C).tocsc())(loads)[-count:]
+    moved = factorise_positive_definite((C.T @ K @ C).tocsc())(loads)[-count:]
     return np.asarray(moved.reshape(len(sections), 6, len(decks)).transpose(2, 0, 1)[:, :, :3])
 
 
-def _section_transform(
+def _matrix_of_rigid_sections(
     body: DeckBody, sections: tuple[RigidSection, ...], number: NDArray[np.int64], fixed: tuple[str, ...]
 ) -> sp.csc_array:
     """Return the matrix that gives all nodal displacements of a body with rigid sections from its free degrees of freedom.
@@ -421,41 +425,43 @@ def _section_transform(
     parts = [sp.eye_array(free.size, format="csc")[:, np.flatnonzero(free)]]
     for s in sections:
         freedoms = (3 * number[body.nodes[s.nodes]][:, None] + np.arange(3)).ravel()
-        modes = sp.coo_array(rigid_modes(body.points[body.nodes[s.nodes]], s.point))
+        modes = sp.coo_array(nodal_displacements_of_rigid_motions(body.points[body.nodes[s.nodes]], s.point))
         parts.append(sp.csc_array((modes.data, (freedoms[modes.row], modes.col)), (free.size, 6)))
     return sp.hstack(parts, format="csc")
 
 
-def compare_nut_compliance(scene: Scene, work: Path, options: DeckOptions = NUT_MESH, key: str = "") -> NutCheck:
+def compare_nut_compliance(
+    scene: Scene, deck_folder: Path, options: DeckOptions = NUT_MESH, key: str = ""
+) -> NutComplianceComparison:
     """Compute the compliance of a nut by the elements of the 3D reference and by CalculiX, on one mesh.
 
-    ``work``: folder in which CalculiX solves its decks; ``options``: mesh sizes; ``key``: digest of the scene's content.
-    Raises InputError if CalculiX is missing or fails.
+    ``deck_folder``: folder in which CalculiX solves its decks; ``options``: mesh sizes; ``key``: digest of the scene's
+    content. Raises InputError if CalculiX is missing or fails.
     """
     decks, normals = nut_decks(scene, options)
     ours = section_translations(decks)
     theirs, date, version = np.zeros_like(ours), "", ""
     for k, deck in enumerate(decks):
         try:
-            found = run_calculix(deck_text(deck, "mm"), work / f"{scene.name}-nut-{k + 1}")
+            found = solve_deck_or_read_result(deck_text(deck, "mm"), deck_folder / f"{scene.name}-nut-{k + 1}")
         except ValueError as error:
             raise InputError(
-                scene.name, "nut", str(error), "a deck that CalculiX solves", f"see the files in {work}"
+                scene.name, "nut", str(error), "a deck that CalculiX solves", f"see the files in {deck_folder}"
             ) from None
         date, version = found.date, found.version
         for i, s in enumerate(deck.sections):
             (moved,) = found.moved[f"{s.name}_MOVE"].values()
             theirs[k, i] = UNITS["mm"].length * np.array(moved)
     along = [(np.einsum("jid,id->ij", x, normals) / SECTION_FORCE).tolist() for x in (ours, theirs)]
-    return NutCheck(scene.name, key, decks[0].node_count, along[0], along[1], date, f"CalculiX {version}")
+    return NutComplianceComparison(scene.name, key, decks[0].node_count, along[0], along[1], date, f"CalculiX {version}")
 
 
-def save_nut(folder: Path, found: NutCheck) -> Path:
+def save_nut(folder: Path, comparison: NutComplianceComparison) -> Path:
     """Write the compared compliances of a nut to ``nut.json`` in a folder and return its path.
 
     Raises InputError if the file cannot be written.
     """
-    plain = asdict(found)
+    plain = asdict(comparison)
     for key in ("ours", "theirs"):
         plain[key] = [[float(f"{x:.8g}") for x in row] for row in plain[key]]
     path = folder / "nut.json"
@@ -463,10 +469,10 @@ def save_nut(folder: Path, found: NutCheck) -> Path:
     return path
 
 
-def load_nut(folder: Path) -> NutCheck | None:
+def load_nut(folder: Path) -> NutComplianceComparison | None:
     """Return the stored comparison of a nut's compliances from a folder; None without one.
 
     Raises InputError for a damaged file.
     """
     found = "a result of rollbench crosscheck", "compute the result again by `run=True`"
-    return read_json(folder / "nut.json", lambda plain: NutCheck(**plain), *found)
+    return read_object_from_json(folder / "nut.json", lambda plain: NutComplianceComparison(**plain), *found)

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.friction_sums import friction_sums_json, motion_against_load
-from rollbench.compare.quantities import number
+from rollbench.compare.models.friction_sums import direction_of_motion, friction_sums_json
+from rollbench.compare.quantities import json_number
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.feedback import JAMMED
 from rollbench.lowfi.friction.whole.losses import CAUSES, WIDE
 from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.friction.whole.torque import ScrewTorque
-from rollbench.lowfi.rating.catalogue_checks import overall_warnings
+from rollbench.lowfi.rating.catalogue_checks import warn_of_overall_friction_coefficient
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.validity import contact_warnings
-from rollbench.lowfi.warned import Warned, warning_line
+from rollbench.lowfi.warned import Warned, join_brief_warnings
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
@@ -159,10 +159,12 @@ class FrictionAnswer:
     @property
     def warning(self) -> str:
         """Warning that is shown above the results; may be empty."""
-        return warning_line(self.data.get("warnings", ()))
+        return join_brief_warnings(self.data.get("warnings", ()))
 
 
-def common_entries(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
+def json_entries_of_all_kinds(
+    scene: KindScene, status: str, converged: bool, coupling: str | None = None
+) -> dict[str, Any]:
     """Return the JSON entries that the friction of every kind of scene has: names, status, assumptions, neglected effects.
 
     ``scene``: scene of single parts; ``status``: status in words; ``converged``: whether loads and friction converged;
@@ -187,7 +189,9 @@ def values_by_contact(sides: Sequence[str], values: Array) -> dict[str, Any]:
 
     ``sides``: names of the contacts; ``values``: a number or a vector for each contact, (n,) or (n, k).
     """
-    return {side: [number(v) for v in x] if np.ndim(x) else number(x) for side, x in zip(sides, values, strict=True)}
+    return {
+        side: [json_number(v) for v in x] if np.ndim(x) else json_number(x) for side, x in zip(sides, values, strict=True)
+    }
 
 
 def load_json(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]:
@@ -199,12 +203,12 @@ def load_json(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any
     return {"load_N": values_by_contact(sides, force), "contact_angle_deg": values_by_contact(sides, loaded)}
 
 
-def motion_json(q: Array) -> dict[str, Any]:
+def motion_json(ball_speeds: Array) -> dict[str, Any]:
     """Return the motion of a ball as JSON.
 
-    ``q``: orbital speed of the ball, then its angular velocity about the axes x, y, z, (4,) [rad/s].
+    ``ball_speeds``: orbital speed of the ball, then its angular velocity about the axes x, y, z, (4,) [rad/s].
     """
-    return {"orbit_rad_s": number(q[0]), "rotation_rad_s": [number(w) for w in q[1:]]}
+    return {"orbit_rad_s": json_number(ball_speeds[0]), "rotation_rad_s": [json_number(w) for w in ball_speeds[1:]]}
 
 
 def rubbing_json(
@@ -235,13 +239,13 @@ def terminal_ball_row(sides: Sequence[str], row: dict[str, Any]) -> dict[str, An
     return flat | {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
 
 
-def without_round_off(difference: float, size: float) -> float:
+def without_round_off(difference: float, magnitude: float) -> float:
     """Return the difference of two computed values, or zero if it is within their round-off.
 
-    ``difference``: the difference; ``size``: magnitude of the two values, in the same unit. The limit is `ROUND_OFF` times
-    ``size``.
+    ``difference``: the difference; ``magnitude``: magnitude of the two values, in the same unit. The limit is `ROUND_OFF`
+    times ``magnitude``.
     """
-    return 0.0 if abs(difference) <= ROUND_OFF * abs(size) else difference
+    return 0.0 if abs(difference) <= ROUND_OFF * abs(magnitude) else difference
 
 
 def power_balance(power: float, loss: float) -> dict[str, Any]:
@@ -250,45 +254,47 @@ def power_balance(power: float, loss: float) -> dict[str, Any]:
     ``power``: input power [W]; ``loss``: dissipation [W]; a difference that is round-off is zero.
     """
     left = without_round_off(power - loss, loss)
-    return {"input_power_W": number(power), "loss_W": number(loss), "balance_W": number(left)}
+    return {"input_power_W": json_number(power), "loss_W": json_number(loss), "balance_W": json_number(left)}
 
 
-def power_balance_with_percent(power: float, loss: float, bound: float) -> dict[str, Any]:
+def power_balance_with_percent(power: float, loss: float, round_off: float) -> dict[str, Any]:
     """Return input power, dissipation and their difference as JSON, with the difference also in % of the dissipation.
 
-    ``power``: input power [W]; ``loss``: dissipation [W]; ``bound``: dissipation if all contacts slid fully [W]. The
-    percentage is null if ``loss`` is at most `NOTHING` times ``bound``.
+    ``power``: input power [W]; ``loss``: dissipation [W]; ``round_off``: dissipation if all contacts slid fully [W]. The
+    percentage is null if ``loss`` is at most `NOTHING` times ``round_off``.
     """
-    return power_balance(power, loss) | {"balance_percent": loss_increase_percent(power, loss, bound)}
+    return power_balance(power, loss) | {"balance_percent": loss_increase_percent(power, loss, round_off)}
 
 
-def loss_increase_percent(loss: float, before: float, bound: float) -> float | None:
+def loss_increase_percent(loss: float, reference_loss: float, round_off: float) -> float | None:
     """Return the increase of a friction loss in per cent of the loss before; zero if the increase is round-off.
 
-    ``loss`` and ``before``: the two losses [W]; ``bound``: loss if all contacts slid fully [W]. None if ``before`` is at
-    most `NOTHING` times ``bound``.
+    ``loss`` and ``reference_loss``: the two losses [W]; ``round_off``: loss if all contacts slid fully [W]. None if
+    ``reference_loss`` is at most `NOTHING` times ``round_off``.
     """
-    if not before > NOTHING * bound:
+    if not reference_loss > NOTHING * round_off:
         return None
-    return number(float(error_percent(before + without_round_off(loss - before, before), before)))
+    return json_number(
+        float(error_percent(reference_loss + without_round_off(loss - reference_loss, reference_loss), reference_loss))
+    )
 
 
-def ball_contact_effect(power: float, loss: float, apart: float, balls: float, bound: float) -> dict[str, Any]:
+def effect_of_ball_to_ball_contact(power: float, loss: float, apart: float, balls: float, bound: float) -> dict[str, Any]:
     """Return as JSON how contact between neighbouring balls changes the friction losses.
 
     ``power`` and ``loss``: input power and loss with balls that touch [W]; ``apart``: loss with the balls far apart [W];
     ``balls``: loss in the contacts between balls only [W]; ``bound``: loss if all contacts slid fully [W].
     """
     return {
-        "loss_apart_W": number(apart),
+        "loss_apart_W": json_number(apart),
         "friction_increase_percent": loss_increase_percent(loss, apart, bound),
-        "ball_to_ball_percent": number(100.0 * balls / apart) if apart > NOTHING * bound else None,
-        "ball_to_ball_loss_W": number(balls),
+        "ball_to_ball_percent": json_number(100.0 * balls / apart) if apart > NOTHING * bound else None,
+        "ball_to_ball_loss_W": json_number(balls),
         "energy": power_balance_with_percent(power, loss, bound),
     }
 
 
-def solver_line(solver: dict[str, Any], suffix: str = "") -> Line:
+def line_on_solver_residuals(solver: dict[str, Any], suffix: str = "") -> Line:
     """Return a text line (label, text) that says by how much contact loads and friction are out of balance.
 
     ``solver``: JSON values with the unbalanced forces of both [N]; ``suffix``: text that is appended to the line.
@@ -297,7 +303,7 @@ def solver_line(solver: dict[str, Any], suffix: str = "") -> Line:
     return "solver", f"loads out of balance by {loads:.1e} N, friction by {friction:.1e} N{suffix}"
 
 
-def hertz_word(hertz: str) -> str:
+def scene_word_for_hertz_constants(hertz: str) -> str:
     """Return the word of scene files for a kind of Hertz constants: "nominal" for "right", else the same word."""
     return "nominal" if hertz == "right" else hertz
 
@@ -313,7 +319,7 @@ def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
     return "energy", f"{power:.{digits}g} W are put in and {loss:.{digits}g} W lost, {left:+.1e} W out of balance"
 
 
-def neglected_effects(friction: Friction) -> list[str]:
+def effects_neglected_at_one_instant(friction: Friction) -> list[str]:
     """Return sentences on the effects that are neglected in the friction of a whole screw or bearing at one instant.
 
     ``friction``: coefficients of friction, and whether friction moves the balls and neighbouring balls push each other.
@@ -321,7 +327,7 @@ def neglected_effects(friction: Friction) -> list[str]:
     return [*WHOLE, *BESIDES[friction.feedback, friction.neighbours]]
 
 
-def jam_sentence(state: FrictionState) -> str:
+def sentence_on_jammed_states(state: FrictionState) -> str:
     """Return a sentence on whether balls have a second equilibrium with friction, in which they jam.
 
     Such equilibria may exist at high coefficients of friction. ``state``: friction of the screw or bearing.
@@ -338,23 +344,23 @@ def jam_sentence(state: FrictionState) -> str:
     return f"{what} a second, jammed state: {numbers}; this is the one that rolls on"
 
 
-def slip_warnings(share: float) -> list[Warned]:
+def slip_warnings(loss_increase: float) -> list[Warned]:
     """Return a warning if Heathcote slip (over curved contacts), which is neglected, would add much to the losses.
 
-    The list is empty otherwise. ``share``: losses by Heathcote slip over all losses.
+    The list is empty otherwise. ``loss_increase``: losses by Heathcote slip over all losses.
     """
-    return [Warned("slip", f"the contacts are so wide that {slip_clause(share)}")] if share > WIDE else []
+    return [Warned("slip", f"the contacts are so wide that {slip_clause(loss_increase)}")] if loss_increase > WIDE else []
 
 
-def slip_clause(share: float) -> str:
+def slip_clause(loss_increase: float) -> str:
     """Return a clause that says by how many per cent the neglected Heathcote slip would raise friction.
 
-    ``share``: losses by Heathcote slip over all losses.
+    ``loss_increase``: losses by Heathcote slip over all losses.
     """
-    return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * share:.2g} %"
+    return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * loss_increase:.2g} %"
 
 
-def neighbour_json(state: FrictionState) -> dict[str, Any] | None:
+def ball_to_ball_forces_as_json(state: FrictionState) -> dict[str, Any] | None:
     """Return the forces between touching balls and their effect on the friction torque as JSON.
 
     ``state``: friction of the screw or bearing. None if forces between neighbouring balls are not computed.
@@ -364,14 +370,14 @@ def neighbour_json(state: FrictionState) -> dict[str, Any] | None:
         return None
     return {
         "pairs": n.touching,
-        "smallest_gap_um": number(1e6 * n.least),
-        "force_on_next_N": [number(f) for f in n.force],
-        "loss_W": number(n.power),
+        "smallest_gap_um": json_number(1e6 * n.least),
+        "force_on_next_N": [json_number(f) for f in n.force],
+        "loss_W": json_number(n.power),
         "friction_torque_change_percent": loss_increase_percent(t.power, state.bare.power, 0.0),
     }
 
 
-def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]]:
+def json_rows_of_balls(result: StaticResult, state: FrictionState) -> list[dict[str, Any]]:
     """Return one JSON row per ball: position, contact loads, motion, sliding and friction, and status of the friction.
 
     ``result``: static result; ``state``: friction of the balls. The axes x and z of a contact lie across and along its
@@ -379,10 +385,14 @@ def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]
     """
     at, f, q = state.at, state.balls, state.balls.q
     return [
-        {"index": i + 1, "azimuth_deg": number(math.degrees(result.azimuth[i])), "z_mm": number(1e3 * result.z[i])}
+        {
+            "index": i + 1,
+            "azimuth_deg": json_number(math.degrees(result.azimuth[i])),
+            "z_mm": json_number(1e3 * result.z[i]),
+        }
         | load_json(SIDES, at.force[i], at.angle[i])
         | motion_json(q[i])
-        | {"closing_mm_s": number(1e3 * state.closing[i])}
+        | {"closing_mm_s": json_number(1e3 * state.closing[i])}
         | rubbing_json(SIDES, f.motion[i], f.force[i], f.moment[i], f.loss[i].sum(axis=1), f.rest[i])
         | {"status": f.status[i]}
         for i in range(at.force.shape[0])
@@ -392,7 +402,7 @@ def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]
 def terminal_ball_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return the rows of the balls in a terminal table, with the contact loads and losses of loaded contacts only.
 
-    ``rows``: JSON rows of `ball_rows`.
+    ``rows``: JSON rows of `json_rows_of_balls`.
     """
     out = []
     for row in rows:
@@ -423,7 +433,7 @@ LOSS_COLUMNS: tuple[Column, ...] = (
 )
 
 
-def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
+def losses_by_contact_and_cause(state: FrictionState) -> list[dict[str, Any]]:
     """Return the friction losses of all balls [W], one row for each contact and one for the sum, by cause of the loss.
 
     ``state``: friction of the screw or bearing.
@@ -431,12 +441,12 @@ def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
     table = state.balls.loss.sum(axis=0)
     named = [*zip(SIDES, table, strict=True), ("sum", table.sum(axis=0))]
     return [
-        {"contact": name, "loss_W": number(row.sum())} | {c: number(v) for c, v in zip(CAUSES, row, strict=True)}
+        {"contact": name, "loss_W": json_number(row.sum())} | {c: json_number(v) for c, v in zip(CAUSES, row, strict=True)}
         for name, row in named
     ]
 
 
-def coefficient_row(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
+def torque_row_for_coefficients(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
     """Return a table row with torques and efficiencies for one pair of coefficients of friction (of screw, of nut).
 
     ``friction``: the coefficients; ``state``: friction computed with them; ``drag``: friction torque without loads [N m],
@@ -494,10 +504,10 @@ def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, st
     at = state.at
     loaded = at.force > 0.0
     notes = without_pressure_and_size(static)
-    notes += overall_warnings(scene.track, friction)
+    notes += warn_of_overall_friction_coefficient(scene.track, friction)
     notes += contact_warnings(np.where(loaded, at.pressure, 0.0), np.where(loaded, at.a, 0.0), scene.balls.radius)
     if max(friction.screw, friction.nut) >= JAMMED:
-        notes.append(Warned("jam", jam_sentence(state)))
+        notes.append(Warned("jam", sentence_on_jammed_states(state)))
     two = (loaded.sum(axis=1) == 2) & (state.balls.power > 0.0)
     if two.any() and state.torque.ratio != 0.0 and not state.coupled:
         text = (
@@ -513,26 +523,29 @@ def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, st
     return notes
 
 
-def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
+def _driving_line(torque: ScrewTorque, motion: Motion, part: str) -> Line:
     """Return a text line (label, text) on the torque that a motor or a brake must provide.
 
-    ``t``: torque on the screw; ``motion``: motion of screw or nut; ``part``: name of the part that turns.
+    ``torque``: torque on the screw; ``motion``: motion of screw or nut; ``part``: name of the part that turns.
     """
-    needed = 1e3 * t.on_screw * np.sign(t.speed)
+    needed = 1e3 * torque.on_screw * np.sign(torque.speed)
     role = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
-    moving = f", which moves {motion_against_load(t)}" if t.translating else ""
+    moving = f", which moves {direction_of_motion(torque)}" if torque.moves_axial_load else ""
     return "torque", f"{three_digits(abs(needed))} N mm, {role} the {part} at {motion.speed:.6g} rad/s{moving}"
 
 
-def residual_line(residual: float, left: float) -> Line:
+def line_on_remaining_imbalance(residual: float, friction_residual: float) -> Line:
     """Return a text line (label, text) on the remaining imbalance of contact loads and of friction.
 
-    ``residual``: relative residual of the static solution; ``left``: unbalanced friction over its bound.
+    ``residual``: relative residual of the static solution; ``friction_residual``: unbalanced friction over its bound.
     """
-    return "solver", f"contact loads with a residual of {residual:.1e}, friction out of balance by {left:.1e} of its bound"
+    return (
+        "solver",
+        f"contact loads with a residual of {residual:.1e}, friction out of balance by {friction_residual:.1e} of its bound",
+    )
 
 
-def result_lines(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
+def lines_on_friction_of_screw(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
     """Return text lines (label, text) on the friction of a whole screw or bearing, the driving torque first.
 
     ``state``: the friction; ``drag``: friction torque without loads [N m], None if it is not known, and a remark on it.

@@ -12,31 +12,41 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.quantities import number
+from rollbench.compare.quantities import json_number
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction.answer import FrictionAnswer
 from rollbench.compare.studies.friction.linear_kinds import solve_linear
-from rollbench.compare.studies.friction.run import judge_history, run_json, run_lines, step_through_time
-from rollbench.compare.text.printing import Column, cell
+from rollbench.compare.studies.friction.run import (
+    lines_on_simulation,
+    simulate_with_several_step_sizes,
+    simulation_with_status,
+    transient_simulation_as_json,
+)
+from rollbench.compare.text.printing import Column, format_cell
 from rollbench.lowfi.friction import bearing
-from rollbench.lowfi.friction.bearing import BearingCase, BearingState, bearing_states, describe_free_motion
-from rollbench.lowfi.friction.contact.equilibrium import Motion as BallMotion
+from rollbench.lowfi.friction.bearing import (
+    BearingCase,
+    BearingState,
+    describe_unresisted_motion,
+    solve_bearing_over_force_angles,
+)
+from rollbench.lowfi.friction.contact.equilibrium import BodyMotion as BallMotion
 from rollbench.lowfi.friction.contact.equilibrium import (
-    Problem,
-    SettledCell,
-    balance_by_root,
-    balance_by_sharpening,
+    ContactLoadSolution,
+    MotionProblem,
     least_dissipation,
+    motion_by_root,
+    motion_by_sharpened_sigmoids,
     remove_friction_forces,
 )
-from rollbench.lowfi.friction.contact.laws import Contacts, Regularised
+from rollbench.lowfi.friction.contact.laws import Contacts, RegularisedCoulomb
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.motion import source_law
-from rollbench.lowfi.friction.screw.run import PairResult, solve_pair, summarise
-from rollbench.lowfi.friction.screw.travel import History
+from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
+from rollbench.lowfi.friction.screw.run import ScrewPairSolution, solve_pair, summarise_history
+from rollbench.lowfi.friction.screw.travel import TravelHistory
 from rollbench.lowfi.statics.validity import size_warnings
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
@@ -68,67 +78,70 @@ def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
 # --- two balls
 
 
-def pair_rows(r: PairResult) -> list[dict[str, Any]]:
+def json_rows_of_two_screw_balls(result: ScrewPairSolution) -> list[dict[str, Any]]:
     """Return JSON rows for two balls of a screw, each with its state if the balls are far apart, and if they touch.
 
-    ``r``: solution of the two balls.
+    ``result``: solution of the two balls.
     """
     return [
         {"index": k + 1, "state": state}
         | answer.load_json(SIDES, chain.load.force[k], chain.load.angle[k])
         | answer.motion_json(chain.motion.q[k])
-        | {"groove_loss_mW": number(1e3 * chain.motion.groove_loss[k].sum())}
-        for state, chain in (("apart", r.free), ("touching", r.touching))
+        | {"groove_loss_mW": json_number(1e3 * chain.motion.groove_loss[k].sum())}
+        for state, chain in (("apart", result.free), ("touching", result.touching))
         for k in range(2)
     ]
 
 
-def pair_status(r: PairResult) -> str:
+def status_of_two_screw_balls(result: ScrewPairSolution) -> str:
     """Return the status of the solution of two balls of a screw: "converged", or whether loads or friction failed."""
-    if r.converged:
+    if result.converged:
         return "converged"
-    if all(c.load.converged and c.motion.converged for c in (r.free, r.touching)):
+    if all(c.load.converged and c.motion.converged for c in (result.free, result.touching)):
         return "loads and friction do not agree"
     return "no balance of the loads or of friction found"
 
 
-def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
+def solve_friction_of_two_screw_balls(scene: ScrewPairScene) -> answer.FrictionAnswer:
     """Solve two balls of a ball screw, and return forces, losses, and how the contact between both changes the friction."""
     pair = scene.pair
     r = solve_pair(pair)
-    m, apart, rows, chains = r.touching.motion, r.free.motion.loss, pair_rows(r), (r.free, r.touching)
+    m, apart, rows, chains = r.touching.motion, r.free.motion.loss, json_rows_of_two_screw_balls(r), (r.free, r.touching)
     bound, ball_loss = full_sliding_loss(pair.groove, r.touching.load.force), float(m.ball_loss.sum())
-    between = {"balls": "1-2", "gap_um": 0.0, "force_N": number(r.force), "loss_mW": number(1e3 * ball_loss)}
+    between = {"balls": "1-2", "gap_um": 0.0, "force_N": json_number(r.force), "loss_mW": json_number(1e3 * ball_loss)}
     solver = {
-        "load_imbalance_N": number(max(c.load.left for c in chains)),
-        "friction_imbalance_N": number(max(c.motion.left for c in chains)),
-        "feedback_change_N": number(max(c.change for c in chains)) if pair.coupling != "none" else 0.0,
+        "load_imbalance_N": json_number(max(c.load.left for c in chains)),
+        "friction_imbalance_N": json_number(max(c.motion.left for c in chains)),
+        "feedback_change_N": json_number(max(c.change for c in chains)) if pair.coupling != "none" else 0.0,
         "rounds": max(c.rounds for c in chains),
     }
-    data = answer.common_entries(scene, pair_status(r), r.converged, pair.coupling) | {
+    data = answer.json_entries_of_all_kinds(scene, status_of_two_screw_balls(r), r.converged, pair.coupling) | {
         "law": "coulomb",
-        "hertz": answer.hertz_word(pair.groove.hertz),
+        "hertz": answer.scene_word_for_hertz_constants(pair.groove.hertz),
         "coupling": pair.coupling,
         "coupled": pair.coupling != "none",
-        "deviation_deg": [number(degrees(t)) for t in pair.theta],
-        "oversize_um": number(1e6 * pair.oversize),
+        "deviation_deg": [json_number(degrees(t)) for t in pair.theta],
+        "oversize_um": json_number(1e6 * pair.oversize),
         "balls": rows,
-        "pairs": [between | {"closing_apart_rad_s": number(r.closing)}],
-        "load_sum_N": [number(f) for f in r.ball_loads],
-        **answer.ball_contact_effect(m.input_power, m.loss, apart, ball_loss, bound),
+        "pairs": [between | {"closing_apart_rad_s": json_number(r.closing)}],
+        "load_sum_N": [json_number(f) for f in r.ball_loads],
+        **answer.effect_of_ball_to_ball_contact(m.input_power, m.loss, apart, ball_loss, bound),
         "solver": solver,
         "warnings": screw_warnings(pair.groove, r.touching.load.force),
     }
     return answer.FrictionAnswer(
         data,
         [("per ball", PAIR_COLUMNS, [answer.terminal_ball_row(SIDES, row) for row in rows])],
-        pair_lines(data),
+        lines_on_two_screw_balls(data),
         r.converged,
     )
 
 
-def pair_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return text lines (label, text) on two balls of a ball screw; ``data``: JSON values of `solve_screw_pair`."""
+def lines_on_two_screw_balls(data: dict[str, Any]) -> list[answer.Line]:
+    """Return text lines (label, text) on two balls of a ball screw.
+
+    ``data``: JSON values of `solve_friction_of_two_screw_balls`.
+    """
     (pair,), rise, solver = data["pairs"], data["friction_increase_percent"], data["solver"]
     return [
         (
@@ -138,12 +151,12 @@ def pair_lines(data: dict[str, Any]) -> list[answer.Line]:
         ),
         ("closing", f"when apart the balls close in at {pair['closing_apart_rad_s']:.6g} rad/s of azimuth"),
         answer.energy_line(data["energy"]),
-        answer.solver_line(solver, f", {solver['rounds']} rounds"),
-        law_line(data),
+        answer.line_on_solver_residuals(solver, f", {solver['rounds']} rounds"),
+        line_on_friction_law(data),
     ]
 
 
-def law_line(data: dict[str, Any]) -> answer.Line:
+def line_on_friction_law(data: dict[str, Any]) -> answer.Line:
     """Return a text line (label, text) on friction law, Hertz constants, and whether friction affects the contact loads.
 
     ``data``: JSON values of a solved scene, with the entries "hertz" and "coupling".
@@ -164,102 +177,109 @@ PAIR_COLUMNS: tuple[Column, ...] = (
 # --- a whole screw
 
 
-def keeps_ball_order(h: History) -> bool:
+def balls_keep_their_order(history: TravelHistory) -> bool:
     """Return whether no ball of a simulated screw passes or overlaps the next one on its closed track, at any time step."""
-    ahead = np.diff(np.column_stack([h.ends, h.ends[:, 0] + h.setting.ring]), axis=1)
-    return bool(ahead.min() >= h.setting.groove.pair.spacing - TOUCHING)
+    ahead = np.diff(np.column_stack([history.ends, history.ends[:, 0] + history.setting.ring]), axis=1)
+    return bool(ahead.min() >= history.setting.groove.pair.spacing - TOUCHING)
 
 
-def run_summary(h: History) -> dict[str, Any]:
+def run_summary(history: TravelHistory) -> dict[str, Any]:
     """Return a summary of the transient simulation of a screw as JSON values, whose names end in the units.
 
-    ``h``: history of the simulation. "largest_ball_to_groove_percent" is the largest ratio of the torque by contact between
-    balls to the torque by contact with the grooves.
+    ``history``: history of the simulation. "largest_ball_to_groove_percent" is the largest ratio of the torque by contact
+    between balls to the torque by contact with the grooves.
     """
-    s, touch, nut = summarise(h), np.any(h.contact, axis=1), np.degrees(h.nut_angle)
+    s, touch, nut = summarise_history(history), np.any(history.contact, axis=1), np.degrees(history.nut_angle)
     met = bool(touch.any())
     torques = {
-        "mean_torque_Nmm": h.torque,
-        "mean_groove_torque_Nmm": h.groove_torque,
-        "mean_ball_torque_Nmm": h.ball_torque + h.closing_torque,
-        "mean_closing_torque_Nmm": h.closing_torque,
+        "mean_torque_Nmm": history.torque,
+        "mean_groove_torque_Nmm": history.groove_torque,
+        "mean_ball_torque_Nmm": history.ball_torque + history.closing_torque,
+        "mean_closing_torque_Nmm": history.closing_torque,
     }
     return {
-        "largest_ball_to_groove_percent": number(100.0 * s.largest),
-        "largest_at_deg": number(s.at) if met else None,
-        "contact_begins_deg": number(nut[np.argmax(touch)]) if met else None,
-        "contact_ends_deg": number(s.none_at) if met else None,
-        "contact_ends_within_deg": number(degrees(abs(h.setting.groove.speed) * h.span / h.steps)) if met else None,
+        "largest_ball_to_groove_percent": json_number(100.0 * s.largest),
+        "largest_at_deg": json_number(s.at) if met else None,
+        "contact_begins_deg": json_number(nut[np.argmax(touch)]) if met else None,
+        "contact_ends_deg": json_number(s.none_at) if met else None,
+        "contact_ends_within_deg": json_number(degrees(abs(history.setting.groove.speed) * history.span / history.steps))
+        if met
+        else None,
         "largest_groups": s.groups,
-        **{name: number(1e3 * h.mean(values)) for name, values in torques.items()},
-        "groove_variation_percent": number(100.0 * s.groove_variation),
-        "largest_ball_force_N": number(h.ball_force.max()),
-        "order_kept": keeps_ball_order(h),
-        "smallest_gap_um": number(1e6 * h.setting.groove.radius * h.gap.min()),
-        "occupation_percent": number(100.0 * h.setting.occupation),
+        **{name: json_number(1e3 * history.mean(values)) for name, values in torques.items()},
+        "groove_variation_percent": json_number(100.0 * s.groove_variation),
+        "largest_ball_force_N": json_number(history.ball_force.max()),
+        "order_kept": balls_keep_their_order(history),
+        "smallest_gap_um": json_number(1e6 * history.setting.groove.radius * history.gap.min()),
+        "occupation_percent": json_number(100.0 * history.setting.track_occupation),
     }
 
 
-def run_series(h: History) -> dict[str, list[Any]]:
+def run_series(history: TravelHistory) -> dict[str, list[Any]]:
     """Return the time series of a transient simulation of a screw as JSON, with one value per time step.
 
-    ``h``: history of the simulation. Time and nut angle are those of the middle of a step.
+    ``history``: history of the simulation. Time and nut angle are those of the middle of a step.
     """
     values = {
-        "time_s": h.time,
-        "nut_angle_deg": np.degrees(h.nut_angle),
-        "groove_torque_Nmm": 1e3 * h.groove_torque,
-        "ball_torque_Nmm": 1e3 * (h.ball_torque + h.closing_torque),
-        "ball_to_groove_percent": 100.0 * h.ball_to_groove_ratio,
-        "largest_ball_force_N": h.ball_force.max(axis=1),
-        "smallest_gap_um": 1e6 * h.setting.groove.radius * h.gap.min(axis=1),
-        "balance_percent": 100.0 * h.imbalance,
+        "time_s": history.time,
+        "nut_angle_deg": np.degrees(history.nut_angle),
+        "groove_torque_Nmm": 1e3 * history.groove_torque,
+        "ball_torque_Nmm": 1e3 * (history.ball_torque + history.closing_torque),
+        "ball_to_groove_percent": 100.0 * history.ball_to_groove_ratio,
+        "largest_ball_force_N": history.ball_force.max(axis=1),
+        "smallest_gap_um": 1e6 * history.setting.groove.radius * history.gap.min(axis=1),
+        "balance_percent": 100.0 * history.imbalance,
     }
-    out: dict[str, list[Any]] = {name: [number(v) for v in row] for name, row in values.items()}
-    out |= {"contacts": h.contact.sum(axis=1).tolist(), "groups": h.groups.tolist()}
-    return out | {"converged": h.converged.tolist()}
+    out: dict[str, list[Any]] = {name: [json_number(v) for v in row] for name, row in values.items()}
+    out |= {"contacts": history.contact.sum(axis=1).tolist(), "groups": history.groups.tolist()}
+    return out | {"converged": history.converged.tolist()}
 
 
-def solve_screw_run(scene: ScrewRunScene) -> answer.FrictionAnswer:
+def simulate_screw_over_time(scene: ScrewRunScene) -> answer.FrictionAnswer:
     """Simulate a whole screw over time, and return contacts between balls, torques and energy."""
     run, time = scene.run, scene.time
-    in_time = judge_history(*step_through_time(run, Motion(run.groove.speed), time, scene.name), time)
+    in_time = simulation_with_status(
+        *simulate_with_several_step_sizes(run, Motion(run.groove.speed), time, scene.name), time
+    )
     h, speed = in_time.history, abs(run.groove.speed)
     bound = full_sliding_loss(run.groove, h.load) / h.time.size
     loss = h.torque * speed
     spent = answer.power_balance_with_percent(h.mean(loss * (1.0 + h.imbalance)), h.mean(loss), bound)
     known = spent["balance_percent"] is not None
     largest = answer.without_round_off(float(np.abs(h.imbalance).max()), 1.0)
-    spent["largest_step_balance_percent"] = number(100.0 * largest) if known else None
+    spent["largest_step_balance_percent"] = json_number(100.0 * largest) if known else None
     summary, failed = run_summary(h), int(np.sum(~h.converged))
-    found = run_json(in_time)
-    data = answer.common_entries(scene, in_time.status, in_time.converged, run.coupling) | {
+    found = transient_simulation_as_json(in_time)
+    data = answer.json_entries_of_all_kinds(scene, in_time.status, in_time.converged, run.coupling) | {
         "law": "coulomb",
-        "hertz": answer.hertz_word(run.groove.hertz),
+        "hertz": answer.scene_word_for_hertz_constants(run.groove.hertz),
         "coupling": run.coupling,
         "coupled": run.coupling != "none",
         "ball_count": run.count,
         "steps": h.steps,
-        "duration_s": number(run.duration),
-        "amplitude_deg": number(degrees(run.amplitude)),
-        "oversize_um": number(1e6 * run.oversize),
+        "duration_s": json_number(run.duration),
+        "amplitude_deg": json_number(degrees(run.amplitude)),
+        "oversize_um": json_number(1e6 * run.oversize),
         "summary": summary,
         "energy": spent,
         "series": run_series(h),
-        "solver": {"failed_steps": failed, "feedback_change_N": number(h.change.max()) if run.coupling != "none" else 0.0},
+        "solver": {
+            "failed_steps": failed,
+            "feedback_change_N": json_number(h.change.max()) if run.coupling != "none" else 0.0,
+        },
         "step_error": found["step_error"],
         "run": found,
         "warnings": screw_warnings(run.groove, h.load),
     }
     label, text = answer.energy_line(spent)
     lines = [
-        *run_lines(in_time),
+        *lines_on_simulation(in_time),
         ("balls", f"{run.count} over {run.duration:.6g} s"),
         (label, f"{text}, at most {largest:.1e} of the loss out of balance at an instant" if largest else text),
         ("solver", f"{failed} of {h.time.size} instants failed"),
-        law_line(data),
+        line_on_friction_law(data),
     ]
-    shown = [{"quantity": label, "value": cell(summary[name], form)} for name, label, form in RUN_LINES]
+    shown = [{"quantity": label, "value": format_cell(summary[name], form)} for name, label, form in RUN_LINES]
     return answer.FrictionAnswer(data, [("summary", RUN_COLUMNS, shown)], lines, in_time.converged)
 
 
@@ -284,7 +304,7 @@ RUN_LINES = (
 )
 
 
-def ball_motion(scene: BearingBallScene, problem: Problem) -> BallMotion:
+def ball_motion(scene: BearingBallScene, problem: MotionProblem) -> BallMotion:
     """Return the motion of one ball of a bearing under the scene's friction law.
 
     ``problem``: balance of friction of the ball. For Coulomb friction it is the motion of least dissipation; for other laws
@@ -294,13 +314,13 @@ def ball_motion(scene: BearingBallScene, problem: Problem) -> BallMotion:
     if scene.law == "coulomb":
         return first
     if scene.law == "regularised":
-        return balance_by_root(problem, Regularised(scene.creep), first.q)
-    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
-    found = balance_by_root(problem, law, first.q)
-    return found if found.status == "exact" else balance_by_sharpening(problem, law, first.q)
+        return motion_by_root(problem, RegularisedCoulomb(scene.creep), first.q)
+    law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.map_step)
+    found = motion_by_root(problem, law, first.q)
+    return found if found.status == "exact" else motion_by_sharpened_sigmoids(problem, law, first.q)
 
 
-def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
+def status_of_bearing_ball(loaded: bool, balanced: bool, motion: str) -> str:
     """Return the status of one ball: "converged", or what failed.
 
     ``loaded``: whether a contact of the ball carries load; ``balanced``: whether the contact loads balance; ``motion``:
@@ -313,7 +333,7 @@ def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
     return "no balance of friction found" if motion == "failed" else "converged"
 
 
-def ball_row(load: SettledCell, at: Contacts, motion: BallMotion) -> dict[str, Any]:
+def json_row_of_bearing_ball(load: ContactLoadSolution, at: Contacts, motion: BallMotion) -> dict[str, Any]:
     """Return the JSON row of one ball of a bearing: loads, contact ellipses, motion, friction and losses.
 
     ``load``: contact loads; ``at``: contact ellipses; ``motion``: motion of the ball with its friction. The axes x and z of
@@ -332,8 +352,8 @@ def ball_row(load: SettledCell, at: Contacts, motion: BallMotion) -> dict[str, A
     )
 
 
-def contact_rows(ball: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return a terminal table row for each loaded contact of a ball; ``ball``: JSON row of `ball_row`."""
+def rows_of_loaded_contacts(ball: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return a terminal table row for each loaded contact of a ball; ``ball``: JSON row of `json_row_of_bearing_ball`."""
     size = ("load_N", "contact_angle_deg", "semi_axis_across_um", "semi_axis_along_um")
     rows = []
     for side in (s for s in bearing.SIDES if ball["load_N"][s] > 0.0):
@@ -360,37 +380,45 @@ CONTACT_COLUMNS = (
 def solve_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
     """Solve one ball of a bearing, and return contact loads, motion, losses and the torque on the inner ring."""
     b = scene.bearing
-    load = bearing.bearing_load(b, scene.force, scene.displacement)
+    load = bearing.contact_loads_of_ball(b, scene.force, scene.displacement)
     rough = replace(b, mu=b.mu or 1.0)
     at = bearing.ball_contacts(rough, load)
-    motion = ball_motion(scene, bearing.motion_problem(rough, load, at))
+    motion = ball_motion(scene, bearing.ball_motion_problem(rough, load, at))
     if b.mu == 0.0:
         motion = remove_friction_forces(motion)
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
-    ball, torque, speed = ball_row(load, at, motion), bearing.inner_torque(b, load, motion), b.screw_speed
+    ball, torque, speed = (
+        json_row_of_bearing_ball(load, at, motion),
+        bearing.inner_ring_torque(b, load, motion),
+        b.screw_speed,
+    )
     power = answer.power_balance_with_percent(
         torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius
     )
-    by_loss = number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
-    data = answer.common_entries(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
+    by_loss = json_number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
+    data = answer.json_entries_of_all_kinds(
+        scene, status_of_bearing_ball(bool(held.any()), load.converged, motion.status), converged
+    ) | {
         "law": scene.law,
-        "hertz": answer.hertz_word(b.hertz),
+        "hertz": answer.scene_word_for_hertz_constants(b.hertz),
         "coupled": False,
         "balls": [ball],
-        "load_sum_N": number(load.force.sum()),
-        "torque": {"friction_torque_Nmm": by_loss, "driving_torque_on_screw_Nmm": number(1e3 * torque)},
+        "load_sum_N": json_number(load.force.sum()),
+        "torque": {"friction_torque_Nmm": by_loss, "driving_torque_on_screw_Nmm": json_number(1e3 * torque)},
         "energy": power,
         "solver": {
-            "load_imbalance_N": number(load.left),
-            "friction_imbalance_N": number(motion.imbalance),
+            "load_imbalance_N": json_number(load.left),
+            "friction_imbalance_N": json_number(motion.imbalance),
             "load_steps": load.steps,
             "motion_steps": motion.steps,
             "motion": motion.status,
         },
         "warnings": size_warnings(at.a[held], b.ball_radius),
     }
-    return answer.FrictionAnswer(data, [("per contact", CONTACT_COLUMNS, contact_rows(ball))], ball_lines(data), converged)
+    return answer.FrictionAnswer(
+        data, [("per contact", CONTACT_COLUMNS, rows_of_loaded_contacts(ball))], ball_lines(data), converged
+    )
 
 
 def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
@@ -411,7 +439,7 @@ def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
             ),
         ),
         answer.energy_line(data["energy"]),
-        answer.solver_line(data["solver"]),
+        answer.line_on_solver_residuals(data["solver"]),
         ("law", f"{data['law']}, Hertz constants {data['hertz']}"),
     ]
 
@@ -436,9 +464,9 @@ def bearing_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any
     torque = [1e3 * s.torque for s in states]
     all_rub = all(has_friction_loss(case, s) for s in states)
     return {
-        "friction_torque_Nmm": [number(t) for t in torque],
+        "friction_torque_Nmm": [json_number(t) for t in torque],
         "balls_beyond_two_contacts": [int(np.sum(s.points > 2)) for s in states],
-        "largest_over_smallest": number(max(torque) / min(torque)) if all_rub else None,
+        "largest_over_smallest": json_number(max(torque) / min(torque)) if all_rub else None,
         "converged": [s.converged for s in states],
     }
 
@@ -451,24 +479,24 @@ def unresisted_motions(scene: BearingPairScene) -> list[str]:
     out = []
     for name, case in (("four-point", scene.four_point), ("double row", scene.double_row)):
         for angle in scene.angle:
-            free = describe_free_motion(case, float(angle))
+            free = describe_unresisted_motion(case, float(angle))
             if free:
                 where = f"load at {np.degrees(angle):.4g} deg"
                 out.append(f"{name} bearing, {where}: {free}: no contact resists it, and the force drives it")
     return out
 
 
-def solve_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
+def solve_friction_of_two_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
     """Solve a four-point and a double-row bearing for several angles of the load, and return friction torques and energy.
 
     The energy is the mean over all load angles and both bearings.
     """
-    case, angle = scene.four_point, [number(a) for a in np.degrees(scene.angle)]
+    case, angle = scene.four_point, [json_number(a) for a in np.degrees(scene.angle)]
     common = {
         "law": "coulomb",
-        "hertz": answer.hertz_word(case.groove.hertz),
+        "hertz": answer.scene_word_for_hertz_constants(case.groove.hertz),
         "coupled": False,
-        "force_N": number(case.force),
+        "force_N": json_number(case.force),
         "tilt": case.tilt,
         "load_angle_deg": angle,
     }
@@ -476,7 +504,9 @@ def solve_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
     if mechanisms:
         others = f" (and {len(mechanisms) - 1} more)" if len(mechanisms) > 1 else ""
         status = f"no equilibrium: {mechanisms[0]}{others}"
-        return answer.FrictionAnswer(answer.common_entries(scene, status, False) | common | {"warnings": []}, [], [], False)
+        return answer.FrictionAnswer(
+            answer.json_entries_of_all_kinds(scene, status, False) | common | {"warnings": []}, [], [], False
+        )
     return _bearing_answer(scene, common)
 
 
@@ -486,12 +516,12 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.F
     ``common``: JSON entries that need no solution, such as the load angles.
     """
     cases = scene.four_point, scene.double_row
-    by_case = [bearing_states(case, scene.angle) for case in cases]
+    by_case = [solve_bearing_over_force_angles(case, scene.angle) for case in cases]
     four, double = (bearing_json(case, states) for case, states in zip(cases, by_case, strict=True))
     good = [f and d for f, d in zip(four["converged"], double["converged"], strict=True)]
     status = "converged" if all(good) else f"{good.count(False)} of {len(good)} load angles did not converge"
     ratios = [
-        number(f.torque / d.torque) if has_friction_loss(cases[1], d) else None for f, d in zip(*by_case, strict=True)
+        json_number(f.torque / d.torque) if has_friction_loss(cases[1], d) else None for f, d in zip(*by_case, strict=True)
     ]
     states = [(c, s) for c, one in zip(cases, by_case, strict=True) for s in one]
     power, loss, bound = (
@@ -504,12 +534,12 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.F
     )
     spent = answer.power_balance_with_percent(power, loss, bound)
     large = [
-        w.prefixed(name)
+        w.with_part_name(name)
         for name, c, one in zip(("four-point", "double row"), cases, by_case, strict=True)
         for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
     ]
-    solver = {"load_imbalance_N": number(max(s.load.left for _, s in states))}
-    data = answer.common_entries(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
+    solver = {"load_imbalance_N": json_number(max(s.load.left for _, s in states))}
+    data = answer.json_entries_of_all_kinds(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
     data |= {"four_over_double": ratios, "energy": spent, "solver": solver, "warnings": large}
     columns = zip(
         common["load_angle_deg"],
@@ -526,7 +556,7 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.F
 
 def bearing_lines(data: dict[str, Any]) -> list[answer.Line]:
     """Return text lines (label, text) on a four-point and a double-row bearing; ``data``: JSON values of their friction."""
-    four, double = (cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
+    four, double = (format_cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
     label, text = answer.energy_line(data["energy"])
     ring = "free to tilt" if data["tilt"] else "kept from tilting"
     return [
@@ -549,15 +579,15 @@ BEARING_COLUMNS = (
 #: Solvers by the kind of the scene.
 SOLVERS: dict[str, Callable[[Any], FrictionAnswer]] = {
     "bearing ball": solve_bearing_ball,
-    "bearing pair": solve_bearings,
+    "bearing pair": solve_friction_of_two_bearings,
     "linear pair": solve_linear,
     "linear chain": solve_linear,
-    "screw pair": solve_screw_pair,
-    "screw run": solve_screw_run,
+    "screw pair": solve_friction_of_two_screw_balls,
+    "screw run": simulate_screw_over_time,
 }
 
 
-def solve_kind(scene: KindScene) -> FrictionAnswer:
+def solve_friction_of_single_parts(scene: KindScene) -> FrictionAnswer:
     """Compute the friction of a scene of single parts: two balls, one ball, bearing, linear bearing, or screw over time.
 
     Parameters

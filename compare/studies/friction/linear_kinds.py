@@ -7,25 +7,25 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import Refusal
-from rollbench.compare.quantities import number
+from rollbench.compare.quantities import json_number
 from rollbench.compare.scenes.friction_kinds.bearings import LinearScene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.linear.bearing import (
     CONTACTS,
-    balanced_loads,
     contact_directions,
-    diagonal_loads,
-    elastic_loads,
+    loads_equal_on_diagonals,
+    loads_in_equilibrium,
+    loads_of_elastic_contacts,
 )
 from rollbench.lowfi.friction.linear.chain import (
     ANOTHER,
     RISEN,
-    Chain,
-    ChainResult,
+    LinearChain,
+    LinearChainSolution,
     find_second_state,
-    may_jam,
-    prepare_chain,
+    may_have_several_states,
+    prepare_linear_chain,
     solve_linear_chain,
 )
 from rollbench.lowfi.statics.validity import size_warnings
@@ -60,14 +60,14 @@ def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
     """
     if scene.distribution == "elastic":
         try:
-            force, angles = elastic_loads(scene.bearing, scene.angles, scene.vertical, scene.side)
+            force, angles = loads_of_elastic_contacts(scene.bearing, scene.angles, scene.vertical, scene.side)
         except ArithmeticError as error:
             advice = 'change the forces on the balls, or take distribution = "balanced"'
             raise Refusal(scene.name, "load", str(error), advice) from error
     elif scene.distribution == "balanced":
-        angles, force = scene.angles, balanced_loads(scene.angles, scene.vertical, scene.side)
+        angles, force = scene.angles, loads_in_equilibrium(scene.angles, scene.vertical, scene.side)
     else:
-        rows = diagonal_loads(scene.vertical, scene.side, scene.bearing.contact_angle)
+        rows = loads_equal_on_diagonals(scene.vertical, scene.side, scene.bearing.contact_angle)
         angles, force = scene.angles, rows
     pushes = force[..., None] * contact_directions(angles)
     carriage = scene.vertical * np.stack([scene.side, -np.ones_like(scene.side)], axis=-1)
@@ -75,40 +75,40 @@ def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
     return angles, force, float(np.abs(left).max()) / scene.vertical
 
 
-def ball_rows(
-    scene: LinearScene, angles: Array, force: Array, apart: ChainResult, near: ChainResult
+def json_rows_of_linear_balls(
+    scene: LinearScene, angles: Array, force: Array, apart: LinearChainSolution, touching: LinearChainSolution
 ) -> list[dict[str, Any]]:
     """Return one JSON row per ball of a linear bearing: contact loads, speed, rotation and friction loss.
 
     ``angles``: contact angles (N, 4) [rad] at the four contacts of N balls; ``force``: contact loads (N, 4) [N]; ``apart``
-    and ``near``: solutions with the balls far apart, and with balls that touch. Speeds are those of both solutions;
+    and ``touching``: solutions with the balls far apart, and with balls that touch. Speeds are those of both solutions;
     rotation and loss are those of touching balls.
     """
     rows = []
     for k in range(force.shape[0]):
-        row: dict[str, Any] = {"index": k + 1, "side_force_ratio": number(scene.side[k])}
+        row: dict[str, Any] = {"index": k + 1, "side_force_ratio": json_number(scene.side[k])}
         row |= answer.load_json(CONTACTS, force[k], angles[k])
-        for name, r in (("apart", apart), ("touching", near)):
-            row[f"velocity_{name}_mm_s"] = number(1e3 * r.velocity[k])
+        for name, r in (("apart", apart), ("touching", touching)):
+            row[f"velocity_{name}_mm_s"] = json_number(1e3 * r.velocity[k])
             moving = scene.bearing.speed != 0.0
-            row[f"deviation_{name}_percent"] = number(100.0 * r.deviation[k]) if moving else None
-        row["rotation_rad_s"] = [*(number(w) for w in near.rotation[k]), 0.0]
-        row["groove_loss_mW"] = number(1e3 * near.groove_loss[k].sum())
+            row[f"deviation_{name}_percent"] = json_number(100.0 * r.deviation[k]) if moving else None
+        row["rotation_rad_s"] = [*(json_number(w) for w in touching.rotation[k]), 0.0]
+        row["groove_loss_mW"] = json_number(1e3 * touching.groove_loss[k].sum())
         rows.append(row)
     return rows
 
 
-def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
+def json_rows_of_neighbouring_balls(scene: LinearScene, touching: LinearChainSolution) -> list[dict[str, Any]]:
     """Return one JSON row per pair of neighbouring balls: gap between the balls, force and friction loss in their contact.
 
-    ``near``: solution with balls that touch.
+    ``touching``: solution with balls that touch.
     """
     return [
         {
             "balls": f"{k + 1}-{k + 2}",
-            "gap_um": number(1e6 * gap),
-            "force_N": number(near.ball_force[k]),
-            "loss_mW": number(1e3 * near.ball_loss[k]),
+            "gap_um": json_number(1e6 * gap),
+            "force_N": json_number(touching.ball_force[k]),
+            "loss_mW": json_number(1e3 * touching.ball_loss[k]),
         }
         for k, gap in enumerate(scene.gap)
     ]
@@ -117,31 +117,36 @@ def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
 def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
     """Solve motion and friction of two or more balls of a linear bearing, both far apart and with balls that touch."""
     angles, force, left = linear_loads(scene)
-    chains = [prepare_chain(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
+    chains = [prepare_linear_chain(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
     fast = force.shape[0] > LONG
     apart, near = (solve_linear_chain(chain, fast=fast) for chain in chains)
     second = find_second_state(chains[1], near, fast) if near.status == "converged" else None
     loads_good = scene.distribution == "diagonal" or left <= BALANCED
     converged = loads_good and all(r.status == "converged" for r in (apart, near))
-    balls, pairs = ball_rows(scene, angles, force, apart, near), pair_rows(scene, near)
+    balls, pairs = (
+        json_rows_of_linear_balls(scene, angles, force, apart, near),
+        json_rows_of_neighbouring_balls(scene, near),
+    )
     bound = scene.bearing.mu * float(force.sum()) * abs(scene.bearing.speed)
     ball_loss = float(near.ball_loss.sum())
     semi = np.asarray(scene.bearing.hertz().C_a * np.cbrt(force))
-    data = answer.common_entries(scene, near.status if loads_good else "no balance of the loads found", converged) | {
+    data = answer.json_entries_of_all_kinds(
+        scene, near.status if loads_good else "no balance of the loads found", converged
+    ) | {
         "law": "coulomb",
         "distribution": scene.distribution,
         "coupled": False,
         "balls": balls,
         "pairs": pairs,
-        "drive_N": number(near.drive),
-        "drive_apart_N": number(apart.drive),
-        "second_state": None if second is None else second_state_json(near, second),
+        "drive_N": json_number(near.drive),
+        "drive_apart_N": json_number(apart.drive),
+        "second_state": None if second is None else jammed_equilibrium_as_json(near, second),
         "second_state_words": second_state_sentence(chains[1], second),
-        **answer.ball_contact_effect(near.power, near.loss, apart.loss, ball_loss, bound),
+        **answer.effect_of_ball_to_ball_contact(near.power, near.loss, apart.loss, ball_loss, bound),
         "solver": {
-            "load_imbalance": number(left),
-            "residual": number(near.residual),
-            "lag": number(near.lag),
+            "load_imbalance": json_number(left),
+            "residual": json_number(near.residual),
+            "lag": json_number(near.lag),
             "iterations": near.iterations,
         },
         "warnings": [*size_warnings(semi, scene.bearing.ball_radius), *jam_warnings(near, second)],
@@ -153,45 +158,45 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
     return answer.FrictionAnswer(data, [t for t in tables if t[2]], linear_lines(data), converged)
 
 
-def second_state_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
+def jammed_equilibrium_as_json(touching: LinearChainSolution, jammed: LinearChainSolution) -> dict[str, Any]:
     """Return the second equilibrium of a chain of touching balls, in which friction jams them, as JSON.
 
     The JSON values are the force that drives the carriage, and those forces between neighbouring balls that differ from the
-    first equilibrium. ``near``: first equilibrium, in which the balls roll; ``second``: the second one.
+    first equilibrium. ``touching``: first equilibrium, in which the balls roll; ``jammed``: the second one.
     """
-    apart = np.abs(second.ball_force - near.ball_force)
+    apart = np.abs(jammed.ball_force - touching.ball_force)
     other = np.flatnonzero(apart > ANOTHER * apart.max())
-    pairs = [{"balls": f"{k + 1}-{k + 2}", "force_N": number(second.ball_force[k])} for k in other]
-    return {"drive_N": number(second.drive), "pairs": pairs}
+    pairs = [{"balls": f"{k + 1}-{k + 2}", "force_N": json_number(jammed.ball_force[k])} for k in other]
+    return {"drive_N": json_number(jammed.drive), "pairs": pairs}
 
 
-def second_state_sentence(chain: Chain, second: ChainResult | None) -> str:
+def second_state_sentence(chain: LinearChain, jammed: LinearChainSolution | None) -> str:
     """Return a sentence on whether a second equilibrium was found, in which friction jams the chain of balls.
 
-    ``chain``: the touching balls; ``second``: their second equilibrium, None if none was found.
+    ``chain``: the touching balls; ``jammed``: their second equilibrium, None if none was found.
     """
-    if not may_jam(chain):
+    if not may_have_several_states(chain):
         return "one only: no balls in reach of each other, or no friction between them"
-    if second is None:
+    if jammed is None:
         return (
             "no second, jammed state was found, from three starts and from states with more friction between balls, "
             f"{' and '.join(f'{mu:g}' for mu in RISEN)}: a search, no proof"
         )
-    force = float(second.ball_force.max())
-    return f"there is a second, jammed state: up to {force:.3g} N between balls, {second.drive:.3g} N drive the carriage"
+    force = float(jammed.ball_force.max())
+    return f"there is a second, jammed state: up to {force:.3g} N between balls, {jammed.drive:.3g} N drive the carriage"
 
 
-def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
+def jam_warnings(touching: LinearChainSolution, jammed: LinearChainSolution | None) -> list[Warned]:
     """Return a warning if the balls have a second equilibrium, in which friction jams them; the list is empty otherwise.
 
-    ``near``: first equilibrium of the touching balls; ``second``: the second one, None if none was found.
+    ``touching``: first equilibrium of the touching balls; ``jammed``: the second one, None if none was found.
     """
-    if second is None:
+    if jammed is None:
         return []
-    most, base = second.ball_force.max(), near.ball_force.max()
+    most, base = jammed.ball_force.max(), touching.ball_force.max()
     text = (
         f"friction between balls allows a second state: they press on each other by up to {most:.4g} N instead of "
-        f"{base:.4g} N, and the carriage needs {second.drive:.6g} N instead of {near.drive:.6g} N; which state occurs "
+        f"{base:.4g} N, and the carriage needs {jammed.drive:.6g} N instead of {touching.drive:.6g} N; which state occurs "
         "depends on the motion before"
     )
     return [Warned("jam", text)]

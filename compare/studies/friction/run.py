@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, Refusal
-from rollbench.compare.quantities import number
+from rollbench.compare.quantities import json_number
 from rollbench.compare.running import progress_bar
 from rollbench.compare.studies.friction.answer import Line
-from rollbench.lowfi.friction.screw.travel import UNCLEAR, ClosedTrack, History, StepError, run_with_step_errors
-from rollbench.lowfi.friction.whole.circuit import balls_of
-from rollbench.lowfi.friction.whole.run import AGAIN, Setting, load_solver_in_motion
+from rollbench.lowfi.friction.screw.travel import UNCLEAR, ClosedTrack, StepError, TravelHistory, run_with_step_errors
+from rollbench.lowfi.friction.whole.circuit import balls_in_circuits
+from rollbench.lowfi.friction.whole.run import AGAIN, SceneInMotion, load_solver_for_travelling_balls
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import Friction, Motion, Scene, Time
@@ -55,7 +55,7 @@ class TransientRun:
     """Transient simulation of a screw, with the estimated error of its time steps."""
 
     #: Time series of contact loads, torques and motions of the balls.
-    history: History
+    history: TravelHistory
     #: Estimated errors of the time steps; None if not estimated.
     error: StepError | None
     #: Largest error that is allowed.
@@ -73,12 +73,14 @@ class TransientRun:
         return self.status == "converged"
 
 
-def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, member: int) -> TransientRun:
+def simulate_friction_over_time(
+    scene: Scene, friction: Friction, motion: Motion, model: str, specimen: int
+) -> TransientRun:
     """Simulate the friction of a screw over time, and estimate the error of the time steps.
 
     ``scene``: scene with a [time] table; ``friction``: coefficients of friction; ``motion``: motion of screw or nut;
-    ``model``: name of the static model; ``member``: number of the specimen (set of drawn random errors). Raises InputError
-    if the model cannot solve moving balls, and Refusal if the circuits have no room for the balls.
+    ``model``: name of the static model; ``specimen``: number of the specimen (set of drawn random errors). Raises
+    InputError if the model cannot solve moving balls, and Refusal if the circuits have no room for the balls.
     """
     time = scene.time
     if time is None:
@@ -88,19 +90,21 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
     if model not in AGAIN:
         advice = "take another model, or leave [time] out"
         raise ArgumentError("model", model, f"{' or '.join(AGAIN)} for a scene with [time]", advice)
-    drawn = draw_errors(scene, member)
+    drawn = draw_errors(scene, specimen)
     try:
-        balls = balls_of(scene, friction, motion, drawn, member)
+        balls = balls_in_circuits(scene, friction, motion, drawn, specimen)
     except ValueError as error:
         advice = "give the circuits more room by [circulation]"
         raise Refusal(scene.name, "circulation", str(error), advice) from error
     ahead = float(np.sign(balls.grooves.nominal_orbit - balls.grooves.nut_speed)) or 1.0
-    loads = load_solver_in_motion(model, ahead)
-    setting = Setting(scene, friction, motion, drawn, balls, lambda met, at: loads(scene, met, at, "compiled"))
-    return judge_history(*step_through_time(setting, motion, time, scene.name), time)
+    loads = load_solver_for_travelling_balls(model, ahead)
+    setting = SceneInMotion(scene, friction, motion, drawn, balls, lambda met, at: loads(scene, met, at, "compiled"))
+    return simulation_with_status(*simulate_with_several_step_sizes(setting, motion, time, scene.name), time)
 
 
-def step_through_time(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
+def simulate_with_several_step_sizes(
+    setting: Any, motion: Motion, time: Time, name: str
+) -> tuple[TravelHistory, StepError | None]:
     """Simulate a screw over time with several step sizes; return the time series, then the error of the time steps.
 
     ``setting``: the screw with its balls, as the transient solver reads it; ``motion``: motion of screw or nut; ``time``:
@@ -111,7 +115,7 @@ def step_through_time(setting: Any, motion: Motion, time: Time, name: str) -> tu
         return run_with_step_errors(setting, time.span(motion), time.steps, time.goal, progress)
 
 
-def judge_history(history: History, error: StepError | None, time: Time) -> TransientRun:
+def simulation_with_status(history: TravelHistory, error: StepError | None, time: Time) -> TransientRun:
     """Return a transient simulation with its status.
 
     ``history``: time series; ``error``: estimated error of the time steps, None if it is not known; ``time``: settings of
@@ -121,7 +125,7 @@ def judge_history(history: History, error: StepError | None, time: Time) -> Tran
     status = history.status
     if history.good and error is None:
         status = "not converged in the step: the error of fewer than 4 steps is not known; take more steps"
-    elif error is not None and not error.small(time.goal):
+    elif error is not None and not error.is_within(time.goal):
         name = max(error.quantities, key=lambda name: error.quantities[name].error)
         unseen = " (no order seen)" * error.quantities[name].unclear
         status = (
@@ -132,62 +136,62 @@ def judge_history(history: History, error: StepError | None, time: Time) -> Tran
     return TransientRun(history, error, time.goal, time.steps is not None, status, time.output == "balls")
 
 
-def run_json(run: TransientRun) -> dict[str, Any]:
+def transient_simulation_as_json(run: TransientRun) -> dict[str, Any]:
     """Return the JSON values of a transient simulation.
 
     Time steps are cut into pieces by events: a ball enters or leaves the loaded arc, or neighbouring balls meet. Time
     series have their values at the middle of each piece, gaps between balls at its end.
     """
     h, e = run.history, run.error
-    reached, asked = (number(math.degrees(angle)) for angle in h.angles)
+    reached, asked = (json_number(math.degrees(angle)) for angle in h.angles)
     data: dict[str, Any] = {
         "status": run.status,
         "converged": run.converged,
-        "complete": h.complete,
-        "steps": h.begun,
+        "complete": h.reached_end,
+        "steps": h.begun_step_count,
         "reached_deg": reached,
         "asked_deg": asked,
         "step_error": None if e is None else step_error_json(e, run.goal),
         "step_error_unknown": why_no_step_error(run),
         "left_out": list(LEFT_OUT),
     }
-    if not h.begun:
+    if not h.begun_step_count:
         return data
     data["circuits"] = [
         {
             "start": t.start + 1,
             "balls": t.balls.stop - t.balls.start,
-            "loaded_arc_deg": number(math.degrees(t.arc)),
-            "length_deg": number(math.degrees(t.ring)),
-            "touching_deg": number(math.degrees(t.spacing)),
-            "filling": number((t.balls.stop - t.balls.start) * t.spacing / t.ring),
+            "loaded_arc_deg": json_number(math.degrees(t.arc)),
+            "length_deg": json_number(math.degrees(t.ring)),
+            "touching_deg": json_number(math.degrees(t.spacing)),
+            "filling": json_number((t.balls.stop - t.balls.start) * t.spacing / t.ring),
         }
         for t in h.setting.tracks
     ]
     data["torque"] = run_torque_json(h)
     data["energy"] = run_energy_json(h)
     data["over_angle"] = {
-        "angle_deg": _json_list(np.degrees(h.turned)),
-        "covers_deg": _json_list(np.degrees(h.lasts * abs(h.setting.groove.speed))),
-        "torque_Nmm": _json_list(1e3 * h.torque),
-        "groove_Nmm": _json_list(1e3 * h.groove_torque),
-        "ball_sliding_Nmm": _json_list(1e3 * h.ball_torque),
-        "ball_closing_Nmm": _json_list(1e3 * h.closing_torque),
-        "axial_load_N": _json_list(h.axial),
-        "driving_torque_on_screw_Nmm": _json_list(1e3 * h.on_screw),
+        "angle_deg": _finite_values_for_json(np.degrees(h.rotation_angle)),
+        "covers_deg": _finite_values_for_json(np.degrees(h.lasts * abs(h.setting.groove.speed))),
+        "torque_Nmm": _finite_values_for_json(1e3 * h.torque),
+        "groove_Nmm": _finite_values_for_json(1e3 * h.groove_torque),
+        "ball_sliding_Nmm": _finite_values_for_json(1e3 * h.ball_torque),
+        "ball_closing_Nmm": _finite_values_for_json(1e3 * h.closing_torque),
+        "axial_load_N": _finite_values_for_json(h.axial),
+        "driving_torque_on_screw_Nmm": _finite_values_for_json(1e3 * h.on_screw),
     }
     if run.balls:
         data["balls"] = [ball_history_json(h, t, k) for t in h.setting.tracks for k in range(t.balls.start, t.balls.stop)]
     return data
 
 
-def step_error_json(e: StepError, goal: float) -> dict[str, Any]:
+def step_error_json(error: StepError, goal: float) -> dict[str, Any]:
     """Return the estimated errors of the time steps as JSON, with order of convergence and numbers of steps.
 
-    ``e``: the errors; ``goal``: largest allowed error, as a fraction of the mean torque.
+    ``error``: the errors; ``goal``: largest allowed error, as a fraction of the mean torque.
     """
-    found = e.quantities
-    percent = {name: number(100.0 * found[name].error) if name in found else None for name in QUANTITIES}
+    found = error.quantities
+    percent = {name: json_number(100.0 * found[name].error) if name in found else None for name in QUANTITIES}
     return {
         "quantity": "friction torque over the angle: mean absolute error, as a part of the mean torque",
         "torque_percent": percent["torque"],
@@ -195,13 +199,13 @@ def step_error_json(e: StepError, goal: float) -> dict[str, Any]:
         "most_torque_percent": percent["largest"],
         "least_torque_percent": percent["least"],
         "ball_to_ball_most_percent": percent["share"],
-        "observed_order": number(found["torque"].order),
-        "order_used": number(found["torque"].used),
-        "observed_orders": {name: number(q.order) for name, q in found.items()},
-        "no_order_seen": list(e.unclear),
-        "steps": list(e.steps),
-        "goal_percent": number(100.0 * goal),
-        "small": e.small(goal),
+        "observed_order": json_number(found["torque"].order),
+        "order_used": json_number(found["torque"].used),
+        "observed_orders": {name: json_number(q.order) for name, q in found.items()},
+        "no_order_seen": list(error.unclear),
+        "steps": list(error.steps),
+        "goal_percent": json_number(100.0 * goal),
+        "small": error.is_within(goal),
     }
 
 
@@ -211,101 +215,102 @@ def why_no_step_error(run: TransientRun) -> str | None:
         return None
     if run.history.good:
         return "fewer than 4 steps"
-    return "a step did not converge" if run.history.complete else "the run stopped before its end"
+    return "a step did not converge" if run.history.reached_end else "the run stopped before its end"
 
 
-def run_energy_json(h: History) -> dict[str, Any]:
+def run_energy_json(history: TravelHistory) -> dict[str, Any]:
     """Return the energies of a transient simulation [J] and their imbalances as JSON.
 
     Energies are the work of torque and axial load on the screw, and the friction losses. Two imbalances are given, each the
     largest of any time step over the losses of that step: that of the power which the contacts take in, and that of the
     power of torque and axial load.
     """
-    turning, along = h.advance
-    loss = h.torque * abs(turning)
+    turning, along = history.turning_and_axial_speed
+    loss = history.torque * abs(turning)
     rubs = bool(np.all(loss > 0.0))
     return {
-        "torque_work_J": number(turning * float(h.lasts @ h.on_screw)),
-        "load_work_J": number(along * float(h.lasts @ h.axial)),
-        "loss_J": number(float(h.lasts @ loss)),
-        "balance_J": number(float(h.lasts @ h.torque_balance)),
-        "largest_imbalance": number(float(np.abs(h.imbalance).max())),
-        "largest_torque_imbalance": number(float(np.abs(h.torque_balance / loss).max())) if rubs else None,
+        "torque_work_J": json_number(turning * float(history.lasts @ history.on_screw)),
+        "load_work_J": json_number(along * float(history.lasts @ history.axial)),
+        "loss_J": json_number(float(history.lasts @ loss)),
+        "balance_J": json_number(float(history.lasts @ history.torque_balance)),
+        "largest_imbalance": json_number(float(np.abs(history.imbalance).max())),
+        "largest_torque_imbalance": json_number(float(np.abs(history.torque_balance / loss).max())) if rubs else None,
     }
 
 
-def run_torque_json(h: History) -> dict[str, Any]:
+def run_torque_json(history: TravelHistory) -> dict[str, Any]:
     """Return the friction torque of a transient simulation [N mm] as JSON: mean, extremes, and contributions.
 
     The contributions are those of the contacts with the grooves and of the contacts between balls.
     """
-    t = h.torques
+    t = history.torques
     return {
-        "mean_Nmm": number(1e3 * t["mean"]),
-        "least_Nmm": number(1e3 * t["least"]),
-        "most_Nmm": number(1e3 * t["largest"]),
-        "groove_mean_Nmm": number(1e3 * h.mean(h.groove_torque)),
-        "ball_to_ball_mean_Nmm": number(1e3 * h.mean(h.ball_torque + h.closing_torque)),
-        "ball_to_ball_most_percent_of_groove": number(100.0 * h.share),
-        "largest_ball_force_N": number(float(h.ball_force.max(initial=0.0))),
+        "mean_Nmm": json_number(1e3 * t["mean"]),
+        "least_Nmm": json_number(1e3 * t["least"]),
+        "most_Nmm": json_number(1e3 * t["largest"]),
+        "groove_mean_Nmm": json_number(1e3 * history.mean(history.groove_torque)),
+        "ball_to_ball_mean_Nmm": json_number(1e3 * history.mean(history.ball_torque + history.closing_torque)),
+        "ball_to_ball_most_percent_of_groove": json_number(100.0 * history.share),
+        "largest_ball_force_N": json_number(float(history.ball_force.max(initial=0.0))),
     }
 
 
-def ball_history_json(h: History, track: ClosedTrack, k: int) -> dict[str, Any]:
+def ball_history_json(history: TravelHistory, track: ClosedTrack, ball: int) -> dict[str, Any]:
     """Return the time series of one ball as JSON: azimuth in the nut's frame, loads, and gap and force to the next ball.
 
-    ``h``: history of all balls; ``track``: circuit of the ball, on which the next ball follows; ``k``: number of the ball
-    from 0.
+    ``history``: history of all balls; ``track``: circuit of the ball, on which the next ball follows; ``ball``: number of
+    the ball from 0.
     """
-    ahead = k + 1 if k + 1 < track.balls.stop else track.balls.start
-    number_of = int(h.setting.number[k])
+    ahead = ball + 1 if ball + 1 < track.balls.stop else track.balls.start
+    number_of = int(history.setting.number[ball])
     return {
         "index": None if number_of < 0 else number_of + 1,
         "next": ahead,
-        "place": k,
-        "azimuth_deg": _json_list(np.degrees(h.azimuth[:, k])),
-        "loaded": [bool(v) for v in h.loaded[:, k]],
-        "spacing_deg": _json_list(np.degrees(h.spacing[:, k])),
-        "force_on_next_N": _json_list(h.ball_force[:, k]),
-        "load_N": _json_list(h.load[:, k].sum(axis=1)),
+        "place": ball,
+        "azimuth_deg": _finite_values_for_json(np.degrees(history.azimuth[:, ball])),
+        "loaded": [bool(v) for v in history.loaded[:, ball]],
+        "spacing_deg": _finite_values_for_json(np.degrees(history.spacing[:, ball])),
+        "force_on_next_N": _finite_values_for_json(history.ball_force[:, ball]),
+        "load_N": _finite_values_for_json(history.load[:, ball].sum(axis=1)),
     }
 
 
-def _json_list(values: Array) -> list[float | None]:
+def _finite_values_for_json(values: Array) -> list[float | None]:
     """Return numbers (n,) as a list for JSON, with None for numbers that are not finite."""
-    return [number(float(v)) for v in values]
+    return [json_number(float(v)) for v in values]
 
 
-def run_rows(h: History) -> list[dict[str, object]]:
+def torque_rows_over_angle(history: TravelHistory) -> list[dict[str, object]]:
     """Return table rows of the friction torque over the angle of rotation, at most `ROWS`, evenly spaced."""
-    which = np.unique(np.linspace(0, h.time.size - 1, min(ROWS, h.time.size)).round().astype(int))
+    which = np.unique(np.linspace(0, history.time.size - 1, min(ROWS, history.time.size)).round().astype(int))
     return [
         {
-            "angle_deg": number(math.degrees(h.turned[k])),
-            "torque_Nmm": number(1e3 * h.torque[k]),
-            "groove_Nmm": number(1e3 * h.groove_torque[k]),
-            "balls_Nmm": number(1e3 * (h.ball_torque[k] + h.closing_torque[k])),
-            "loaded": int(h.loaded[k].sum()),
-            "groups": int(h.groups[k]),
+            "angle_deg": json_number(math.degrees(history.rotation_angle[k])),
+            "torque_Nmm": json_number(1e3 * history.torque[k]),
+            "groove_Nmm": json_number(1e3 * history.groove_torque[k]),
+            "balls_Nmm": json_number(1e3 * (history.ball_torque[k] + history.closing_torque[k])),
+            "loaded": int(history.loaded[k].sum()),
+            "groups": int(history.groups[k]),
         }
         for k in which
     ]
 
 
-def run_lines(run: TransientRun) -> list[Line]:
+def lines_on_simulation(run: TransientRun) -> list[Line]:
     """Return text lines (label, text) on a transient simulation: torque, error of the time steps, reason of a failure."""
     h, e = run.history, run.error
-    if not h.begun:
+    if not h.begun_step_count:
         return [("run", run.status)]
     t = run_torque_json(h)
     reached, asked = (f"{math.degrees(angle):.6g} deg" for angle in h.angles)
-    far = f"over {reached}" if h.complete else f"stopped at {reached} of {asked},"
+    far = f"over {reached}" if h.reached_end else f"stopped at {reached} of {asked},"
     digits = f".{significant_digits(None if e is None else e.largest)}g"
     mean, least, most, groove, between = (
         format(t[f"{name}_Nmm"], digits) for name in ("mean", "least", "most", "groove_mean", "ball_to_ball_mean")
     )
     text = (
-        f"{far} in {h.begun} steps: friction torque {mean} N mm in the mean, {least} to {most} N mm; grooves {groove}, "
+        f"{far} in {h.begun_step_count} steps: friction torque {mean} N mm in the mean, {least} to {most} N mm; grooves "
+        f"{groove}, "
         f"ball to ball {between} N mm in the mean"
     )
     lines = [("run", text)]
@@ -334,9 +339,11 @@ def significant_digits(error: float | None) -> int:
     return 3 if error is None else int(np.clip(np.ceil(-np.log10(max(error, 1e-6))) + 2, 3, 6))
 
 
-def run_table(run: TransientRun) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:
+def torque_table_over_angle(
+    run: TransientRun,
+) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:
     """Return the table of the friction torque over the angle of rotation: title, columns and rows.
 
     The list is empty if no time step was begun.
     """
-    return [("torque over the angle", COLUMNS, run_rows(run.history))] if run.history.begun else []
+    return [("torque over the angle", COLUMNS, torque_rows_over_angle(run.history))] if run.history.begun_step_count else []

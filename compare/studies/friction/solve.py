@@ -14,17 +14,23 @@ import numpy as np
 
 from rollbench.compare import quantities
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import AxisAnswers, solve_sets
+from rollbench.compare.models.answers import AxisAnswers, solve_assembly_with_results
 from rollbench.compare.models.friction_sums import friction_sums_json
-from rollbench.compare.models.load_cases import axis_drive
+from rollbench.compare.models.load_cases import motor_torques_and_inertias
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.quantities import number, range_text
+from rollbench.compare.quantities import format_range, json_number
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
-from rollbench.compare.scenes.scene_file import kind_of
+from rollbench.compare.scenes.scene_file import kind_of_scene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, power_balance, three_digits
-from rollbench.compare.studies.friction.whole import NO_SPEED, Choices, friction_coefficients, friction_status, solve_scene
+from rollbench.compare.studies.friction.whole import (
+    NO_SPEED,
+    FrictionChoices,
+    friction_coefficients,
+    friction_status,
+    solve_friction_of_screw_or_bearing,
+)
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -36,7 +42,7 @@ from rollbench.meshes.parts import Friction, Motion, Scene
 Say = Callable[[str], None]
 
 
-def solve_friction(name: str, choices: Choices, say: Say = lambda _: None) -> FrictionAnswer:
+def solve_friction_of_named_scene(name: str, choices: FrictionChoices, say: Say = lambda _: None) -> FrictionAnswer:
     """Compute the friction of a scene of the package, or of a scene file.
 
     Parameters
@@ -46,7 +52,7 @@ def solve_friction(name: str, choices: Choices, say: Say = lambda _: None) -> Fr
     choices
         Model, coefficients of friction and number of the specimen.
     say
-        Called with a line on the torque as soon as it is known, as in `solve_scene`.
+        Called with a line on the torque as soon as it is known, as in `solve_friction_of_screw_or_bearing`.
 
     Returns
     -------
@@ -59,10 +65,12 @@ def solve_friction(name: str, choices: Choices, say: Say = lambda _: None) -> Fr
         If the scene cannot be read, or the choices do not fit it.
     """
     scene = catalogue.any_scene(name)
-    return solve_any(scene, choices, f"a choice of these for {name}", say)
+    return solve_friction_of_scene(scene, choices, f"a choice of these for {name}", say)
 
 
-def solve_any(scene: Described, choices: Choices, origin: str, say: Say = lambda _: None) -> FrictionAnswer:
+def solve_friction_of_scene(
+    scene: Described, choices: FrictionChoices, origin: str, say: Say = lambda _: None
+) -> FrictionAnswer:
     """Compute the friction of a scene of any kind.
 
     Parameters
@@ -74,7 +82,7 @@ def solve_any(scene: Described, choices: Choices, origin: str, say: Say = lambda
     origin
         Value in the error for choices that do not fit the scene.
     say
-        Called with a line on the torque as soon as it is known, as in `solve_scene`.
+        Called with a line on the torque as soon as it is known, as in `solve_friction_of_screw_or_bearing`.
 
     Returns
     -------
@@ -87,18 +95,18 @@ def solve_any(scene: Described, choices: Choices, origin: str, say: Say = lambda
         If the choices do not fit the scene.
     """
     if isinstance(scene, Scene):
-        return solve_scene(scene, choices, say)
+        return solve_friction_of_screw_or_bearing(scene, choices, say)
     if isinstance(scene, DutyCycle):
         return solve_cycle(scene, choices)
     if isinstance(scene, Assembly):
         return solve_axis(scene, choices)
-    if choices != Choices():
+    if choices != FrictionChoices():
         advice = "leave them out: a scene of single parts states its loads and coefficients of friction"
         given = "model, mu, member, condensed"
         raise ArgumentError(given, origin, "the scene of a whole screw or bearing", advice)
-    from rollbench.compare.studies.friction.kinds import solve_kind
+    from rollbench.compare.studies.friction.kinds import solve_friction_of_single_parts
 
-    return solve_kind(scene)
+    return solve_friction_of_single_parts(scene)
 
 
 def friction_for_library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, Any]:
@@ -107,7 +115,7 @@ def friction_for_library(scene: Described, mu: tuple[float, ...], model: str) ->
     ``mu``: coefficients of friction that replace the scene's, empty for those of the scene; ``model``: name of the static
     model, empty for the default.
     """
-    return answer_json(solve_any(scene, Choices(model, mu), f"a choice of these for {scene.name}"))
+    return answer_json(solve_friction_of_scene(scene, FrictionChoices(model, mu), f"a choice of these for {scene.name}"))
 
 
 def answer_json(found: FrictionAnswer) -> dict[str, Any]:
@@ -147,7 +155,7 @@ OVER_COLUMNS: tuple[Column, ...] = (
 SolvedSets = list[tuple[int, SetResult, FrictionState]]
 
 
-def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
+def solve_axis(assembly: Assembly, choices: FrictionChoices) -> FrictionAnswer:
     """Compute the friction of every nut and ball bearing on a shaft.
 
     ``choices``: model, coefficients of friction and number of the specimen. Raises InputError for choices that do not fit
@@ -162,7 +170,7 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
         raise InputError(
             assembly.name, "motion.turns", '"nut"', '"screw"', "let the shaft turn: several outer parts stand still"
         )
-    result, answers = solve_sets(assembly, choices.model, choices.member)
+    result, answers = solve_assembly_with_results(assembly, choices.model, choices.member)
     head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
     if answers is None:
         remarks = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
@@ -172,9 +180,13 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
     if not pairs:
         solved: SolvedSets = []
         return _axis_answer(head, assembly, result, answers, (Friction(0.0, 0.0), motion, solved, {}))
-    each = [_friction_states(result, friction, motion) for friction in pairs]
+    each = [_friction_of_nuts_and_bearings(result, friction, motion) for friction in pairs]
     found = _axis_answer(
-        head, assembly, result, answers, (pairs[0], motion, each[0], _drag_torques(assembly, result, pairs[0], motion))
+        head,
+        assembly,
+        result,
+        answers,
+        (pairs[0], motion, each[0], _drag_torques_of_nuts_and_bearings(assembly, result, pairs[0], motion)),
     )
     over = [{"screw": f.screw, "nut": f.nut} | _summed_torques(states, {}) for f, states in zip(pairs, each, strict=True)]
     tables = [*found.tables, *([("over the coefficient of friction", OVER_COLUMNS, over)] if len(pairs) > 1 else [])]
@@ -198,7 +210,7 @@ def _friction_coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Fric
     return friction_coefficients(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
 
 
-def _friction_states(result: AxisResult, friction: Friction, motion: Motion) -> SolvedSets:
+def _friction_of_nuts_and_bearings(result: AxisResult, friction: Friction, motion: Motion) -> SolvedSets:
     """Return the friction of every nut and ball bearing on a shaft, as tuples: number from 0, static result, friction.
 
     ``result``: static solution of the shaft; ``friction``: coefficients of friction; ``motion``: motion of the shaft.
@@ -211,7 +223,9 @@ def _friction_states(result: AxisResult, friction: Friction, motion: Motion) -> 
     return out
 
 
-def _drag_torques(assembly: Assembly, loaded: AxisResult, friction: Friction, motion: Motion) -> dict[int, float]:
+def _drag_torques_of_nuts_and_bearings(
+    assembly: Assembly, loaded: AxisResult, friction: Friction, motion: Motion
+) -> dict[int, float]:
     """Return the friction torques [N m] of nuts and ball bearings without loads, by number of the nut or bearing.
 
     All loads on shaft and housings are removed. ``loaded``: static solution under the loads, whose model is used. Nuts and
@@ -222,17 +236,23 @@ def _drag_torques(assembly: Assembly, loaded: AxisResult, friction: Friction, mo
     result = run_model(bare, loaded.model, Options(member=loaded.member))
     if not result.converged:
         return {}
-    return {i: state.torque.friction for i, _, state in _friction_states(result, friction, motion) if state.settled}
+    return {
+        i: state.torque.friction
+        for i, _, state in _friction_of_nuts_and_bearings(result, friction, motion)
+        if state.all_balanced
+    }
 
 
-def _row_of_nut_or_bearing(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
+def _json_row_of_nut_or_bearing(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
     """Return the JSON row of a nut or ball bearing: its number and name, torques, and friction loss.
 
     ``i``: number of the nut or bearing, from 0; ``s``: its static result; ``state``: its friction; ``drag``: its friction
     torque without loads [N m], None if it is not known.
     """
     return (
-        {"set": i + 1, "name": s.of.name} | friction_sums_json(state.torque, drag) | {"loss_W": number(state.torque.power)}
+        {"set": i + 1, "name": s.of.name}
+        | friction_sums_json(state.torque, drag)
+        | {"loss_W": json_number(state.torque.power)}
     )
 
 
@@ -250,31 +270,33 @@ def _axis_answer(
     drag torques [N m] by number.
     """
     friction, motion, solved, drag = found
-    nuts = {i: (friction_sums_json(x.torque, None) if x.settled else None, "") for i, s, x in solved if _lead_of_nut(s)}
-    drive = quantities.as_json(axis_drive(assembly, result, answers, nuts))
-    rows = [_row_of_nut_or_bearing(i, s, state, drag.get(i)) for i, s, state in solved]
-    balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in answer.ball_rows(s.balls, state)]
-    losses = [{"set": i + 1} | row for i, _, state in solved for row in answer.loss_rows(state)]
-    good = all(state.settled for _, _, state in solved)
-    failed = next((x for x in solved if not x[2].settled), None)
+    nuts = {
+        i: (friction_sums_json(x.torque, None) if x.all_balanced else None, "") for i, s, x in solved if _lead_of_nut(s)
+    }
+    drive = quantities.record_as_json(motor_torques_and_inertias(assembly, result, answers, nuts))
+    rows = [_json_row_of_nut_or_bearing(i, s, state, drag.get(i)) for i, s, state in solved]
+    balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in answer.json_rows_of_balls(s.balls, state)]
+    losses = [{"set": i + 1} | row for i, _, state in solved for row in answer.losses_by_contact_and_cause(state)]
+    good = all(state.all_balanced for _, _, state in solved)
+    failed = next((x for x in solved if not x[2].all_balanced), None)
     torque, power = _summed_torques(solved, drag), _summed_powers(solved)
     of_rollers = tuple(f"{s.of.name}: " for s in result.sets if s.balls is None)  # whose loads friction leaves as they are
     warnings = [w for w in result.warnings if w.startswith(of_rollers)]
     warnings += answer.without_pressure_and_size([w for w in result.warnings if not w.startswith(of_rollers)])
     for _, s, state in solved:
         if isinstance(s.of.parts, Scene):
-            warnings += [w.prefixed(s.of.name) for w in answer.friction_warnings(s.of.parts, friction, state, ())]
+            warnings += [w.with_part_name(s.of.name) for w in answer.friction_warnings(s.of.parts, friction, state, ())]
     data = head | {
         "status": "converged" if failed is None else f"{failed[1].of.name}: {friction_status(failed[2])}",
         "converged": good,
         "law": "coulomb",
         "friction": {"screw": friction.screw, "nut": friction.nut},
-        "motion": {"turns": motion.turns, "speed_rad_s": number(motion.speed)},
+        "motion": {"turns": motion.turns, "speed_rad_s": json_number(motion.speed)},
         "sets": rows,
         "balls": balls,
         "torque": torque,
         "drive": drive,
-        "losses": {"total_W": number(sum(x.torque.power for _, _, x in solved)), "by_contact_W": losses},
+        "losses": {"total_W": json_number(sum(x.torque.power for _, _, x in solved)), "by_contact_W": losses},
         "energy": power,
         "assumed": [
             *friction.assumed,
@@ -283,7 +305,7 @@ def _axis_answer(
             *(f"contact loads: {x}" for x in result.assumed if x not in assembly.assumed),
             *(() if solved else (NO_COEFFICIENT,)),
         ],
-        "left_out": answer.neglected_effects(friction) if solved else [],
+        "left_out": answer.effects_neglected_at_one_instant(friction) if solved else [],
         "warnings": warnings,
     }
     flat = [{"set": b["set"]} | f for b, f in zip(balls, answer.terminal_ball_rows(balls), strict=True)]
@@ -293,11 +315,13 @@ def _axis_answer(
         f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s in its "
         f"sets of balls; their friction torque {three_digits(torque['friction_torque_Nmm'])} N mm",
     )
-    left = answer.residual_line(result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0))
+    left = answer.line_on_remaining_imbalance(
+        result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0)
+    )
     lines = [*([of_balls] if solved else []), left]
     tables = [("sets of balls, by friction in their contacts", SET_COLUMNS, rows)] if solved else []
     whole = [
-        {k: range_text(x[k]) if form == "s" and k.endswith("Nmm") else x[k] for k, _, form in DRIVE_COLUMNS}
+        {k: format_range(x[k]) if form == "s" and k.endswith("Nmm") else x[k] for k, _, form in DRIVE_COLUMNS}
         for x in (drive or {}).get("sets", ())
     ]
     return FrictionAnswer(data, [*tables, ("torque that turns the shaft", DRIVE_COLUMNS, whole)], lines, good, every)
@@ -320,9 +344,9 @@ def _summed_powers(solved: SolvedSets) -> dict[str, Any]:
     taken, lost = (float(np.sum([getattr(t, name) for t in torques])) for name in ("input_power", "power"))
     driving, driven = max(turning, along), min(turning, along)
     return power_balance(taken, lost) | {
-        "axial_load_power_W": number(along),
-        "torque_power_W": number(turning),
-        "efficiency_percent": number(-100.0 * driven / driving) if driven < -NOTHING * driving else None,
+        "axial_load_power_W": json_number(along),
+        "torque_power_W": json_number(turning),
+        "efficiency_percent": json_number(-100.0 * driven / driving) if driven < -NOTHING * driving else None,
     }
 
 
@@ -334,9 +358,9 @@ def _summed_torques(solved: SolvedSets, drag: dict[int, float]) -> dict[str, Any
     """
     known = len(drag) == len(solved)
     return {
-        "friction_torque_Nmm": number(1e3 * float(np.sum([x.torque.friction for _, _, x in solved]))),
-        "drag_torque_Nmm": number(1e3 * sum(drag.values())) if known else None,
-        "driving_torque_on_screw_Nmm": number(1e3 * float(np.sum([x.torque.on_screw for _, _, x in solved]))),
+        "friction_torque_Nmm": json_number(1e3 * float(np.sum([x.torque.friction for _, _, x in solved]))),
+        "drag_torque_Nmm": json_number(1e3 * sum(drag.values())) if known else None,
+        "driving_torque_on_screw_Nmm": json_number(1e3 * float(np.sum([x.torque.on_screw for _, _, x in solved]))),
     }
 
 
@@ -351,14 +375,20 @@ COLUMNS = (
 )
 
 
-def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
+def solve_cycle(cycle: DutyCycle, choices: FrictionChoices) -> FrictionAnswer:
     """Compute the friction of every load case of a duty cycle, and the mean torque over all revolutions.
 
     The mean torque is the work of friction over the angle of all revolutions. If a load case does not converge, the others
-    are still given, but no mean. Raises InputError for the faults that `solve_scene` and `solve_axis` refuse.
+    are still given, but no mean. Raises InputError for the faults that `solve_friction_of_screw_or_bearing` and
+    `solve_axis` refuse.
     """
     each = [
-        (case, solve_axis(scene, choices) if isinstance(scene := case.scene, Assembly) else solve_scene(scene, choices))
+        (
+            case,
+            solve_axis(scene, choices)
+            if isinstance(scene := case.scene, Assembly)
+            else solve_friction_of_screw_or_bearing(scene, choices),
+        )
         for case in cycle.cases
     ]
     rows: list[dict[str, Any]] = []
@@ -383,19 +413,19 @@ def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
     data: dict[str, Any] = {
         "scene": cycle.name,
         "title": cycle.title,
-        "kind": kind_of(cycle),
+        "kind": kind_of_scene(cycle),
         "status": "; ".join(f"case {c.name}: {one.data['status']}" for c, one in each if not one.converged) or "converged",
         "converged": not failed,
         "summary": {
             "largest_friction_torque_Nmm": worst and worst["friction_torque_Nmm"],
             "largest_friction_torque_case": worst and worst["case"],
-            "mean_friction_torque_Nmm": None if mean is None else number(mean),
+            "mean_friction_torque_Nmm": None if mean is None else json_number(mean),
             "mean_words": words or None,
         },
         "cases": [{"case": c.name, "share": c.share} | one.data | {"scene": cycle.name} for c, one in each],
         "assumed": entries_of_all_cases("assumed"),
         "left_out": entries_of_all_cases("left_out"),
-        "warnings": [w.prefixed(f"case {case.name}") for case, one in each for w in one.data.get("warnings", ())],
+        "warnings": [w.with_part_name(f"case {case.name}") for case, one in each for w in one.data.get("warnings", ())],
     }
     tables = [(f"case {c.name}: {title}", heads, body) for c, one in each for title, heads, body in one.tables]
     balls = [(f"case {c.name}: {title}", heads, body) for c, one in each for title, heads, body in one.ball_tables]

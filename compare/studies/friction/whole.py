@@ -16,24 +16,30 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.models.answers import load_answers, validity_warnings
+from rollbench.compare.models.answers import rate_contact_loads, validity_warnings
 from rollbench.compare.models.friction_sums import friction_sums_json
-from rollbench.compare.models.loading import preload
+from rollbench.compare.models.loading import preload_from_unloaded
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
-from rollbench.compare.quantities import as_json, count_of, number
+from rollbench.compare.quantities import count_with_noun, json_number, record_as_json
 from rollbench.compare.results.data import FrictionOnset
 from rollbench.compare.running import FIRST
-from rollbench.compare.scenes.scene_file import kind_of
+from rollbench.compare.scenes.scene_file import kind_of_scene
 from rollbench.compare.studies.friction import answer as output
 from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, power_balance, three_digits
-from rollbench.compare.studies.friction.run import TransientRun, run_json, run_lines, run_table, solve_run
+from rollbench.compare.studies.friction.run import (
+    TransientRun,
+    lines_on_simulation,
+    simulate_friction_over_time,
+    torque_table_over_angle,
+    transient_simulation_as_json,
+)
 from rollbench.lowfi.friction.whole.circuit import contact_onset
 from rollbench.lowfi.friction.whole.losses import WIDE, heathcote_loss_increase
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.warned import Warned
-from rollbench.meshes.cache import kept
+from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import SIDES, BallErrors, Friction, Motion, Scene, SideErrors, Support
 
@@ -50,24 +56,24 @@ SMALLER = 5e-6
 FED_BACK = 1.5
 
 
-_friction_state_on_disk = kept(FrictionState)(friction_state)
+_friction_state_on_disk = cached_on_disk(FrictionState)(friction_state)
 
 
 def cached_friction_state(
-    scene: Scene, result: StaticResult, friction: Friction, motion: Motion, member: int
+    scene: Scene, result: StaticResult, friction: Friction, motion: Motion, specimen: int
 ) -> FrictionState:
     """Return the friction of a screw or bearing as `friction_state` computes it; results are cached on disk.
 
     A cached result is taken if scene, contact loads and motion are equal. ``result``: static result with the contact loads;
-    ``friction``: coefficients of friction; ``motion``: motion of screw or nut; ``member``: number of the specimen, which is
-    the scene with one drawn set of random geometric errors.
+    ``friction``: coefficients of friction; ``motion``: motion of screw or nut; ``specimen``: number of the specimen, which
+    is the scene with one drawn set of random geometric errors.
     """
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
-    return _friction_state_on_disk(scene, loads, friction, motion, member)
+    return _friction_state_on_disk(scene, loads, friction, motion, specimen)
 
 
 @dataclass(frozen=True)
-class StaticallySolved:
+class StaticallySolvedPart:
     """Screw or bearing with its static result without loads, and the model, coefficients of friction and motion."""
 
     #: Scene of the screw or bearing.
@@ -93,7 +99,7 @@ class StaticallySolved:
         if not result.converged:
             return float("nan")
         state = cached_friction_state(scene or self.scene, result, friction, self.motion, self.options.member)
-        return state.torque.friction if state.settled else float("nan")
+        return state.torque.friction if state.all_balanced else float("nan")
 
 
 def makers_drag_torque(scene: Scene, force: float) -> float:
@@ -114,42 +120,45 @@ def makers_drag_torque(scene: Scene, force: float) -> float:
     return MAKERS / float(np.sqrt(abs(np.tan(lead_angle(scene.track))))) * force * scene.track.lead / (2.0 * pi)
 
 
-def torque_range(solved: StaticallySolved, result: StaticResult) -> dict[str, Any]:
+def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: StaticResult) -> dict[str, Any]:
     """Return the friction torques [N mm] at the smallest and largest measured coefficient of friction (`MEASURED`).
 
     The JSON values have the torques under the scene's loads, the drag torques without them, the axial preload [N], and the
     drag torque by the makers' formula. Preload and drag torques are null for a scene without preload. ``solved``: the scene
     with its static result without loads; ``result``: static result under the loads.
     """
-    scene, held = solved.scene, preload(solved.scene, solved.bare) if solved.bare.converged else None
+    scene, held = solved.scene, preload_from_unloaded(solved.scene, solved.bare) if solved.bare.converged else None
     ends = [replace(solved.friction, screw=mu, nut=mu, balls=None) for mu in MEASURED]
     pressed = held is not None and held.axial > 0.0 and scene.track.lead > 0.0
     drags = [1e3 * solved.torque(solved.bare, end) for end in ends] if pressed else []
     return {
         "coefficients": list(MEASURED),
-        "friction_torque_Nmm": [number(1e3 * solved.torque(result, end)) for end in ends],
-        "drag_torque_Nmm": [number(x) for x in drags] if drags else None,
-        "preload_N": number(held.axial) if held is not None and pressed else None,
-        "makers_formula_Nmm": number(1e3 * makers_drag_torque(scene, held.axial)) if held is not None and pressed else None,
+        "friction_torque_Nmm": [json_number(1e3 * solved.torque(result, end)) for end in ends],
+        "drag_torque_Nmm": [json_number(x) for x in drags] if drags else None,
+        "preload_N": json_number(held.axial) if held is not None and pressed else None,
+        "makers_formula_Nmm": json_number(1e3 * makers_drag_torque(scene, held.axial))
+        if held is not None and pressed
+        else None,
     }
 
 
-def drag_lines(data: dict[str, Any]) -> list[Line]:
+def lines_on_drag_torque(data: dict[str, Any]) -> list[Line]:
     """Return a text line (label, text) on the drag torque at both coefficients of friction and by the makers' formula.
 
-    The list is empty for a scene without preload. ``data``: JSON values of `torque_range`.
+    The list is empty for a scene without preload. ``data``: JSON values of `torques_at_measured_coefficients`.
     """
     if data["makers_formula_Nmm"] is None:
         return []
     text = (
-        f"without load {_range_text(data['drag_torque_Nmm'])} N mm at coefficients of friction from {MEASURED[0]:g} "
+        f"without load {_torques_joined_by_to(data['drag_torque_Nmm'])} N mm at coefficients of friction from "
+        f"{MEASURED[0]:g} "
         f"to {MEASURED[1]:g}; makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of "
         f"{data['preload_N']:.4g} N: {three_digits(data['makers_formula_Nmm'])} N mm"
     )
     return [("drag", text)]
 
 
-def _range_text(values: list[float | None]) -> str:
+def _torques_joined_by_to(values: list[float | None]) -> str:
     """Return torques [N mm] as text joined by "to", such as "3 to 90"; None stands for a torque that was not found."""
     return " to ".join("(none found)" if x is None else f"{x:.3g}" for x in values)
 
@@ -159,7 +168,7 @@ def gives_neither_play_nor_preload(scene: Scene) -> bool:
     return scene.track.lead > 0.0 and scene.errors.balls == BallErrors() and not scene.errors.lead_offset
 
 
-def torque_with_play(solved: StaticallySolved, state: FrictionState) -> dict[str, Any] | None:
+def torque_with_play(solved: StaticallySolvedPart, state: FrictionState) -> dict[str, Any] | None:
     """Return a screw's friction torque with balls smaller by `SMALLER`, and the one with the balls of the scene.
 
     The JSON values have the reduction of the ball radius [um] and both torques [N mm]. None if the scene states play or
@@ -175,8 +184,8 @@ def torque_with_play(solved: StaticallySolved, state: FrictionState) -> dict[str
     torque = solved.torque(run_model(smaller, solved.model, options), solved.friction, smaller)
     return {
         "smaller_by_um": 1e6 * SMALLER,
-        "friction_torque_Nmm": number(1e3 * torque),
-        "friction_torque_as_given_Nmm": number(1e3 * state.torque.friction),
+        "friction_torque_Nmm": json_number(1e3 * torque),
+        "friction_torque_as_given_Nmm": json_number(1e3 * state.torque.friction),
     }
 
 
@@ -220,7 +229,7 @@ def with_scaled_errors(scene: Scene, factor: float) -> Scene:
     return replace(scene, errors=replace(errors, balls=balls, **sides))
 
 
-def onset_of_touching(solved: StaticallySolved, result: StaticResult) -> FrictionOnset | None:
+def onset_of_touching(solved: StaticallySolvedPart, result: StaticResult) -> FrictionOnset | None:
     """Return when neighbouring balls come to touch, and which multiple of the geometric errors is the smallest to cause it.
 
     ``solved``: the scene with its model and motion; ``result``: static result with the contact loads. None if the balls
@@ -263,32 +272,35 @@ def onset_of_touching(solved: StaticallySolved, result: StaticResult) -> Frictio
     )
 
 
-def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
+def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool) -> Line:
     """Return a text line (label, text) on whether neighbouring balls come to touch, and after which angle of rotation.
 
-    ``of``: angles at which balls touch, from `onset_of_touching`; ``turns``: name of the turning part, such as "screw";
+    ``onset``: angles at which balls touch, from `onset_of_touching`; ``turns``: name of the turning part, such as "screw";
     ``errors``: whether the scene has geometric errors.
     """
 
     def angle_text(value: float | None) -> str:
         return "never" if value is None else f"after {three_digits(np.degrees(value))} deg of the {turns}"
 
-    text = f"neighbours {'touch' if of.touch else 'do not touch'}"
-    if of.first is None:
+    text = f"neighbours {'touch' if onset.touch else 'do not touch'}"
+    if onset.first is None:
         text += ": none close in"
     else:
-        text += f": {of.closing} of {of.pairs} pairs close in, balls {of.ball} and the next meet {angle_text(of.first)}"
-        text += "" if of.touch else ", when they have left their loaded arc or gone round"
-    if of.unloaded:
-        stand, roll = count_of(of.unloaded, "unloaded ball"), angle_text(of.rolling)
+        text += (
+            f": {onset.closing} of {onset.pairs} pairs close in, balls {onset.ball} and the next meet "
+            f"{angle_text(onset.first)}"
+        )
+        text += "" if onset.touch else ", when they have left their loaded arc or gone round"
+    if onset.unloaded:
+        stand, roll = count_with_noun(onset.unloaded, "unloaded ball"), angle_text(onset.rolling)
         text += f"; that is where the {stand} stand, {roll} where they roll along"
     if errors:
         from_on = (
             "not up to 16 times the scene's errors"
-            if of.factor is None
-            else f"from {of.factor:.2g} times the scene's errors on"
+            if onset.factor is None
+            else f"from {onset.factor:.2g} times the scene's errors on"
         )
-        text += f"; they touch {'without errors too' if of.factor == 0.0 else from_on}"
+        text += f"; they touch {'without errors too' if onset.factor == 0.0 else from_on}"
     return "touch", text
 
 
@@ -318,7 +330,7 @@ NO_SPEED = (
 
 
 @dataclass(frozen=True)
-class Choices:
+class FrictionChoices:
     """Options of a computation of friction that a user chooses."""
 
     #: Name of the model; empty: the default.
@@ -362,7 +374,9 @@ def friction_coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
     return [scene.friction]
 
 
-def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lambda _: None) -> FrictionAnswer:
+def solve_friction_of_screw_or_bearing(
+    scene: Scene, choices: FrictionChoices, say: Callable[[str], None] = lambda _: None
+) -> FrictionAnswer:
     """Compute the contact loads of a screw or bearing by a static model, then its friction for every coefficient.
 
     Parameters
@@ -395,7 +409,7 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
     options = Options(member=choices.member, condensed=choices.condensed, discretisation=False)
     begin = monotonic()
     result = run_model(scene, model, options)
-    named = {"scene": scene.name, "title": scene.title, "kind": kind_of(scene), "model": result.model}
+    named = {"scene": scene.name, "title": scene.title, "kind": kind_of_scene(scene), "model": result.model}
     head: dict[str, object] = named | {"member": choices.member if scene.errors.random else None}
     if not result.converged:
         status = f"contact loads: {result.status}"
@@ -406,26 +420,28 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
         states = [cached_friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
     except ValueError as error:  # balls that overlap by their random sizes
         raise Refusal(scene.name, "balls", str(error), "spread the balls, or take neighbours = false") from error
-    if states[0].settled and monotonic() - begin > FIRST:
+    if states[0].all_balanced and monotonic() - begin > FIRST:
         say(f"friction torque {three_digits(1e3 * states[0].torque.friction)} N mm; drag and band follow")
     bare = result if not has_loads(scene) else run_model(replace(scene, loads=()), model, options)
     drags = drag_torques(scene, states, pairs, bare, options)
     answer = _build_friction_answer(
-        scene, result, head, (pairs, states, drags), StaticallySolved(scene, model, options, pairs[0], motion, bare)
+        scene, result, head, (pairs, states, drags), StaticallySolvedPart(scene, model, options, pairs[0], motion, bare)
     )
     if scene.time is None:
         return answer
-    return _add_transient_run(answer, solve_run(scene, pairs[0], motion, model, choices.member))
+    return _add_transient_run(answer, simulate_friction_over_time(scene, pairs[0], motion, model, choices.member))
 
 
 def _add_transient_run(answer: FrictionAnswer, run: TransientRun) -> FrictionAnswer:
     """Return the friction at the scene's instant with status, tables and text lines of a simulation over time added."""
-    data = answer.data | {"run": run_json(run)}
+    data = answer.data | {"run": transient_simulation_as_json(run)}
     good = answer.converged and run.converged
     if answer.converged and not good:
         data |= {"status": f"simulation over time: {run.status}"}
-    tables = [*answer.tables, *run_table(run)]
-    return FrictionAnswer(data | {"converged": good}, tables, [*answer.lines, *run_lines(run)], good, answer.ball_tables)
+    tables = [*answer.tables, *torque_table_over_angle(run)]
+    return FrictionAnswer(
+        data | {"converged": good}, tables, [*answer.lines, *lines_on_simulation(run)], good, answer.ball_tables
+    )
 
 
 def has_loads(scene: Scene) -> bool:
@@ -472,7 +488,7 @@ def drag_torques(
         without = friction_of(bare, unloaded)
     if isinstance(without, str):
         return [DragTorque(None, without)] * len(pairs)
-    if not any(state.torque.translating for state in without):
+    if not any(state.torque.moves_axial_load for state in without):
         return [drag_of_state(state) for state in without]
     pressed = f"its supports press it with {without[0].torque.load:.4g} N along its axis"
     freed = replace(bare, supports=without_axial_supports(scene.supports))
@@ -497,18 +513,19 @@ def drag_of_state(state: FrictionState) -> DragTorque:
 
     If no balance of friction was found, the result has the reason instead of a torque.
     """
-    return DragTorque(state.torque.friction) if state.settled else DragTorque(None, "no balance of friction found")
+    return DragTorque(state.torque.friction) if state.all_balanced else DragTorque(None, "no balance of friction found")
 
 
 def friction_status(state: FrictionState) -> str:
     """Return the status of the friction of a screw or bearing: "converged", or what failed on which balls."""
     failed = [str(i + 1) for i, word in enumerate(state.balls.status) if word == "failed"]
     if failed:
-        return f"no balance of friction found on {count_of(len(failed), 'ball')}: {', '.join(failed[:8])}"
+        return f"no balance of friction found on {count_with_noun(len(failed), 'ball')}: {', '.join(failed[:8])}"
     if state.unsettled:
         numbers = ", ".join(str(k + 1) for k in state.unsettled[:8])
         return (
-            f"friction and place do not agree on {count_of(len(state.unsettled), 'ball')}: {numbers}; see feedback = false"
+            f"friction and place do not agree on {count_with_noun(len(state.unsettled), 'ball')}: {numbers}; see feedback "
+            "= false"
         )
     return "converged" if state.loaded else "converged: no contact carries load, so that nothing rubs"
 
@@ -527,7 +544,7 @@ SolvedPairs = tuple[list[Friction], list[FrictionState], list[DragTorque]]
 
 
 def _build_friction_answer(
-    scene: Scene, result: StaticResult, head: dict[str, object], solved: SolvedPairs, unloaded: StaticallySolved
+    scene: Scene, result: StaticResult, head: dict[str, object], solved: SolvedPairs, unloaded: StaticallySolvedPart
 ) -> FrictionAnswer:
     """Return JSON values, tables and lines on the friction of a whole screw or bearing.
 
@@ -537,15 +554,15 @@ def _build_friction_answer(
     """
     (friction, *_), (state, *_), (drag, *_) = solved
     motion = scene.motion or ONE_TURN
-    good = all(s.settled for s in solved[1])
-    status = friction_status(next((s for s in solved[1] if not s.settled), state))
+    good = all(s.all_balanced for s in solved[1])
+    status = friction_status(next((s for s in solved[1] if not s.all_balanced), state))
     torque = friction_sums_json(state.torque, drag.torque)
-    rows, losses = output.ball_rows(result, state), output.loss_rows(state)
-    over = [output.coefficient_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
+    rows, losses = output.json_rows_of_balls(result, state), output.losses_by_contact_and_cause(state)
+    over = [output.torque_row_for_coefficients(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_friction_assumptions(scene, result)]
-    wide, played = torque_range(unloaded, result), torque_with_play(unloaded, state)
+    wide, played = torques_at_measured_coefficients(unloaded, result), torque_with_play(unloaded, state)
     near = onset_of_touching(unloaded, result) if state.loaded else None
-    held = preload(scene, unloaded.bare).axial if unloaded.bare.converged else 0.0
+    held = preload_from_unloaded(scene, unloaded.bare).axial if unloaded.bare.converged else 0.0
     e, slip = state.torque, heathcote_loss_increase(scene, state.at, state.balls, friction, motion)
     data = head | {
         "status": status,
@@ -553,38 +570,41 @@ def _build_friction_answer(
         "law": "coulomb",
         "coupled": state.coupled,
         "friction": {"screw": friction.screw, "nut": friction.nut},
-        "motion": {"turns": motion.turns, "speed_rad_s": number(motion.speed)},
+        "motion": {"turns": motion.turns, "speed_rad_s": json_number(motion.speed)},
         "balls": rows,
         "torque": torque,
         "band": wide,
-        "onset": as_json(near),
+        "onset": record_as_json(near),
         "play": played,
         "drag_unknown": drag.reason or None,
         "drag_note": drag.note or None,
         "over_friction": over,
         "losses": {
-            "total_W": number(e.power),
+            "total_W": json_number(e.power),
             "by_contact_W": losses,
-            "between_balls_W": number(0.0 if state.neighbours is None else state.neighbours.power),
-            "heathcote_percent": number(100.0 * slip),
+            "between_balls_W": json_number(0.0 if state.neighbours is None else state.neighbours.power),
+            "heathcote_percent": json_number(100.0 * slip),
         },
         "energy": power_balance(e.input_power, e.power)
-        | {"axial_load_power_W": number(e.load * e.ratio * e.speed), "torque_power_W": number(e.on_screw * e.speed)},
+        | {
+            "axial_load_power_W": json_number(e.load * e.ratio * e.speed),
+            "torque_power_W": json_number(e.on_screw * e.speed),
+        },
         "feedback": {
-            "friction_torque_without_Nmm": number(1e3 * state.bare.friction),
+            "friction_torque_without_Nmm": json_number(1e3 * state.bare.friction),
             "unsettled_balls": len(state.unsettled),
-            "axial_friction_on_screw_N": number(e.pull),
-            "balls_touching": output.neighbour_json(state),
-            "friction_over_load": number(e.tilt),
+            "axial_friction_on_screw_N": json_number(e.pull),
+            "balls_touching": output.ball_to_ball_forces_as_json(state),
+            "friction_over_load": json_number(e.tilt),
         },
         "solver": {
-            "static_residual": number(result.solver.residual),
-            "friction_imbalance": number(state.balls.left),
-            "feedback_change": number(state.change),
+            "static_residual": json_number(result.solver.residual),
+            "friction_imbalance": json_number(state.balls.left),
+            "feedback_change": json_number(state.change),
             "second_states": None if state.second is None else [k + 1 for k in state.second],
         },
         "assumed": assumed,
-        "left_out": output.neglected_effects(friction),
+        "left_out": output.effects_neglected_at_one_instant(friction),
         "warnings": output.friction_warnings(
             scene,
             friction,
@@ -592,7 +612,9 @@ def _build_friction_answer(
             (
                 *([] if played is None else [play_warning(played)]),
                 *result.warnings,
-                *validity_warnings(scene, load_answers(scene, result.load, result.contact_angle, result.member), held),
+                *validity_warnings(
+                    scene, rate_contact_loads(scene, result.load, result.contact_angle, result.member), held
+                ),
                 *feedback_warnings(state),
                 *output.slip_warnings(slip),
             ),
@@ -602,21 +624,21 @@ def _build_friction_answer(
     if state.loaded:
         tables = [("losses by contact and cause", output.LOSS_COLUMNS, losses)]
     if len(over) > 1:
-        tables.append(("over the coefficient of friction", output.coefficient_columns(kind_of(scene)), over))
+        tables.append(("over the coefficient of friction", output.coefficient_columns(kind_of_scene(scene)), over))
     every = [("per ball", output.BALL_COLUMNS, output.terminal_ball_rows(rows))] if state.loaded else []
     lines = [
-        *output.result_lines(motion, state, (drag.torque, drag.reason or drag.note)),
-        *(drag_lines(wide) if state.loaded else ()),
+        *output.lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason or drag.note)),
+        *(lines_on_drag_torque(wide) if state.loaded else ()),
     ]
     if near is not None:
         lines.append(
-            onset_line(
+            line_on_ball_to_ball_contact(
                 near,
                 "inner ring" if state.torque.ratio == 0.0 and motion.turns == "screw" else motion.turns,
                 with_scaled_errors(scene, 0.0) != scene,
             )
         )
-    lines.append(output.residual_line(result.solver.residual, state.balls.left))
+    lines.append(output.line_on_remaining_imbalance(result.solver.residual, state.balls.left))
     if e.friction and slip <= WIDE:
         lines.append(("slip", "contacts are not flat: " + output.slip_clause(slip)))
     return FrictionAnswer(data, tables, lines, good, every)

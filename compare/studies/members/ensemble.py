@@ -19,25 +19,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.compare.measure import mean_load
-from rollbench.compare.models.loading import scaled
+from rollbench.compare.models.loading import scale_loads
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.jit import STATICS, kernels
+from rollbench.lowfi.jit import STATICS, load_kernel_package
 from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.elastic import ElasticMembers, shared
 from rollbench.lowfi.statics.held import free_motions
 from rollbench.lowfi.statics.kernel_types import MemberArrays, MemberStates
 from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.lowfi.statics.problem import Problem, build, centre_distances, lever_arms
+from rollbench.lowfi.statics.problem import Problem, build_problem, centre_distances, lever_arms
 from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
-from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
+from rollbench.lowfi.statics.selection import choose_sides, flanks_of_scene, solutions_clear_of_left_out_flanks
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import motion_matrices
-from rollbench.lowfi.statics.static import Beam, Engine, pick_engine, pin, prepare, scale_of, solve_static
+from rollbench.lowfi.statics.static import (
+    BeamEquations,
+    Engine,
+    beam_equations,
+    pick_engine,
+    pin_free_motions,
+    residual_scale,
+    solve_static,
+)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.errors import Specimens, alike_in_shape, specimen, specimens, without_draws
+from rollbench.meshes.errors import (
+    Specimens,
+    draw_specimen,
+    draw_specimens,
+    have_equal_circular_grooves,
+    scene_without_random_errors,
+)
 from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_centres
 from rollbench.meshes.parts import Scene
 
@@ -88,10 +102,10 @@ def is_solved_in_one_pass(scene: Scene) -> bool:
     This is so if specimens differ in ball sizes, pitch and roundness only, and if Hertz constants do not follow the actual
     contact angle.
     """
-    return alike_in_shape(scene) and scene.ingredients.hertz != "actual"
+    return have_equal_circular_grooves(scene) and scene.ingredients.hertz != "actual"
 
 
-def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, threads: int = 1) -> EnsembleResult:
+def solve_random_specimens(scene: Scene, members: int | None = None, first: int = 0, *, threads: int = 1) -> EnsembleResult:
     """Solve specimens of a scene with random errors; each has the same contact loads as by ``solve_static``.
 
     Parameters
@@ -117,11 +131,11 @@ def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, th
     for m in left:
         result = solve_static(scene, engine=ENGINE, member=first + int(m))
         batch.loads[m], statuses[m] = result.load, result.status
-        batch.residuals[m], batch.works[m] = result.solver.residual, work_of_loads(scene, result)
+        batch.residuals[m], batch.works[m] = result.solver.residual, work_done_by_loads(scene, result)
     return EnsembleResult(batch.loads, tuple(statuses), batch.residuals, batch.works, all_sides, int(left.size))
 
 
-def work_of_loads(scene: Scene, result: StaticResult) -> float:
+def work_done_by_loads(scene: Scene, result: StaticResult) -> float:
     """Return the sum of a scene's loads times the displacements of the points at which they act [J].
 
     Nan if the result has no displacements of the screw.
@@ -147,8 +161,8 @@ class _SpecimenBatch:
         """Draw the errors of ``count`` specimens from number ``first`` on; ``threads``: number of threads for `solve`."""
         self.scene, self.threads = scene, threads
         self.layout = ball_layout(scene)
-        self.mean = specimen(without_draws(scene), self.layout)
-        self.drawn = specimens(scene, self.layout, first, count)
+        self.mean = draw_specimen(scene_without_random_errors(scene), self.layout)
+        self.drawn = draw_specimens(scene, self.layout, first, count)
         self.C = hertz_C(scene, self.mean, self.drawn.ball_radius)
         self.loads, self.solved = np.full((count, scene.ball_count, 4), np.nan), np.zeros(count, dtype=bool)
         self.residuals, self.works = np.full(count, np.nan), np.full(count, np.nan)
@@ -165,7 +179,7 @@ class _SpecimenBatch:
         """
         # flanks that carry no load if no ball is too large are left out, which is then verified specimen by specimen
         few = choose_sides(self.scene, replace(self.mean, ball_radius=self.drawn.ball_radius.min(axis=0)))
-        whole = self._problem_with_flanks(all_sides(self.scene))
+        whole = self._problem_with_flanks(flanks_of_scene(self.scene))
         if whole is None:
             return 0
         if not np.all(few):
@@ -180,17 +194,17 @@ class _SpecimenBatch:
 
         ``use``: whether each of the flanks SL, SR, NL, NR takes part (4,).
         """
-        problem = build(self.scene, self.mean, self.layout, use)
-        if scale_of(problem).force == 0.0:  # only the random errors press anything together
+        problem = build_problem(self.scene, self.mean, self.layout, use)
+        if residual_scale(problem).force == 0.0:  # only the random errors press anything together
             tightest = self._drawn_errors(np.array([centre_distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
             drawn = replace(self.mean, ball_radius=tightest.ball_radius[0], centre=tightest.centre[0])
-            problem = build(self.scene, drawn, self.layout, use)
+            problem = build_problem(self.scene, drawn, self.layout, use)
         mechanism = free_motions(problem)
-        return None if mechanism.driven else pin(problem, mechanism)
+        return None if mechanism.driven else pin_free_motions(problem, mechanism)
 
-    def _solved_system(self, problem: Problem) -> Beam:
+    def _solved_system(self, problem: Problem) -> BeamEquations:
         """Return the system of equations that all specimens share, solved for the problem without random errors."""
-        prepared = prepare(problem, pick_engine(ENGINE, self.scene.ball_count))
+        prepared = beam_equations(problem, pick_engine(ENGINE, self.scene.ball_count))
         prepared.iterate()
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
@@ -204,7 +218,7 @@ class _SpecimenBatch:
         if problem is None:
             return
         prepared = self._solved_system(problem)
-        near = None if np.all(problem.use) else _LeftOutFlankCheck(prepared, self.layout)
+        near = None if np.all(problem.use) else _OmittedFlankCheck(prepared, self.layout)
         some = partial(self._solve_in_kernel, prepared, near)
         trial, rest = members[:TRIAL], [members[k : k + CHUNK] for k in range(TRIAL, members.size, CHUNK)]
         some(trial)
@@ -213,7 +227,9 @@ class _SpecimenBatch:
         with ThreadPoolExecutor(self.threads) as pool:
             list((map if self.threads == 1 else pool.map)(some, rest))
 
-    def _solve_in_kernel(self, prepared: Beam, near: _LeftOutFlankCheck | None, members: NDArray[np.int64]) -> None:
+    def _solve_in_kernel(
+        self, prepared: BeamEquations, near: _OmittedFlankCheck | None, members: NDArray[np.int64]
+    ) -> None:
         """Solve some specimens in the compiled kernel, and store the solutions that are accepted in this object.
 
         ``prepared``: common system of equations; ``near``: check of the flanks that the system leaves out, None if it has
@@ -227,7 +243,7 @@ class _SpecimenBatch:
         good = (states.status <= 1) & (states.residual <= ACCEPTED)
         if near is not None:
             shift = states.q.reshape(k, -1) @ near.rows.T
-            good &= near.keeps_clear(shift, states.p, arrays.geometry, states.force)
+            good &= near.flanks_stay_clear_of_balls(shift, states.p, arrays.geometry, states.force)
         kept, works = members[good], np.tensordot(states.q, prepared.given.shaft.load, axes=2)
         self.loads[kept], self.residuals[kept], self.works[kept] = states.force[good], states.residual[good], works[good]
         self.solved[kept] = True
@@ -245,20 +261,22 @@ class _SpecimenBatch:
         return MemberArrays(B, geometry, closure, drawn.ball_radius)
 
 
-class _LeftOutFlankCheck:
+class _OmittedFlankCheck:
     """Check of solved specimens for flanks that were left out of the equations although they may carry load.
 
     A specimen with such a flank nearer than ``MARGIN`` to its ball is solved again with all four flanks.
     """
 
-    def __init__(self, prepared: Beam, layout: BallLayout) -> None:
+    def __init__(self, prepared: BeamEquations, layout: BallLayout) -> None:
         """Prepare the check for a solved system of equations whose problem leaves some flanks out."""
         problem = prepared.problem
         self.use = problem.use
-        rows = [_flank_motion_matrix(problem, layout, s) for s in range(2)]
+        rows = [_nodal_to_flank_displacements(problem, layout, s) for s in range(2)]
         self.rows = np.stack(rows, axis=1).reshape(-1, problem.nodes.size * 6)
 
-    def keeps_clear(self, motions: Array, centres: Array, geometry: Array, loads: Array) -> NDArray[np.bool_]:
+    def flanks_stay_clear_of_balls(
+        self, motions: Array, centres: Array, geometry: Array, loads: Array
+    ) -> NDArray[np.bool_]:
         """Return for each of k specimens whether all flanks that the equations leave out stay clear of the balls, (k,).
 
         Parameters
@@ -275,10 +293,10 @@ class _LeftOutFlankCheck:
         k, n = centres.shape[:2]
         shift = np.zeros((k, n, 4, 2))
         shift[:, :, :2] = motions.reshape(k, n, 2, 2)
-        return all_clear(centres, shift, geometry, loads, self.use, MARGIN)
+        return solutions_clear_of_left_out_flanks(centres, shift, geometry, loads, self.use, MARGIN)
 
 
-def _flank_motion_matrix(problem: Problem, layout: BallLayout, side: int) -> Array:
+def _nodal_to_flank_displacements(problem: Problem, layout: BallLayout, side: int) -> Array:
     """Return the matrix that gives a screw flank's displacements at each ball from all nodal displacements, (N, 2, 6 n).
 
     N: number of balls; n: number of beam nodes; the two rows of a ball are the radial and the binormal component in the
@@ -306,12 +324,12 @@ def ensemble_of_study(study: Study, name: str) -> EnsembleResult:
 
     ``study``: comparison that states the number of specimens; ``name``: name of the scene, which has random errors.
     """
-    return study.once(_run_study_ensemble, name)
+    return study.compute_once(_run_study_ensemble, name)
 
 
 def _run_study_ensemble(study: Study, name: str) -> EnsembleResult:
     """Solve specimens of the scene ``name`` of the package, as many as the comparison ``study`` states."""
-    return run_ensemble(study.scene(name), study.members)
+    return solve_random_specimens(study.scene(name), study.members)
 
 
 #: Outputs of each specimen of one nut or bearing: key and heading.
@@ -354,7 +372,7 @@ ELASTIC = tuple(name for name in LADDER if name != "lin")
 
 
 @dataclass(frozen=True)
-class Block:
+class SpecimenBlock:
     """Results of a block of k specimens with N balls each, which were solved together."""
 
     #: Contact loads, (k, N, 4) [N].
@@ -387,7 +405,7 @@ def relative_life(load: Array, nominal: Array) -> Array:
 
 
 def output_names(scene: Scene | Assembly) -> list[str]:
-    """Return the names of the outputs of a specimen, in the order in which `Block` holds their values."""
+    """Return the names of the outputs of a specimen, in the order in which `SpecimenBlock` holds their values."""
     if isinstance(scene, Scene):
         return [*KEPT]
     return [*WHOLE, *(f"set {i + 1} {key}" for i in range(len(scene.sets)) for key in OF_SET)]
@@ -406,7 +424,7 @@ def ball_slices(scene: Scene | Assembly) -> tuple[slice | None, ...]:
     return tuple(slices)
 
 
-def _change_ball_rows(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) -> Scene | Assembly:
+def _change_parts_of_nuts_and_bearings(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) -> Scene | Assembly:
     """Return a scene with the geometry of each nut or ball bearing changed by a function.
 
     ``change``: function that takes the geometry and the number of the nut or bearing from 0, and returns the changed
@@ -420,53 +438,55 @@ def _change_ball_rows(scene: Scene | Assembly, change: Callable[[Scene, int], Sc
 
 def with_seed(scene: Scene | Assembly, seed: int) -> Scene | Assembly:
     """Return a scene with another seed of its random errors; several nuts and bearings get consecutive seeds."""
-    return _change_ball_rows(scene, lambda parts, i: replace(parts, errors=replace(parts.errors, seed=seed + i)))
+    return _change_parts_of_nuts_and_bearings(
+        scene, lambda parts, i: replace(parts, errors=replace(parts.errors, seed=seed + i))
+    )
 
 
 def without_random_errors(scene: Scene | Assembly) -> Scene | Assembly:
     """Return a scene without its random errors."""
-    return _change_ball_rows(scene, lambda parts, _: without_draws(parts))
+    return _change_parts_of_nuts_and_bearings(scene, lambda parts, _: scene_without_random_errors(parts))
 
 
 def _solve_specimens(
-    scene: Scene, model: str, engine: str, first: int, count: int, factor: float = 1.0
+    scene: Scene, model: str, engine: str, first: int, count: int, load_factor: float = 1.0
 ) -> tuple[Array, tuple[str, ...], Array, Array]:
     """Solve specimens of one nut or bearing under the scene's loads times a factor.
 
     ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``first``:
-    number of the first specimen; ``count``: number k of specimens; ``factor``: factor on the loads. Returns contact loads
-    (k, N, 4) [N] for N balls, statuses, relative residuals (k,), and works of the loads (k,) [J], in this order. With a
-    factor other than 1 the specimens of an elastic model are first solved under the loads themselves.
+    number of the first specimen; ``count``: number k of specimens; ``load_factor``: factor on the loads. Returns contact
+    loads (k, N, 4) [N] for N balls, statuses, relative residuals (k,), and works of the loads (k,) [J], in this order. With
+    a factor other than 1 the specimens of an elastic model are first solved under the loads themselves.
     """
-    of, scene = scene, scaled(scene, factor) if factor != 1.0 else scene
+    of, scene = scene, scale_loads(scene, load_factor) if load_factor != 1.0 else scene
     if model == "lin" and engine == "compiled":
-        batch = run_ensemble(scene, count, first)
+        batch = solve_random_specimens(scene, count, first)
         return batch.loads, batch.statuses, batch.residuals, batch.works
     loads, residuals, works = np.full((count, scene.ball_count, 4), np.nan), np.full(count, np.nan), np.full(count, np.nan)
     if model in ELASTIC and shared(scene):
-        loads, residuals, works = _common_system(of, model, engine, factor).solve(first, count)
+        loads, residuals, works = _common_system(of, model, engine, load_factor).solve(first, count)
     statuses = ["converged"] * count
     for k in np.flatnonzero(np.isnan(residuals)):
         result = run_model(scene, model, Options(member=first + int(k), engine=engine, discretisation=False))
         statuses[k], residuals[k] = result.status, result.solver.residual
         if result.converged:
-            loads[k], works[k] = result.load, work_of_loads(scene, result)
+            loads[k], works[k] = result.load, work_done_by_loads(scene, result)
     return loads, tuple(statuses), residuals, works
 
 
 @lru_cache(maxsize=4)
-def _common_system(scene: Scene, model: str, engine: str, factor: float) -> ElasticMembers:
+def _common_system(scene: Scene, model: str, engine: str, load_factor: float) -> ElasticMembers:
     """Return the system of equations that all specimens of a scene share; it is computed once in a process.
 
-    ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``factor``:
-    factor on the loads of the scene.
+    ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled");
+    ``load_factor``: factor on the loads of the scene.
     """
-    like = None if factor == 1.0 else _common_system(scene, model, engine, 1.0)
-    loaded = scene if like is None else scaled(scene, factor)
-    return ElasticMembers(loaded, LADDER[model], kernels(STATICS, compiled=engine == "compiled"), like)
+    like = None if load_factor == 1.0 else _common_system(scene, model, engine, 1.0)
+    loaded = scene if like is None else scale_loads(scene, load_factor)
+    return ElasticMembers(loaded, LADDER[model], load_kernel_package(STATICS, compiled=engine == "compiled"), like)
 
 
-def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array, first: int, count: int) -> Block:
+def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array, first: int, count: int) -> SpecimenBlock:
     """Solve ``count`` specimens of a scene from number ``first`` on.
 
     Parameters
@@ -507,24 +527,26 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
     lost = (~(loads > 0.0) & (nominal > 0.0)).sum(axis=(1, 2)).astype(float)
     kept = np.column_stack([loads.max(axis=(1, 2)), mean, stiffness, lost, relative_life(loads, nominal), residuals])
     kept[~good] = np.nan
-    return Block(loads, kept, statuses)
+    return SpecimenBlock(loads, kept, statuses)
 
 
-def _solve_axis_block(assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
+def _solve_axis_block(
+    assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int
+) -> SpecimenBlock:
     """Solve a block of specimens of a shaft with several nuts and bearings.
 
-    ``kernels``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); the other
-    arguments are those of `solve_block`.
+    ``load_kernel_package``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled");
+    the other arguments are those of `solve_block`.
     """
     results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
     where = ball_slices(assembly)
-    loads = np.stack([contact_loads(r) if r.converged else np.full(nominal.shape, np.nan) for r in results])
+    loads = np.stack([contact_loads_of_all_balls(r) if r.converged else np.full(nominal.shape, np.nan) for r in results])
     wide = len(output_names(assembly))
     kept = [specimen_outputs(r, nominal, where) if r.converged else np.full(wide, np.nan) for r in results]
-    return Block(loads, np.array(kept), tuple(r.status for r in results))
+    return SpecimenBlock(loads, np.array(kept), tuple(r.status for r in results))
 
 
-def contact_loads(result: Solved) -> Array:
+def contact_loads_of_all_balls(result: Solved) -> Array:
     """Return the contact loads of all N balls of a static result, (N, 4) [N], on the flanks SL, SR, NL, NR.
 
     Balls of several nuts and bearings come one nut or bearing after the other.
@@ -532,18 +554,18 @@ def contact_loads(result: Solved) -> Array:
     return np.concatenate([b.load for b in result.of_balls()])
 
 
-def specimen_outputs(result: AxisResult, nominal: Array, where: Sequence[slice | None]) -> Array:
+def specimen_outputs(result: AxisResult, nominal: Array, ball_slices: Sequence[slice | None]) -> Array:
     """Return the outputs of one specimen of a shaft in the order of `output_names`, nan for an output that does not exist.
 
-    ``result``: its static result; ``nominal``: contact loads of all N balls without random errors, (N, 4) [N]; ``where``:
-    range of the balls of each nut or bearing, from `ball_slices`.
+    ``result``: its static result; ``nominal``: contact loads of all N balls without random errors, (N, 4) [N];
+    ``ball_slices``: range of the balls of each nut or bearing, from `ball_slices`.
     """
-    loads = contact_loads(result)
+    loads = contact_loads_of_all_balls(result)
     lost = (loads == 0.0) & (nominal > 0.0)
     largest = max(float(s.loads.max(initial=0.0)) for s in result.sets)
     stiffness = np.nan if result.stiffness is None else 1e-6 * float(result.stiffness[2, 2])
     kept = [largest, stiffness, float(lost.sum()), result.solver.residual]
-    for s, place in zip(result.sets, where, strict=True):
+    for s, place in zip(result.sets, ball_slices, strict=True):
         kept += [float(s.loads.max(initial=0.0)), mean_load(s.loads), float(s.force[2])]
         known = place is not None
         kept += [float(lost[place].sum()), float(relative_life(loads[place], nominal[place]))] if known else [np.nan] * 2

@@ -21,19 +21,19 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.registry import Options, default_model, known_model, random_errors, run_model
-from rollbench.compare.quantities import number
+from rollbench.compare.models.registry import Options, default_model, find_model, has_random_errors, run_model
+from rollbench.compare.quantities import json_number
 from rollbench.compare.reference import parallel
-from rollbench.compare.reference.jobs import Engine, first_here
+from rollbench.compare.reference.jobs import Engine, run_jobs_where_faster
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
-from rollbench.compare.scenes.scene_file import each_case
+from rollbench.compare.scenes.scene_file import scenes_of_load_cases
 from rollbench.compare.studies.members.ensemble import (
     KEPT,
     OF_SET,
     WHOLE,
-    Block,
+    SpecimenBlock,
     ball_slices,
-    contact_loads,
+    contact_loads_of_all_balls,
     output_names,
     solve_block,
     with_seed,
@@ -134,7 +134,7 @@ class LoadDistributions:
 
 
 @dataclass(frozen=True)
-class Members:
+class EnsembleSummary:
     """Results of all M specimens of an ensemble."""
 
     #: Scene with the random errors.
@@ -153,14 +153,14 @@ class Members:
     seconds: float
 
 
-def run_members(
+def solve_specimens_of_scene(
     scene: Scene | Assembly,
     model: str,
     count: int,
     engine: Engine | None = None,
     step: Callable[[str], None] = lambda _: None,
-    row: Callable[[int, str, Array], None] = lambda *_: None,
-) -> Members:
+    record_specimen: Callable[[int, str, Array], None] = lambda *_: None,
+) -> EnsembleSummary:
     """Solve the first ``count`` specimens of a scene, each with its own drawn set of random errors.
 
     Parameters
@@ -175,7 +175,7 @@ def run_members(
         Where blocks of specimens are computed: number of processes or cluster.
     step
         Function that is called with each line of progress.
-    row
+    record_specimen
         Called with number, status and outputs (k,) of each specimen, in order.
 
     Returns
@@ -188,13 +188,13 @@ def run_members(
     InputError
         If the model is unknown, the number out of range, or the scene has no random errors or no equilibrium without them.
     """
-    _check_request(scene, model, count)
+    _check_ensemble_request(scene, model, count)
     start, model = perf_counter(), model or default_model(scene)
     kernels = (
         "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and is_machine_code_cached(STATICS)) else "interpreted"
     )
     bare = run_model(without_random_errors(scene), model, Options(engine=kernels, discretisation=False))
-    nominal = contact_loads(bare)
+    nominal = contact_loads_of_all_balls(bare)
     if not bare.converged or not nominal.max(initial=0.0) > 0.0:
         reason = bare.status if not bare.converged else "no contact carries load without random errors"
         what = "screw" if isinstance(scene, Scene) else "sets"
@@ -206,27 +206,27 @@ def run_members(
         bands.add_loads(block.loads)
         rows.append(block.kept)
         for k, status in enumerate(block.statuses):
-            row(first + k, status, block.kept[k])
+            record_specimen(first + k, status, block.kept[k])
             if status != "converged":
                 failed[first + k] = status
         done += len(block.kept)
         step(f"[{done}/{count}] {len(failed)} failed")
-    return Members(scene, model, np.concatenate(rows), failed, bands, ball_slices(scene), perf_counter() - start)
+    return EnsembleSummary(scene, model, np.concatenate(rows), failed, bands, ball_slices(scene), perf_counter() - start)
 
 
-def _check_request(scene: Scene | Assembly, model: str, count: int) -> None:
+def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> None:
     """Check an ensemble that a user requests, before anything is solved.
 
     Raises InputError for an unknown model, a number of specimens out of range, or a scene without random errors.
     """
     single = isinstance(scene, Scene)
     if single:
-        known_model(model, without=("condensed",))
+        find_model(model, excluded=("condensed",))
     if not 2 <= count <= MOST:
         raise ArgumentError(
             "members", str(count), f"2 to {MOST}", "take a thousand, which give bands to within some per cent"
         )
-    if not random_errors(scene):
+    if not has_random_errors(scene):
         where, table = ("errors", "[errors.balls]") if single else ("sets[].errors", "[sets.errors.balls]")
         advice = f'give a sigma to balls, pitch, roundness or profile, e.g. sigma = "0.04 um" under {table}'
         raise InputError(scene.name, where, "no random error", "at least one sigma above zero", advice)
@@ -234,7 +234,7 @@ def _check_request(scene: Scene | Assembly, model: str, count: int) -> None:
 
 def _solve_blocks(
     arguments: tuple[Scene | Assembly, str, str, Array], count: int, engine: Engine, step: Callable[[str], None]
-) -> Iterator[tuple[int, Block]]:
+) -> Iterator[tuple[int, SpecimenBlock]]:
     """Solve specimens in blocks, and yield for each block the number of its first specimen, then its results.
 
     Blocks may be finished in any order but are yielded by increasing numbers. ``arguments``: first four arguments of
@@ -245,17 +245,17 @@ def _solve_blocks(
     size = max(least, min(BLOCK, count // 16))  # depends on the count only, as the division into blocks affects round-off
     starts = range(0, count, size)
     jobs: list[parallel.Job] = [(solve_block, (*arguments, first, min(size, count - first))) for first in starts]
-    waiting: dict[int, Block] = {}
+    waiting: dict[int, SpecimenBlock] = {}
     following = 0
-    for place, block in first_here(jobs, engine, "members", step):
+    for place, block in run_jobs_where_faster(jobs, engine, "members", step):
         waiting[place] = block
         while following in waiting:
             yield following * size, waiting.pop(following)
             following += 1
 
 
-def _binomial_quantile(p: float, trials: int, chance: float) -> int:
-    """Return the smallest count that a binomial variable does not exceed with probability ``p``.
+def _binomial_quantile(probability: float, trials: int, chance: float) -> int:
+    """Return the smallest count that a binomial variable does not exceed with probability ``probability``.
 
     ``trials``: number of trials; ``chance``: probability of success of each. Probabilities are summed within about fifteen
     standard deviations of the mean; scipy.special has this too, but takes long to import.
@@ -265,7 +265,7 @@ def _binomial_quantile(p: float, trials: int, chance: float) -> int:
     k = np.arange(first, min(trials, int(mean + reach)))
     grown = np.append(0.0, np.cumsum(np.log((trials - k) / (k + 1.0) * chance / (1.0 - chance))))
     below = np.cumsum(np.exp(grown - grown.max()))
-    return first + int(np.searchsorted(below, (1.0 - 1e-12) * p * below[-1]))  # less the round-off of the sum
+    return first + int(np.searchsorted(below, (1.0 - 1e-12) * probability * below[-1]))  # less the round-off of the sum
 
 
 def sample_statistics(values: Array) -> dict[str, Any] | None:
@@ -301,13 +301,15 @@ def ensemble_for_library(
 
     ``described``: scene or duty cycle; ``count``: number of specimens; ``seed``: seed of the random errors, None for that
     of the scene; ``workers``: number of processes; ``step``: function that is called with each line of progress. Raises
-    InputError for the faults that `run_members` refuses.
+    InputError for the faults that `solve_specimens_of_scene` refuses.
     """
-    each, cases = solve_ensemble(described, described.name, model, count, seed, Engine(workers=workers), step)
+    each, cases = solve_specimens_of_load_cases(
+        described, described.name, model, count, seed, Engine(workers=workers), step
+    )
     return ensemble_json(described, each, cases)
 
 
-def ensemble_json(described: Described, each: Sequence[Members], cases: Sequence[str]) -> dict[str, Any]:
+def ensemble_json(described: Described, each: Sequence[EnsembleSummary], cases: Sequence[str]) -> dict[str, Any]:
     """Return the JSON values of an ensemble, which has entries for each load case if the scene has several.
 
     ``described``: scene or duty cycle; ``each``: results for each load case; ``cases``: names of the load cases, empty for
@@ -318,7 +320,7 @@ def ensemble_json(described: Described, each: Sequence[Members], cases: Sequence
     return {"scene": described.name, "cases": by_case} if cases else data[0]
 
 
-def solve_ensemble(
+def solve_specimens_of_load_cases(
     described: Described,
     name: str,
     model: str,
@@ -327,23 +329,23 @@ def solve_ensemble(
     engine: Engine,
     step: Callable[[str], None],
     csv_out: Path | None = None,
-) -> tuple[list[Members], list[str]]:
+) -> tuple[list[EnsembleSummary], list[str]]:
     """Solve the specimens of a scene for each of its load cases.
 
     ``name``: file or name of the scene in error messages; ``count``: number of specimens; ``seed``: seed of the random
     errors, None for that of the scene; ``step``: function that is called with each line of progress; ``csv_out``: file for
     the outputs of each specimen, or None. Returns the results for each load case, then the names of the load cases (none
-    for a scene without load cases). Raises InputError for the faults that `run_members` refuses.
+    for a scene without load cases). Raises InputError for the faults that `solve_specimens_of_scene` refuses.
     """
     if seed is not None and not 0 <= seed < 2**62:
         raise ArgumentError("seed", str(seed), f"0 to {2**62 - 1}", "leave `seed` out for the seed of the scene")
     cases = [case.name for case in described.cases] if isinstance(described, DutyCycle) else []
-    scenes = [scene if seed is None else with_seed(scene, seed) for scene in each_case(described, name)]
-    each: list[Members] = []
-    with _open_csv(csv_out, [*(["case"] if cases else []), "member", "status", *output_names(scenes[0])]) as write:
+    scenes = [scene if seed is None else with_seed(scene, seed) for scene in scenes_of_load_cases(described, name)]
+    each: list[EnsembleSummary] = []
+    with _csv_row_writer(csv_out, [*(["case"] if cases else []), "member", "status", *output_names(scenes[0])]) as write:
         for scene, head in zip(scenes, [[case] for case in cases] or [[]], strict=True):
             row = partial(_write_row, write, head)
-            each.append(run_members(scene, model or default_model(scene), count, engine, step, row))
+            each.append(solve_specimens_of_scene(scene, model or default_model(scene), count, engine, step, row))
     return each, cases
 
 
@@ -357,7 +359,7 @@ def _write_row(write: Callable[[list[Any]], None], head: Sequence[str], member: 
 
 
 @contextmanager
-def _open_csv(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
+def _csv_row_writer(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
     """Open a CSV file with the columns ``names``, and yield a function that writes a row to it.
 
     ``path``: the file; None: the function does nothing. The file appears under its name only when it is complete. Raises
@@ -382,7 +384,7 @@ def _open_csv(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[lis
         unfinished.unlink(missing_ok=True)
 
 
-def members_json(members: Members) -> dict[str, Any]:
+def members_json(members: EnsembleSummary) -> dict[str, Any]:
     """Return the JSON values of an ensemble: statistics of the outputs, failures, and distributions of the contact loads.
 
     For a shaft, the statistics of each nut or bearing are in "sets", and rows of "balls" begin with the number of the nut
@@ -391,7 +393,7 @@ def members_json(members: Members) -> dict[str, Any]:
     scene, kept = members.scene, members.kept
     counts: dict[str, Any] = {"members": len(kept), "converged": len(kept) - len(members.failed)}
     counts["failed"] = [{"member": m, "status": s} for m, s in sorted(members.failed.items())]
-    rows = _ball_bands(members.bands)
+    rows = _load_distributions_by_ball(members.bands)
     if isinstance(scene, Assembly):
         seed: Any = [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in scene.sets]
         counts["sets"] = _statistics_by_set(members, scene)
@@ -407,10 +409,10 @@ def members_json(members: Members) -> dict[str, Any]:
     names = WHOLE if isinstance(scene, Assembly) else KEPT
     sums = {key: sample_statistics(kept[:, k]) for k, key in enumerate(names)}
     head = {"scene": scene.name, "model": members.model, "seed": seed, **counts, "statistics": sums}
-    return {**head, "band_resolution_N": number(members.bands.width), "balls": balls}
+    return {**head, "band_resolution_N": json_number(members.bands.width), "balls": balls}
 
 
-def _statistics_by_set(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
+def _statistics_by_set(members: EnsembleSummary, assembly: Assembly) -> list[dict[str, Any]]:
     """Return the statistics of the outputs of each nut or bearing on a shaft."""
     by_set = np.split(members.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
     return [
@@ -419,7 +421,7 @@ def _statistics_by_set(members: Members, assembly: Assembly) -> list[dict[str, A
     ]
 
 
-def _ball_bands(bands: LoadDistributions) -> list[list[dict[str, Any]]]:
+def _load_distributions_by_ball(bands: LoadDistributions) -> list[list[dict[str, Any]]]:
     """Return for every ball a list with one JSON row per loaded contact, which describes the distribution of its load [N].
 
     ``bands``: distributions of the contact loads.
@@ -435,7 +437,7 @@ def _ball_bands(bands: LoadDistributions) -> list[list[dict[str, Any]]]:
     }
     return [
         [
-            {"index": i + 1, "side": side, **{key: number(values[i, s]) for key, values in found.items()}}
+            {"index": i + 1, "side": side, **{key: json_number(values[i, s]) for key, values in found.items()}}
             for s, side in enumerate(SIDES)
             if bands.largest[i, s] > 0.0
         ]

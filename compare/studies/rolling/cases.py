@@ -10,7 +10,7 @@ from rollbench.compare.errors import Refusal
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearScene
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
-from rollbench.hifi.rolling.balls import Choices, without_ball_contacts
+from rollbench.hifi.rolling.balls import Choices, copy_without_ball_to_ball_contacts
 from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.scenes import (
     Layout,
@@ -56,7 +56,7 @@ class RollingCase:
     coupled: bool
 
 
-def rolling_case(scene: KindScene, choices: Choices) -> RollingCase:
+def prepare_rolling_case(scene: KindScene, choices: Choices) -> RollingCase:
     """Return a friction scene in the form that the 3D model of rolling needs, with its contact loads solved.
 
     Parameters
@@ -94,12 +94,12 @@ def _refuse_scene(scene: KindScene, key: str, reason: str, advice: str) -> None:
     raise Refusal(scene.name, key, reason, advice)
 
 
-def _contact_directions(angles: Array, senses: Array) -> Array:
+def _contact_directions(angles: Array, signs: Array) -> Array:
     """Return the unit vectors (..., 2) of contact normals in the section of the groove.
 
-    ``angles``: contact angles (...,) [rad]; ``senses``: signs of the two components (..., 2).
+    ``angles``: contact angles (...,) [rad]; ``signs``: signs of the two components (..., 2).
     """
-    return np.asarray(senses * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
+    return np.asarray(signs * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
 
 
 def _linear_case(scene: LinearScene) -> RollingCase:
@@ -126,7 +126,7 @@ def _linear_case(scene: LinearScene) -> RollingCase:
         loads = np.array([_loads_at_given_angles(scene, n, float(r)) for n, r in zip(normals, scene.side, strict=True)])
     whole = rolling_scene(layout, material, normals, loads)
     return RollingCase(
-        scene.name, scene.kind, without_ball_contacts(whole), whole, b.speed, ("BL", "BR", "TR", "TL"), False
+        scene.name, scene.kind, copy_without_ball_to_ball_contacts(whole), whole, b.speed, ("BL", "BR", "TR", "TL"), False
     )
 
 
@@ -226,7 +226,13 @@ def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
             _refuse_scene(scene, "load", "contact loads and friction do not agree in 3D", 'take coupling = "none"')
         scenes.append(rolling_scene(layout, material, loads.normal, loads.force))
     return RollingCase(
-        scene.name, scene.kind, without_ball_contacts(scenes[0]), scenes[1], g.speed, ("SL", "SR", "NL", "NR"), coupled
+        scene.name,
+        scene.kind,
+        copy_without_ball_to_ball_contacts(scenes[0]),
+        scenes[1],
+        g.speed,
+        ("SL", "SR", "NL", "NR"),
+        coupled,
     )
 
 

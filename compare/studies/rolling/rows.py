@@ -17,19 +17,19 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError
-from rollbench.compare.gate.gate import GateRow
+from rollbench.compare.gate.gate import GateCheck
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import entry
+from rollbench.compare.printed import printed_entry
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.scenes.catalogue import case as shipped_case
+from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as shipped_case
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearPairScene, LinearScene
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
 from rollbench.compare.studies.friction.linear_kinds import linear_loads
-from rollbench.compare.studies.rolling.cases import rolling_case
+from rollbench.compare.studies.rolling.cases import prepare_rolling_case
 from rollbench.compare.studies.rolling.runs import (
     LEVELS,
     LINEAR,
@@ -39,17 +39,17 @@ from rollbench.compare.studies.rolling.runs import (
     SOURCE_SIZE,
     BodyVariant,
     RollingRun,
-    body_variants,
     check_levels,
     find_or_compute_runs,
-    largest_choice_effect,
+    largest_change_by_body_choice,
     load_run,
+    scenes_and_sizes_of_body_variants,
 )
-from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, run_from_rest, solve_rolling
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, compute_motion_from_rest, solve_rolling
 from rollbench.hifi.rolling.friction import PATH
 from rollbench.hifi.rolling.kinematics import Rolling
-from rollbench.lowfi.friction.bearing import SIDES, solve_ball
-from rollbench.lowfi.friction.linear.chain import prepare_chain, solve_linear_chain
+from rollbench.lowfi.friction.bearing import SIDES, solve_ball_of_bearing
+from rollbench.lowfi.friction.linear.chain import prepare_linear_chain, solve_linear_chain
 from rollbench.lowfi.friction.screw.run import solve_pair
 
 
@@ -79,7 +79,8 @@ def _linear_bearing_values(scene: LinearScene) -> tuple[dict[str, float], str]:
     """
     angles, force, _ = linear_loads(scene)
     apart, near = (
-        solve_linear_chain(prepare_chain(scene.bearing, angles, force, t), fast=False) for t in (False, scene.gap <= 0.0)
+        solve_linear_chain(prepare_linear_chain(scene.bearing, angles, force, t), fast=False)
+        for t in (False, scene.gap <= 0.0)
     )
     out = {f"force {k + 1}-{k + 2} N": float(f) for k, f in enumerate(near.ball_force)}
     out |= {f"deviation {k + 1} apart %": 100.0 * float(v) for k, v in enumerate(apart.deviation)}
@@ -108,7 +109,7 @@ def _bearing_ball_values(scene: BearingBallScene) -> tuple[dict[str, float], str
 
     Returns the values by names that end in the unit, such as "torque N mm", then the status.
     """
-    found = solve_ball(scene.bearing, scene.force, scene.displacement)
+    found = solve_ball_of_bearing(scene.bearing, scene.force, scene.displacement)
     q, loss = found.motion.q, found.motion.friction.loss
     out = {"orbit rad/s": float(q[0]), "omega x rad/s": float(q[1]), "omega y rad/s": float(q[2])}
     out |= {f"loss {n} mW": 1e3 * float(v) for n, v, f in zip(SIDES, loss, found.load.force, strict=True) if f > 0.0}
@@ -149,7 +150,7 @@ KNOWN = {
 
 
 @dataclass(frozen=True)
-class RollingRow:
+class RollingComparisonRow:
     """One quantity of one scene by the low-order model and by the 3D model of rolling, and its printed values."""
 
     #: Name of the scene.
@@ -204,7 +205,7 @@ def split_name_and_unit(name: str) -> tuple[str, str]:
 UNSTATED = ": +- is the scatter of the grids, without the uncertainty of the loads, which are not printed"
 
 
-def load_state(name: str) -> str | None:
+def interpretation_of_contact_loads(name: str) -> str | None:
     """Return how contact loads that Lin's thesis does not print were found, "plain" or "inferred"; None if it prints them.
 
     ``name``: name of the scene. The loads are not printed for the scenes of Table 3.7 of Lin's thesis, so that two scenes
@@ -229,7 +230,9 @@ def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
     return SAFETY * max(abs(v - values[-1]) for v in values[:-1]) + runs[-1].limit_spread[name]
 
 
-def scene_rows(scene: KindScene, runs: Sequence[RollingRun], half_space: RollingRun | None = None) -> list[RollingRow]:
+def compare_scene_with_rolling_runs(
+    scene: KindScene, runs: Sequence[RollingRun], half_space: RollingRun | None = None
+) -> list[RollingComparisonRow]:
     """Return the comparison of a scene by the low-order model and by the 3D model of rolling, one entry for each quantity.
 
     Parameters
@@ -245,21 +248,21 @@ def scene_rows(scene: KindScene, runs: Sequence[RollingRun], half_space: Rolling
     low, low_seconds, _ = solve_low_order(scene)
     finest = runs[-1]
     table = PRINTED.get(scene.name.removesuffix(".toml"))
-    by_bodies = 0.0 if half_space is None else largest_choice_effect("linear" in scene.kind)
+    by_bodies = 0.0 if half_space is None else largest_change_by_body_choice("linear" in scene.kind)
     out = []
     for name, value in finest.values.items():
         quantity, unit = split_name_and_unit(name)
         total_uncertainty = quantity_uncertainty(runs, name) + by_bodies * abs(value)
         printed = ansys = None
         if table is not None and quantity == "force 1-2":
-            printed, ansys = (entry(table[0], key).value for key in table[1:])
+            printed, ansys = (printed_entry(table[0], key).value for key in table[1:])
         error = float(error_percent(low[name], value)) if name in low else np.nan
         share = float(error_percent(value + total_uncertainty, value))
         if max(abs(value), abs(low.get(name, value))) < ROUND_OFF:  # both are round-off
             error, share = 0.0, np.nan
         flat = value + finest.flat[name] - finest.elastic[name]
         out.append(
-            RollingRow(
+            RollingComparisonRow(
                 scene.name,
                 quantity,
                 unit,
@@ -275,14 +278,14 @@ def scene_rows(scene: KindScene, runs: Sequence[RollingRun], half_space: Rolling
                 low_seconds,
                 finest.seconds,
                 None if half_space is None else half_space.values[name],
-                load_state(scene.name),
+                interpretation_of_contact_loads(scene.name),
                 str(finest.measured),
             )
         )
     return out
 
 
-def is_within_limit(row: RollingRow) -> bool:
+def low_order_error_is_within_limit(row: RollingComparisonRow) -> bool:
     """Return whether the error of the low-order model against the 3D model is at most `LIMIT`.
 
     The uncertainty of the 3D model is first deducted from the error, but at most `LIMIT` itself.
@@ -292,7 +295,9 @@ def is_within_limit(row: RollingRow) -> bool:
     return abs(row.error_percent) - min(row.uncertainty_percent or 0.0, LIMIT) <= LIMIT
 
 
-def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> list[RollingRow]:
+def compare_scene_with_stored_runs(
+    name: str, stores: Sequence[Path], bodies: str = HALF_SPACE
+) -> list[RollingComparisonRow]:
     """Return the comparison of a scene of the package with stored solutions of the 3D model of rolling on all grids.
 
     ``name``: name of the scene; ``stores``: folders with solutions; ``bodies``: bodies of the 3D model, half spaces
@@ -302,36 +307,36 @@ def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> 
     found = [load_run(scene, level, stores, bodies) for level in LEVELS]
     runs = [run for run in found if run is not None and run.converged]
     half_space = None if bodies == HALF_SPACE else load_run(scene, max(LEVELS), stores)
-    return scene_rows(scene, runs, half_space) if len(runs) == len(LEVELS) else []
+    return compare_scene_with_rolling_runs(scene, runs, half_space) if len(runs) == len(LEVELS) else []
 
 
 # --- rows of the gate: low-order models of rolling balls against the 3D model
 
 
-def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
+def gate_rows_of_rolling_balls(study: Study, max_error: float) -> list[GateCheck]:
     """Check ball-to-ball forces and torques of low-order models of rolling balls against stored solutions of the 3D model.
 
     These rows are a part of ``rollbench check``. ``max_error``: largest allowed error [%]; the limit is this or `LIMIT`,
     whichever is smaller. A quantity beyond the limit passes if `KNOWN` lists it with the cause. A quantity that is listed
     there and is within the limit fails.
     """
-    out: list[GateRow] = []
+    out: list[GateCheck] = []
     stores = study.stores or (shipped_store(),)
     limit = min(LIMIT, max_error)
     for name in (*PAIRS, *RINGS):
-        rows = [row for row in stored_rows(name, stores) if row.quantity in GATED]
+        rows = [row for row in compare_scene_with_stored_runs(name, stores) if row.quantity in GATED]
         if not rows:
             text = f"no stored runs of the 3D model of rolling: run rollbench mesh-study {name}"
-            out.append(GateRow(f"{name}: 3D rolling", "3D rolling", None, None, None, limit, False, text))
+            out.append(GateCheck(f"{name}: 3D rolling", "3D rolling", None, None, None, limit, False, text))
         for row in rows:
             cause = KNOWN.get((name, row.quantity), "")
-            passed = is_within_limit(row) != bool(cause)
+            passed = low_order_error_is_within_limit(row) != bool(cause)
             state = f", {row.load_state} load state" if row.load_state else ""
             label = f"{name}: {row.quantity} [{row.unit}] against 3D rolling{state}" + (
                 f" (known: {cause})" if cause else ""
             )
             text = f"uncertainty of the 3D model {row.uncertainty:.2g} {row.unit}"
-            out.append(GateRow(label, "3D rolling", row.low, row.reference, row.error_percent, limit, passed, text))
+            out.append(GateCheck(label, "3D rolling", row.low, row.reference, row.error_percent, limit, passed, text))
     return out
 
 
@@ -366,11 +371,11 @@ def runs_from_rest() -> tuple[RunFromRest, ...]:
     The results are computed once in a process.
     """
     choices = Choices(SHAPE)
-    scene = rolling_case(shipped_case("lin-pair-a", LinearPairScene), choices).touching
+    scene = prepare_rolling_case(shipped_case("lin-pair-a", LinearPairScene), choices).touching
     steady = float(solve_rolling(scene, choices).force[0])
     out = []
     for count in STEPS:
-        run = run_from_rest(scene, DURATION, count, GAP, choices)
+        run = compute_motion_from_rest(scene, DURATION, count, GAP, choices)
         force = tuple(map(float, run.force[:, 0]))
         speed = tuple(tuple(map(float, row)) for row in run.speed)
         out.append(RunFromRest(count, tuple(map(float, run.time)), force, speed, steady, run.seconds, run.status))
@@ -409,7 +414,7 @@ class ChoiceEffect:
         return self.change <= self.uncertainty
 
 
-def effects_of_choices(
+def force_changes_by_numerical_choices(
     stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyVariant]
 ) -> tuple[ChoiceEffect, ...]:
     """Return how numerical choices of the 3D model change the ball-to-ball force, for the scenes with stored solutions.
@@ -423,27 +428,30 @@ def effects_of_choices(
     sizes
         Results with other sizes of the finite bodies; empty: this choice is left out.
     """
-    return tuple(one for name in SCENES for one in _effects_in_scene(name, stores, series, sizes))
+    return tuple(one for name in SCENES for one in _force_changes_in_scene(name, stores, series, sizes))
 
 
-def _effects_in_scene(
+def _force_changes_in_scene(
     name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyVariant]
 ) -> Iterator[ChoiceEffect]:
     """Yield how grid, finite bodies, time step and regularisation of friction change the ball-to-ball force in one scene.
 
-    ``name``: name of the scene; the other arguments are those of `effects_of_choices`.
+    ``name``: name of the scene; the other arguments are those of `force_changes_by_numerical_choices`.
     """
     scene = shipped_case(name, KindScene)
     half, finite = (_force_uncertainty_percent(name, stores, *bodies) for bodies in ((), (FINITE,)))
     run = load_run(scene, max(LEVELS), stores)
     if run is None or half is None:
         return
-    key, case = f"{FORCE} N", rolling_case(scene, Choices(SHAPE)).touching
-    near, elastic = (_ball_to_ball_force(case, Choices(BEYOND, share)) for share in (NEARLY_RIGID, 1.0))
+    key, case = f"{FORCE} N", prepare_rolling_case(scene, Choices(SHAPE)).touching
+    near, elastic = (_solve_ball_to_ball_force(case, Choices(BEYOND, share)) for share in (NEARLY_RIGID, 1.0))
     grid = _largest_error_percent([run.limit[key] + elastic - near], run.values[key])
     yield ChoiceEffect(name, "grid", f"{BEYOND[0]} x {BEYOND[1]} cells beyond {run.shape[0]} x {run.shape[1]}", grid, half)
     values = [
-        v.values[key] for v in sizes if body_variants()[v.choice][0] == name and body_variants()[v.choice][1] is not None
+        v.values[key]
+        for v in sizes
+        if scenes_and_sizes_of_body_variants()[v.choice][0] == name
+        and scenes_and_sizes_of_body_variants()[v.choice][1] is not None
     ]
     if values and finite is not None:
         tried = f"{len(values) - 1} other sizes, cells, kernels, patches"
@@ -452,17 +460,17 @@ def _effects_in_scene(
         tried = f"{', '.join(str(s.steps) for s in series)} steps from rest"
         ends = [s.force[-1] / s.steady if s.status == "converged" else np.nan for s in series]
         yield ChoiceEffect(name, "time step", tried, _largest_error_percent(ends, 1.0), half)
-    first, *others = (_ball_to_ball_force(case, Choices(SHAPE), path) for path in (PATH, *PATHS.values()))
+    first, *others = (_solve_ball_to_ball_force(case, Choices(SHAPE), path) for path in (PATH, *PATHS.values()))
     yield ChoiceEffect(name, "path of regularisation", ", ".join(PATHS), _largest_error_percent(others, first), half)
 
 
-def _ball_to_ball_force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> float:
+def _solve_ball_to_ball_force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> float:
     """Solve a system of rolling balls in 3D and return the force between the first two balls [N].
 
     ``scene``: the system; ``choices``: grid and bodies; ``path``: creep speeds of the regularised friction law over the
     largest sliding speed, in the order in which the solver takes them. Nan if the solver does not converge.
     """
-    found = solve_rolling(scene, choices, path=path)
+    found = solve_rolling(scene, choices, creeping_ratios=path)
     return float(found.force[0]) if found.converged else np.nan
 
 
@@ -475,14 +483,17 @@ def _force_uncertainty_percent(name: str, stores: Sequence[Path], *bodies: str) 
     """Return the uncertainty of the ball-to-ball force of a scene by the 3D model [%]; None without stored solutions.
 
     ``name``: name of the scene; ``stores``: folders with solutions; ``bodies``: bodies of the 3D model, as in
-    `stored_rows`.
+    `compare_scene_with_stored_runs`.
     """
-    return next((row.uncertainty_percent for row in stored_rows(name, stores, *bodies) if row.quantity == FORCE), None)
+    return next(
+        (row.uncertainty_percent for row in compare_scene_with_stored_runs(name, stores, *bodies) if row.quantity == FORCE),
+        None,
+    )
 
 
 def rolling_comparison(
     scenes: Sequence[KindScene], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
-) -> list[RollingRow]:
+) -> list[RollingComparisonRow]:
     """Compare low-order models of rolling balls with the 3D model, for each quantity of each scene.
 
     ``levels``: levels of the 3D model's grids, None for all; ``store``: folder for new 3D solutions; ``engine``: number of
@@ -491,13 +502,13 @@ def rolling_comparison(
     converge.
     """
     wanted = check_levels(levels or tuple(LEVELS))
-    out: list[RollingRow] = []
+    out: list[RollingComparisonRow] = []
     for scene in scenes:
         found = find_or_compute_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
         half_space = (
             None if bodies == HALF_SPACE else find_or_compute_runs(scene, wanted[-1:], store, Engine(), fresh=False)[0]
         )
-        out += scene_rows(scene, found, half_space)
+        out += compare_scene_with_rolling_runs(scene, found, half_space)
     return out
 
 
@@ -521,7 +532,7 @@ def rolling_mesh_study(
         grids = [run for run in found if run.level != SOURCE_LEVEL]
         for key in found[-1].values:
             share = without_infinity({"uncertainty": quantity_uncertainty(grids, key)})
-            out += [study_row(scene.name, run, key) | share for run in found]
+            out += [grid_study_row_of_quantity(scene.name, run, key) | share for run in found]
     return out
 
 
@@ -530,7 +541,7 @@ def without_infinity(row: dict[str, Any]) -> dict[str, Any]:
     return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in row.items()}
 
 
-def study_row(name: str, run: RollingRun, key: str) -> dict[str, Any]:
+def grid_study_row_of_quantity(name: str, run: RollingRun, key: str) -> dict[str, Any]:
     """Return a table row with one quantity by the 3D model on one grid.
 
     The row has the value, the limit for rigid bodies, and the effect of elasticity on this grid. ``name``: name of the
@@ -538,7 +549,7 @@ def study_row(name: str, run: RollingRun, key: str) -> dict[str, Any]:
     """
     return {
         "scene": name,
-        "load_state": load_state(name),
+        "load_state": interpretation_of_contact_loads(name),
         "quantity": key,
         "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
         "cells": f"{run.shape[0]} x {run.shape[1]}",

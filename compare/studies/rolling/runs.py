@@ -28,16 +28,16 @@ from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
 from rollbench.compare.reference.parallel import as_done
 from rollbench.compare.reference.store import Measured, measuring_conditions, shipped_store
-from rollbench.compare.running import on_terminal, out_of_memory
-from rollbench.compare.scenes.catalogue import case as shipped_case
+from rollbench.compare.running import out_of_memory_error, show_progress_message
+from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as shipped_case
 from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.studies.rolling.cases import RollingCase, rolling_case
+from rollbench.compare.studies.rolling.cases import RollingCase, prepare_rolling_case
 from rollbench.hifi.rolling import balls
 from rollbench.hifi.rolling.balls import FIRST, NEARLY_RIGID, Choices, solve_rigid_rolling, solve_rolling
 from rollbench.hifi.rolling.bodies import Sizes
 from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.patch import MARGIN
-from rollbench.meshes.record_keys import digest
+from rollbench.meshes.record_keys import digest_of_values
 
 #: Cells of a contact along and across the groove, by level.
 LEVELS = {1: (16, 24), 2: (20, 30), 3: (24, 36)}
@@ -126,7 +126,7 @@ def run_key(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
     scene = replace(scene, name="", title="", source="", assumed=())
     content = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, balls.NEARLY_RIGID)
     sizes = BODIES[bodies]
-    return digest(*content, *(() if sizes is None else (sizes, MESHED)))[:16]
+    return digest_of_values(*content, *(() if sizes is None else (sizes, MESHED)))[:16]
 
 
 def run_path(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE) -> Path:
@@ -205,7 +205,7 @@ def compute_run(scene: KindScene, level: int, bodies: str = HALF_SPACE, processe
     try:
         return _solve_on_grid(scene, level, bodies, processes)
     except MemoryError as error:
-        raise out_of_memory(error) from error
+        raise out_of_memory_error(error) from error
     except ValueError as error:
         if bodies == HALF_SPACE:
             raise
@@ -218,16 +218,16 @@ def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) ->
     The arguments are those of `compute_run`.
     """
     begin, sizes = process_time(), BODIES[bodies]
-    case = rolling_case(scene, balls.Choices(LEVELS.get(level, LEVELS[1])))
+    case = prepare_rolling_case(scene, balls.Choices(LEVELS.get(level, LEVELS[1])))
     shape = grid_shape(case, level)
-    elsewhere = balls.compute_body_kernels((case.apart, case.touching), sizes, processes)
+    elsewhere = balls.cache_kernels_of_scenes((case.apart, case.touching), sizes, processes)
     pairs = {
         name: _solve_apart_and_touching(case, balls.Choices(shape, share, curved, sizes))
         for name, share, curved in (("elastic", 1.0, True), ("near", balls.NEARLY_RIGID, True), ("flat", 1.0, False))
     }
     limits = [[balls.solve_rigid_rolling(s, n, bodies=sizes) for s in (case.apart, case.touching)] for n in QUADRATURES]
-    measured = {name: named_values(case, *pair) for name, pair in pairs.items()}
-    fine, other = (named_values(case, *pair) for pair in limits)
+    measured = {name: forces_speeds_and_losses_by_name(case, *pair) for name, pair in pairs.items()}
+    fine, other = (forces_speeds_and_losses_by_name(case, *pair) for pair in limits)
     apart, touching = pairs["elastic"]
     states = [r.status for pair in pairs.values() for r in pair if not r.converged]
     return RollingRun(
@@ -253,19 +253,20 @@ def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) ->
 def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
     """Return the solution with balls far apart, then the solution with balls that touch.
 
-    ``case``: both systems of balls; if they are the same, they are solved once. ``choices``: grid and bodies.
+    ``shipped_scene_of_kind``: both systems of balls; if they are the same, they are solved once. ``choices``: grid and
+    bodies.
     """
     apart = balls.solve_rolling(case.apart, choices)
     return apart, (apart if case.touching is case.apart else balls.solve_rolling(case.touching, choices))
 
 
-def named_values(
+def forces_speeds_and_losses_by_name(
     case: RollingCase, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
 ) -> dict[str, float]:
     """Return forces, speeds, losses and torque of a solved case, by names that end with the unit, such as "force 1-2 N".
 
-    ``case``: scene as the 3D model takes it; ``apart`` and ``touching``: its solution with balls far apart, and with balls
-    that touch.
+    ``shipped_scene_of_kind``: scene as the 3D model takes it; ``apart`` and ``touching``: its solution with balls far
+    apart, and with balls that touch.
     """
     out: dict[str, float] = {}
     linear = case.kind.startswith("linear")
@@ -321,7 +322,7 @@ class BodyVariant:
     values: dict[str, float]
 
 
-def body_variants() -> dict[str, tuple[str, Sizes | None]]:
+def scenes_and_sizes_of_body_variants() -> dict[str, tuple[str, Sizes | None]]:
     """Return the variants of the finite bodies: by description, the name of a scene and the sizes of its bodies.
 
     Sizes are None for half spaces.
@@ -345,23 +346,26 @@ def body_variants() -> dict[str, tuple[str, Sizes | None]]:
 
 
 def compute_variant(choice: str) -> BodyVariant:
-    """Solve a scene with one variant of the finite bodies; ``choice``: a description of `body_variants`."""
-    name, sizes = body_variants()[choice]
+    """Solve a scene with one variant of the finite bodies.
+
+    ``choice``: a description of `scenes_and_sizes_of_body_variants`.
+    """
+    name, sizes = scenes_and_sizes_of_body_variants()[choice]
     scene = shipped_case(name, KindScene)
-    case = rolling_case(scene, Choices(SHAPE))
+    case = prepare_rolling_case(scene, Choices(SHAPE))
     systems = (case.apart, case.touching)
     elastic, near = (
-        named_values(case, *(solve_rolling(s, Choices(SHAPE, e, bodies=sizes)) for s in systems))
+        forces_speeds_and_losses_by_name(case, *(solve_rolling(s, Choices(SHAPE, e, bodies=sizes)) for s in systems))
         for e in (1.0, NEARLY_RIGID)
     )
-    limit = named_values(case, *(solve_rigid_rolling(s, FIRST * 2, bodies=sizes) for s in systems))
+    limit = forces_speeds_and_losses_by_name(case, *(solve_rigid_rolling(s, FIRST * 2, bodies=sizes) for s in systems))
     return BodyVariant(choice, {k: limit[k] + elastic[k] - near[k] for k in NAMES})
 
 
 @lru_cache(maxsize=1)
 def compute_body_variants() -> tuple[BodyVariant, ...]:
     """Solve all variants of the finite bodies; the results are computed once in a process."""
-    return tuple(compute_variant(choice) for choice in body_variants())
+    return tuple(compute_variant(choice) for choice in scenes_and_sizes_of_body_variants())
 
 
 # --- stored variants of the finite bodies, whose computation takes half a minute
@@ -386,7 +390,9 @@ class StoredVariants:
 
 def variants_key() -> str:
     """Return the digest of all inputs that affect the stored variants of the finite bodies, without texts such as names."""
-    return digest(*(run_key(shipped_case(name, KindScene), 1, FINITE) for name in SCENES), body_variants())
+    return digest_of_values(
+        *(run_key(shipped_case(name, KindScene), 1, FINITE) for name in SCENES), scenes_and_sizes_of_body_variants()
+    )
 
 
 def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants:
@@ -406,7 +412,7 @@ def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants
     return StoredVariants(kept, f'Stored with the package; "{LIVE}" computed again differs by up to {off:.1g} %.')
 
 
-def largest_choice_effect(straight: bool) -> float:
+def largest_change_by_body_choice(straight: bool) -> float:
     """Return the largest relative change of a force or loss if one modelling choice of the finite bodies is changed.
 
     It is taken from the results that are part of the package. ``straight``: True for the choices on straight rails (linear
@@ -415,7 +421,9 @@ def largest_choice_effect(straight: bool) -> float:
     found = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     values = {row["choice"]: row["values"] for row in found}
     choices = [
-        choice for choice, (name, sizes) in body_variants().items() if (name == LINEAR) == straight and sizes is not None
+        choice
+        for choice, (name, sizes) in scenes_and_sizes_of_body_variants().items()
+        if (name == LINEAR) == straight and sizes is not None
     ]
     first, others = values[choices[0]], [values[choice] for choice in choices[1:]]
     return float(max(abs(other[name] / first[name] - 1.0) for other in others for name in NAMES[:3]))
@@ -450,7 +458,9 @@ def find_or_compute_runs(
     for number, run in as_done(jobs, engine.backend, engine.scheduler, engine.workers, engine.wait):
         save_run(store, scene, run)
         found[missing[number]] = run
-        on_terminal(f"{scene.name}: level {run.level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s")
+        show_progress_message(
+            f"{scene.name}: level {run.level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s"
+        )
     bad = next((found[k] for k in levels if not found[k].converged), None)
     if bad is not None:
         raise Refusal(scene.name, f"level {bad.level}", bad.status, "try another level")

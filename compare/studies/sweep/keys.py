@@ -21,7 +21,7 @@ from scipy.stats import qmc
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.units import COMMA, has_comma, number_and_unit, toml_text
+from rollbench.meshes.units import COMMA, has_comma_in_number, split_quantity_text, toml_text
 
 #: Pattern of the path of one key.
 _ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
@@ -50,7 +50,7 @@ MOST_KEYS, MOST_VALUES = 20, 1000
 
 
 @dataclass(frozen=True)
-class Vary:
+class VariedKey:
     """One varied key of a scene file with its range or list of values, or several keys that take the same value."""
 
     #: Dotted path with indices from 0, such as ``loads[0].force[2]``; several joined by ``+``.
@@ -68,7 +68,7 @@ class Vary:
     #: Values of a list, as in a scene file; empty for a range.
     choices: tuple[Any, ...] = ()
 
-    def value_at(self, u: float) -> Any:
+    def value_at_coordinate(self, u: float) -> Any:
         """Return the value of the key at a coordinate ``u`` from 0 to 1 of its range or list, as a scene file writes it."""
         if self.choices:
             return self.choices[min(int(u * len(self.choices)), len(self.choices) - 1)]
@@ -89,7 +89,7 @@ class Vary:
     @property
     def trial_values(self) -> tuple[Any, ...]:
         """Values with which the key is tried before anything is computed: all of a list, or both ends of a range."""
-        return self.choices or (self.value_at(0.0), self.value_at(1.0))
+        return self.choices or (self.value_at_coordinate(0.0), self.value_at_coordinate(1.0))
 
     @property
     def label(self) -> str:
@@ -110,7 +110,7 @@ class Vary:
         return f"{first} (+{len(others)})" if others else first
 
 
-def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
+def read_varied_keys_of_table(texts: Sequence[str], argument: str = "over") -> tuple[VariedKey, ...]:
     """Read the varied keys of a table from texts, each with all its values.
 
     ``texts``: a text for each key, such as ``track.contact_angle=40:50:3 deg``; ``argument``: name of the argument in error
@@ -121,7 +121,7 @@ def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
         keys = read_vary(texts) if texts else ()
         for one in keys:
             if not one.choices:
-                raise _refused_variation(
+                raise _error_for_variation(
                     one.text, "a number of values, KEY=A:B:N, or a list", f"write for example {one.key}=1:5:9"
                 )
     except ArgumentError as error:
@@ -129,7 +129,7 @@ def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
     return keys
 
 
-def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
+def read_vary(texts: Sequence[str]) -> tuple[VariedKey, ...]:
     """Read the varied keys of a sweep from texts such as ``balls.count=20,24``.
 
     Raises InputError for a text of another form, and for a key that is named twice.
@@ -144,7 +144,7 @@ def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
     return found
 
 
-def _refused_variation(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
+def _error_for_variation(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
     """Return the error for a text or value of the argument ``vary`` that cannot be used.
 
     ``value``: what the user wrote; ``allowed``: allowed values; ``advice``: how to correct the text.
@@ -152,53 +152,55 @@ def _refused_variation(value: str, allowed: str, advice: str = f"give {_FORM}") 
     return ArgumentError("vary", toml_text(value), allowed, advice)
 
 
-def _read_varied_key(text: str) -> Vary:
+def _read_varied_key(text: str) -> VariedKey:
     """Read one varied key with its list or range of values from a text such as ``balls.count=20,24``."""
     key, sign, values = (piece.strip() for piece in text.partition("="))
     if not sign or not _PATH.fullmatch(key) or not values:
         advice = 'write for example `vary="errors.balls.oversize=0 um:7 um"` or `vary="loads[0].force[2]=1 kN,5 kN"`'
-        raise _refused_variation(text, _FORM, advice)
+        raise _error_for_variation(text, _FORM, advice)
     if ":" in values:
         return _read_range(key, text, values)
     parts = [piece.strip() for piece in values.split(",")]
     if not 2 <= len(parts) <= MOST_VALUES or not all(parts):
-        raise _refused_variation(text, f"2 to {MOST_VALUES} values with commas between")
+        raise _error_for_variation(text, f"2 to {MOST_VALUES} values with commas between")
     if len(set(parts)) < len(parts):
-        raise _refused_variation(text, "each value once", "remove the repeated one")
-    return Vary(key, text, choices=tuple(_read_scalar(piece) for piece in parts))
+        raise _error_for_variation(text, "each value once", "remove the repeated one")
+    return VariedKey(key, text, choices=tuple(_read_scalar(piece) for piece in parts))
 
 
-def _read_range(key: str, text: str, values: str) -> Vary:
+def _read_range(key: str, text: str, values: str) -> VariedKey:
     """Read one varied key with a range ``A:B`` or ``A:B:N``.
 
     ``key``: path of the key; ``text``: whole text as the user wrote it, for error messages; ``values``: the range in it.
     """
-    if any(map(has_comma, values.split(":"))):
-        raise _refused_variation(text, "numbers with a point", COMMA)
+    if any(map(has_comma_in_number, values.split(":"))):
+        raise _error_for_variation(text, "numbers with a point", COMMA)
     try:
         (first, unit), (second, other), *steps = map(_split_quantity, values.split(":"))
     except ValueError:
-        raise _refused_variation(text, "two numbers, with or without unit") from None
+        raise _error_for_variation(text, "two numbers, with or without unit") from None
     units = list(dict.fromkeys(x for x in (unit, other, *(of for _, of in steps)) if x))
     if len(units) > 1:
-        raise _refused_variation(text, "one unit for both ends", f"write both in {units[-1]}")
+        raise _error_for_variation(text, "one unit for both ends", f"write both in {units[-1]}")
     low, high, common = float(first), float(second), "".join(units)
     if not low < high:
-        raise _refused_variation(text, "A below B", "exchange A and B, or give a list of values")
+        raise _error_for_variation(text, "A below B", "exchange A and B, or give a list of values")
     if steps:
-        return Vary(key, text, low, high, common, choices=_equal_steps(text, low, high, common, [n for n, _ in steps]))
+        return VariedKey(
+            key, text, low, high, common, choices=_equally_spaced_values(text, low, high, common, [n for n, _ in steps])
+        )
     whole = not common and all(re.fullmatch(r"[+-]?\d+", end) for end in (first, second))
-    return Vary(key, text, low, high, common, whole)
+    return VariedKey(key, text, low, high, common, whole)
 
 
-def _equal_steps(text: str, low: float, high: float, unit: str, count: Sequence[str]) -> tuple[Any, ...]:
+def _equally_spaced_values(text: str, low: float, high: float, unit: str, count: Sequence[str]) -> tuple[Any, ...]:
     """Return equally spaced values from ``low`` to ``high``, both included, in the form of a scene file.
 
     ``text``: whole text as the user wrote it, for error messages; ``unit``: unit of the values; ``count``: list with the
     number of values as text.
     """
     if len(count) != 1 or not re.fullmatch(r"\d{1,4}", count[0]) or not 2 <= int(count[0]) <= MOST_VALUES:
-        raise _refused_variation(
+        raise _error_for_variation(
             text, f"A:B:N with N from 2 to {MOST_VALUES}", "write for example nut.position=100:900:9 mm"
         )
     numbers = [float(f"{x:.12g}") for x in np.linspace(low, high, int(count[0]))]
@@ -209,7 +211,7 @@ def _equal_steps(text: str, low: float, high: float, unit: str, count: Sequence[
 
 def _split_quantity(text: str) -> tuple[str, str]:
     """Return the number, then the unit of a quantity such as "5 um", both as text; raises ValueError for another text."""
-    found = number_and_unit(text)
+    found = split_quantity_text(text)
     if found is None:
         raise ValueError(text)
     return found
@@ -223,7 +225,7 @@ def _read_scalar(text: str) -> Any:
         return text
 
 
-def with_varied_keys(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) -> dict[str, Any]:
+def tables_with_varied_keys(raw: dict[str, Any], keys: Sequence[VariedKey], values: Sequence[Any]) -> dict[str, Any]:
     """Return a copy of a scene's TOML tables in which the varied keys have new values.
 
     Other keys for the same quantities are removed. ``raw``: the tables; ``keys``: varied keys; ``values``: a value for each
@@ -231,7 +233,7 @@ def with_varied_keys(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence
     """
     out = copy.deepcopy(raw)
     for path in (p for vary in keys for p in vary.paths):
-        for other in _equivalent_keys(path):
+        for other in _other_keys_for_same_quantity(path):
             _remove_key(out, other)
     for vary, value in zip(keys, values, strict=True):
         for path in vary.paths:
@@ -239,16 +241,18 @@ def with_varied_keys(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence
     return out
 
 
-def replaced_keys(raw: dict[str, Any], keys: Sequence[Vary]) -> list[tuple[str, str]]:
+def pairs_of_varied_and_replaced_keys(raw: dict[str, Any], keys: Sequence[VariedKey]) -> list[tuple[str, str]]:
     """Return the keys of a scene that varied keys replace, as pairs: path of the varied key, path of the replaced key.
 
     Both keys of a pair state the same quantity. ``raw``: TOML tables of the scene.
     """
-    pairs = dict.fromkeys((path, other) for vary in keys for path in vary.paths for other in _equivalent_keys(path))
+    pairs = dict.fromkeys(
+        (path, other) for vary in keys for path in vary.paths for other in _other_keys_for_same_quantity(path)
+    )
     return [(path, other) for path, other in pairs if _remove_key(copy.deepcopy(raw), other)]
 
 
-def _equivalent_keys(path: str) -> Iterator[str]:
+def _other_keys_for_same_quantity(path: str) -> Iterator[str]:
     """Yield the paths of the other keys that state the same quantity of the same nut or bearing as the key ``path``."""
     prefix, key = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
     for group in _SAME:
@@ -305,7 +309,7 @@ def _check_entry(node: Any, step: str | int, key: str) -> None:
         if step < len(node):
             return
         allowed = f"entries 0 to {len(node) - 1}" if node else "no entry: the scene's list is empty"
-    raise _refused_variation(key, allowed, "look up the key in the scene file, or by: rollbench schema")
+    raise _error_for_variation(key, allowed, "look up the key in the scene file, or by: rollbench schema")
 
 
 #: Design of a sweep's samples.
@@ -327,7 +331,7 @@ def base_points(samples: int, keys: int) -> int:
     return max(2, 1 << max(0, round(math.log2(max(samples, 1) / (keys + 2)))))
 
 
-def design_points(method: Method, keys: Sequence[Vary], samples: int, seed: int) -> Array:
+def design_points(method: Method, keys: Sequence[VariedKey], samples: int, seed: int) -> Array:
     """Return the coordinates of the m samples of a design, (m, d) in [0, 1] for d varied keys.
 
     Equal arguments give equal samples. The designs are:
@@ -375,7 +379,7 @@ def design_points(method: Method, keys: Sequence[Vary], samples: int, seed: int)
     return np.concatenate([a, b, *mixed])
 
 
-def _grid_points(keys: Sequence[Vary], samples: int) -> Array:
+def _grid_points(keys: Sequence[VariedKey], samples: int) -> Array:
     """Return the coordinates of all m combinations of the values of d keys, (m, d) in [0, 1].
 
     ``samples``: largest number of combinations. Raises InputError if it is too small for all values of lists and both ends
@@ -393,6 +397,6 @@ def _grid_points(keys: Sequence[Vary], samples: int) -> Array:
     return np.array(list(product(*axes)))
 
 
-def values_at(keys: Sequence[Vary], place: Array) -> list[object]:
-    """Return the values of all d keys in one sample, in the form of a scene file; ``place``: its coordinates (d,)."""
-    return [vary.value_at(float(u)) for vary, u in zip(keys, place, strict=True)]
+def key_values_at_coordinates(keys: Sequence[VariedKey], coordinates: Array) -> list[object]:
+    """Return the values of all d keys in one sample, in the form of a scene file; ``coordinates``: its coordinates (d,)."""
+    return [vary.value_at_coordinate(float(u)) for vary, u in zip(keys, coordinates, strict=True)]

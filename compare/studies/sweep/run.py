@@ -23,29 +23,29 @@ from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, ProgramError, Refusal
 from rollbench.compare.files import replace_file, write_figure
 from rollbench.compare.models import user_models
-from rollbench.compare.models.registry import AXIS_MODELS, DEFAULT, MODELS, default_model, known_model
+from rollbench.compare.models.registry import AXIS_MODELS, DEFAULT, MODELS, default_model, find_model
 from rollbench.compare.reference import parallel
-from rollbench.compare.reference.jobs import Engine, first_here
+from rollbench.compare.reference.jobs import Engine, run_jobs_where_faster
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
-from rollbench.compare.scenes.scene_file import scene_hash
+from rollbench.compare.scenes.scene_file import hash_of_scene_text
 from rollbench.compare.studies.sweep import sample
 from rollbench.compare.studies.sweep.keys import (
     Method,
-    Vary,
+    VariedKey,
     base_points,
     design_points,
+    key_values_at_coordinates,
+    pairs_of_varied_and_replaced_keys,
     read_vary,
-    replaced_keys,
-    values_at,
-    with_varied_keys,
+    tables_with_varied_keys,
 )
 from rollbench.compare.studies.sweep.sample import (
     CONVERGED,
     MAIN,
     OUTPUTS,
     Record,
-    refusal_reason,
-    solve_batch,
+    reason_without_numbers,
+    solve_and_append_batch,
     solve_sample_or_refuse,
 )
 from rollbench.meshes.arrays import Array
@@ -74,7 +74,7 @@ class Sweep:
     #: File or scene that error messages name.
     origin: str
     #: Varied keys.
-    keys: tuple[Vary, ...]
+    keys: tuple[VariedKey, ...]
     #: Number of samples.
     samples: int
     #: Design of the samples.
@@ -109,19 +109,19 @@ class Sweep:
         for name in self.outputs:
             if name not in OUTPUTS:
                 raise ArgumentError("outputs", name, ", ".join(OUTPUTS), "give names separated by commas")
-        raw = scene_file.read_toml(self.text, self.origin)
-        scene = scene_tables.read_tables(raw, self.origin)
+        raw = scene_file.parse_toml(self.text, self.origin)
+        scene = scene_tables.scene_from_tables(raw, self.origin)
         if not isinstance(scene, Assembly):
-            known_model(self.model, without=("condensed",))
+            find_model(self.model, excluded=("condensed",))
         elif self.model not in AXIS_MODELS:
             raise ArgumentError("model", self.model, ", ".join(AXIS_MODELS), "choose one of these")
-        scene_file.each_case(scene, self.origin)
+        scene_file.scenes_of_load_cases(scene, self.origin)
         for vary in self.keys:
             for value in vary.trial_values:
-                scene_tables.keys_of(with_varied_keys(raw, [vary], [value]), self.origin)
+                scene_tables.validated_keys(tables_with_varied_keys(raw, [vary], [value]), self.origin)
 
 
-def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, sample.Record]:
+def solve_samples_of_sweep(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, sample.Record]:
     """Solve all samples of a sweep that its folder does not hold yet, and return the records of all samples by number.
 
     ``folder``: folder of the stored samples; ``engine``: number of processes, or cluster, that solve the samples; ``step``:
@@ -131,33 +131,33 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
     sweep.check()
     places = sweep.coordinates()
     if not sample.records_by_sample(folder):
-        _refuse_hopeless_sweep(sweep, places)
-    for path, other in replaced_keys(scene_file.read_toml(sweep.text, sweep.origin), sweep.keys):
+        _raise_if_first_samples_are_refused(sweep, places)
+    for path, other in pairs_of_varied_and_replaced_keys(scene_file.parse_toml(sweep.text, sweep.origin), sweep.keys):
         step(f"{path} takes the place of the scene's {other}")
-    sample.open_folder(folder, sweep.header())
-    with sample.take_folder(folder) as token:
+    sample.create_or_check_sweep_folder(folder, sweep.header())
+    with sample.reserve_sweep_folder(folder) as token:
         have = sample.records_by_sample(folder)
         left = [n for n in range(len(places)) if n not in have]
         step(f"{len(places)} samples, {len(have)} stored in {folder}, {len(left)} to solve")
         if left:
-            _solve_missing(sweep, folder, engine, step, (token, places, left))
+            _solve_missing_samples(sweep, folder, engine, step, (token, places, left))
             have = sample.records_by_sample(folder)
     return have
 
 
-def _refuse_hopeless_sweep(sweep: Sweep, places: Array) -> None:
+def _raise_if_first_samples_are_refused(sweep: Sweep, coordinates: Array) -> None:
     """Raise InputError if the first samples are all refused for the same reason; stop at the first sample that is accepted.
 
-    ``places``: coordinates of the m samples in the unit cube, (m, d) for d varied keys.
+    ``coordinates``: coordinates of the m samples in the unit cube, (m, d) for d varied keys.
     """
     refused: list[InputError] = []
-    for place in places[:FIRST]:
+    for place in coordinates[:FIRST]:
         try:
             solve_sample_or_refuse(
                 sweep.text,
                 sweep.origin,
                 sweep.keys,
-                values_at(sweep.keys, place),
+                key_values_at_coordinates(sweep.keys, place),
                 sweep.model,
                 "interpreted",
                 sweep.wanted_outputs,
@@ -165,34 +165,41 @@ def _refuse_hopeless_sweep(sweep: Sweep, places: Array) -> None:
             return
         except InputError as error:
             refused.append(error)
-    if len({refusal_reason(error) for error in refused}) > 1:
+    if len({reason_without_numbers(error) for error in refused}) > 1:
         return
     if isinstance(refused[-1], ProgramError):
         raise refused[-1]
-    few = f"each of the first {min(FIRST, len(places))} samples is refused for the same reason, the last one as follows"
+    few = (
+        f"each of the first {min(FIRST, len(coordinates))} samples is refused for the same reason, the last one as follows"
+    )
     raise Refusal(sweep.origin, "vary", f"{few}: {refused[-1]}", "vary other keys, or other ranges")
 
 
-def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work: tuple[str, Array, list[int]]) -> None:
+def _solve_missing_samples(
+    sweep: Sweep, folder: Path, engine: Engine, step: Step, token_places_and_numbers: tuple[str, Array, list[int]]
+) -> None:
     """Solve those samples of a sweep that are not stored yet, in batches, and store them.
 
     ``folder``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``step``: function
-    that is called with each line of progress; ``work``: token that identifies the present execution of the sweep,
-    coordinates of all m samples (m, d), and numbers of the missing samples.
+    that is called with each line of progress; ``token_places_and_numbers``: token that identifies the present execution of
+    the sweep, coordinates of all m samples (m, d), and numbers of the missing samples.
     """
-    token, places, left = work
+    token, places, left = token_places_and_numbers
     kernels = "compiled" if len(places) >= COMPILE_FROM else "interpreted"
     what = (sweep.text, sweep.origin, sweep.keys, sweep.model, kernels, sweep.wanted_outputs)
     workers = engine.workers or (MANY if engine.scheduler else 1)
     size = max(1, min(LARGEST_BATCH, len(left) // (BATCHES * workers)))
     batches = [left[k : k + size] for k in range(0, len(left), size)]
     jobs: list[parallel.Job] = [
-        (solve_batch, (str(folder.resolve()), token, what, [(n, values_at(sweep.keys, places[n])) for n in batch]))
+        (
+            solve_and_append_batch,
+            (str(folder.resolve()), token, what, [(n, key_values_at_coordinates(sweep.keys, places[n])) for n in batch]),
+        )
         for batch in batches
     ]
     writer = sample.RecordWriter(folder, token)
     done = failed = 0
-    for _, (records, stored) in first_here(jobs, engine, "samples", step):
+    for _, (records, stored) in run_jobs_where_faster(jobs, engine, "samples", step):
         if not stored:
             writer.append(records)
         done += len(records)
@@ -224,11 +231,11 @@ def summarise_sweep(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, An
     }  # a refusal says its sample's value
     return {
         **{k: v for k, v in sweep.header().items() if k != "text"},
-        "scene_hash": scene_hash(sweep.text),
+        "scene_hash": hash_of_scene_text(sweep.text),
         "solved": len(rows),
         "converged": len(good),
         "failures": [{"reason": first[reason], "samples": n} for reason, n in reasons.most_common()],
-        "outputs": {name: output_statistics(output_column(good, name)) for name in sweep.wanted_outputs},
+        "outputs": {name: output_statistics(output_of_samples(good, name)) for name in sweep.wanted_outputs},
         "main_effects": main_effects(sweep.keys, good),
         "worst": sorted(good, key=lambda row: -row[MAIN])[:WORST],
         "indices": sobol_indices_by_output(sweep, records),
@@ -240,7 +247,7 @@ def converged_records(records: Mapping[int, Record]) -> list[Record]:
     return [records[n] for n in sorted(records) if records[n]["status"] == CONVERGED]
 
 
-def output_column(rows: Sequence[Record], name: str) -> Array:
+def output_of_samples(rows: Sequence[Record], name: str) -> Array:
     """Return the values of one output in k samples as an array (k,); nan for a sample without this output.
 
     ``rows``: records of the samples; ``name``: name of the output, a key of `OUTPUTS`.
@@ -248,7 +255,7 @@ def output_column(rows: Sequence[Record], name: str) -> Array:
     return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float)
 
 
-def input_values(keys: Sequence[Vary], rows: Sequence[Record]) -> Array:
+def key_values_of_samples(keys: Sequence[VariedKey], rows: Sequence[Record]) -> Array:
     """Return the values of d varied keys in k samples as an array of numbers (k, d).
 
     ``rows``: records of the samples. A value from a list counts with its position in the list, see `Vary.as_number`.
@@ -272,18 +279,21 @@ def output_statistics(values: Array) -> dict[str, float] | None:
     return found | {f"quantile_{level:g}": float(np.quantile(y, level)) for level in LEVELS}
 
 
-def main_effects(keys: Sequence[Vary], rows: Sequence[Record]) -> dict[str, list[dict[str, float]]]:
+def main_effects(keys: Sequence[VariedKey], rows: Sequence[Record]) -> dict[str, list[dict[str, float]]]:
     """Return for each varied key the mean of the output `MAIN` in groups of samples, a list with one entry per group.
 
     A group has the samples in one part of the key's range, or at one value of its list. An entry has "at" (mean value of
     the key in its unit), "mean" and "standard_error" of the output, and "samples" (their number). ``rows``: records of the
     converged samples.
     """
-    x, y = input_values(keys, rows), output_column(rows, MAIN)
-    return {vary.key: [_group_mean(x[g, k], y[g]) for g in _group_masks(vary, x[:, k])] for k, vary in enumerate(keys)}
+    x, y = key_values_of_samples(keys, rows), output_of_samples(rows, MAIN)
+    return {
+        vary.key: [_means_of_sample_group(x[g, k], y[g]) for g in _masks_of_key_ranges(vary, x[:, k])]
+        for k, vary in enumerate(keys)
+    }
 
 
-def _group_masks(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
+def _masks_of_key_ranges(vary: VariedKey, x: Array) -> list[NDArray[np.bool_]]:
     """Return a Boolean mask (k,) over k samples for each part of a key's range, or for each value of its list.
 
     ``vary``: the key; ``x``: values of the key in the samples, (k,).
@@ -295,7 +305,7 @@ def _group_masks(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
     return [bins == k for k in np.unique(bins)]
 
 
-def _group_mean(x: Array, y: Array) -> dict[str, float]:
+def _means_of_sample_group(x: Array, y: Array) -> dict[str, float]:
     """Return mean value of the key, mean output with its standard error, and number of samples of one group of k samples.
 
     ``x``: values of the key (k,); ``y``: values of the output (k,).
@@ -323,11 +333,11 @@ def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict
     found: dict[str, Any] = {"base_points": int(kept.size), "of": n, "confidence": CONFIDENCE, "outputs": {}}
     for name in sweep.wanted_outputs:
         y = np.array([np.nan if row is None or row.get(name) is None else row[name] for row in rows], dtype=float)
-        found["outputs"][name] = _indices_with_intervals(sweep.keys, y.reshape(d + 2, n)[:, kept], sweep.seed)
+        found["outputs"][name] = _sobol_indices_with_intervals(sweep.keys, y.reshape(d + 2, n)[:, kept], sweep.seed)
     return found
 
 
-def _indices_with_intervals(keys: Sequence[Vary], y: Array, seed: int) -> dict[str, dict[str, float]] | None:
+def _sobol_indices_with_intervals(keys: Sequence[VariedKey], y: Array, seed: int) -> dict[str, dict[str, float]] | None:
     """Return the Sobol indices of one output for each key, with intervals by resampling; None for a constant output.
 
     ``y``: output (d + 2, n) at n base points A (first row), at n base points B (second row), and, for each of d keys, at
@@ -369,47 +379,50 @@ PANELS, POINTS = 6, 2000
 SEED = "errors.seed"
 
 
-def sweep_figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Sequence[Record]) -> list[Figure]:
+def sweep_figures(name: str, keys: Sequence[VariedKey], summary: Mapping[str, Any], rows: Sequence[Record]) -> list[Figure]:
     """Return the figures of a sweep; the list is empty with fewer than two converged samples.
 
-    ``name``: start of the figures' names; ``found``: summary of the sweep from `summarise_sweep`; ``rows``: records of the
-    converged samples.
+    ``name``: start of the figures' names; ``summary``: summary of the sweep from `summarise_sweep`; ``rows``: records of
+    the converged samples.
     """
     if len(rows) < 2:
         return []
-    shown, left = _keys_to_show(keys, found)
-    return [*summary_figures(name, keys, found), _scatter_figure(name, keys, shown, rows, left)]
+    shown, left = _keys_with_largest_effect(keys, summary)
+    return [*figures_from_sweep_summary(name, keys, summary), _scatter_figure(name, keys, shown, rows, left)]
 
 
-def summary_figures(
-    name: str, keys: Sequence[Vary], found: Mapping[str, Any], called: Callable[[Vary], str] = lambda vary: vary.name
+def figures_from_sweep_summary(
+    name: str,
+    keys: Sequence[VariedKey],
+    summary: Mapping[str, Any],
+    short_name: Callable[[VariedKey], str] = lambda vary: vary.name,
 ) -> list[Figure]:
     """Return those figures of a sweep that need its summary only, without the records of the samples.
 
-    ``name``: start of the figures' names; ``found``: summary of the sweep from `summarise_sweep`; ``called``: function that
-    returns the short name of a key.
+    ``name``: start of the figures' names; ``summary``: summary of the sweep from `summarise_sweep`; ``short_name``:
+    function that returns the short name of a key.
     """
-    shown, left = _keys_to_show(keys, found)
+    shown, left = _keys_with_largest_effect(keys, summary)
     figures = [
-        _effects_figure(name, [keys[k] for k in shown], found, left, called),
-        _worst_figure(name, keys, found["worst"], called),
+        _effects_figure(name, [keys[k] for k in shown], summary, left, short_name),
+        _worst_figure(name, keys, summary["worst"], short_name),
     ]
-    indices = _indices_figure(name, keys, found["indices"], called)
+    indices = _indices_figure(name, keys, summary["indices"], short_name)
     return figures if indices is None else [*figures, indices]
 
 
-def _keys_to_show(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
+def _keys_with_largest_effect(keys: Sequence[VariedKey], summary: Mapping[str, Any]) -> tuple[list[int], str]:
     """Return the indices of the varied keys with the largest main effects, then a sentence if some keys are left out.
 
     There are at most as many keys as a figure has panels. A seed of random errors is left out, because an output has no
-    trend over it. ``found``: summary of the sweep from `summarise_sweep`.
+    trend over it. ``summary``: summary of the sweep from `summarise_sweep`.
     """
-    ordered = _keys_with_order(keys)
-    shown = sorted(ordered, key=lambda k: -_effect_range(found["main_effects"][keys[k].key]))[:PANELS]
+    ordered = _indices_of_ordered_keys(keys)
+    shown = sorted(ordered, key=lambda k: -_range_of_mean_outputs(summary["main_effects"][keys[k].key]))[:PANELS]
     return shown, "" if len(shown) == len(ordered) else f" The {PANELS} keys of largest effect, of {len(ordered)}."
 
 
-def _keys_with_order(keys: Sequence[Vary]) -> list[int]:
+def _indices_of_ordered_keys(keys: Sequence[VariedKey]) -> list[int]:
     """Return the indices of the varied keys other than the seed of random errors; all if there is no other key.
 
     Values of a seed have no meaningful order.
@@ -417,7 +430,7 @@ def _keys_with_order(keys: Sequence[Vary]) -> list[int]:
     return [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
 
 
-def _effect_range(groups: Sequence[Mapping[str, float]]) -> float:
+def _range_of_mean_outputs(groups: Sequence[Mapping[str, float]]) -> float:
     """Return the difference between the largest and the smallest mean output of the groups of a key.
 
     ``groups``: entries of `main_effects` for the key.
@@ -427,16 +440,16 @@ def _effect_range(groups: Sequence[Mapping[str, float]]) -> float:
 
 
 def _effects_figure(
-    name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: str, called: Callable[[Vary], str]
+    name: str, keys: Sequence[VariedKey], summary: Mapping[str, Any], left: str, called: Callable[[VariedKey], str]
 ) -> Figure:
     """Return a figure of the main effects: mean of the output `MAIN` over each key, with its standard error.
 
-    ``name``: start of the figure's name; ``keys``: varied keys to show; ``found``: summary of the sweep; ``left``: sentence
-    on keys that are left out; ``called``: function that returns the short name of a key.
+    ``name``: start of the figure's name; ``keys``: varied keys to show; ``summary``: summary of the sweep; ``left``:
+    sentence on keys that are left out; ``called``: function that returns the short name of a key.
     """
     panels = []
     for vary in keys:
-        groups = found["main_effects"][vary.key]
+        groups = summary["main_effects"][vary.key]
         at, mean = [g["at"] for g in groups], [g["mean"] for g in groups]
         bars = [m - g["standard_error"] for m, g in zip(mean, groups, strict=True)]
         ends = [m + g["standard_error"] for m, g in zip(mean, groups, strict=True)]
@@ -448,14 +461,16 @@ def _effects_figure(
     return Figure(f"{name}-effects", f"{name}: main effects", tuple(panels), caption, same_y=True)
 
 
-def _scatter_figure(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequence[Record], left: str) -> Figure:
+def _scatter_figure(
+    name: str, keys: Sequence[VariedKey], shown: Sequence[int], rows: Sequence[Record], left: str
+) -> Figure:
     """Return a figure of the output `MAIN` of single samples over each key that is shown.
 
     ``name``: start of the figure's name; ``shown``: indices of the keys that are shown; ``rows``: records of the samples;
     ``left``: sentence on keys that are left out.
     """
     some = list(rows[:: max(1, len(rows) // POINTS)])
-    x, y = input_values(keys, some), output_column(some, MAIN)
+    x, y = key_values_of_samples(keys, some), output_of_samples(some, MAIN)
     panels = tuple(
         Panel(keys[k].name, keys[k].label, OUTPUTS[MAIN], (Series("samples", list(x[:, k]), list(y), "markers"),))
         for k in shown
@@ -463,14 +478,16 @@ def _scatter_figure(name: str, keys: Sequence[Vary], shown: Sequence[int], rows:
     return Figure(f"{name}-scatter", f"{name}: samples", panels, f"{len(some)} of {len(rows)} samples.{left}")
 
 
-def _worst_figure(name: str, keys: Sequence[Vary], worst: Sequence[Record], called: Callable[[Vary], str]) -> Figure:
+def _worst_figure(
+    name: str, keys: Sequence[VariedKey], worst: Sequence[Record], called: Callable[[VariedKey], str]
+) -> Figure:
     """Return a figure that shows where in its range each key lies, for the samples with the largest contact loads.
 
     ``name``: start of the figure's name; ``worst``: records of these samples; ``called``: function that returns the short
     name of a key.
     """
-    kept = _keys_with_order(keys)
-    x, keys = input_values(keys, worst)[:, kept], [keys[k] for k in kept]
+    kept = _indices_of_ordered_keys(keys)
+    x, keys = key_values_of_samples(keys, worst)[:, kept], [keys[k] for k in kept]
     low = np.array([1.0 if v.choices else v.low for v in keys])
     high = np.array([float(len(v.choices)) if v.choices else v.high for v in keys])
     place = (x - low) / (high - low)
@@ -484,7 +501,7 @@ def _worst_figure(name: str, keys: Sequence[Vary], worst: Sequence[Record], call
 
 
 def _indices_figure(
-    name: str, keys: Sequence[Vary], indices: Mapping[str, Any], called: Callable[[Vary], str]
+    name: str, keys: Sequence[VariedKey], indices: Mapping[str, Any], called: Callable[[VariedKey], str]
 ) -> Figure | None:
     """Return a figure of the Sobol indices of the output `MAIN` with their confidence intervals; None without indices.
 
@@ -521,9 +538,9 @@ def make_sweep(
     """
     found = catalogue.any_scene(scene)
     if scene in catalogue.scene_names():
-        text, origin = catalogue.scene_text(scene), f"{scene}.toml"
+        text, origin = catalogue.shipped_scene_text(scene), f"{scene}.toml"
     else:
-        text, origin = scene_file.read_text(scene), scene
+        text, origin = scene_file.read_scene_text(scene), scene
     model = model or (default_model(found) if isinstance(found, Assembly) else DEFAULT)
     return Sweep(text, origin, read_vary(vary), samples, method, seed, model, tuple(outputs))
 
@@ -532,22 +549,22 @@ def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], N
     """Solve the missing samples of a sweep, write its tables and figures to its folder, and return the summary.
 
     ``out``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``step``: function
-    that is called with each line of progress. Raises InputError for the same faults as `run_samples`.
+    that is called with each line of progress. Raises InputError for the same faults as `solve_samples_of_sweep`.
     """
-    records = run_samples(sweep, out, engine, step)
+    records = solve_samples_of_sweep(sweep, out, engine, step)
     found = summarise_sweep(sweep, records)
-    write_results(sweep, records, found, out)
+    write_sweep_files(sweep, records, found, out)
     return found
 
 
-def write_results(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
+def write_sweep_files(sweep: Sweep, records: Mapping[int, Record], summary: Mapping[str, Any], out: Path) -> None:
     """Write samples.csv, summary.json and the figures of a sweep to its folder.
 
-    ``records``: records of the samples by their numbers; ``found``: summary of the sweep; ``out``: the folder.
+    ``records``: records of the samples by their numbers; ``summary``: summary of the sweep; ``out``: the folder.
     """
     replace_file(out / "samples.csv", samples_csv(sweep, records))
-    replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-    for figure in sweep_figures("sweep", sweep.keys, found, converged_records(records)):
+    replace_file(out / "summary.json", json.dumps(summary, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    for figure in sweep_figures("sweep", sweep.keys, summary, converged_records(records)):
         write_figure(out / f"{figure.name}.svg", figure)
 
 

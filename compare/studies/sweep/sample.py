@@ -29,15 +29,21 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import mean_load
-from rollbench.compare.models.answers import axial_place_without_loads
-from rollbench.compare.models.load_cases import cycle_life, loads_of
-from rollbench.compare.models.loading import axial_load, axial_preload, displacement_of_interest, scaled, solve_scaled
+from rollbench.compare.models.answers import unloaded_axial_displacement
+from rollbench.compare.models.load_cases import contact_loads_by_set, life_over_cycle
+from rollbench.compare.models.loading import (
+    axial_preload,
+    displacement_at_stated_position,
+    scale_loads,
+    solve_scaled,
+    sum_of_axial_loads,
+)
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.studies.sweep.keys import Vary, with_varied_keys
+from rollbench.compare.studies.sweep.keys import VariedKey, tables_with_varied_keys
 from rollbench.lowfi.rating import roller_life
-from rollbench.lowfi.rating.life import life
+from rollbench.lowfi.rating.life import basic_rating_life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
@@ -87,15 +93,17 @@ def sample_outputs(
         return solve_scaled(scene, 0.0, model, options)
 
     def secant_rigidity() -> float | None:
-        moved = axial_displacement(scene, result) - axial_place_without_loads(scene, unloaded_result())
+        moved = axial_displacement(scene, result) - unloaded_axial_displacement(scene, unloaded_result())
         return _secant_rigidity(axial_force(result), moved)
 
     makers: Makers = {
-        "displacement_um": lambda: _load_displacement(scene, result),
+        "displacement_um": lambda: _displacement_along_loads(scene, result),
         "rigidity_N_per_um": secant_rigidity,
         "preload_N": lambda: axial_preload(scene, unloaded_result()) if unloaded_result().converged else None,
     }
-    return _outputs_of_sets([("", scene, result)], scene, makers, options, wanted, lambda: nominal_contacts(scene))
+    return _outputs_over_nuts_and_bearings(
+        [("", scene, result)], scene, makers, options, wanted, lambda: nominal_contacts(scene)
+    )
 
 
 def cycle_outputs(
@@ -135,18 +143,20 @@ def cycle_outputs(
         known = all(torque is not None for _, torque in torques)
         found["torque_Nmm"] = sum(share * torque for share, torque in torques) if known else None
     if "life_million_revolutions" in wanted:
-        lives = [cycle_life(cycle, name, [loads_of(one)[name] for one in results])[0] for name in cycle.sets]
+        lives = [
+            life_over_cycle(cycle, name, [contact_loads_by_set(one)[name] for one in results])[0] for name in cycle.sets
+        ]
         rated = [x.revolutions for x in lives if x is not None]
         found["life_million_revolutions"] = min(rated) if len(rated) == len(lives) else None
     if any(name in wanted for name in GROWTH):
-        tops = [[float(load.max(initial=0.0)) for load in _loads_by_set(one)] for one in results]
+        tops = [[float(load.max(initial=0.0)) for load in _loads_by_nut_or_bearing(one)] for one in results]
         ratios = [max(of_set) / of_set[0] for of_set in zip(*tops, strict=True) if of_set[0] > 0.0]
         ends = max(ratios, default=None), min(ratios, default=None)
         found |= {name: x for name, x in zip(GROWTH, ends, strict=True) if name in wanted}
     return found
 
 
-def _loads_by_set(result: StaticResult | AxisResult) -> list[Array]:
+def _loads_by_nut_or_bearing(result: StaticResult | AxisResult) -> list[Array]:
     """Return the loads [N] of the contacts or rollers, with one array for each nut and bearing of a scene."""
     return [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
 
@@ -163,11 +173,15 @@ def axis_outputs(
     preload is the largest axial force on one of them without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
-    force, moved, loads = axial_load(assembly), displacement_of_interest(assembly, result)[2], loads_of(result)
+    force, moved, loads = (
+        sum_of_axial_loads(assembly),
+        displacement_at_stated_position(assembly, result)[2],
+        contact_loads_by_set(result),
+    )
 
     @cache
     def unloaded_result() -> AxisResult:
-        without = run_model(scaled(assembly, 0.0), result.model, Options(engine=engine))
+        without = run_model(scale_loads(assembly, 0.0), result.model, Options(engine=engine))
         assert isinstance(without, AxisResult)
         return without
 
@@ -181,18 +195,20 @@ def axis_outputs(
     makers: Makers = {
         "displacement_um": lambda: 1e6 * moved if force else None,
         "rigidity_N_per_um": lambda: (
-            _secant_rigidity(force, moved - displacement_of_interest(assembly, unloaded_result())[2])
+            _secant_rigidity(force, moved - displacement_at_stated_position(assembly, unloaded_result())[2])
             if unloaded_result().converged
             else None
         ),
         "preload_N": largest_preload,
-        "life_million_revolutions": lambda: _shortest_life([(s.of.parts, loads[s.of.name]) for s in result.sets]),
+        "life_million_revolutions": lambda: _shortest_life_of_bearings(
+            [(s.of.parts, loads[s.of.name]) for s in result.sets]
+        ),
     }
     rollers = [(f"{s.of.name}: roller ", s.loads) for s in result.sets if s.balls is None]
-    return _outputs_of_sets(sets, assembly, makers, Options(), wanted, lambda: 0, rollers)
+    return _outputs_over_nuts_and_bearings(sets, assembly, makers, Options(), wanted, lambda: 0, rollers)
 
 
-def _outputs_of_sets(
+def _outputs_over_nuts_and_bearings(
     sets: list[tuple[str, Scene, StaticResult]],
     scene: Scene | Assembly,
     whole: Makers,
@@ -235,14 +251,14 @@ def _outputs_of_sets(
         "idle_balls": lambda: sum(int(np.count_nonzero(~(x.load > 0.0).any(axis=1))) for _, x in solved),
         "largest_approach_um": lambda: max((_largest_approach(balls) for _, balls in solved), default=None),
         "torque_Nmm": lambda: None if friction is None else _friction_torque(solved, friction, scene.motion, options),
-        "life_million_revolutions": lambda: _shortest_life([(parts, balls.load) for parts, balls in solved]),
+        "life_million_revolutions": lambda: _shortest_life_of_bearings([(parts, balls.load) for parts, balls in solved]),
         **dict.fromkeys(GROWTH, lambda: None),
         **whole,
     }
     return {name: makers[name]() for name in OUTPUTS if name == MAIN or name in wanted} | {"at": at}
 
 
-def _load_displacement(scene: Scene, result: StaticResult) -> float | None:
+def _displacement_along_loads(scene: Scene, result: StaticResult) -> float | None:
     """Return the displacement [um] of the points of action of the loads along their forces; None without a force.
 
     It is the mean over the loads, weighted by the magnitudes of their forces.
@@ -269,14 +285,17 @@ def _secant_rigidity(force: float, moved: float) -> float | None:
     return 1e-6 * force / moved if force * moved > 0.0 else None
 
 
-def _shortest_life(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
+def _shortest_life_of_bearings(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
     """Return the shortest life of several nuts and bearings [10^6 revolutions].
 
     ``sets``: geometry of each nut or bearing, and its contact or roller loads [N]. None if none of them is loaded, or if a
     rating is outside its range of validity.
     """
     try:
-        found = [roller_life.life(x, load) if isinstance(x, RollerRow) else life(x, load) for x, load in sets]
+        found = [
+            roller_life.basic_rating_life_of_row(x, load) if isinstance(x, RollerRow) else basic_rating_life(x, load)
+            for x, load in sets
+        ]
     except ValueError:
         return None
     return min((one.revolutions for one in found if one is not None), default=None)
@@ -304,7 +323,7 @@ PATIENCE = 600.0
 Record = dict[str, Any]
 
 
-def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
+def create_or_check_sweep_folder(folder: Path, header: Mapping[str, Any]) -> None:
     """Create the folder of a sweep, or check that an existing folder belongs to this sweep.
 
     ``header``: JSON values that identify the sweep, such as its scene and keys; they are written to a file of the folder.
@@ -329,7 +348,7 @@ def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
 
 
 @contextmanager
-def take_folder(folder: Path) -> Iterator[str]:
+def reserve_sweep_folder(folder: Path) -> Iterator[str]:
     """Reserve the folder of a sweep for the present execution and yield the token that identifies it.
 
     It waits until no process of an earlier execution of the sweep writes in the folder. Raises InputError if another
@@ -347,11 +366,11 @@ def take_folder(folder: Path) -> Iterator[str]:
             ) from None
         token = uuid4().hex
         replace_file(folder / TOKEN, token)
-        _wait_for_others(folder)
+        _wait_for_earlier_runs(folder)
         yield token
 
 
-def _wait_for_others(folder: Path) -> None:
+def _wait_for_earlier_runs(folder: Path) -> None:
     """Wait until the processes of earlier executions of a sweep have finished their batches, and remove their lock files.
 
     ``folder``: folder of the sweep. Raises InputError if they take longer than `PATIENCE`.
@@ -463,13 +482,13 @@ def _cached_tables(text: str, origin: str) -> dict[str, Any]:
 
     ``origin``: name of the file for error messages.
     """
-    return scene_file.read_toml(text, origin)
+    return scene_file.parse_toml(text, origin)
 
 
 def solve_sample(
     text: str,
     origin: str,
-    keys: Sequence[Vary],
+    keys: Sequence[VariedKey],
     values: Sequence[Any],
     model: str,
     engine: str,
@@ -485,13 +504,13 @@ def solve_sample(
     try:
         return solve_sample_or_refuse(text, origin, keys, values, model, engine, wanted)
     except InputError as error:
-        return {"status": f"refused: {error}", "reason": refusal_reason(error)}
+        return {"status": f"refused: {error}", "reason": reason_without_numbers(error)}
 
 
 def solve_sample_or_refuse(
     text: str,
     origin: str,
-    keys: Sequence[Vary],
+    keys: Sequence[VariedKey],
     values: Sequence[Any],
     model: str,
     engine: str,
@@ -502,14 +521,14 @@ def solve_sample_or_refuse(
     The arguments are those of `solve_sample`. Raises InputError if the scene or the model does not allow the sample's
     values.
     """
-    scene = scene_tables.read_tables(with_varied_keys(_cached_tables(text, origin), keys, values), origin)
+    scene = scene_tables.scene_from_tables(tables_with_varied_keys(_cached_tables(text, origin), keys, values), origin)
     if isinstance(scene, DutyCycle):
-        return _solve_cases(scene, model, engine, wanted)
-    result, kept = solve_case(scene_file.scene_or_assembly(scene, origin), model, engine, wanted)
+        return _solve_duty_cycle_sample(scene, model, engine, wanted)
+    result, kept = solve_case(scene_file.scene_or_assembly_or_raise(scene, origin), model, engine, wanted)
     return {"status": result.status, **kept}
 
 
-def refusal_reason(error: InputError) -> str:
+def reason_without_numbers(error: InputError) -> str:
     """Return why the values of a sample are refused, as text in which "#" replaces each number.
 
     Reasons that differ only in numbers, such as a range that depends on the sample, thus become equal. ``error``: error
@@ -518,7 +537,7 @@ def refusal_reason(error: InputError) -> str:
     return _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")
 
 
-def _solve_cases(cycle: DutyCycle, model: str, engine: str, wanted: Collection[str]) -> dict[str, Any]:
+def _solve_duty_cycle_sample(cycle: DutyCycle, model: str, engine: str, wanted: Collection[str]) -> dict[str, Any]:
     """Solve the load cases of a duty cycle; return the status and the outputs of the cycle by name.
 
     ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``wanted``:
@@ -548,10 +567,10 @@ def solve_case(
     return result, sample_outputs(scene, result, model, options, wanted) if result.converged else {}
 
 
-def solve_batch(
+def solve_and_append_batch(
     folder: str,
     token: str,
-    sweep: tuple[str, str, tuple[Vary, ...], str, str, tuple[str, ...]],
+    sweep: tuple[str, str, tuple[VariedKey, ...], str, str, tuple[str, ...]],
     batch: list[tuple[int, list[Any]]],
 ) -> tuple[list[Record], bool]:
     """Solve a batch of samples; return their records, and whether they were already appended to the folder of the sweep.

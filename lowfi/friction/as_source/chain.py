@@ -19,8 +19,8 @@ import numpy as np
 from scipy.optimize import root
 
 from rollbench.lowfi.friction.contact.equilibrium import HYBRID
-from rollbench.lowfi.friction.contact.laws import Contacts, Coulomb, Law, Sigmoid, equal_contacts
-from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, contact_directions, semi_axes
+from rollbench.lowfi.friction.contact.laws import Contacts, Coulomb, FrictionLaw, Sigmoid, contacts_from_values
+from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, contact_directions, contact_semi_axes
 from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.meshes.arrays import Array, Mask
 
@@ -58,7 +58,7 @@ class NeighbourInteraction:
 
 
 @dataclass(frozen=True)
-class Balls:
+class LoadedBalls:
     """N balls in order along the track at given contact loads. A ball has four contacts and n unknowns of motion."""
 
     #: Contacts of all balls ``(4 N,)``, ball after ball.
@@ -80,15 +80,15 @@ class Balls:
         """Largest sum of friction bounds (coefficient times load) of the four contacts of a ball [N]."""
         return max(float(self.at.strength.reshape(-1, 4).sum(axis=1).max()), 1e-300)
 
-    def subset(self, chosen: slice) -> Balls:
+    def subset(self, chosen: slice) -> LoadedBalls:
         """Return the balls whose indices are in the range ``chosen``, with their contacts."""
         rows = slice(4 * chosen.start, 4 * chosen.stop)
         at = Contacts(self.at.a[rows], self.at.b[rows], self.at.load[rows], self.at.mu[rows])
-        return Balls(at, self.maps[chosen], self.drives[chosen], self.pair)
+        return LoadedBalls(at, self.maps[chosen], self.drives[chosen], self.pair)
 
 
 @dataclass(frozen=True)
-class Balance:
+class ForcesAndLosses:
     """Forces out of balance, friction and losses of N balls in given motions, with n unknowns for each ball."""
 
     #: Generalised forces out of balance ``(N, n)``: power per unit of each unknown.
@@ -106,7 +106,7 @@ class Balance:
 
 
 @dataclass(frozen=True)
-class SourceMotion:
+class LinMotion:
     """Motion of N balls by Lin's method, with n unknowns for each ball."""
 
     #: Motions of the balls ``(N, n)``.
@@ -134,7 +134,7 @@ class SourceMotion:
         return float(self.groove_loss.sum() + self.ball_loss.sum())
 
 
-def force_balance(balls: Balls, law: Law, q: Array, ball_force: Array) -> Balance:
+def forces_and_losses(balls: LoadedBalls, law: FrictionLaw, q: Array, ball_force: Array) -> ForcesAndLosses:
     """Return the forces out of balance and the losses of N balls in given motions.
 
     ``law``: friction law of the contacts with the grooves; ``q``: motions ``(N, n)``; ``ball_force``: forces of each ball k
@@ -151,7 +151,7 @@ def force_balance(balls: Balls, law: Law, q: Array, ball_force: Array) -> Balanc
     left = np.einsum("ncr,ncrj->nj", wrench, balls.maps)
     if n == 1:
         none = np.zeros(0)
-        return Balance(left, wrench[..., :2], wrench[..., 2], f.loss.reshape(1, 4), none, none.reshape(0, 2))
+        return ForcesAndLosses(left, wrench[..., :2], wrench[..., 2], f.loss.reshape(1, 4), none, none.reshape(0, 2))
     slide = q[:-1] @ pair.first.T - q[1:] @ pair.second.T
     size = np.sqrt(np.sum(slide * slide, axis=1))
     rub = slide / np.where(size > 0.0, size, 1.0)[:, None]
@@ -160,7 +160,7 @@ def force_balance(balls: Balls, law: Law, q: Array, ball_force: Array) -> Balanc
     left[1:, 0] += pair.closing * ball_force
     left[:-1] -= bite[:, None] * (rub @ pair.first)
     left[1:] += bite[:, None] * (rub @ pair.second)
-    return Balance(left, wrench[..., :2], wrench[..., 2], f.loss.reshape(n, 4), bite * size, rub)
+    return ForcesAndLosses(left, wrench[..., :2], wrench[..., 2], f.loss.reshape(n, 4), bite * size, rub)
 
 
 def touching_groups(touching: Mask) -> list[slice]:
@@ -172,7 +172,9 @@ def touching_groups(touching: Mask) -> list[slice]:
     return [slice(a, b) for a, b in pairwise(ends)]
 
 
-def solve_touching_group(balls: Balls, law: Law, q: Array, ball_force: Array) -> tuple[Array, Array, float, int]:
+def solve_touching_group(
+    balls: LoadedBalls, law: FrictionLaw, q: Array, ball_force: Array
+) -> tuple[Array, Array, float, int]:
     """Return the motions of a group of N touching balls and the forces between them, as the root of one system.
 
     The scaled equations are solved by MINPACK's hybrid method with a Jacobian by finite differences, as by Matlab's fsolve.
@@ -196,7 +198,7 @@ def solve_touching_group(balls: Balls, law: Law, q: Array, ball_force: Array) ->
     def residual(x: Array) -> Array:
         """Return the scaled forces out of balance, then the differences of the speeds of neighbours."""
         motions, forces = split(x)
-        left = force_balance(balls, law, motions, forces).left / (pair.units * bound)
+        left = forces_and_losses(balls, law, motions, forces).left / (pair.units * bound)
         return np.append(left.ravel(), np.diff(x[: q.size].reshape(q.shape)[:, 0]))
 
     start = np.append((q * turn).ravel(), ball_force[: n - 1] / bound)
@@ -206,8 +208,8 @@ def solve_touching_group(balls: Balls, law: Law, q: Array, ball_force: Array) ->
     return *split(solution.x), worst if np.isfinite(worst) else np.inf, int(solution.nfev)
 
 
-def solve_source_chain(
-    balls: Balls, law: Law, touching: Mask, start: tuple[Array, Array]
+def solve_touching_groups(
+    balls: LoadedBalls, law: FrictionLaw, touching: Mask, start: tuple[Array, Array]
 ) -> tuple[Array, Array, float, int]:
     """Return the motions of N balls and the forces between them, if it is known which balls touch.
 
@@ -232,7 +234,7 @@ def solve_source_chain(
     return q, force, worst, calls
 
 
-def not_separating(pair: NeighbourInteraction, q: Array, tolerance: float = 0.0) -> Mask:
+def neighbours_not_separating(pair: NeighbourInteraction, q: Array, tolerance: float = 0.0) -> Mask:
     """Return whether each ball approaches the next one, or keeps its distance from it ``(N-1,)``.
 
     ``pair``: kinematics of touching balls; ``q``: motions of the balls, n unknowns each ``(N, n)``; ``tolerance``: least
@@ -242,9 +244,13 @@ def not_separating(pair: NeighbourInteraction, q: Array, tolerance: float = 0.0)
     return np.asarray(rate >= tolerance)
 
 
-def solve_by_root(
-    balls: Balls, law: Law, reach: Mask, start: Array | None = None, touching: tuple[Array, Array] | None = None
-) -> SourceMotion:
+def solve_chain_by_root(
+    balls: LoadedBalls,
+    law: FrictionLaw,
+    may_touch: Mask,
+    start: Array | None = None,
+    touching: tuple[Array, Array] | None = None,
+) -> LinMotion:
     """Return the motions of balls and the forces between them by Lin's method.
 
     The status is "failed" for a friction law with which the equations have no root, such as Coulomb's if a contact sticks.
@@ -256,7 +262,7 @@ def solve_by_root(
         The N balls.
     law
         Friction law of the contacts with the grooves.
-    reach
+    may_touch
         Whether each ball is near enough to the next one to touch it ``(N-1,)``.
     start
         Motions ``(N, n)`` from which the search for separate balls starts; None: nominal rolling.
@@ -267,19 +273,21 @@ def solve_by_root(
     pair = balls.pair
     none = np.zeros(balls.count - 1)
     first = np.tile(pair.nominal, (balls.count, 1)) if start is None else np.asarray(start, dtype=float)
-    free, _, left, calls = solve_source_chain(balls, law, none > 0.0, (first, none))
-    touch = np.asarray(reach, dtype=bool) & not_separating(pair, free)
+    free, _, left, calls = solve_touching_groups(balls, law, none > 0.0, (first, none))
+    touch = np.asarray(may_touch, dtype=bool) & neighbours_not_separating(pair, free)
     q, force = free, none
     if left <= ACCEPTED and np.any(touch):
-        q, force, left, further = solve_source_chain(balls, law, touch, (free, none) if touching is None else touching)
+        q, force, left, further = solve_touching_groups(balls, law, touch, (free, none) if touching is None else touching)
         calls += further
-    balanced = force_balance(balls, law, q, force)
-    wrong = bool(np.any(force < -ACCEPTED * balls.bound) or np.any(reach & ~touch & not_separating(pair, q, ACCEPTED)))
+    balanced = forces_and_losses(balls, law, q, force)
+    wrong = bool(
+        np.any(force < -ACCEPTED * balls.bound) or np.any(may_touch & ~touch & neighbours_not_separating(pair, q, ACCEPTED))
+    )
     status: Status = "failed" if not left <= ACCEPTED else "overlapping" if wrong else "exact"
-    return SourceMotion(q, free, force, balanced.groove_loss, balanced.ball_loss, left, calls, status)
+    return LinMotion(q, free, force, balanced.groove_loss, balanced.ball_loss, left, calls, status)
 
 
-def neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction:
+def linear_neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction:
     """Return the interaction of touching balls of a linear bearing, by equations 3.26 to 3.29 of Lin's thesis.
 
     The unknowns of a ball are its speed v along the track [m/s] and the angular speeds omega_x and omega_y [rad/s].
@@ -290,7 +298,7 @@ def neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction:
     return NeighbourInteraction(turns, -turns, 1.0, bearing.mu_balls, np.array([1.0, r, r]), nominal)
 
 
-def linear_balls(bearing: LinearBearing, angles: Array, loads: Array) -> Balls:
+def balls_of_linear_bearing(bearing: LinearBearing, angles: Array, loads: Array) -> LoadedBalls:
     """Return N balls of a linear bearing with the kinematics of their contacts, by equations 3.22 to 3.24 of Lin's thesis.
 
     ``angles``: contact angles ``(N, 4)`` [rad]; ``loads``: normal loads ``(N, 4)`` [N], both in the order BL, BR, TR, TL
@@ -298,18 +306,18 @@ def linear_balls(bearing: LinearBearing, angles: Array, loads: Array) -> Balls:
     """
     angles, loads = np.atleast_2d(np.asarray(angles, dtype=float)), np.atleast_2d(np.asarray(loads, dtype=float))
     r, n = bearing.ball_radius, contact_directions(angles)
-    a, b = semi_axes(bearing, np.maximum(loads, max(1e-9 * float(loads.max()), 1e-30)))
-    at = equal_contacts(a.ravel(), b.ravel(), loads.ravel(), bearing.mu)
+    a, b = contact_semi_axes(bearing, np.maximum(loads, max(1e-9 * float(loads.max()), 1e-30)))
+    at = contacts_from_values(a.ravel(), b.ravel(), loads.ravel(), bearing.mu)
     maps = np.zeros((*loads.shape, 3, 3))
     maps[..., 1, 0] = 1.0
     maps[..., 1, 1], maps[..., 1, 2] = r * n[..., 1], -r * n[..., 0]
     maps[..., 2, 1], maps[..., 2, 2] = n[..., 0], n[..., 1]
     drives = np.zeros((*loads.shape, 3))
     drives[..., 1] = -MOVING * bearing.speed
-    return Balls(at, maps, drives, neighbour_interaction(bearing))
+    return LoadedBalls(at, maps, drives, linear_neighbour_interaction(bearing))
 
 
-def linear_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> Law:
+def linear_bearing_friction_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> FrictionLaw:
     """Return the sigmoid friction law of equation 3.20 of Lin's thesis for a linear bearing, or Coulomb's law.
 
     ``sharpness``: factor k_S of the sigmoid; None: Coulomb's law. The reference of the sigmoid is the nominal spin v
@@ -321,26 +329,28 @@ def linear_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> L
     return Sigmoid(sharpness, 0.5 * abs(bearing.speed) * float(np.tan(bearing.contact_angle)) / bearing.ball_radius)
 
 
-def solve_linear_by_root(
-    bearing: LinearBearing, angles: Array, loads: Array, reach: Mask | bool = True, law: Law | None = None
-) -> SourceMotion:
+def solve_linear_bearing_by_root(
+    bearing: LinearBearing, angles: Array, loads: Array, may_touch: Mask | bool = True, law: FrictionLaw | None = None
+) -> LinMotion:
     """Return the motion of balls in a linear bearing by Lin's method, equations 3.25 to 3.31 of his thesis.
 
-    ``angles`` [rad], ``loads`` [N]: contact angles and loads ``(N, 4)``; ``reach``: whether each ball is near enough to the
-    next one to touch it ``(N-1,)``; ``law``: friction law; None: Coulomb's law, as equation 3.25 is printed.
+    ``angles`` [rad], ``loads`` [N]: contact angles and loads ``(N, 4)``; ``may_touch``: whether each ball is near enough to
+    the next one to touch it ``(N-1,)``; ``law``: friction law; None: Coulomb's law, as equation 3.25 is printed.
     """
-    balls = linear_balls(bearing, angles, loads)
-    near = np.broadcast_to(np.asarray(reach, dtype=bool), (balls.count - 1,))
-    return solve_by_root(balls, Coulomb() if law is None else law, near)
+    balls = balls_of_linear_bearing(bearing, angles, loads)
+    near = np.broadcast_to(np.asarray(may_touch, dtype=bool), (balls.count - 1,))
+    return solve_chain_by_root(balls, Coulomb() if law is None else law, near)
 
 
-def linear_pair_by_root(
-    bearing: LinearBearing, theta: float, rho: float, vertical: float, law: Law | None = None
-) -> SourceMotion:
+def solve_linear_pair_by_root(
+    bearing: LinearBearing, theta: float, side_force_ratio: float, vertical: float, law: FrictionLaw | None = None
+) -> LinMotion:
     """Return the motion of the two balls in section 3.3.4 of Lin's thesis by his method; they are near enough to touch.
 
-    ``theta``: deviation of the contact angles on the bottom groove [rad]; ``rho``: ratio N_x/N_y of side force to vertical
-    force; ``vertical``: vertical force N_y on each ball [N]; ``law``: friction law; None: Coulomb's law. The contact loads
-    are in equilibrium at the given angles, in closed form (`pair_angles_and_loads`).
+    ``theta``: deviation of the contact angles on the bottom groove [rad]; ``side_force_ratio``: ratio N_x/N_y of side force
+    to vertical force; ``vertical``: vertical force N_y on each ball [N]; ``law``: friction law; None: Coulomb's law. The
+    contact loads are in equilibrium at the given angles, in closed form (`pair_angles_and_loads`).
     """
-    return solve_linear_by_root(bearing, *pair_angles_and_loads(bearing, theta, rho, vertical), True, law)
+    return solve_linear_bearing_by_root(
+        bearing, *pair_angles_and_loads(bearing, theta, side_force_ratio, vertical), True, law
+    )

@@ -32,26 +32,32 @@ from scipy.optimize import root
 from rollbench.lowfi.friction.as_source.chain import (
     ACCEPTED,
     SHARPNESS,
-    Balls,
+    LinMotion,
+    LoadedBalls,
     NeighbourInteraction,
-    SourceMotion,
     Status,
-    force_balance,
-    linear_balls,
-    linear_law,
-    not_separating,
-    solve_by_root,
-    solve_source_chain,
+    balls_of_linear_bearing,
+    forces_and_losses,
+    linear_bearing_friction_law,
+    neighbours_not_separating,
+    solve_chain_by_root,
+    solve_touching_groups,
     touching_groups,
 )
-from rollbench.lowfi.friction.contact.equilibrium import HYBRID, SettledCell
-from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
+from rollbench.lowfi.friction.contact.equilibrium import HYBRID, ContactLoadSolution
+from rollbench.lowfi.friction.contact.laws import FrictionLaw, Sigmoid
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.chain import prepare_chain, solve_linear_chain
-from rollbench.lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
+from rollbench.lowfi.friction.linear.chain import prepare_linear_chain, solve_linear_chain
+from rollbench.lowfi.friction.screw.chain import Chain, ChainMotion, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove
-from rollbench.lowfi.friction.screw.motion import Cell, contact_wrench, hold_screw, screw_contacts, source_law
-from rollbench.lowfi.friction.screw.run import Pair, PairResult, Run, cell_at_instant
+from rollbench.lowfi.friction.screw.motion import (
+    BallsBetweenGrooves,
+    contact_ellipses_of_screw,
+    friction_wrench_at_contacts,
+    lin_sigmoid_law,
+    with_fixed_screw,
+)
+from rollbench.lowfi.friction.screw.run import Pair, Run, ScrewPairSolution, balls_at_instant
 from rollbench.meshes.arrays import Array, Mask
 
 
@@ -67,12 +73,12 @@ class BallPositions:
     screw: Array
 
 
-def contact_forces(cell: Cell, at: BallPositions) -> tuple[Array, Array, Array]:
+def contact_loads_at_positions(cell: BallsBetweenGrooves, positions: BallPositions) -> tuple[Array, Array, Array]:
     """Return the contact loads of N balls in given positions, with the conditions for the contact angles.
 
     They follow from the contact conditions in chapter 2 of Lin's thesis: at the contact angle gamma, the tangent of the
-    groove is perpendicular to the line of centres. ``cell``: the balls and their grooves; ``at``: positions of balls and
-    screw.
+    groove is perpendicular to the line of centres. ``cell``: the balls and their grooves; ``positions``: positions of balls
+    and screw.
 
     Returns
     -------
@@ -80,45 +86,45 @@ def contact_forces(cell: Cell, at: BallPositions) -> tuple[Array, Array, Array]:
         Contact loads ``(N, 4)`` [N]; scalar product of the line of centres and the groove's tangent over the distance of
         the centres, zero if the condition is satisfied ``(N, 4)``; unit normals of the contacts ``(N, 4, 2)``.
     """
-    g, c, s = cell.groove, np.cos(at.gamma), np.sin(at.gamma)
-    screw = (cell.screw_motion @ at.screw + cell.offset)[:, None, :]
+    g, c, s = cell.groove, np.cos(positions.gamma), np.sin(positions.gamma)
+    screw = (cell.section_displacement_maps @ positions.screw + cell.offset)[:, None, :]
     line = g.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
-    line = line + at.ball[:, None, :] - np.where(ON_SCREW[:, None], screw, 0.0)
+    line = line + positions.ball[:, None, :] - np.where(ON_SCREW[:, None], screw, 0.0)
     normal, tangent = np.stack([SIGN_X * c, SIGN_Z * s], axis=-1), np.stack([-SIGN_X * s, SIGN_Z * c], axis=-1)
     approach = np.sum(line * normal, axis=-1) - g.reach + cell.interference
     return (np.maximum(approach, 0.0) / g.constants.C) ** 1.5, np.sum(line * tangent, axis=-1) / g.reach, normal
 
 
-def load_scale(cell: Cell) -> tuple[float, float]:
+def load_and_approach_scales(cell: BallsBetweenGrooves) -> tuple[float, float]:
     """Return the load on the screw divided by the number of balls [N], then a ball's approach under this load [m].
 
-    The equations of `loads_by_root` are scaled by them.
+    The equations of `solve_contact_loads_by_root` are scaled by them.
     """
     share = max(float(np.linalg.norm(cell.force)) / cell.angle.shape[0], 1e-300)
     return share, float(np.max(cell.groove.constants.C)) * share ** (2.0 / 3.0)
 
 
-def starting_positions(cell: Cell) -> BallPositions:
+def starting_positions(cell: BallsBetweenGrooves) -> BallPositions:
     """Return the positions from which the search of the contact loads starts.
 
     The screw is displaced along its load by four times the approach of a ball under its part of the load, and by the
     clearance; the balls are half way. The nominal state of Lin's text has no stiffness without preload. `settle_load` in
     ``lowfi.friction.screw.motion`` starts from the same positions for a screw without given displacement.
     """
-    total, (_, size) = float(np.linalg.norm(cell.force)), load_scale(cell)
+    total, (_, size) = float(np.linalg.norm(cell.force)), load_and_approach_scales(cell)
     size += max(0.0, -float(np.min(cell.interference)))
     screw = np.zeros(cell.force.size) if total == 0.0 else 4.0 * size * cell.force / total
-    return BallPositions(0.5 * (cell.screw_motion @ screw + cell.offset), cell.angle.copy(), screw)
+    return BallPositions(0.5 * (cell.section_displacement_maps @ screw + cell.offset), cell.angle.copy(), screw)
 
 
-def loads_by_root(cell: Cell, start: BallPositions | None = None) -> SettledCell:
+def solve_contact_loads_by_root(cell: BallsBetweenGrooves, start: BallPositions | None = None) -> ContactLoadSolution:
     """Return the contact loads of N balls without friction, as the root of 6 N + m equations (m: motions of the screw).
 
     ``start``: positions from which the search starts; None: `starting_positions`. In the result, ``left`` is the largest
     force out of balance [N], ``steps`` the number of evaluations, and ``converged`` is False if no root was found.
     """
     n = cell.angle.shape[0]
-    scale, size = load_scale(cell)
+    scale, size = load_and_approach_scales(cell)
     at = starting_positions(cell) if start is None else start
 
     def split(x: Array) -> BallPositions:
@@ -127,21 +133,23 @@ def loads_by_root(cell: Cell, start: BallPositions | None = None) -> SettledCell
 
     def residual(x: Array) -> Array:
         """Return the residuals of the equations: scaled forces on the balls, contact conditions, forces on the screw."""
-        force, bent, normal = contact_forces(cell, split(x))
+        force, bent, normal = contact_loads_at_positions(cell, split(x))
         pull = force[..., None] * normal
-        on_screw = np.einsum("nim,ni->m", cell.screw_motion, pull[:, ON_SCREW].sum(axis=1)) + cell.force + cell.drag
+        on_screw = (
+            np.einsum("nim,ni->m", cell.section_displacement_maps, pull[:, ON_SCREW].sum(axis=1)) + cell.force + cell.drag
+        )
         return np.concatenate([((cell.push - pull.sum(axis=1)) / scale).ravel(), bent.ravel(), on_screw / (n * scale)])
 
     x = np.concatenate([(at.ball / size).ravel(), at.gamma.ravel(), at.screw / size])
     solution = root(residual, x, method="hybr", options=HYBRID)
     places = split(solution.x)
-    force, _, _ = contact_forces(cell, places)
+    force, _, _ = contact_loads_at_positions(cell, places)
     left = float(np.max(np.abs(solution.fun))) * scale
     good = left <= ACCEPTED * (scale * n + float(force.sum()))
-    return SettledCell(force, places.gamma, places.ball, places.screw, left, int(solution.nfev), good)
+    return ContactLoadSolution(force, places.gamma, places.ball, places.screw, left, int(solution.nfev), good)
 
 
-def neighbour_interaction(groove: ScrewGroove) -> NeighbourInteraction:
+def screw_neighbour_interaction(groove: ScrewGroove) -> NeighbourInteraction:
     """Return the interaction of touching balls of a screw, on the exact helix.
 
     The unknowns of a ball are its angular speeds omega_B around the axis and omega_x, omega_y, omega_z [rad/s]. The exact
@@ -164,18 +172,18 @@ def least_sliding_motion(groove: ScrewGroove) -> Array:
     return np.asarray(x / units)
 
 
-def screw_balls(groove: ScrewGroove, force: Array, angle: Array) -> Balls:
+def balls_of_screw(groove: ScrewGroove, force: Array, angle: Array) -> LoadedBalls:
     """Return N balls of a screw with their contacts.
 
     ``force``: contact loads ``(N, 4)`` [N]; ``angle``: contact angles ``(N, 4)`` [rad], both in the order SL, SR, NL, NR
     (screw or nut, left or right).
     """
     maps, drives = groove.maps(groove.normals(angle))
-    return Balls(screw_contacts(groove, force), maps, drives, neighbour_interaction(groove))
+    return LoadedBalls(contact_ellipses_of_screw(groove, force), maps, drives, screw_neighbour_interaction(groove))
 
 
 @dataclass(frozen=True)
-class SourceState:
+class LinState:
     """Positions, contact loads and motions of N balls by Lin's method."""
 
     #: Positions of the balls and the screw.
@@ -193,29 +201,31 @@ class SourceState:
 
 
 @dataclass(frozen=True)
-class SourceScrew:
+class LinScrewSolution:
     """Contact loads and motions of the balls of a screw by Lin's method."""
 
     #: Contact loads without friction.
-    load: SettledCell
+    load: ContactLoadSolution
     #: Contact forces with friction ``(N, 4)`` [N].
     force: Array
     #: Contact angles with friction ``(N, 4)`` [rad].
     angle: Array
     #: Motion of the balls and forces between them.
-    motion: SourceMotion
+    motion: LinMotion
 
 
-def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) -> SourceState:
+def solve_loads_and_motion_of_group(
+    cell: BallsBetweenGrooves, law: FrictionLaw, start: LinState, reference_load: float
+) -> LinState:
     """Return loads and motions of N touching balls as the root of one system, with the screw held in position.
 
     The equations are 3.71 and 3.75 to 3.77 of Lin's thesis. ``cell``: the balls and their grooves; ``law``: friction law;
-    ``start``: state from which the search starts, which also gives the screw's position; ``scale``: sum of a ball's contact
-    loads [N], by which the equations are scaled.
+    ``start``: state from which the search starts, which also gives the screw's position; ``reference_load``: sum of a
+    ball's contact loads [N], by which the equations are scaled.
     """
-    g, pair = cell.groove, neighbour_interaction(cell.groove)
+    g, pair = cell.groove, screw_neighbour_interaction(cell.groove)
     n, turn = cell.angle.shape[0], pair.units / pair.speed
-    size, bound = float(np.max(g.constants.C)) * scale ** (2.0 / 3.0), g.mu * scale or 1.0
+    size, bound = float(np.max(g.constants.C)) * reference_load ** (2.0 / 3.0), g.mu * reference_load or 1.0
 
     def split(x: Array) -> tuple[BallPositions, Array, Array]:
         """Return positions, motions and forces between the balls from the scaled unknowns x."""
@@ -231,30 +241,32 @@ def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) 
         if not np.all(np.isfinite(x)):
             return np.full_like(x, 1e3)
         places, q, between = split(x)
-        force, bent, normal = contact_forces(cell, places)
-        rolling = force_balance(screw_balls(g, force, places.gamma), law, q, between)
-        friction = contact_wrench(g.normals(places.gamma), rolling.force, rolling.moment)[..., [0, 2]]
+        force, bent, normal = contact_loads_at_positions(cell, places)
+        rolling = forces_and_losses(balls_of_screw(g, force, places.gamma), law, q, between)
+        friction = friction_wrench_at_contacts(g.normals(places.gamma), rolling.force, rolling.moment)[..., [0, 2]]
         pull = cell.push + (friction - force[..., None] * normal).sum(axis=1)
         bite = (pair.mu * between)[:, None] * rolling.rub
         pull[:-1] += (between[:, None] * g.pair.push[0] - bite @ g.pair.slide[0])[:, [0, 2]]
         pull[1:] += (between[:, None] * g.pair.push[1] + bite @ g.pair.slide[1])[:, [0, 2]]
-        equations = np.concatenate([pull / scale, bent, rolling.left / (pair.units * bound)], axis=1)
+        equations = np.concatenate([pull / reference_load, bent, rolling.left / (pair.units * bound)], axis=1)
         return np.append(equations.ravel(), np.diff(q[:, 0]) * turn[0])
 
     unknowns = np.concatenate([start.at.ball / size, start.at.gamma, start.q * turn], axis=1)
     x = np.append(unknowns.ravel(), start.ball_force / bound)
     solution = root(residual, x, method="hybr", options=HYBRID)
     at, q, between = split(solution.x)
-    force, _, _ = contact_forces(cell, at)
-    return SourceState(at, force, q, between, float(np.max(np.abs(solution.fun))), int(solution.nfev))
+    force, _, _ = contact_loads_at_positions(cell, at)
+    return LinState(at, force, q, between, float(np.max(np.abs(solution.fun))), int(solution.nfev))
 
 
-def solve_coupled_groups(cell: Cell, law: Law, touching: Mask, start: SourceState, scale: float) -> SourceState:
+def solve_loads_and_motion_of_groups(
+    cell: BallsBetweenGrooves, law: FrictionLaw, touching: Mask, start: LinState, reference_load: float
+) -> LinState:
     """Return loads and motions of all N balls with the screw held in position, if it is known which balls touch.
 
     Each group of touching balls is solved separately. ``cell``: the balls and their grooves; ``law``: friction law;
     ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: state of all balls from which the searches
-    start; ``scale``: sum of a ball's contact loads [N], by which the equations are scaled.
+    start; ``reference_load``: sum of a ball's contact loads [N], by which the equations are scaled.
     """
     n = cell.angle.shape[0]
     ball, gamma, q = start.at.ball.copy(), start.at.gamma.copy(), start.q.copy()
@@ -270,15 +282,15 @@ def solve_coupled_groups(cell: Cell, law: Law, touching: Mask, start: SourceStat
             push=cell.push[group],
         )
         at = BallPositions(start.at.ball[group], start.at.gamma[group], start.at.screw)
-        begin = SourceState(at, force[group], start.q[group], start.ball_force[inner], 0.0, 0)
-        solved = solve_coupled_group(group_cell, law, begin, scale)
+        begin = LinState(at, force[group], start.q[group], start.ball_force[inner], 0.0, 0)
+        solved = solve_loads_and_motion_of_group(group_cell, law, begin, reference_load)
         ball[group], gamma[group], force[group] = solved.at.ball, solved.at.gamma, solved.force
         q[group], between[inner] = solved.q, solved.ball_force
         left, calls = max(left, solved.left), calls + solved.calls
-    return SourceState(BallPositions(ball, gamma, start.at.screw), force, q, between, left, calls)
+    return LinState(BallPositions(ball, gamma, start.at.screw), force, q, between, left, calls)
 
 
-def start_from_result(result: PairResult, touching: bool) -> SourceState:
+def lin_state_of_result(result: ScrewPairSolution, touching: bool) -> LinState:
     """Return rollbench's own solution for two balls in the form of a state from which Lin's searches start.
 
     ``result``: this solution; ``touching``: whether to take the state with forces between the balls (True) or that of
@@ -286,29 +298,31 @@ def start_from_result(result: PairResult, touching: bool) -> SourceState:
     """
     solution = result.touching if touching else result.free
     at = BallPositions(solution.load.ball, solution.load.angle, np.zeros(0))
-    return SourceState(at, solution.load.force, solution.motion.q, solution.motion.ball_force[:1], 0.0, 0)
+    return LinState(at, solution.load.force, solution.motion.q, solution.motion.ball_force[:1], 0.0, 0)
 
 
-def solve_separate_balls(cell: Cell, load: SettledCell, law: Law) -> SourceState:
+def solve_motion_of_separate_balls(cell: BallsBetweenGrooves, load: ContactLoadSolution, law: FrictionLaw) -> LinState:
     """Return the motions of separate balls at contact loads without friction, found by a search from nominal rolling.
 
     Searches for loads and motion together start from this state if no other start is given. ``cell``: the balls and their
     grooves; ``load``: their contact loads without friction; ``law``: friction law.
     """
-    n, pair = cell.angle.shape[0], neighbour_interaction(cell.groove)
+    n, pair = cell.angle.shape[0], screw_neighbour_interaction(cell.groove)
     none, first = np.zeros(n - 1), np.tile(pair.nominal, (n, 1))
-    q, _, left, calls = solve_source_chain(screw_balls(cell.groove, load.force, load.angle), law, none > 0.0, (first, none))
-    return SourceState(BallPositions(load.ball, load.angle, np.zeros(0)), load.force, q, none, left, calls)
+    q, _, left, calls = solve_touching_groups(
+        balls_of_screw(cell.groove, load.force, load.angle), law, none > 0.0, (first, none)
+    )
+    return LinState(BallPositions(load.ball, load.angle, np.zeros(0)), load.force, q, none, left, calls)
 
 
-def coupled_by_root(
-    cell: Cell,
-    load: SettledCell,
-    reach: Mask,
-    law: Law,
-    start: SourceState | None = None,
-    touching: SourceState | None = None,
-) -> SourceScrew:
+def solve_loads_and_motion_by_root(
+    cell: BallsBetweenGrooves,
+    load: ContactLoadSolution,
+    may_touch: Mask,
+    law: FrictionLaw,
+    start: LinState | None = None,
+    touching: LinState | None = None,
+) -> LinScrewSolution:
     """Return the contact loads and motions of N balls whose friction changes their contact loads, by Lin's method.
 
     Balls that approach each other when they are computed separately form groups that touch (equations 3.76 and 3.77 of
@@ -318,7 +332,7 @@ def coupled_by_root(
     ----------
     cell, load
         The balls, and their loads without friction.
-    reach
+    may_touch
         Whether neighbours are near enough to touch ``(N-1,)``.
     law
         Friction law.
@@ -327,33 +341,33 @@ def coupled_by_root(
     touching
         State from which the search for touching balls starts; None: the result for separate balls.
     """
-    held, pair = hold_screw(cell, load), neighbour_interaction(cell.groove)
+    held, pair = with_fixed_screw(cell, load), screw_neighbour_interaction(cell.groove)
     scale = max(float(load.force.sum(axis=1).max()), 1e-300)
-    begin = solve_separate_balls(cell, load, law) if start is None else start
+    begin = solve_motion_of_separate_balls(cell, load, law) if start is None else start
     none = np.zeros(cell.angle.shape[0] - 1)
-    free = solved = solve_coupled_groups(held, law, none > 0.0, replace(begin, ball_force=none), scale)
+    free = solved = solve_loads_and_motion_of_groups(held, law, none > 0.0, replace(begin, ball_force=none), scale)
     calls = begin.calls + free.calls
-    touch = np.asarray(reach, dtype=bool) & not_separating(pair, free.q)
+    touch = np.asarray(may_touch, dtype=bool) & neighbours_not_separating(pair, free.q)
     if free.left <= ACCEPTED and np.any(touch):
-        solved = solve_coupled_groups(held, law, touch, free if touching is None else touching, scale)
+        solved = solve_loads_and_motion_of_groups(held, law, touch, free if touching is None else touching, scale)
         calls += solved.calls
-    sums = force_balance(screw_balls(cell.groove, solved.force, solved.at.gamma), law, solved.q, solved.ball_force)
+    sums = forces_and_losses(balls_of_screw(cell.groove, solved.force, solved.at.gamma), law, solved.q, solved.ball_force)
     bad = np.any(solved.ball_force < -ACCEPTED * cell.groove.mu * scale)
-    wrong = bool(bad or np.any(reach & ~touch & not_separating(pair, solved.q, ACCEPTED)))
+    wrong = bool(bad or np.any(may_touch & ~touch & neighbours_not_separating(pair, solved.q, ACCEPTED)))
     status: Status = "failed" if not solved.left <= ACCEPTED else "overlapping" if wrong else "exact"
-    motion = SourceMotion(solved.q, free.q, solved.ball_force, sums.groove_loss, sums.ball_loss, solved.left, calls, status)
-    return SourceScrew(load, solved.force, solved.at.gamma, motion)
+    motion = LinMotion(solved.q, free.q, solved.ball_force, sums.groove_loss, sums.ball_loss, solved.left, calls, status)
+    return LinScrewSolution(load, solved.force, solved.at.gamma, motion)
 
 
-def screw_pair_by_root(
-    pair: Pair, law: Law | None = None, start: SourceState | None = None, touching: SourceState | None = None
-) -> SourceScrew:
+def solve_screw_pair_by_root(
+    pair: Pair, law: FrictionLaw | None = None, start: LinState | None = None, touching: LinState | None = None
+) -> LinScrewSolution:
     """Return the loads and motions of two balls of a screw that are near enough to touch, by Lin's method (section 3.4.3).
 
     The contact loads without friction are found first. If the coupling of the pair is "none", the motion is solved at these
     loads, otherwise loads and motion together. ``law``: friction law; None: Lin's sigmoid with the factor ``SHARPNESS``.
     ``start``, ``touching``: states from which the searches for separate and for touching balls start, as in
-    `coupled_by_root`.
+    `solve_loads_and_motion_by_root`.
 
     Raises
     ------
@@ -367,26 +381,26 @@ def screw_pair_by_root(
             "Lin's method for two balls holds the screw in its position without friction, so that it has no coupling of "
             'friction with ball and screw; it needs coupling "none" or "ball"'
         )
-    cell, law = pair.cell(), source_law(pair.groove, SHARPNESS) if law is None else law
-    load, reach = loads_by_root(cell), np.array([True])
+    cell, law = pair.cell(), lin_sigmoid_law(pair.groove, SHARPNESS) if law is None else law
+    load, reach = solve_contact_loads_by_root(cell), np.array([True])
     if not load.converged:
         raise RuntimeError(
             f"root finding of the contact loads failed: {load.left:.1e} N are out of balance after {load.steps} evaluations"
         )
     if pair.coupling == "ball":
-        return coupled_by_root(cell, load, reach, law, start, touching)
-    motion = solve_by_root(
-        screw_balls(pair.groove, load.force, load.angle),
+        return solve_loads_and_motion_by_root(cell, load, reach, law, start, touching)
+    motion = solve_chain_by_root(
+        balls_of_screw(pair.groove, load.force, load.angle),
         law,
         reach,
         None if start is None else start.q,
         None if touching is None else (touching.q, touching.ball_force),
     )
-    return SourceScrew(load, load.force, load.angle, motion)
+    return LinScrewSolution(load, load.force, load.angle, motion)
 
 
 @dataclass(frozen=True)
-class SourceRun:
+class LinScrewHistory:
     """Simulation of N balls by Lin's method in T steps. Ball k pushes ball k + 1; the last one pushes the first."""
 
     #: Angle of the nut at the beginning of each step ``(T,)`` [rad].
@@ -416,7 +430,7 @@ class SourceRun:
         return self.status.count("overlapping")
 
     @property
-    def overlap(self) -> float:
+    def largest_overlap(self) -> float:
         """Largest overlap of neighbouring balls in all steps [rad]."""
         return max(0.0, -float(self.gap.min()))
 
@@ -435,7 +449,7 @@ class _PreviousStep:
     force: Array
 
 
-def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
+def simulate_by_root(run: Run, steps: int | None = None) -> LinScrewHistory:
     """Return the first steps of a transient simulation of a screw by Lin's method with his sigmoid friction law.
 
     The balls are spread evenly at the beginning. Every search starts from the result of the previous step, the first one
@@ -459,7 +473,7 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
             'on friction (coupling = "none")'
         )
     g, n, dt = run.groove, run.count, run.duration / run.steps
-    law = source_law(g, SHARPNESS)
+    law = lin_sigmoid_law(g, SHARPNESS)
     azimuth = run.ring * (np.arange(n) + run.first) / n - np.pi * run.turns
     gap = np.full(n, run.ring / n - g.pair.spacing)
     before: _PreviousStep | None = None
@@ -467,9 +481,11 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
     for k in range(steps or run.steps):
         turned = g.speed * dt * k
         azimuths, loaded = run.place(azimuth, turned)
-        load = loads_by_root(cell_at_instant(run, azimuths, loaded, turned), None if before is None else before.at)
+        load = solve_contact_loads_by_root(
+            balls_at_instant(run, azimuths, loaded, turned), None if before is None else before.at
+        )
         at = BallPositions(load.ball, load.angle, load.inner)
-        motion, order = _solve_step(run, load.force, load.angle, gap <= 0.0, law, before)
+        motion, order = _solve_motion_of_step(run, load.force, load.angle, gap <= 0.0, law, before)
         good = load.converged and motion.status != "failed"
         force, q, free = np.zeros(n), np.empty((n, 4)), np.empty((n, 4))
         force[order[:-1]], q[order], free[order] = motion.ball_force, motion.q, motion.free
@@ -482,48 +498,48 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
         azimuth = azimuth + dt * omega
     gaps, forces, speeds, groove, ball = (np.array(c, dtype=float) for c in zip(*rows, strict=True))
     nut_angle = np.array([g.speed * dt * k for k in range(len(rows))])
-    return SourceRun(nut_angle, gaps, forces, speeds, groove, ball, tuple(status))
+    return LinScrewHistory(nut_angle, gaps, forces, speeds, groove, ball, tuple(status))
 
 
-def _solve_step(
-    run: Run, force: Array, angle: Array, reach: NDArray[np.bool_], law: Law, before: _PreviousStep | None
-) -> tuple[SourceMotion, NDArray[np.intp]]:
+def _solve_motion_of_step(
+    run: Run, force: Array, angle: Array, may_touch: NDArray[np.bool_], law: FrictionLaw, previous: _PreviousStep | None
+) -> tuple[LinMotion, NDArray[np.intp]]:
     """Return the motion of the balls in one step, then the order of the balls in this motion (indices ``(N,)``).
 
     The order begins after a ball that is out of reach of the next one, where the ring of balls is cut open. ``force`` [N],
-    ``angle`` [rad]: contact loads and angles ``(N, 4)``; ``reach``: whether each ball is near enough to the next one to
-    touch it ``(N,)``; ``law``: friction law; ``before``: previous step. Raises RuntimeError if every ball touches the next
-    one.
+    ``angle`` [rad]: contact loads and angles ``(N, 4)``; ``may_touch``: whether each ball is near enough to the next one to
+    touch it ``(N,)``; ``law``: friction law; ``previous``: previous step. Raises RuntimeError if every ball touches the
+    next one.
     """
-    if np.all(reach):
+    if np.all(may_touch):
         raise RuntimeError(
             "the motion of the balls cannot be solved because every ball touches the next one; at least one gap is needed"
         )
-    order = np.roll(np.arange(run.count), -int(np.argmin(reach)) - 1)
-    balls = screw_balls(run.groove, force[order], angle[order])
-    near = reach[order[:-1]]
-    if before is None:
-        return solve_by_root(balls, law, near), order
-    free = before.free[order]
-    motion = solve_by_root(balls, law, near, free, (before.q[order], before.force[order[:-1]]))
-    return (motion if motion.status != "failed" else solve_by_root(balls, law, near, free)), order
+    order = np.roll(np.arange(run.count), -int(np.argmin(may_touch)) - 1)
+    balls = balls_of_screw(run.groove, force[order], angle[order])
+    near = may_touch[order[:-1]]
+    if previous is None:
+        return solve_chain_by_root(balls, law, near), order
+    free = previous.free[order]
+    motion = solve_chain_by_root(balls, law, near, free, (previous.q[order], previous.force[order[:-1]]))
+    return (motion if motion.status != "failed" else solve_chain_by_root(balls, law, near, free)), order
 
 
-def perturbed_motions(q: Array, units: Array, rng: np.random.Generator, off: float) -> Array:
+def randomly_perturbed_motions(q: Array, units: Array, rng: np.random.Generator, largest_deviation: float) -> Array:
     """Return motions of N balls with random relative deviations, for searches from several starts.
 
     ``q``: motions, n unknowns for each ball ``(N, n)``; ``units``: surface speed per unit of each unknown ``(n,)``;
-    ``rng``: generator of random numbers; ``off``: largest deviation of an unknown as a fraction of its value, or of 1 % of
-    the ball's largest surface speed if this is more.
+    ``rng``: generator of random numbers; ``largest_deviation``: largest deviation of an unknown as a fraction of its value,
+    or of 1 % of the ball's largest surface speed if this is more.
     """
     x = q * units
     size = np.maximum(np.abs(x), 0.01 * np.max(np.abs(x), axis=1, keepdims=True))
-    return np.asarray((x + off * rng.uniform(-1.0, 1.0, q.shape) * size) / units)
+    return np.asarray((x + largest_deviation * rng.uniform(-1.0, 1.0, q.shape) * size) / units)
 
 
 def linear_solutions_from_starts(
     bearing: LinearBearing, angles: Array, loads: Array, rng: np.random.Generator, count: int, off: float
-) -> Iterator[SourceMotion]:
+) -> Iterator[LinMotion]:
     """Yield motions of N balls of a linear bearing by Lin's method, each from another random start.
 
     All neighbours are near enough to touch. The first search starts from nominal rolling. The others start from motions
@@ -544,20 +560,23 @@ def linear_solutions_from_starts(
     off
         Largest relative deviation of a start from rollbench's own solution.
     """
-    apart, together = (solve_linear_chain(prepare_chain(bearing, angles, loads, touching)) for touching in (False, True))
-    balls = linear_balls(bearing, angles, loads)
-    law = linear_law(bearing, SHARPNESS) if bearing.speed else Sigmoid(SHARPNESS, 1.0)
+    apart, together = (
+        solve_linear_chain(prepare_linear_chain(bearing, angles, loads, touching)) for touching in (False, True)
+    )
+    balls = balls_of_linear_bearing(bearing, angles, loads)
+    law = linear_bearing_friction_law(bearing, SHARPNESS) if bearing.speed else Sigmoid(SHARPNESS, 1.0)
     reach, units = np.ones(balls.count - 1, dtype=bool), balls.pair.units
-    yield solve_by_root(balls, law, reach)
+    yield solve_chain_by_root(balls, law, reach)
     for _ in range(count):
         free, near = (
-            perturbed_motions(np.column_stack([r.velocity, r.rotation]), units, rng, off) for r in (apart, together)
+            randomly_perturbed_motions(np.column_stack([r.velocity, r.rotation]), units, rng, off)
+            for r in (apart, together)
         )
         force = together.ball_force * rng.uniform(0.0, 2.0, together.ball_force.size)
-        yield solve_by_root(balls, law, reach, free, (near, force))
+        yield solve_chain_by_root(balls, law, reach, free, (near, force))
 
 
-def screw_sigmoid(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
+def sigmoid_of_moving_or_resting_screw(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
     """Return Lin's sigmoid friction law for a screw, also for a screw at rest.
 
     At rest the reference spin of the sigmoid would be zero; it is then set to 1 rad/s.
@@ -569,12 +588,12 @@ def screw_sigmoid(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
     sharpness
         Sharpness k_S of the sigmoid.
     """
-    return source_law(groove, sharpness) if groove.speed else Sigmoid(sharpness, 1.0)
+    return lin_sigmoid_law(groove, sharpness) if groove.speed else Sigmoid(sharpness, 1.0)
 
 
 def pair_solutions_from_starts(
-    pair: Pair, solved: PairResult, rng: np.random.Generator, count: int, off: float
-) -> Iterator[SourceMotion | None]:
+    pair: Pair, solved: ScrewPairSolution, rng: np.random.Generator, count: int, off: float
+) -> Iterator[LinMotion | None]:
     """Yield motions of two balls of a screw by Lin's method, each from another random start.
 
     None is yielded where the method finds no contact loads. The first search starts from nominal rolling, the others from
@@ -594,25 +613,25 @@ def pair_solutions_from_starts(
         Largest relative deviation of a start from rollbench's own solution.
     """
     free, touching, units = (
-        start_from_result(solved, False),
-        start_from_result(solved, True),
-        neighbour_interaction(pair.groove).units,
+        lin_state_of_result(solved, False),
+        lin_state_of_result(solved, True),
+        screw_neighbour_interaction(pair.groove).units,
     )
-    starts: list[tuple[SourceState | None, SourceState | None]] = [(None, None)]
+    starts: list[tuple[LinState | None, LinState | None]] = [(None, None)]
     for _ in range(count):
         force = touching.ball_force * rng.uniform(0.0, 2.0, 1)
-        near = replace(touching, q=perturbed_motions(touching.q, units, rng, off), ball_force=force)
-        starts.append((replace(free, q=perturbed_motions(free.q, units, rng, off)), near))
+        near = replace(touching, q=randomly_perturbed_motions(touching.q, units, rng, off), ball_force=force)
+        starts.append((replace(free, q=randomly_perturbed_motions(free.q, units, rng, off)), near))
     for start in starts:
         try:
-            yield screw_pair_by_root(pair, screw_sigmoid(pair.groove), *start).motion
+            yield solve_screw_pair_by_root(pair, sigmoid_of_moving_or_resting_screw(pair.groove), *start).motion
         except RuntimeError:
             yield None
 
 
-def screw_solutions_from_starts(
-    chain: Chain, angle: Array, solved: ChainMotion, rng: np.random.Generator, count: int, off: float
-) -> Iterator[SourceMotion]:
+def chain_motions_from_random_starts(
+    chain: Chain, angle: Array, solved: ChainMotion, rng: np.random.Generator, count: int, largest_deviation: float
+) -> Iterator[LinMotion]:
     """Yield motions of an open chain of balls of a screw by Lin's method at given contact loads, each from a random start.
 
     Only neighbours without a gap count as near enough to touch: if a gap closes within a time step, the balls come into
@@ -630,13 +649,13 @@ def screw_solutions_from_starts(
         Source of the random starts.
     count
         Number of starts.
-    off
+    largest_deviation
         Largest relative deviation of a start from rollbench's own solution.
     """
-    alone = solve_chain(replace(chain, slack=np.full(chain.slack.shape, np.inf)))
-    balls, law = screw_balls(chain.groove, chain.force, angle), screw_sigmoid(chain.groove)
+    alone = solve_motion_of_chain(replace(chain, slack=np.full(chain.slack.shape, np.inf)))
+    balls, law = balls_of_screw(chain.groove, chain.force, angle), sigmoid_of_moving_or_resting_screw(chain.groove)
     reach, force = chain.slack[:-1] <= 0.0, solved.ball_force[:-1]
-    yield solve_by_root(balls, law, reach)
+    yield solve_chain_by_root(balls, law, reach)
     for _ in range(count):
-        free, near = (perturbed_motions(q, balls.pair.units, rng, off) for q in (alone.q, solved.q))
-        yield solve_by_root(balls, law, reach, free, (near, force * rng.uniform(0.0, 2.0, force.size)))
+        free, near = (randomly_perturbed_motions(q, balls.pair.units, rng, largest_deviation) for q in (alone.q, solved.q))
+        yield solve_chain_by_root(balls, law, reach, free, (near, force * rng.uniform(0.0, 2.0, force.size)))

@@ -1,8 +1,8 @@
 """Equilibria of balls and other bodies on rolling contacts, each found as the minimum of a convex function.
 
 The contact loads of balls between two rigid bodies are those at the minimum of elastic energy over all positions
-(`settle_cell`). The bodies are screw and nut, inner and outer ring, or carriage and rail. The inner body moves by u, the
-outer body is fixed, and the unknowns of every ball are its two coordinates in the plane of its groove section.
+(`solve_contact_loads`). The bodies are screw and nut, inner and outer ring, or carriage and rail. The inner body moves by
+u, the outer body is fixed, and the unknowns of every ball are its two coordinates in the plane of its groove section.
 
 The quasi-static motion of a body on frictional contacts with given normal loads is the motion of least dissipation
 (`least_dissipation`). At contact i the body moves relative to its counterbody by v_i = ``maps[i] @ q + drives[i]``, with
@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.kernel_types import CellArrays, CellState
-from rollbench.lowfi.friction.contact.laws import Contacts, Friction, Law, Sigmoid
-from rollbench.lowfi.jit import CONTACT, kernels
+from rollbench.lowfi.friction.contact.laws import Contacts, Friction, FrictionLaw, Sigmoid
+from rollbench.lowfi.jit import CONTACT, load_kernel_package
 from rollbench.meshes.arrays import Array
 
 #: Unbalanced force, over the sum of all forces, at which the iteration ends, and up to which its result counts as
@@ -34,7 +34,7 @@ STEPS = 600
 
 
 @dataclass(frozen=True)
-class SettledCell:
+class ContactLoadSolution:
     """Contact loads of N balls between two rigid bodies, the inner of which has m free motions."""
 
     #: Contact forces ``(N, 4)`` [N].
@@ -53,15 +53,15 @@ class SettledCell:
     converged: bool
 
 
-def cell_state(cell: CellArrays) -> CellState:
+def zero_cell_state(cell: CellArrays) -> CellState:
     """Return zero arrays for the balls in ``cell``, to which the kernels write contact forces, stiffness and gradients."""
     n, m = cell.interference.shape[0], cell.pull.shape[0]
     return CellState(np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2)))
 
 
-def settle_cell(
-    cell: CellArrays, load: float, ball: Array, inner: Array, angles: Callable[[Array], Array], fast: bool = False
-) -> SettledCell:
+def solve_contact_loads(
+    cell: CellArrays, total_force: float, ball: Array, inner: Array, angles: Callable[[Array], Array], fast: bool = False
+) -> ContactLoadSolution:
     """Return the contact loads of balls between two rigid bodies, by Newton's method with line search.
 
     They are the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p over the displacements u of the inner
@@ -72,7 +72,7 @@ def settle_cell(
     ----------
     cell
         Geometry, stiffness and loads of balls and bodies.
-    load
+    total_force
         Sum of the magnitudes of the applied forces [N].
     ball, inner
         Displacements of the balls ``(N, 2)`` and of the inner body ``(m,)`` [m] from which the search begins; both are
@@ -82,15 +82,23 @@ def settle_cell(
     fast
         Whether to use compiled kernels.
     """
-    state = cell_state(cell)
-    steps = int(kernels(CONTACT, compiled=fast).minimise_energy(cell, load, ball, inner, state, GOAL, STEPS))
+    state = zero_cell_state(cell)
+    steps = int(
+        load_kernel_package(CONTACT, compiled=fast).minimise_energy(cell, total_force, ball, inner, state, GOAL, STEPS)
+    )
     left = float(max(np.max(np.abs(state.ball), initial=0.0), np.max(np.abs(state.inner), initial=0.0)))
-    good = left <= ACCEPTED * (load + float(np.sum(state.force)))
-    return SettledCell(state.force, angles(state.normal), ball, inner, left, steps, good)
+    good = left <= ACCEPTED * (total_force + float(np.sum(state.force)))
+    return ContactLoadSolution(state.force, angles(state.normal), ball, inner, left, steps, good)
 
 
-def settle_each_ball(
-    start: Array, interference: Array, C: Array, along: Array, given: Array, shift: Array, fast: bool = False
+def solve_contact_loads_of_each_ball(
+    start: Array,
+    interference: Array,
+    C: Array,
+    inner_direction: Array,
+    applied_forces: Array,
+    starting_displacements: Array,
+    fast: bool = False,
 ) -> tuple[Array, Array, Array, Array]:
     """Return the contact loads of N independent balls, each between its own inner body and the fixed outer body.
 
@@ -102,11 +110,11 @@ def settle_each_ball(
         Interference of ball and groove before any displacement ``(N, 4)`` [m].
     C
         Hertz constants C of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)].
-    along
+    inner_direction
         Direction along x, z in which the inner bodies move ``(2,)``.
-    given
+    applied_forces
         Applied forces: on the ball along x, z, and on the inner body along its motion ``(N, 3)`` [N].
-    shift
+    starting_displacements
         Displacements of ball (x, z) and inner body from which the search begins ``(N, 3)`` [m].
     fast
         Whether to use compiled kernels.
@@ -117,10 +125,10 @@ def settle_each_ball(
         Displacements of ball and inner body ``(N, 3)`` [m], contact loads ``(N, 4)`` [N], contact normals along x, z
         ``(N, 4, 2)``, and largest unbalanced force ``(N,)`` [N].
     """
-    x, n = shift.copy(), len(shift)
+    x, n = starting_displacements.copy(), len(starting_displacements)
     force, normal, left = np.zeros((n, 4)), np.zeros((n, 4, 2)), np.zeros(n)
-    given_arrays = (np.ascontiguousarray(a, dtype=float) for a in (start, interference, C, along, given))
-    kernels(CONTACT, compiled=fast).minimise_each(*given_arrays, x, force, normal, left, GOAL, STEPS)
+    given_arrays = (np.ascontiguousarray(a, dtype=float) for a in (start, interference, C, inner_direction, applied_forces))
+    load_kernel_package(CONTACT, compiled=fast).minimise_each(*given_arrays, x, force, normal, left, GOAL, STEPS)
     return x, force, normal, left
 
 
@@ -132,7 +140,7 @@ HYBRID = {"xtol": 1e-13, "factor": 0.1}
 
 
 @dataclass(frozen=True)
-class Problem:
+class MotionProblem:
     """Contacts, kinematics and forces that determine the motion of a body with m contacts and n unknown velocities."""
 
     #: Ellipses, loads and friction coefficients of the contacts.
@@ -144,7 +152,7 @@ class Problem:
     #: Generalised forces other than friction ``(n,)`` [W per unit of the unknown].
     push: Array
 
-    def motion_at(self, q: Array) -> Array:
+    def contact_motions_at(self, q: Array) -> Array:
         """Return the motions vx, vz [m/s], spin [rad/s] of the contacts ``(m, 3)`` for unknown velocities q ``(n,)``."""
         return np.asarray(self.drives + self.maps @ q)
 
@@ -164,7 +172,7 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Motion:
+class BodyMotion:
     """Computed motion of a body with m contacts and n unknowns, with its friction."""
 
     #: Unknown velocities of the body ``(n,)``.
@@ -192,7 +200,7 @@ class Motion:
         return float(np.sum(self.friction.loss))
 
 
-def least_dissipation(problem: Problem, start: Array | None = None, fast: bool = False) -> Motion:
+def least_dissipation(problem: MotionProblem, start: Array | None = None, fast: bool = False) -> BodyMotion:
     """Return the motion of least dissipation, the minimum of eq. (1) of this module.
 
     Unknowns that cause no dissipation keep their values from the start.
@@ -213,14 +221,14 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
     shape = np.column_stack([at.a, at.b, at.strength])
     maps, drives = np.ascontiguousarray(problem.maps, dtype=float), np.ascontiguousarray(problem.drives, dtype=float)
     push = np.ascontiguousarray(problem.push, dtype=float)
-    used = kernels(CONTACT, compiled=fast)
+    used = load_kernel_package(CONTACT, compiled=fast)
     begin = used.ROLLING if start is None else used.GIVEN
     code, left, steps = used.least_dissipation(shape, maps, drives, push, begin, q, forces, rest, bounds)
     total = float(np.sum(at.strength))
-    motion = problem.motion_at(q)
+    motion = problem.contact_motions_at(q)
     resting = rest > 0.0
     motion[resting] = 0.0
-    return Motion(
+    return BodyMotion(
         q=q,
         motion=motion,
         friction=Friction(force=-forces[:, :2], moment=-forces[:, 2], loss=np.sum(forces * motion, axis=1)),
@@ -232,7 +240,7 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
     )
 
 
-def remove_friction_forces(motion: Motion) -> Motion:
+def remove_friction_forces(motion: BodyMotion) -> BodyMotion:
     """Return the same motion with friction forces and losses of zero: the limit of a vanishing coefficient of friction.
 
     With given normal loads the motion itself does not depend on the coefficient.
@@ -246,7 +254,7 @@ def remove_friction_forces(motion: Motion) -> Motion:
     return replace(motion, friction=none, imbalance=0.0, bounds=(0.0, 0.0))
 
 
-def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False) -> Motion:
+def motion_by_root(problem: MotionProblem, law: FrictionLaw, start: Array, fast: bool = False) -> BodyMotion:
     """Return the motion at a root of the force balance, found by MINPACK's hybrid method as in Lin's thesis.
 
     The search corresponds to Matlab's fsolve for eq. (3.19) of Lin's thesis. It fails from many starts near two-point
@@ -268,7 +276,7 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
 
     def residual(p: Array) -> Array:
         """Return the generalised forces out of balance over the sum of friction bounds, for scaled unknowns p ``(n,)``."""
-        f = law.friction(problem.at, problem.motion_at(p / units), fast)
+        f = law.friction(problem.at, problem.contact_motions_at(p / units), fast)
         wrench = np.column_stack([f.force, f.moment])
         return np.asarray((np.einsum("ir,irj->j", wrench, problem.maps) + problem.push) / (units * scale))
 
@@ -276,11 +284,11 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
 
     solution = root(residual, np.asarray(start, dtype=float) * units, method="hybr", options=HYBRID)
     q = np.asarray(solution.x / units)
-    motion = problem.motion_at(q)
+    motion = problem.contact_motions_at(q)
     friction = law.friction(problem.at, motion, fast)
     left = problem.imbalance(friction)
     loss = float(np.sum(friction.loss))
-    return Motion(
+    return BodyMotion(
         q=q,
         motion=motion,
         friction=friction,
@@ -292,10 +300,10 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
     )
 
 
-def balance_by_sharpening(problem: Problem, law: Sigmoid, start: Array, fast: bool = False) -> Motion:
+def motion_by_sharpened_sigmoids(problem: MotionProblem, law: Sigmoid, start: Array, fast: bool = False) -> BodyMotion:
     """Return the motion at a root of the force balance, by a sequence of sigmoids of increasing sharpness up to ``law``.
 
-    Each root is the start of the next search (`balance_by_root`). This is not Lin's method; it finds the roots that his
+    Each root is the start of the next search (`motion_by_root`). This is not Lin's method; it finds the roots that his
     table prints where the direct search fails. After a failure the step in sharpness is reduced; the status is "failed" if
     it becomes too small.
 
@@ -315,7 +323,7 @@ def balance_by_sharpening(problem: Problem, law: Sigmoid, start: Array, fast: bo
     while True:
         last = share >= 1.0
         current = law if last else replace(law, sharpness=share * law.sharpness, map_spacing=None)
-        motion = balance_by_root(problem, current, q, fast)
+        motion = motion_by_root(problem, current, q, fast)
         calls += motion.steps
         if motion.status == "exact":
             if last:

@@ -13,8 +13,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rollbench.lowfi.hertz import complete_integrals
-from rollbench.lowfi.jit import CONTACT, kernels
+from rollbench.lowfi.hertz import complete_elliptic_integrals
+from rollbench.lowfi.jit import CONTACT, load_kernel_package
 from rollbench.meshes.arrays import Array
 
 
@@ -63,7 +63,7 @@ class Dissipation:
     excess: Array
 
 
-def equal_contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> Contacts:
+def contacts_from_values(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> Contacts:
     """Return the data of n contacts from numbers or arrays that broadcast to ``(n,)``, after checking them.
 
     The relative error of friction is 1e-10 for b/a >= 0.01 (against quadrature), 1e-8 at 1e-3, and 1e-7 at 1e-4.
@@ -93,7 +93,7 @@ def equal_contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -
     return full
 
 
-def rotation_about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
+def motion_of_rotation_about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
     """Return the motion vx, vz [m/s], spin [rad/s] ``(n, 3)`` of a rotation about a point of a contact (Lin 3.12).
 
     ``spin``: angular speed about the contact normal [rad/s]; ``c``, ``d``: coordinates of the point along x and z of the
@@ -103,19 +103,19 @@ def rotation_about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
     return np.stack([-s * z, s * x, s], axis=1)
 
 
-def dissipated_power(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Dissipation:
+def dissipated_power(contacts: Contacts, motion: Array, regularising_speed: float = 0.0, fast: bool = False) -> Dissipation:
     """Return the power mu int p sqrt(|v|^2 + speed^2) dA that each contact dissipates, with derivatives, in closed form.
 
     v is the local sliding velocity, p the Hertz pressure and mu the coefficient of friction.
 
     Parameters
     ----------
-    at
+    contacts
         Ellipses, loads and coefficients of friction of n contacts.
     motion
         Sliding and spin of the contacts, vx, vz [m/s] and spin [rad/s] ``(n, 3)``. A contact at rest without regularisation
         has no gradient; zeros are returned.
-    speed
+    regularising_speed
         Regularising speed >= 0 [m/s]; it raises the value by at most mu F speed.
     fast
         Whether to use compiled kernels.
@@ -126,23 +126,26 @@ def dissipated_power(at: Contacts, motion: Array, speed: float = 0.0, fast: bool
     >>> round(float(d.value[0]) / 1e-3, 9)  # (3 pi / 16) mu F a spin on a circle
     0.589048623
     """
-    out = np.empty((at.a.shape[0], 11))
+    out = np.empty((contacts.a.shape[0], 11))
     motion = np.ascontiguousarray(motion, dtype=float)
-    kernels(CONTACT, compiled=fast).dissipation_of_contacts(at.a, at.b, motion, float(speed), out)
-    out *= at.strength[:, None]
+    load_kernel_package(CONTACT, compiled=fast).dissipation_of_contacts(
+        contacts.a, contacts.b, motion, float(regularising_speed), out
+    )
+    out *= contacts.strength[:, None]
     return Dissipation(
         value=out[:, 0],
         gradient=out[:, 1:4],
         hessian=out[:, [5, 6, 8, 6, 7, 9, 8, 9, 10]].reshape(-1, 3, 3),
-        excess=speed * out[:, 4],
+        excess=regularising_speed * out[:, 4],
     )
 
 
-def friction_forces(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Friction:
+def friction_forces(contacts: Contacts, motion: Array, regularising_speed: float = 0.0, fast: bool = False) -> Friction:
     """Return friction force, moment and loss of contacts for a given sliding motion.
 
-    ``at``: ellipses, loads and coefficients of friction of n contacts; ``motion``: their sliding vx, vz [m/s] and spin
-    [rad/s] ``(n, 3)``; ``speed``: regularising speed >= 0 [m/s]; ``fast``: whether to use compiled kernels.
+    ``contacts``: ellipses, loads and coefficients of friction of n contacts; ``motion``: their sliding vx, vz [m/s] and
+    spin [rad/s] ``(n, 3)``; ``regularising_speed``: regularising speed >= 0 [m/s]; ``fast``: whether to use compiled
+    kernels.
 
     References
     ----------
@@ -157,11 +160,11 @@ def friction_forces(at: Contacts, motion: Array, speed: float = 0.0, fast: bool 
     >>> round(float(sliding.force[0, 1]), 9), round(float(sliding.loss[0]), 9)
     (-1.0, 2.0)
     """
-    d = dissipated_power(at, motion, speed, fast)
+    d = dissipated_power(contacts, motion, regularising_speed, fast)
     return Friction(force=-d.gradient[:, :2], moment=-d.gradient[:, 2], loss=d.value - d.excess)
 
 
-def linear_factor(ratio: ArrayLike) -> Array:
+def linear_force_factor(axis_ratio: ArrayLike) -> Array:
     """Return the slope k_f of the friction force over mu F against c/a, for rotation about a point near the centre.
 
     c is the distance of the centre of rotation from the ellipse's centre along the semi-axis a. k_f = (b/a)^2 R_D(0, 1,
@@ -169,7 +172,7 @@ def linear_factor(ratio: ArrayLike) -> Array:
 
     Parameters
     ----------
-    ratio
+    axis_ratio
         Ratio b/a of the semi-axes, in (0, 1].
 
     References
@@ -181,38 +184,38 @@ def linear_factor(ratio: ArrayLike) -> Array:
     >>> round(float(linear_factor(1.0)), 6)
     1.178097
     """
-    k = np.asarray(ratio, dtype=float)
-    return np.asarray(0.5 * k * k * complete_integrals(k)[2])
+    k = np.asarray(axis_ratio, dtype=float)
+    return np.asarray(0.5 * k * k * complete_elliptic_integrals(k)[2])
 
 
-def cubic_factor(ratio: ArrayLike) -> Array:
+def cubic_force_factor(axis_ratio: ArrayLike) -> Array:
     """Return the cubic factor g of the exact relative friction force, force/(mu F) = k_f t - g t^3 with t = c/a.
 
     c is the distance of the centre of rotation from the ellipse's centre along the semi-axis a. The force has this form for
-    -1 <= t <= 1; k_f: `linear_factor`. The factor is g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)) with r =
-    b/a <= 1 - 1e-6.
+    -1 <= t <= 1; k_f: `linear_force_factor`. The factor is g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)) with
+    r = b/a <= 1 - 1e-6.
 
     Parameters
     ----------
-    ratio
+    axis_ratio
         Ratio b/a of the semi-axes, any shape.
     """
-    k = np.asarray(ratio, dtype=float)
-    _, along, across = complete_integrals(k)
+    k = np.asarray(axis_ratio, dtype=float)
+    _, along, across = complete_elliptic_integrals(k)
     return np.asarray(k * k * (across - along) / (6.0 * (1.0 - k * k)))
 
 
-def linear_error(ratio: ArrayLike, factor: ArrayLike, reach: float = 0.5) -> Array:
+def error_of_linear_force(axis_ratio: ArrayLike, force_slope: ArrayLike, reach: float = 0.5) -> Array:
     """Return the largest relative error of a friction force that is linear in c/a, over 0 < |c/a| <= reach.
 
-    The ratio of exact force to c/a is k_f - g t^2 with t = c/a (`linear_factor`, `cubic_factor`). It is monotonous in t, so
-    the error is largest at an end of the range.
+    The ratio of exact force to c/a is k_f - g t^2 with t = c/a (`linear_force_factor`, `cubic_force_factor`). It is
+    monotonous in t, so the error is largest at an end of the range.
 
     Parameters
     ----------
-    ratio
+    axis_ratio
         Ratio b/a of the semi-axes, in (0, 1].
-    factor
+    force_slope
         Slope of the linear law, friction force over mu F against c/a; Lin uses 1.38.
     reach
         Largest |c/a| of the range, at most 1; Lin uses 0.5.
@@ -231,12 +234,14 @@ def linear_error(ratio: ArrayLike, factor: ArrayLike, reach: float = 0.5) -> Arr
             f"the largest |c/a| must lie in (0, 1], got {reach}: the friction force is a cubic of c/a only for rotation "
             "about a point of the ellipse"
         )
-    start = linear_factor(ratio)
-    end = start - cubic_factor(ratio) * reach**2
-    return np.asarray(np.maximum(np.abs(np.asarray(factor) / start - 1.0), np.abs(np.asarray(factor) / end - 1.0)))
+    start = linear_force_factor(axis_ratio)
+    end = start - cubic_force_factor(axis_ratio) * reach**2
+    return np.asarray(
+        np.maximum(np.abs(np.asarray(force_slope) / start - 1.0), np.abs(np.asarray(force_slope) / end - 1.0))
+    )
 
 
-class Law(Protocol):
+class FrictionLaw(Protocol):
     """Interface of a friction law for contacts that slide and spin."""
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
@@ -257,7 +262,7 @@ class Coulomb:
 
 
 @dataclass(frozen=True)
-class Regularised:
+class RegularisedCoulomb:
     """Regularised Coulomb law, with the traction mu p v/sqrt(|v|^2 + speed^2).
 
     It is smooth; its dissipated power is convex and exceeds Coulomb's by at most mu F speed.
@@ -305,7 +310,7 @@ class Sigmoid:
         return Friction(force=full.force * s[:, None], moment=full.moment * s, loss=full.loss * np.abs(s))
 
 
-def interpolated_friction(at: Contacts, motion: Array, spacing: float, exact: Friction, fast: bool) -> Friction:
+def interpolated_friction(contacts: Contacts, motion: Array, spacing: float, exact: Friction, fast: bool) -> Friction:
     """Return Coulomb friction of n contacts, interpolated linearly in c/a as in section 3.2.1 of Lin's thesis.
 
     ``motion``: vx, vz [m/s] and spin [rad/s] ``(n, 3)``; ``spacing``: step of c/a between the entries of the table;
@@ -319,14 +324,14 @@ def interpolated_friction(at: Contacts, motion: Array, spacing: float, exact: Fr
         )
     spin = motion[:, 2]
     place = np.zeros_like(spin)
-    turns = np.abs(motion[:, 1]) < 1e12 * np.abs(spin) * at.a
-    place[turns] = motion[turns, 1] / (spin[turns] * at.a[turns]) / spacing
+    turns = np.abs(motion[:, 1]) < 1e12 * np.abs(spin) * contacts.a
+    place[turns] = motion[turns, 1] / (spin[turns] * contacts.a[turns]) / spacing
     low = np.floor(place)
     weight = (place - low)[:, None]
     ends = []
     for k in (low, low + 1.0):
-        vz = np.where(turns, spin * at.a * k * spacing, motion[:, 1])
-        f = friction_forces(at, np.stack([0.0 * vz, vz, spin], axis=1), 0.0, fast)
+        vz = np.where(turns, spin * contacts.a * k * spacing, motion[:, 1])
+        f = friction_forces(contacts, np.stack([0.0 * vz, vz, spin], axis=1), 0.0, fast)
         ends.append(np.column_stack([f.force, f.moment, f.loss]))
     mixed = (1.0 - weight) * ends[0] + weight * ends[1]
     mixed = np.where(turns[:, None], mixed, np.column_stack([exact.force, exact.moment, exact.loss]))

@@ -19,12 +19,12 @@ from typing import Literal
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.equilibrium import settle_cell
+from rollbench.lowfi.friction.contact.equilibrium import solve_contact_loads
 from rollbench.lowfi.friction.contact.kernel_types import CellArrays
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 
-#: How contact loads are computed: by `diagonal_loads`, `balanced_loads` or `elastic_loads`.
+#: How contact loads are computed: by `loads_equal_on_diagonals`, `loads_in_equilibrium` or `loads_of_elastic_contacts`.
 Loads = Literal["diagonal", "balanced", "elastic"]
 
 #: Order of the contacts with those of the carriage first; applied twice it is the original order.
@@ -82,7 +82,7 @@ class LinearBearing:
         """Return the Hertz constants of a ball in a straight groove; semi-axis a lies in the section, b along the track."""
         return _hertz_constants(self.ball_radius, self.conformity, self.young, self.poisson)
 
-    def psi(self) -> float:
+    def semi_axis_constant(self) -> float:
         """Return the constant Psi [(m2/N)^(1/3)] of the semi-axis a = Psi (R_B F)^(1/3) at a contact load F (Lin 3.36)."""
         return float(self.hertz().C_a / np.cbrt(self.ball_radius))
 
@@ -110,7 +110,7 @@ def contact_directions(angles: Array) -> Array:
     return np.asarray(SENSE * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
 
 
-def semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Array]:
+def contact_semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Array]:
     """Return the semi-axes a and b, a >= b, of contact ellipses [m], each in the shape of the loads.
 
     Parameters
@@ -124,7 +124,7 @@ def semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Array]:
     return np.asarray(constants.C_a * root), np.asarray(constants.C_b * root)
 
 
-def angle_deviations(theta: Array, *, mated: bool = False) -> Array:
+def contact_angle_deviations(theta: Array, *, mated: bool = False) -> Array:
     """Return deviations of the contact angles ``(..., 4)`` [rad] in Lin's case study: -theta, theta on the bottom groove.
 
     Parameters
@@ -132,16 +132,16 @@ def angle_deviations(theta: Array, *, mated: bool = False) -> Array:
     theta
         Deviation of the contact angles on the bottom groove [rad], any shape.
     mated
-        Whether the top groove deviates so as to match the bottom groove (see `matching_top_deviations`), as in design (b)
-        of section 3.3.4.2 of Lin's thesis; otherwise it has no deviation.
+        Whether the top groove deviates so as to match the bottom groove (see `top_deviations_matching_bottom`), as in
+        design (b) of section 3.3.4.2 of Lin's thesis; otherwise it has no deviation.
     """
     t = np.asarray(theta, dtype=float)
     bottom = np.stack([-t, t], axis=-1)
-    top = matching_top_deviations(bottom) if mated else np.zeros_like(bottom)
+    top = top_deviations_matching_bottom(bottom) if mated else np.zeros_like(bottom)
     return np.concatenate([bottom, top], axis=-1)
 
 
-def matching_top_deviations(bottom: Array) -> Array:
+def top_deviations_matching_bottom(bottom: Array) -> Array:
     """Return deviations of the contact angles (TR, TL) [rad] for which the ball's velocity does not depend on the loads.
 
     ``bottom``: deviations at BL, BR ``(..., 2)`` [rad]. By the rule of section 3.3.4.2 of Lin's thesis, the contacts of
@@ -150,7 +150,7 @@ def matching_top_deviations(bottom: Array) -> Array:
     return np.asarray(bottom, dtype=float).copy()
 
 
-def diagonal_loads(vertical: float, side_ratio: Array, contact_angle: float = 0.25 * np.pi) -> Array:
+def loads_equal_on_diagonals(vertical: float, side_ratio: Array, contact_angle: float = 0.25 * np.pi) -> Array:
     """Return contact loads that are equal on each diagonal, F_BL = F_TR = (N_y/cos - N_x/sin)/2, F_BR = F_TL with plus.
 
     Parameters
@@ -193,7 +193,7 @@ def diagonal_loads(vertical: float, side_ratio: Array, contact_angle: float = 0.
     return np.stack([up, down, up, down], axis=-1)
 
 
-def balanced_loads(angles: Array, vertical: float, side_ratio: Array) -> Array:
+def loads_in_equilibrium(angles: Array, vertical: float, side_ratio: Array) -> Array:
     """Return contact loads ``(N, 4)`` [N] in equilibrium at given contact angles.
 
     The two equations of equilibrium of the carriage give the two loads at the top, those of the ball the two loads at the
@@ -215,7 +215,9 @@ def balanced_loads(angles: Array, vertical: float, side_ratio: Array) -> Array:
     return np.asarray(np.maximum(np.concatenate([bottom, top], axis=1), 0.0))
 
 
-def elastic_loads(bearing: LinearBearing, angles: Array, vertical: float, side_ratio: Array) -> tuple[Array, Array]:
+def loads_of_elastic_contacts(
+    bearing: LinearBearing, angles: Array, vertical: float, side_ratio: Array
+) -> tuple[Array, Array]:
     """Return first the contact loads [N], then the contact angles under load [rad], ``(N, 4)`` each.
 
     Balls and grooves have Hertz contacts without clearance and friction. The loads are those at the minimum of the energy
@@ -245,7 +247,7 @@ def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: f
     """Return first the contact loads ``(4,)`` [N], then the contact angles ``(4,)`` [rad] of one ball under load.
 
     ``angles``: contact angles of the unloaded ball ``(4,)`` [rad]; ``vertical``: vertical force N_y on the carriage [N];
-    ``rho``: ratio N_x/N_y of side force to vertical force. See `elastic_loads`.
+    ``rho``: ratio N_x/N_y of side force to vertical force. See `loads_of_elastic_contacts`.
     """
     n, slack, C = (
         contact_directions(angles),
@@ -270,7 +272,7 @@ def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: f
         outward = SENSE * normal[:, TOP_FIRST]
         return np.asarray(np.arctan2(outward[..., 0], outward[..., 1]))
 
-    settled = settle_cell(cell, float(np.linalg.norm(pull)), place[None].copy(), 2.0 * place, angles_of)
+    settled = solve_contact_loads(cell, float(np.linalg.norm(pull)), place[None].copy(), 2.0 * place, angles_of)
     if not settled.converged:
         raise ArithmeticError(
             f"no balance of the contact loads of a ball is found: {settled.left:.1e} N are left after {settled.steps} steps"
@@ -285,7 +287,7 @@ def elliptic_integral_second_kind(axis_ratio: float) -> float:
     return float(ellipe(1.0 - axis_ratio**2))
 
 
-def velocity_deviation(contact_angle: float, deviation: Array, up: Array, down: Array) -> Array:
+def relative_velocity_deviation(contact_angle: float, deviation: Array, up: Array, down: Array) -> Array:
     """Return the relative deviation epsilon of a ball's velocity from half the carriage's, by the closed formula.
 
     Parameters
@@ -306,7 +308,7 @@ def velocity_deviation(contact_angle: float, deviation: Array, up: Array, down: 
     return np.asarray(0.5 * np.tan(contact_angle) * ((tr - bl) * u + (tl - br) * d) / (u + d))
 
 
-def ball_force(bearing: LinearBearing, loads: Array, difference: Array, k_f: float) -> Array:
+def ball_force_by_formula(bearing: LinearBearing, loads: Array, difference: Array, k_f: float) -> Array:
     """Return the force between two neighbouring balls [N] by the closed formula; zero unless they approach each other.
 
     Parameters
@@ -318,7 +320,7 @@ def ball_force(bearing: LinearBearing, loads: Array, difference: Array, k_f: flo
     difference
         Difference epsilon_1 - epsilon_2 of the relative deviations of the balls' velocities without contact.
     k_f
-        Slope of the friction force over mu F against c/a, see `rollbench.lowfi.friction.contact.laws.linear_factor`.
+        Slope of the friction force over mu F against c/a, see `rollbench.lowfi.friction.contact.laws.linear_force_factor`.
 
     References
     ----------
@@ -326,21 +328,27 @@ def ball_force(bearing: LinearBearing, loads: Array, difference: Array, k_f: flo
     """
     stiff = np.cbrt(np.square(loads)).sum(axis=-1)
     in_series = stiff[..., 0] * stiff[..., 1] / (stiff[..., 0] + stiff[..., 1])
-    factor = 2.0 * k_f * bearing.mu * np.cbrt(bearing.ball_radius**2) / (bearing.psi() * np.tan(bearing.contact_angle))
+    factor = (
+        2.0
+        * k_f
+        * bearing.mu
+        * np.cbrt(bearing.ball_radius**2)
+        / (bearing.semi_axis_constant() * np.tan(bearing.contact_angle))
+    )
     return np.asarray(factor * in_series * np.maximum(difference, 0.0))
 
 
-def sliding_speed(bearing: LinearBearing) -> float:
+def ball_to_ball_sliding_speed(bearing: LinearBearing) -> float:
     """Return the speed at which two rolling balls rub on each other, abs(v)/cos beta_0 [m/s] (Lin 3.52)."""
     return float(abs(bearing.speed) / np.cos(bearing.contact_angle))
 
 
-def ball_loss(bearing: LinearBearing, force: Array) -> Array:
+def ball_to_ball_loss(bearing: LinearBearing, force: Array) -> Array:
     """Return the friction loss between two balls that press on each other with ``force`` [N], in W (Lin 3.53)."""
-    return np.asarray(bearing.mu_balls * force * sliding_speed(bearing))
+    return np.asarray(bearing.mu_balls * force * ball_to_ball_sliding_speed(bearing))
 
 
-def spin_loss(bearing: LinearBearing, loads: Array) -> Array:
+def groove_spin_loss(bearing: LinearBearing, loads: Array) -> Array:
     """Return the friction loss of each contact that spins about its centre at nominal rolling [W].
 
     The sum over all contacts is the groove loss to which Lin compares the loss between balls, eq. (3.53) of his thesis.

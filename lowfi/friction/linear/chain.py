@@ -25,26 +25,26 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.laws import cubic_factor, linear_factor
+from rollbench.lowfi.friction.contact.laws import cubic_force_factor, linear_force_factor
 from rollbench.lowfi.friction.linear.bearing import (
     MOVING,
     LinearBearing,
     Loads,
-    angle_deviations,
-    balanced_loads,
-    ball_force,
-    ball_loss,
+    ball_force_by_formula,
+    ball_to_ball_loss,
+    contact_angle_deviations,
     contact_directions,
-    diagonal_loads,
-    elastic_loads,
+    contact_semi_axes,
     elliptic_integral_second_kind,
-    semi_axes,
-    spin_loss,
-    velocity_deviation,
+    groove_spin_loss,
+    loads_equal_on_diagonals,
+    loads_in_equilibrium,
+    loads_of_elastic_contacts,
+    relative_velocity_deviation,
 )
 from rollbench.lowfi.friction.linear.kernel import FILLED, WIDTH
-from rollbench.lowfi.friction.linear.kernel_types import ChainArrays, ChainPoint, Work
-from rollbench.lowfi.jit import LINEAR, kernels
+from rollbench.lowfi.friction.linear.kernel_types import ChainArrays, ChainPoint, NewtonArrays
+from rollbench.lowfi.jit import LINEAR, load_kernel_package
 from rollbench.meshes.arrays import Array, Mask
 
 Status = Literal["converged", "not converged"]
@@ -77,7 +77,7 @@ NARROWEST = 1e-3
 
 
 @dataclass(frozen=True)
-class ChainResult:
+class LinearChainSolution:
     """Motion, forces and losses of N balls in a linear bearing."""
 
     #: Velocity along the track ``(N,)`` [m/s].
@@ -126,7 +126,7 @@ class ChainResult:
 
 
 @dataclass(frozen=True)
-class Chain:
+class LinearChain:
     """Chain of balls in a linear bearing, with its data in the scaled units of the kernels.
 
     The motion does not depend on the grooves' mu, and forces and losses are proportional to it. Without friction (mu = 0)
@@ -148,7 +148,7 @@ class Chain:
         return int(self.problem.contacts.shape[0])
 
 
-def prepare_chain(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> Chain:
+def prepare_linear_chain(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> LinearChain:
     """Return a chain of N balls in a linear bearing under given contact loads, prepared for `solve_linear_chain`.
 
     Parameters
@@ -180,7 +180,7 @@ def prepare_chain(bearing: LinearBearing, angles: Array, loads: Array, touching:
     scale = float(bounds.sum(axis=1).max())
     sign = float(np.sign(bearing.speed))
     n = contact_directions(angles)
-    a, _ = semi_axes(bearing, loads)
+    a, _ = contact_semi_axes(bearing, loads)
     contacts = np.empty((count, 4, 5))
     contacts[..., :2] = n
     contacts[..., 2] = MOVING * sign
@@ -188,11 +188,11 @@ def prepare_chain(bearing: LinearBearing, angles: Array, loads: Array, touching:
     contacts[..., 4] = a / bearing.ball_radius
     hold = HOLD * np.maximum(contacts[..., 3].sum(axis=1), HOLD)
     nominal = np.tile(np.array([0.5, 0.5 / np.cos(bearing.contact_angle), 0.0]) * sign, (count, 1))
-    arrays = ChainArrays(contacts, contact_shape(bearing), closed, float(bearing.mu_balls), hold, nominal)
-    return Chain(bearing, arrays, scale, sign)
+    arrays = ChainArrays(contacts, contact_friction_constants(bearing), closed, float(bearing.mu_balls), hold, nominal)
+    return LinearChain(bearing, arrays, scale, sign)
 
 
-def contact_shape(bearing: LinearBearing) -> Array:
+def contact_friction_constants(bearing: LinearBearing) -> Array:
     """Return the constants (b/a, q0, k1, k3) of the friction of the bearing's contacts ``(4,)``.
 
     A contact with load F and mu = 1 that turns about a point of its ellipse at c = t a on the semi-axis a has the friction
@@ -208,10 +208,12 @@ def contact_shape(bearing: LinearBearing) -> Array:
     ratio = float(constants.C_b / constants.C_a)
     if not ratio >= NARROWEST:
         raise ValueError(f"the ratio b/a of the contacts' semi-axes must lie in [{NARROWEST}, 1], got {ratio}")
-    return np.array([ratio, 0.375 * elliptic_integral_second_kind(ratio), linear_factor(ratio), cubic_factor(ratio)])
+    return np.array(
+        [ratio, 0.375 * elliptic_integral_second_kind(ratio), linear_force_factor(ratio), cubic_force_factor(ratio)]
+    )
 
 
-def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = True) -> ChainResult:
+def solve_linear_chain(chain: LinearChain, start: Array | None = None, fast: bool = True) -> LinearChainSolution:
     """Return motion, forces and losses of a chain of balls in a linear bearing.
 
     For a carriage at rest, or a chain without load, motion and friction forces are returned as zero, although any friction
@@ -238,16 +240,16 @@ def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = Tr
     Lin (2019), 3.25 to 3.31, with exact Coulomb friction in place of the sigmoid 3.20. Tested for 2 to 200 balls at
     mu_balls 0 to 0.5, contacts without load included.
     """
-    point, work = _work_arrays(chain)
+    point, work = _starting_point_and_work_arrays(chain)
     if start is not None:
         point.drift[:] = np.asarray(start, dtype=float) - chain.problem.nominal
     if chain.scale == 0.0 or chain.sign == 0.0:
-        return _chain_result(chain, point, (0, 0.0), fast)
-    done = kernels(LINEAR, compiled=fast).chain_motion(chain.problem, point, work, CREEP, TOLERANCE, STEPS)
-    return _chain_result(chain, point, done, fast)
+        return _solution_in_si_units(chain, point, (0, 0.0), fast)
+    done = load_kernel_package(LINEAR, compiled=fast).chain_motion(chain.problem, point, work, CREEP, TOLERANCE, STEPS)
+    return _solution_in_si_units(chain, point, done, fast)
 
 
-def may_jam(chain: Chain) -> bool:
+def may_have_several_states(chain: LinearChain) -> bool:
     """Return whether a chain may have several states: some neighbours touch, and there is friction between them.
 
     Parameters
@@ -258,7 +260,7 @@ def may_jam(chain: Chain) -> bool:
     return bool(chain.bearing.mu_balls > 0.0 and chain.problem.closed.any() and chain.scale > 0.0 and chain.sign != 0.0)
 
 
-def find_second_state(chain: Chain, known: ChainResult, fast: bool = True) -> ChainResult | None:
+def find_second_state(chain: LinearChain, known: LinearChainSolution, fast: bool = True) -> LinearChainSolution | None:
     """Return a state of a chain of balls other than a known one; None if the search finds none, which is no proof.
 
     The search begins from the end of the path of rising friction between balls, from the balls as they move without this
@@ -275,49 +277,51 @@ def find_second_state(chain: Chain, known: ChainResult, fast: bool = True) -> Ch
     fast
         Whether to use compiled kernels.
     """
-    engine = kernels(LINEAR, compiled=fast)
+    engine = load_kernel_package(LINEAR, compiled=fast)
 
-    def states() -> Iterator[ChainResult]:
+    def states() -> Iterator[LinearChainSolution]:
         """Yield the states to which the searches from all starts lead."""
         for start in range(engine.STARTS):
-            point, work = _work_arrays(chain)
+            point, work = _starting_point_and_work_arrays(chain)
             done = engine.motion_from_other_start(chain.problem, point, work, CREEP, TOLERANCE, STEPS, start)
-            yield _chain_result(chain, point, done, fast)
+            yield _solution_in_si_units(chain, point, done, fast)
         for mu in (mu for mu in RISEN if mu > chain.bearing.mu_balls):
-            point, work = _work_arrays(chain)
+            point, work = _starting_point_and_work_arrays(chain)
             at = chain.problem._replace(mu=mu)
             done = engine.motion_from_other_start(at, point, work, CREEP, TOLERANCE, STEPS, 0)
             while at.mu > chain.bearing.mu_balls and done[1] <= ACCEPTED and point.z.max() > 0.0:
                 at = at._replace(mu=max(at.mu * FALLING, chain.bearing.mu_balls))
                 done = engine.motion_from_state(at, point, work, CREEP, TOLERANCE)
             if at.mu == chain.bearing.mu_balls:
-                yield _chain_result(chain, point, done, fast)
+                yield _solution_in_si_units(chain, point, done, fast)
 
-    if not may_jam(chain):
+    if not may_have_several_states(chain):
         return None
     good = (other for other in states() if other.status == "converged")
     others = [s for s in good if np.abs(s.ball_force - known.ball_force).max() > ANOTHER * chain.scale]
     return max(others, key=lambda other: float(other.ball_force.max()), default=None)
 
 
-def _work_arrays(chain: Chain) -> tuple[ChainPoint, Work]:
+def _starting_point_and_work_arrays(chain: LinearChain) -> tuple[ChainPoint, NewtonArrays]:
     """Return a point at the nominal motion without forces between balls, and work arrays for Newton's method."""
     count, n = chain.count, 4 * chain.count
     point = ChainPoint(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1))
-    return point, Work(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
+    return point, NewtonArrays(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
 
 
-def _chain_result(chain: Chain, point: ChainPoint, done: tuple[int, float], fast: bool) -> ChainResult:
+def _solution_in_si_units(
+    chain: LinearChain, point: ChainPoint, steps_and_residual: tuple[int, float], fast: bool
+) -> LinearChainSolution:
     """Return motion, forces and losses in SI units at the ``point`` where the search for a solution ended.
 
-    ``done``: number of Newton steps of the search, and its largest residual over the chain's ``scale``.
+    ``steps_and_residual``: number of Newton steps of the search, and its largest residual over the chain's ``scale``.
     """
     contacts, shape, _, mu_balls, _, nominal = chain.problem
     slips, pair, drift, push = point
     speed = abs(chain.bearing.speed)
     x = (nominal + drift) * speed
     force, moment = np.zeros(slips.shape[:2]), np.zeros(slips.shape[:2])
-    law = kernels(LINEAR, compiled=fast).regularised_friction
+    law = load_kernel_package(LINEAR, compiled=fast).regularised_friction
     for j, i in np.ndindex(*force.shape):
         force[j, i], moment[j, i], *_ = law(slips[j, i, 0], slips[j, i, 1], shape, CREEP)
     scale = chain.scale if chain.bearing.mu > 0.0 else 0.0
@@ -326,10 +330,10 @@ def _chain_result(chain: Chain, point: ChainPoint, done: tuple[int, float], fast
     bite = np.divide(rub, np.hypot(rub, CREEP))
     radius = chain.bearing.ball_radius
     lam = np.maximum(push, 0.0)
-    iterations, residual = done
+    iterations, residual = steps_and_residual
     lag = float(np.max(np.abs(pair[lam > 0.0, 0]), initial=0.0)) / CREEP
     good = max(residual, lag) <= ACCEPTED
-    return ChainResult(
+    return LinearChainSolution(
         velocity=x[:, 0],
         rotation=x[:, 1:] / radius,
         sliding=slips[..., 0] * speed,
@@ -350,13 +354,13 @@ def _chain_result(chain: Chain, point: ChainPoint, done: tuple[int, float], fast
 
 
 @dataclass(frozen=True)
-class PairResult:
+class LinearPairSolution:
     """Two balls of Lin's case study; ``free.deviation`` are the epsilons of Lin's Table 3.4."""
 
     #: State of balls that are too far apart to touch.
-    free: ChainResult
+    free: LinearChainSolution
     #: State of balls at a distance of one ball diameter, which press on each other or part.
-    touching: ChainResult
+    touching: LinearChainSolution
 
     @property
     def force(self) -> float:
@@ -380,7 +384,13 @@ class PairResult:
 
 
 def pair_angles_and_loads(
-    bearing: LinearBearing, theta: float, rho: float, vertical: float, *, mated: bool = False, loads: Loads = "balanced"
+    bearing: LinearBearing,
+    theta: float,
+    side_force_ratio: float,
+    vertical: float,
+    *,
+    mated: bool = False,
+    loads: Loads = "balanced",
 ) -> tuple[Array, Array]:
     """Return contact angles [rad] and loads [N] of the two balls of Lin's case study, ``(2, 4)`` each.
 
@@ -392,7 +402,7 @@ def pair_angles_and_loads(
         Bearing with the Hertz constants of its contacts.
     theta
         Deviation of the contact angles on the bottom groove [rad].
-    rho
+    side_force_ratio
         Ratio N_x/N_y of side force to vertical force.
     vertical
         Vertical force N_y on each ball [N].
@@ -401,26 +411,26 @@ def pair_angles_and_loads(
     loads
         How the contact loads are computed, see `solve_pair`.
     """
-    angles = bearing.contact_angle + angle_deviations(np.array([theta, theta]), mated=mated)
-    side = np.array([rho, -rho])
+    angles = bearing.contact_angle + contact_angle_deviations(np.array([theta, theta]), mated=mated)
+    side = np.array([side_force_ratio, -side_force_ratio])
     if loads == "diagonal":
-        return angles, diagonal_loads(vertical, side, bearing.contact_angle)
+        return angles, loads_equal_on_diagonals(vertical, side, bearing.contact_angle)
     if loads == "balanced":
-        return angles, balanced_loads(angles, vertical, side)
-    force, turned = elastic_loads(bearing, angles, vertical, side)
+        return angles, loads_in_equilibrium(angles, vertical, side)
+    force, turned = loads_of_elastic_contacts(bearing, angles, vertical, side)
     return turned, force
 
 
 def solve_pair(
     bearing: LinearBearing,
     theta: float,
-    rho: float,
+    side_force_ratio: float,
     vertical: float,
     *,
     mated: bool = False,
     loads: Loads = "balanced",
     fast: bool = True,
-) -> PairResult:
+) -> LinearPairSolution:
     """Return the states of two balls without and with contact, the case study of section 3.3.4 of Lin's thesis.
 
     Parameters
@@ -429,7 +439,7 @@ def solve_pair(
         Bearing with speed and coefficients of friction.
     theta
         Deviation of the contact angles on the bottom groove [rad].
-    rho
+    side_force_ratio
         Ratio N_x/N_y of side force to vertical force on the first ball; the second has the opposite side force.
     vertical
         Vertical force N_y on each ball [N].
@@ -442,12 +452,12 @@ def solve_pair(
     fast
         Whether to use compiled kernels.
     """
-    angles, force = pair_angles_and_loads(bearing, theta, rho, vertical, mated=mated, loads=loads)
-    apart, together = (prepare_chain(bearing, angles, force, touching) for touching in (False, True))
-    return PairResult(solve_linear_chain(apart, fast=fast), solve_linear_chain(together, fast=fast))
+    angles, force = pair_angles_and_loads(bearing, theta, side_force_ratio, vertical, mated=mated, loads=loads)
+    apart, together = (prepare_linear_chain(bearing, angles, force, touching) for touching in (False, True))
+    return LinearPairSolution(solve_linear_chain(apart, fast=fast), solve_linear_chain(together, fast=fast))
 
 
-class BothModels(NamedTuple):
+class ModelAndFormula(NamedTuple):
     """One quantity by the numerical model and by the closed formulas, over T values of theta and R values of rho."""
 
     #: Quantity by the numerical model ``(T, R)``.
@@ -462,7 +472,7 @@ class BothModels(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PairMaps:
+class PairResultsOverGrid:
     """Results for two balls over a grid of T deviations theta and R side forces (Figures 3.14 and 3.15 of Lin's thesis)."""
 
     #: Deviations of the contact angles on the bottom groove ``(T,)`` [rad].
@@ -470,16 +480,18 @@ class PairMaps:
     #: Ratios of side force to vertical force ``(R,)``.
     rho: Array
     #: Difference epsilon_1 - epsilon_2 of the balls' relative deviations from nominal velocity without contact.
-    difference: BothModels
+    difference: ModelAndFormula
     #: Ball-to-ball force [N].
-    force: BothModels
+    force: ModelAndFormula
     #: Groove loss without ball-to-ball contact plus loss between balls, over this groove loss.
-    ratio: BothModels
+    ratio: ModelAndFormula
     #: Number of states of the numerical model that did not converge.
     failures: int
 
 
-def force_maps(bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float) -> PairMaps:
+def pair_results_over_grid(
+    bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float
+) -> PairResultsOverGrid:
     """Return the results of numerical model and closed formulas for two balls over theta and rho (Lin Figures 3.14, 3.15).
 
     Parameters
@@ -500,13 +512,13 @@ def force_maps(bearing: LinearBearing, theta: Array, rho: Array, vertical: float
         result = solve_pair(bearing, float(theta[i]), float(rho[j]), vertical)
         failures += sum(r.status != "converged" for r in (result.free, result.touching))
         values[:, 0, i, j] = result.difference, result.force, result.rubbing_ratio
-        values[:, 1, i, j] = pair_formulas(bearing, float(theta[i]), float(rho[j]), vertical, k_f)
-    difference, force, ratio = (BothModels(*both) for both in values)
-    return PairMaps(theta, rho, difference, force, ratio, failures)
+        values[:, 1, i, j] = pair_results_by_formulas(bearing, float(theta[i]), float(rho[j]), vertical, k_f)
+    difference, force, ratio = (ModelAndFormula(*both) for both in values)
+    return PairResultsOverGrid(theta, rho, difference, force, ratio, failures)
 
 
-def pair_formulas(
-    bearing: LinearBearing, theta: float, rho: float, vertical: float, k_f: float, *, mated: bool = False
+def pair_results_by_formulas(
+    bearing: LinearBearing, theta: float, side_force_ratio: float, vertical: float, k_f: float, *, mated: bool = False
 ) -> tuple[float, float, float]:
     """Return the results of the closed formulas for two balls, with equal contact loads on each diagonal.
 
@@ -516,7 +528,7 @@ def pair_formulas(
         Bearing with speed and coefficients of friction.
     theta
         Deviation of the contact angles on the bottom groove [rad].
-    rho
+    side_force_ratio
         Ratio of side force to vertical force on the first ball; the second has the opposite side force.
     vertical
         Vertical force N_y on each ball [N].
@@ -535,10 +547,10 @@ def pair_formulas(
     ----------
     Lin (2019), 3.43, 3.51 and 3.53 at the loads of the text before 3.54.
     """
-    loads = diagonal_loads(vertical, np.array([rho, -rho]), bearing.contact_angle)
-    turn = angle_deviations(np.array([theta, theta]), mated=mated)
-    epsilon = velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
+    loads = loads_equal_on_diagonals(vertical, np.array([side_force_ratio, -side_force_ratio]), bearing.contact_angle)
+    turn = contact_angle_deviations(np.array([theta, theta]), mated=mated)
+    epsilon = relative_velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
     difference = float(epsilon[0] - epsilon[1])
-    force = ball_force(bearing, loads[:, :2], np.array(difference), k_f)
-    baseline = float(spin_loss(bearing, loads).sum())
-    return difference, float(force), 1.0 + float(ball_loss(bearing, force)) / baseline
+    force = ball_force_by_formula(bearing, loads[:, :2], np.array(difference), k_f)
+    baseline = float(groove_spin_loss(bearing, loads).sum())
+    return difference, float(force), 1.0 + float(ball_to_ball_loss(bearing, force)) / baseline

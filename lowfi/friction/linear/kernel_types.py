@@ -59,7 +59,7 @@ class Smoothing(NamedTuple):
     spring: float
 
 
-class Work(NamedTuple):
+class NewtonArrays(NamedTuple):
     """Work arrays for Newton's method."""
 
     #: Jacobian of the equations as a band (4 N, 11).

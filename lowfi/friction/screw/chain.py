@@ -2,14 +2,14 @@
 
 On every ball the friction at its grooves is in balance with the forces of its neighbours: 0 <= F, 0 <= rate at which the
 gap may still close, F rate = 0, and sliding friction mu F between balls (Lin 3.73-3.77). A semismooth Newton method solves
-for motions and forces together while the regularising speed of friction falls (`solve_chain`).
+for motions and forces together while the regularising speed of friction falls (`solve_motion_of_chain`).
 
-`coupled_chain` lets the contact loads agree with the motion (section 3.4.1 of Lin's thesis): friction and ball-to-ball
-forces in the plane of the groove's section change the contact loads, and these the friction. Both are solved in turn in
-accelerated rounds. Friction that wedges a ball between grooves changes the loads by many times as much as it changes
-itself, so that these rounds run away. Loads and friction are then solved as one system (`solve_joint`), in which the
-contact angles follow the ball's position. Newton's method follows its solution from no friction, smoothed, to all of it,
-hardly smoothed.
+`solve_coupled_chain` lets the contact loads agree with the motion (section 3.4.1 of Lin's thesis): friction and
+ball-to-ball forces in the plane of the groove's section change the contact loads, and these the friction. Both are solved
+in turn in accelerated rounds. Friction that wedges a ball between grooves changes the loads by many times as much as it
+changes itself, so that these rounds run away. Loads and friction are then solved as one system (`solve_loads_and_motion`),
+in which the contact angles follow the ball's position. Newton's method follows its solution from no friction, smoothed, to
+all of it, hardly smoothed.
 """
 
 from __future__ import annotations
@@ -19,31 +19,31 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.equilibrium import SettledCell, cell_state
+from rollbench.lowfi.friction.contact.equilibrium import ContactLoadSolution, zero_cell_state
 from rollbench.lowfi.friction.screw.groove import (
-    Grooved,
+    GroovesInMotion,
     ScrewGroove,
-    groove_arrays,
-    nominal_speed,
-    plain_array,
-    speed_levers,
+    contiguous_floats,
+    kernel_groove_arrays,
+    nut_speed_along_path,
+    surface_speed_levers,
 )
-from rollbench.lowfi.friction.screw.kernel_types import BalanceParts, BallArrays, JointSystem, Place
+from rollbench.lowfi.friction.screw.kernel_types import BalanceParts, BallArrays, JointSystem, JointUnknowns
 from rollbench.lowfi.friction.screw.motion import (
     AGREED,
     ROUNDS,
     AndersonMixer,
-    Cell,
+    BallsBetweenGrooves,
     Coupling,
-    contact_wrench,
-    forces_of_friction,
-    helical_power,
-    hold_screw,
-    load_arrays,
-    screw_contacts,
-    settle_load,
+    contact_ellipses_of_screw,
+    friction_on_balls_and_screw,
+    friction_wrench_at_contacts,
+    kernel_load_arrays,
+    power_of_helical_motion,
+    solve_screw_contact_loads,
+    with_fixed_screw,
 )
-from rollbench.lowfi.jit import CONTACT, SCREW, kernels
+from rollbench.lowfi.jit import CONTACT, SCREW, load_kernel_package
 from rollbench.meshes.arrays import Array
 
 #: Regularising speeds as parts of the balls' speed, from the first (cold start) to the last.
@@ -83,7 +83,7 @@ class FrictionContacts:
 
 
 @dataclass(frozen=True)
-class AnyChain(ABC):
+class BallChain(ABC):
     """N balls in order of azimuth with their contact loads.
 
     An unloaded ball rolls at the nominal speed unless its neighbours push it. Between its neighbours it turns without
@@ -91,7 +91,7 @@ class AnyChain(ABC):
     """
 
     #: Grooves in motion.
-    groove: Grooved
+    groove: GroovesInMotion
     #: Contact forces ``(N, 4)`` [N].
     force: Array
     #: Contact normals ``(N, 4, 3)``.
@@ -115,7 +115,7 @@ class AnyChain(ABC):
 
         ``pull``: friction in the contacts' axes ``(N, 4, 3)``: force along x and z [N], moment about y [N m].
         """
-        return contact_wrench(self.normals, pull[..., :2], pull[..., 2])
+        return friction_wrench_at_contacts(self.normals, pull[..., :2], pull[..., 2])
 
     @abstractmethod
     def input_power(self, wrench: Array) -> float:
@@ -126,7 +126,7 @@ class AnyChain(ABC):
 
 
 @dataclass(frozen=True)
-class Chain(AnyChain):
+class Chain(BallChain):
     """Balls of equal size in one pair of grooves."""
 
     #: Grooves of screw and nut with their speeds.
@@ -135,7 +135,7 @@ class Chain(AnyChain):
     @property
     def friction_contacts(self) -> FrictionContacts:
         """Ellipses, friction bounds and kinematics of the contacts of all N balls with the grooves."""
-        at = screw_contacts(self.groove, self.force)
+        at = contact_ellipses_of_screw(self.groove, self.force)
         maps, drives = self.groove.maps(self.normals)
         shape = np.stack([at.a, at.b, at.strength], axis=1).reshape(-1, 4, 3)
         return FrictionContacts(shape, maps, np.broadcast_to(drives, (*maps.shape[:2], 3)))
@@ -150,7 +150,7 @@ class Chain(AnyChain):
 
         ``wrench``: force and moment of friction on the balls at each contact in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
         """
-        return helical_power(self.groove, self.normals, wrench)
+        return power_of_helical_motion(self.groove, self.normals, wrench)
 
 
 @dataclass(frozen=True)
@@ -199,7 +199,7 @@ class ChainMotion:
         return sum(self.losses)
 
 
-def residual_arrays(count: int) -> BalanceParts:
+def zero_balance_arrays(count: int) -> BalanceParts:
     """Return zero arrays for ``count`` balls, to which the kernels write forces out of balance and their derivatives."""
     return BalanceParts(np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4)))
 
@@ -214,7 +214,7 @@ class BalanceSearch:
     for a mu that vanishes.
     """
 
-    def __init__(self, chain: AnyChain, fast: bool = True) -> None:
+    def __init__(self, chain: BallChain, fast: bool = True) -> None:
         """Scale the data of ``chain`` for the kernels; ``fast``: whether to use compiled kernels.
 
         Balls with less than ``NEGLIGIBLE`` times the largest load of a ball get no friction.
@@ -223,8 +223,8 @@ class BalanceSearch:
         total = chain.force.sum(axis=1)
         loaded = total > NEGLIGIBLE * float(total.max())
         self.chain, self.count, self.loaded = chain, chain.force.shape[0], loaded
-        self.kernels = kernels(SCREW, compiled=fast)
-        self.units, self.speed, self.groove = speed_levers(g), nominal_speed(g), groove_arrays(g)
+        self.kernels = load_kernel_package(SCREW, compiled=fast)
+        self.units, self.speed, self.groove = surface_speed_levers(g), nut_speed_along_path(g), kernel_groove_arrays(g)
         shape = contacts.shape
         self.rubbing = bool(np.any(shape[..., 2] > 0.0))
         if not self.rubbing:
@@ -235,18 +235,18 @@ class BalanceSearch:
         self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), chain.mu_balls, 0.0)
         ones = np.ones(self.count)
         self.balls = BallArrays(
-            force=plain_array(np.where(loaded[:, None], chain.force, 0.0)),
-            normal=plain_array(chain.normals[..., [0, 2]]),
+            force=contiguous_floats(np.where(loaded[:, None], chain.force, 0.0)),
+            normal=contiguous_floats(chain.normals[..., [0, 2]]),
             hold=np.where(loaded, HOLD, HOLD_IDLE),
             slack=slack,
             allowed=self.allowed.astype(float),
             mu=self.mu,
             strength=(g.mu or 1.0) / self.bound,
-            shape=plain_array(shape * np.stack([ones, ones, loaded / self.bound], axis=1)[:, None]),
-            maps=plain_array(contacts.maps / self.units),
-            drives=plain_array(contacts.drives / self.speed),
+            shape=contiguous_floats(shape * np.stack([ones, ones, loaded / self.bound], axis=1)[:, None]),
+            maps=contiguous_floats(contacts.maps / self.units),
+            drives=contiguous_floats(contacts.drives / self.speed),
         )
-        self.parts = residual_arrays(self.count)
+        self.parts = zero_balance_arrays(self.count)
 
     def motions_without_neighbours(self) -> Array:
         """Return the scaled motions ``(N, 4)`` of the balls without neighbours."""
@@ -261,7 +261,7 @@ class BalanceSearch:
         speed over ``speed``; ``goal``: residual at which the iteration ends; ``limit``: most Newton steps. Returns the
         scaled motions, the scaled forces, the residual (root of the sum of squares) and the number of steps.
         """
-        x, f = plain_array(x).copy(), plain_array(f).copy()
+        x, f = contiguous_floats(x).copy(), contiguous_floats(f).copy()
         size, steps = self.kernels.solve_balance(self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts)
         return x, f, float(size), int(steps)
 
@@ -310,8 +310,8 @@ class BalanceSearch:
         return x, f, total
 
 
-def solve_chain(
-    chain: AnyChain, start: tuple[Array, Array] | None = None, fast: bool = True, warm: bool = False
+def solve_motion_of_chain(
+    chain: BallChain, start: tuple[Array, Array] | None = None, fast: bool = True, warm: bool = False
 ) -> ChainMotion:
     """Return motions and ball-to-ball forces of a chain of balls at given contact loads.
 
@@ -341,17 +341,17 @@ def solve_chain(
     if start is not None and (warm or np.any(start[1] > 0.0)):
         x, f, good, total = s.solve_at_last_speed(start[0] * s.units / s.speed, start[1] / s.bound)
         if good:
-            return _chain_result(s, x, f, total, True)
+            return _motion_in_si_units(s, x, f, total, True)
     alone = s.motions_without_neighbours()
     x, f, good, steps = s.solve_at_last_speed(alone, np.zeros(s.count))
     total += steps
     if not good:
         x, f, steps = s.solve_by_stages(alone)
         total += steps
-    return _chain_result(s, x, f, total)
+    return _motion_in_si_units(s, x, f, total)
 
 
-def _chain_result(s: BalanceSearch, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
+def _motion_in_si_units(s: BalanceSearch, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
     """Return motion, forces and losses of the balls in SI units.
 
     ``s``: the search with its scales; ``x``: scaled motions ``(N, 4)``; ``f``: scaled ball-to-ball forces ``(N,)``;
@@ -421,7 +421,7 @@ class JointSolution:
     q: Array
     #: Force of ball k on ball k + 1 ``(N,)`` [N].
     ball_force: Array
-    #: Forces on the balls with which the contacts are in balance ``(N, 2)`` [N], see `Cell`.
+    #: Forces on the balls with which the contacts are in balance ``(N, 2)`` [N], see `BallsBetweenGrooves`.
     push: Array
     #: Forces on the screw with which the contacts are in balance ``(m,)`` [N].
     drag: Array
@@ -431,8 +431,12 @@ class JointSolution:
     steps: int
 
 
-def solve_joint(
-    cell: Cell, slack: Array, start: tuple[Array, Array], near: tuple[Array, Array] | None = None, fast: bool = True
+def solve_loads_and_motion(
+    cell: BallsBetweenGrooves,
+    slack: Array,
+    start: tuple[Array, Array],
+    similar_start: tuple[Array, Array] | None = None,
+    fast: bool = True,
 ) -> JointSolution:
     """Return loads and motion of balls with friction, solved as one system of equations.
 
@@ -447,7 +451,7 @@ def solve_joint(
         Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
     start
         Displacements of the balls ``(N, 2)`` and of the screw ``(m,)`` [m] without friction; m: free motions of the screw.
-    near
+    similar_start
         Displacements, as ``start``, of a similar state with friction, from which the search begins if it fails from
         ``start``.
     fast
@@ -456,8 +460,8 @@ def solve_joint(
     bare = replace(cell, push=np.zeros_like(cell.push), drag=np.zeros_like(cell.drag))
     sharp, steps = float(np.log(SPEEDS[-1])), 0
     ways = [(start, eps, 0.0) for eps in SMOOTH]
-    if near is not None:
-        ways += [(near, eps, 1.0) for eps in reversed(SMOOTH)]
+    if similar_start is not None:
+        ways += [(similar_start, eps, 1.0) for eps in reversed(SMOOTH)]
     for place, eps, share in ways:
         path, smooth = _JointPath(bare, slack, place, fast), float(np.log(eps))
         done = share == 1.0 or path.follow_solution((share, smooth), (1.0, smooth))
@@ -469,7 +473,7 @@ def solve_joint(
     return JointSolution(path.ball, path.screw, path.q, path.ball_force, push, drag, done, steps)
 
 
-def joint_kernel_arguments(cell: Cell, search: BalanceSearch) -> JointSystem:
+def joint_kernel_arguments(cell: BallsBetweenGrooves, search: BalanceSearch) -> JointSystem:
     """Return the arguments of the kernels that solve loads and motion as one system.
 
     ``cell``: balls between screw and nut; ``search``: the scaled arrays of the chain of these balls.
@@ -477,14 +481,14 @@ def joint_kernel_arguments(cell: Cell, search: BalanceSearch) -> JointSystem:
     pair, total = cell.groove.pair, float(search.balls.force.sum())
     length = float(np.max(cell.groove.constants.C)) * max(total, 1e-30) ** (2.0 / 3.0)
     return JointSystem(
-        cell=load_arrays(cell),
+        cell=kernel_load_arrays(cell),
         groove=search.groove,
         balls=search.balls,
         unit=search.bound,
         length=length,
-        push=plain_array(pair.push[:, [0, 2]]),
-        slide=plain_array(pair.slide[..., [0, 2]]),
-        rows=plain_array(cell.rows),
+        push=contiguous_floats(pair.push[:, [0, 2]]),
+        slide=contiguous_floats(pair.slide[..., [0, 2]]),
+        rows=contiguous_floats(cell.rows),
     )
 
 
@@ -495,7 +499,7 @@ class _JointPath:
     `JointSolution`.
     """
 
-    def __init__(self, cell: Cell, slack: Array, start: tuple[Array, Array], fast: bool) -> None:
+    def __init__(self, cell: BallsBetweenGrooves, slack: Array, start: tuple[Array, Array], fast: bool) -> None:
         """Begin at given positions, with the motion of the balls at the contact loads there.
 
         ``cell``: balls between screw and nut; ``slack``: largest rate at which ball k may approach ball k + 1 ``(N,)``
@@ -505,14 +509,14 @@ class _JointPath:
         self.cell, self.slack, self.fast, self.steps = cell, slack, fast, 0
         self.ball, self.screw = start
         self.update_loads()
-        moved = solve_chain(self.search.chain, None, fast)
+        moved = solve_motion_of_chain(self.search.chain, None, fast)
         self.q, self.ball_force = moved.q, moved.ball_force
 
     def update_loads(self) -> None:
         """Compute the contact loads at the present positions, and from them the scales and the set of loaded balls."""
-        g, arrays = self.cell.groove, load_arrays(self.cell)
-        self.state = cell_state(arrays)
-        kernels(CONTACT, compiled=self.fast).contact_energy(arrays, self.ball, self.screw, self.state)
+        g, arrays = self.cell.groove, kernel_load_arrays(self.cell)
+        self.state = zero_cell_state(arrays)
+        load_kernel_package(CONTACT, compiled=self.fast).contact_energy(arrays, self.ball, self.screw, self.state)
         n = self.state.normal
         normals = np.stack([n[..., 0], np.zeros_like(n[..., 0]), n[..., 1]], axis=-1)
         self.search = BalanceSearch(Chain(g, self.state.force, normals, self.slack), self.fast)
@@ -525,13 +529,13 @@ class _JointPath:
         regularising speed over the nut's speed along the path.
         """
         way, step = 0.0, FIRST
-        last: tuple[float, Place] | None = None
+        last: tuple[float, JointUnknowns] | None = None
         while way < 1.0 and step >= SHORTEST and self.steps < MOST:
             goal, here = min(1.0, way + step), self.unknowns()
             guess = here
             if last is not None:
                 p, u, x, f = (a + (goal - way) / (way - last[0]) * (a - b) for a, b in zip(here, last[1], strict=True))
-                guess = Place(p, u, x, f)
+                guess = JointUnknowns(p, u, x, f)
             share, eps = start[0] + goal * (end[0] - start[0]), np.exp(start[1] + goal * (end[1] - start[1]))
             used = self.solve_stage(guess, float(share), float(eps))
             if used is None:
@@ -541,14 +545,14 @@ class _JointPath:
             step *= 1.5 if used <= EASY else 1.0
         return way >= 1.0
 
-    def unknowns(self) -> Place:
+    def unknowns(self) -> JointUnknowns:
         """Return the present displacements [m], scaled motions, and ball-to-ball forces.
 
         The forces are in newtons, because the unit of force of the kernels changes with the contact loads.
         """
-        return Place(self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force)
+        return JointUnknowns(self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force)
 
-    def solve_stage(self, guess: Place, share: float, eps: float) -> int | None:
+    def solve_stage(self, guess: JointUnknowns, share: float, eps: float) -> int | None:
         """Solve loads and motion by Newton's method at one amount and one regularising speed of friction.
 
         ``guess``: unknowns to begin from, as `unknowns` returns them; ``share``: fraction of the friction that acts on the
@@ -556,9 +560,9 @@ class _JointPath:
         they do not converge, the present solution then being unchanged.
         """
         s = self.search
-        p, u, x, f = (plain_array(a).copy() for a in guess)
+        p, u, x, f = (contiguous_floats(a).copy() for a in guess)
         f /= s.bound
-        left, used = s.kernels.newton_joint(self.system, Place(p, u, x, f), share, eps, COUPLED_GOAL, COUPLED_STEPS)
+        left, used = s.kernels.newton_joint(self.system, JointUnknowns(p, u, x, f), share, eps, COUPLED_GOAL, COUPLED_STEPS)
         self.steps += int(used)
         if not left <= PASSED:
             return None
@@ -568,13 +572,13 @@ class _JointPath:
 
 
 @dataclass(frozen=True)
-class CoupledChain:
+class CoupledChainSolution:
     """Contact loads and motion of a chain of balls, with the loads in balance with the friction that the motion causes."""
 
     #: Contact loads without friction. A screw that friction may not move stays in the position of this state.
-    bare: SettledCell
+    bare: ContactLoadSolution
     #: Contact loads with friction.
-    load: SettledCell
+    load: ContactLoadSolution
     #: Motion, friction and ball-to-ball forces.
     motion: ChainMotion
     #: Change of the friction forces that act on the loads, in the last round [N].
@@ -586,10 +590,10 @@ class CoupledChain:
 
 
 @dataclass(frozen=True)
-class Guess:
+class IterationStart:
     """Forces and motions of N balls from which the iteration of contact loads and friction begins."""
 
-    #: Forces on the balls ``(N, 2)`` [N], as in `Cell`.
+    #: Forces on the balls ``(N, 2)`` [N], as in `BallsBetweenGrooves`.
     push: Array
     #: Forces on the screw along its m free motions ``(m,)`` [N]; not used where friction does not move the screw.
     drag: Array
@@ -599,14 +603,14 @@ class Guess:
     ball_force: Array
 
 
-def coupled_chain(
-    cell: Cell,
+def solve_coupled_chain(
+    cell: BallsBetweenGrooves,
     slack: Array,
     coupling: Coupling,
-    near: CoupledChain | None = None,
+    similar_solution: CoupledChainSolution | None = None,
     rounds: int = ROUNDS,
-    guess: Guess | None = None,
-) -> CoupledChain:
+    guess: IterationStart | None = None,
+) -> CoupledChainSolution:
     """Return contact loads and motion of N balls, with the loads in balance with friction and ball-to-ball forces.
 
     The solution is not always unique: a ball that bears no load without friction, or next to none, may float or be wedged
@@ -622,50 +626,54 @@ def coupled_chain(
         What friction and ball-to-ball forces may change. ``"none"``: nothing; ``"ball"``: the loads of the balls, while
         the screw stays where it is without these forces (section 3.4.1 of Lin's thesis); ``"ball and screw"``: also the
         position of the screw, which is in balance with them.
-    near
+    similar_solution
         Solution of a similar chain from which the search begins.
     rounds
         Largest number of rounds of loads and friction.
     guess
-        Forces and motion to begin from, in place of those of ``near``.
+        Forces and motion to begin from, in place of those of ``similar_solution``.
 
     Returns
     -------
     CoupledChain
         The solution; if no agreement is found, its ``converged`` is False.
     """
-    bare = settle_load(cell, None if near is None else (near.bare.ball, near.bare.inner))
-    held = hold_screw(cell, bare) if coupling == "ball" else cell
+    bare = solve_screw_contact_loads(
+        cell, None if similar_solution is None else (similar_solution.bare.ball, similar_solution.bare.inner)
+    )
+    held = with_fixed_screw(cell, bare) if coupling == "ball" else cell
     m = held.rows.shape[2]
     if guess is None:
-        guess = _first_guess(held, coupling, near)
+        guess = _starting_forces_and_motion(held, coupling, similar_solution)
     push, drag, start = guess.push, guess.drag[:m], (guess.q, guess.ball_force)
     place, mixer, count = (bare.ball, bare.inner[:m]), AndersonMixer(), 0
     while True:
         alike = held is cell and np.array_equal(push, cell.push) and np.array_equal(drag, cell.drag)
-        load = bare if alike else settle_load(replace(held, push=push, drag=drag), place)
-        moved = solve_chain(Chain(cell.groove, load.force, cell.groove.normals(load.angle), slack), start)
-        new_push, new_drag = forces_of_friction(held, moved.wrench, moved.ball_push[:, [0, 2]], coupling)
+        load = bare if alike else solve_screw_contact_loads(replace(held, push=push, drag=drag), place)
+        moved = solve_motion_of_chain(Chain(cell.groove, load.force, cell.groove.normals(load.angle), slack), start)
+        new_push, new_drag = friction_on_balls_and_screw(held, moved.wrench, moved.ball_push[:, [0, 2]], coupling)
         x, g = np.append(push, drag), np.append(new_push, new_drag)
         change, count = float(np.max(np.abs(g - x))), count + 1
         agreed = change <= AGREED * float(np.sum(load.force))
         if agreed or count == rounds:
-            return CoupledChain(bare, load, moved, change, count, agreed and load.converged and moved.converged)
+            return CoupledChainSolution(bare, load, moved, change, count, agreed and load.converged and moved.converged)
         if count == PATIENCE:
-            like = None if near is None else (near.load.ball, near.load.inner)
-            joint = solve_joint(held, slack, (bare.ball, bare.inner[:m]), like)
+            like = None if similar_solution is None else (similar_solution.load.ball, similar_solution.load.inner)
+            joint = solve_loads_and_motion(held, slack, (bare.ball, bare.inner[:m]), like)
             if joint.done:
                 push, drag, place = joint.push, joint.drag, (joint.ball, joint.screw)
                 start = (joint.q, joint.ball_force)
                 continue
-        x = mixer.next(x, g)
+        x = mixer.next_iterate(x, g)
         push, drag = x[: push.size].reshape(push.shape), x[push.size :]
         # no friction on a ball without load: what the mixer makes of it would push the ball about
         push = np.where(np.any(moved.wrench != 0.0, axis=(1, 2))[:, None], push, new_push)
         place, start = (load.ball, load.inner), (moved.q, moved.ball_force)
 
 
-def _first_guess(cell: Cell, coupling: Coupling, near: CoupledChain | None) -> Guess:
+def _starting_forces_and_motion(
+    cell: BallsBetweenGrooves, coupling: Coupling, near: CoupledChainSolution | None
+) -> IterationStart:
     """Return forces and motions from which the iteration begins: those of a similar chain, if there is one.
 
     ``cell``: balls between screw and nut; ``coupling``: what friction may change; ``near``: solution of the similar chain;
@@ -673,8 +681,8 @@ def _first_guess(cell: Cell, coupling: Coupling, near: CoupledChain | None) -> G
     """
     n = cell.angle.shape[0]
     if near is None:
-        return Guess(cell.push, cell.drag, np.zeros((n, 4)), np.zeros(n))
+        return IterationStart(cell.push, cell.drag, np.zeros((n, 4)), np.zeros(n))
     push, drag = cell.push, cell.drag
     if coupling != "none":
-        push, drag = forces_of_friction(cell, near.motion.wrench, near.motion.ball_push[:, [0, 2]], coupling)
-    return Guess(push, drag, near.motion.q, near.motion.ball_force)
+        push, drag = friction_on_balls_and_screw(cell, near.motion.wrench, near.motion.ball_push[:, [0, 2]], coupling)
+    return IterationStart(push, drag, near.motion.q, near.motion.ball_force)

@@ -19,12 +19,12 @@ from rollbench.lowfi.friction.screw.kernel_types import GrooveArrays
 from rollbench.lowfi.hertz import contact_modulus, printed_hertz
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import SIDE_SIGNS, Balls, Material, Nut, Scene, Screw, Track
-from rollbench.meshes.record_keys import keyed, usual
-from rollbench.meshes.surface import printed_radii
+from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
+from rollbench.meshes.surface import printed_principal_radii
 
 Mode = Literal["right", "as printed"]
 SIGN_X, SIGN_Z = np.array(SIDE_SIGNS).T
@@ -119,7 +119,7 @@ class HelicalMotion:
         """
         axes = contact_axes(normals)
         size = self.ball_radius if ball_radius is None else np.asarray(ball_radius)[..., None, None, None]
-        slide = size * np.einsum("jik,...k->...ij", self.crosses, normals)
+        slide = size * np.einsum("jik,...k->...ij", self.cross_product_matrices, normals)
         slide[..., 1, 0] += self.radius
         maps = np.matmul(axes, slide)
         maps[..., 2, :] = -normals @ self.turns.T
@@ -132,7 +132,7 @@ class HelicalMotion:
         return np.concatenate([self.axis[None, :], np.eye(3)])
 
     @cached_property
-    def crosses(self) -> Array:
+    def cross_product_matrices(self) -> Array:
         """Matrices that multiply a vector to give the cross product of each axis in ``turns`` with it ``(4, 3, 3)``."""
         return np.array([np.cross(t, np.eye(3)).T for t in self.turns])
 
@@ -150,7 +150,7 @@ def contact_axes(normals: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Constants:
+class GrooveHertzConstants:
     """Hertz constants of the four contacts of a ball."""
 
     #: C of the approach C F^(2/3) ``(4,)`` [m/N^(2/3)].
@@ -161,7 +161,7 @@ class Constants:
     C_b: Array
 
 
-class Grooved(HelicalMotion, ABC):
+class GroovesInMotion(HelicalMotion, ABC):
     """Interface of grooves in helical motion, with friction."""
 
     #: Largest coefficient of friction of the grooves.
@@ -169,7 +169,7 @@ class Grooved(HelicalMotion, ABC):
 
     @property
     @abstractmethod
-    def constants(self) -> Constants:
+    def constants(self) -> GrooveHertzConstants:
         """Hertz constants of the contacts of a nominal ball at the nominal contact angle."""
 
     @cached_property
@@ -178,9 +178,9 @@ class Grooved(HelicalMotion, ABC):
         return pair_geometry(self)
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
-class ScrewGroove(Grooved):
+class ScrewGroove(GroovesInMotion):
     """Grooves of a four-point ball screw with friction, and the speeds of screw and nut.
 
     Screw and nut each turn and advance along the helix, so that only the difference of their speeds influences the
@@ -206,11 +206,11 @@ class ScrewGroove(Grooved):
     #: Angular speed of the nut about the axis [rad/s].
     nut_speed: float
     #: Angular speed of the screw about the axis [rad/s].
-    screw_speed: float = usual(0.0)
+    screw_speed: float = frozen_default(0.0)
     #: Coefficient of friction from ball to ball; None stands for that of the grooves.
-    mu_balls: float | None = usual(None)
+    mu_balls: float | None = frozen_default(None)
     #: Whether the Hertz constants are exact ("right") or have the errors of Lin's Table B.1 ("as printed").
-    hertz: Mode = usual("right")
+    hertz: Mode = frozen_default("right")
 
     def __post_init__(self) -> None:
         """Raise ValueError for radii, angles or material constants out of range."""
@@ -238,7 +238,7 @@ class ScrewGroove(Grooved):
         return self.groove_radius - self.ball_radius
 
     @cached_property
-    def constants(self) -> Constants:
+    def constants(self) -> GrooveHertzConstants:
         """Hertz constants at the nominal contact angle, from the exact helicoids or with the errors of Lin's Table B.1."""
         steel = Material(self.young, self.poisson)
         scene = Scene(
@@ -251,14 +251,14 @@ class ScrewGroove(Grooved):
         )
         if self.hertz == "right":
             h = error_free_hertz(scene)
-            return Constants(h.C, h.C_a, h.C_b)
-        drawn = specimen(scene, ball_layout(scene))
+            return GrooveHertzConstants(h.C, h.C_a, h.C_b)
+        drawn = draw_specimen(scene, ball_layout(scene))
         modulus = contact_modulus(self.young, self.poisson, self.young, self.poisson)
         angle = np.full(1, self.contact_angle)
-        radii = [printed_radii(scene, drawn, side, angle)[0] for side in (0, 3)]
+        radii = [printed_principal_radii(scene, drawn, side, angle)[0] for side in (0, 3)]
         two = [printed_hertz(self.ball_radius, (float(r[0]), float(r[1])), modulus) for r in radii]
         table = np.array([[h.C, h.C_a, h.C_b] for h in two])[[0, 0, 1, 1]]
-        return Constants(*table.T)
+        return GrooveHertzConstants(*table.T)
 
 
 @dataclass(frozen=True)
@@ -279,7 +279,7 @@ class PairGeometry:
     slide: Array
 
 
-def contact_spacing(screw: HelicalMotion) -> float:
+def azimuth_between_touching_balls(screw: HelicalMotion) -> float:
     """Return the difference of azimuths at which two balls touch [rad]: their centres, on the helix, are 2 R_B apart.
 
     Parameters
@@ -310,7 +310,7 @@ def contact_spacing(screw: HelicalMotion) -> float:
     return float(brentq(excess, 0.0, 0.5 * np.pi, xtol=1e-15, rtol=1e-14))
 
 
-def section_frame(screw: HelicalMotion, azimuth: ArrayLike) -> Array:
+def section_axes(screw: HelicalMotion, azimuth: ArrayLike) -> Array:
     """Return the axes x3, y3, z3 of balls in fixed axes x, y, z as rows ``(..., 3, 3)`` (Lin 3.62).
 
     ``screw``: the helix, of which only the lead angle is used; ``azimuth``: azimuths of the balls ``(...)`` [rad].
@@ -332,8 +332,8 @@ def pair_geometry(screw: HelicalMotion) -> PairGeometry:
     ----------
     Corrects Lin (2019), 3.73 to 3.75, which take a circle of radius L/2 pi in place of the helix.
     """
-    spacing = contact_spacing(screw)
-    frames = [section_frame(screw, -0.5 * spacing), section_frame(screw, 0.5 * spacing)]
+    spacing = azimuth_between_touching_balls(screw)
+    frames = [section_axes(screw, -0.5 * spacing), section_axes(screw, 0.5 * spacing)]
     centres = [
         screw.pitch_radius * f[0] + np.array([0.0, 0.0, screw.ratio * s * 0.5 * spacing])
         for f, s in zip(frames, (-1.0, 1.0), strict=True)
@@ -360,12 +360,12 @@ def pair_geometry(screw: HelicalMotion) -> PairGeometry:
 
 
 @lru_cache(maxsize=64)
-def groove_arrays(groove: Grooved) -> GrooveArrays:
+def kernel_groove_arrays(groove: GroovesInMotion) -> GrooveArrays:
     """Return kinematics and Hertz constants of the grooves as arrays for the kernels; results are cached.
 
     In these arrays the motions of a ball are surface speeds over the speed of the nut along the path.
     """
-    unit, speed, pair, h = speed_levers(groove), nominal_speed(groove), groove.pair, groove.constants
+    unit, speed, pair, h = surface_speed_levers(groove), nut_speed_along_path(groove), groove.pair, groove.constants
     scale = speed / unit
     ends = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     at = groove.maps(np.repeat(ends[:, None, :], 4, axis=1))[0][:, 0] * scale
@@ -374,22 +374,22 @@ def groove_arrays(groove: Grooved) -> GrooveArrays:
     ride = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed) / scale[0]
     nominal = np.array([groove.nominal_orbit, 0.0, 0.0, 0.0]) / scale
     affine, ride, C_a, C_b, nominal, first, second = map(
-        plain_array, (affine, ride, h.C_a, h.C_b, nominal, pair.first / unit, pair.second / unit)
+        contiguous_floats, (affine, ride, h.C_a, h.C_b, nominal, pair.first / unit, pair.second / unit)
     )
     closing = float(pair.closing / groove.radius)
     return GrooveArrays(affine, ride, C_a, C_b, nominal, first, second, closing, float(speed))
 
 
-def plain_array(values: Array) -> Array:
+def contiguous_floats(values: Array) -> Array:
     """Return ``values`` as contiguous floats, so that the kernels are compiled for one kind of array only."""
     return np.ascontiguousarray(values, dtype=float)
 
 
-def speed_levers(groove: HelicalMotion) -> Array:
+def surface_speed_levers(groove: HelicalMotion) -> Array:
     """Return the levers [m] that multiply omega_B, omega_x, omega_y, omega_z [rad/s] to give surface speeds ``(4,)``."""
     return np.array([groove.radius, groove.ball_radius, groove.ball_radius, groove.ball_radius])
 
 
-def nominal_speed(groove: HelicalMotion) -> float:
+def nut_speed_along_path(groove: HelicalMotion) -> float:
     """Return the speed of the nut relative to the screw along the helical path [m/s]; 1 m/s if they do not move."""
     return float(abs(groove.speed) * groove.radius) or 1.0

@@ -92,7 +92,7 @@ class JointSystem(NamedTuple):
     rows: Array
 
 
-class Place(NamedTuple):
+class JointUnknowns(NamedTuple):
     """Unknowns of N balls and the screw where contact loads and motion are solved as one system of equations."""
 
     #: Displacements of the balls along x3, z3 (N, 2) [m].

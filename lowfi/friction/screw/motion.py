@@ -17,30 +17,32 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.friction.contact.equilibrium import (
-    Motion,
-    Problem,
-    SettledCell,
-    balance_by_root,
+    BodyMotion,
+    ContactLoadSolution,
+    MotionProblem,
     least_dissipation,
-    settle_cell,
+    motion_by_root,
+    solve_contact_loads,
 )
 from rollbench.lowfi.friction.contact.kernel_types import CellArrays
-from rollbench.lowfi.friction.contact.laws import Contacts, Law, Sigmoid, equal_contacts
+from rollbench.lowfi.friction.contact.laws import Contacts, FrictionLaw, Sigmoid, contacts_from_values
 from rollbench.lowfi.friction.screw.groove import (
     ON_SCREW,
     SIGN_X,
     SIGN_Z,
     ScrewGroove,
     contact_axes,
-    plain_array,
-    section_frame,
+    contiguous_floats,
+    section_axes,
 )
-from rollbench.lowfi.jit import SCREW, kernels
+from rollbench.lowfi.jit import SCREW, load_kernel_package
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array, Mask
 
 
-def bare_cell(groove: ScrewGroove, angle: Array, interference: Array, rows: Array, force: Array) -> Cell:
+def balls_without_friction(
+    groove: ScrewGroove, angle: Array, interference: Array, rows: Array, force: Array
+) -> BallsBetweenGrooves:
     """Return N balls between screw and nut under an external force on the screw, without friction forces.
 
     The screw has no given displacement. ``angle``: contact angles of the unloaded balls ``(N, 4)`` [rad]; ``interference``:
@@ -48,11 +50,11 @@ def bare_cell(groove: ScrewGroove, angle: Array, interference: Array, rows: Arra
     each ball by unit of its m free motions ``(N, 3, m)``; ``force``: force on the screw along these motions ``(m,)`` [N].
     """
     none = np.zeros((angle.shape[0], 2))
-    return Cell(groove, angle, interference, rows, force, none, none, np.zeros(force.size))
+    return BallsBetweenGrooves(groove, angle, interference, rows, force, none, none, np.zeros(force.size))
 
 
 @dataclass(frozen=True)
-class Cell:
+class BallsBetweenGrooves:
     """N balls between screw and nut, with m free motions u of the screw."""
 
     #: Grooves of screw and nut with their speeds.
@@ -73,21 +75,21 @@ class Cell:
     drag: Array
 
     @property
-    def screw_motion(self) -> Array:
+    def section_displacement_maps(self) -> Array:
         """Displacement of the screw along x3 and z3 at each ball by unit u ``(N, 2, m)``."""
         return self.rows[:, [0, 2]]
 
 
-def load_arrays(cell: Cell) -> CellArrays:
+def kernel_load_arrays(cell: BallsBetweenGrooves) -> CellArrays:
     """Return geometry, stiffness and loads of the balls in ``cell`` as arrays for the kernels."""
     start = cell.groove.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
     start, interference, C, section, offset, push, pull = map(
-        plain_array,
+        contiguous_floats,
         (
             start,
             cell.interference,
             cell.groove.constants.C,
-            cell.screw_motion,
+            cell.section_displacement_maps,
             cell.offset,
             cell.push,
             cell.force + cell.drag,
@@ -96,7 +98,7 @@ def load_arrays(cell: Cell) -> CellArrays:
     return CellArrays(start, interference, C, section, offset, push, pull, float(cell.groove.reach))
 
 
-def _first_guess(cell: Cell) -> tuple[Array, Array]:
+def _starting_displacements(cell: BallsBetweenGrooves) -> tuple[Array, Array]:
     """Return displacements from which the search for the loads begins: of the balls ``(N, 2)`` and the screw ``(m,)`` [m].
 
     The screw moves along its load by about the approach under equal loads of all balls, and the balls move half as far.
@@ -107,10 +109,12 @@ def _first_guess(cell: Cell) -> tuple[Array, Array]:
         return np.zeros((count, 2)), np.zeros(m)
     approach = float(np.max(cell.groove.constants.C)) * (total / count) ** (2.0 / 3.0)
     u = cell.force / total * 4.0 * (approach + max(0.0, -float(np.min(cell.interference))))
-    return 0.5 * (cell.screw_motion @ u), u
+    return 0.5 * (cell.section_displacement_maps @ u), u
 
 
-def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = True) -> SettledCell:
+def solve_screw_contact_loads(
+    cell: BallsBetweenGrooves, start: tuple[Array, Array] | None = None, fast: bool = True
+) -> ContactLoadSolution:
     """Return the contact loads of balls between screw and nut, in balance with the forces on balls and screw.
 
     They are the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - (force + drag) . u - push . p over the displacements u of
@@ -127,13 +131,17 @@ def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool
         Whether to use compiled kernels.
     """
     load = float(np.linalg.norm(cell.force) + np.linalg.norm(cell.drag) + np.sum(np.abs(cell.push)))
-    p, u = _first_guess(cell) if start is None else (plain_array(start[0]).copy(), plain_array(start[1]).copy())
-    settled = settle_cell(load_arrays(cell), load, p, u, contact_angles, fast)
+    p, u = (
+        _starting_displacements(cell)
+        if start is None
+        else (contiguous_floats(start[0]).copy(), contiguous_floats(start[1]).copy())
+    )
+    settled = solve_contact_loads(kernel_load_arrays(cell), load, p, u, contact_angles, fast)
     # from a distant start a nearly unloaded ball may creep along a flat energy
-    return settled if settled.converged or start is None else settle_load(cell, None, fast)
+    return settled if settled.converged or start is None else solve_screw_contact_loads(cell, None, fast)
 
 
-def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
+def screw_displacement_maps(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
     """Return the displacement of the screw along x3, y3, z3 at each ball by unit of its free translations ``(N, 3, m)``.
 
     ``azimuth``: azimuths of the balls ``(N,)`` [rad]. ``free`` has one letter for each of the m translations, in their
@@ -142,7 +150,7 @@ def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
     """
     if any(letter not in "xyzr" for letter in free):
         raise ValueError(f'free motions of the screw must be letters of "xyzr", got "{free}"')
-    turn = section_frame(groove, azimuth)
+    turn = section_axes(groove, azimuth)
     out = np.zeros((*turn.shape[:2], len(free)))
     for j, letter in enumerate(free):
         out[..., j] = (1.0, 0.0, 0.0) if letter == "r" else turn[..., "xyz".index(letter)]
@@ -168,22 +176,22 @@ class BallMotion:
     #: Directions from the ball's centre to the contacts in x3, y3, z3 ``(4, 3)``.
     normals: Array
     #: Contacts, kinematics and forces that determine the motion.
-    problem: Problem
+    problem: MotionProblem
     #: Motion of least dissipation.
-    motion: Motion
+    motion: BodyMotion
 
     @property
     def wrench(self) -> Array:
         """Force (first three) and moment of friction on the ball at each contact in x3, y3, z3 ``(4, 6)`` [N, N m]."""
-        return contact_wrench(self.normals, self.motion.friction.force, self.motion.friction.moment)
+        return friction_wrench_at_contacts(self.normals, self.motion.friction.force, self.motion.friction.moment)
 
     @property
     def input_power(self) -> float:
         """Power [W] that the helical motions of nut and screw supply against friction; equals ``motion.loss``."""
-        return helical_power(self.groove, self.normals, self.wrench)
+        return power_of_helical_motion(self.groove, self.normals, self.wrench)
 
 
-def contact_wrench(normals: Array, force: Array, moment: Array) -> Array:
+def friction_wrench_at_contacts(normals: Array, force: Array, moment: Array) -> Array:
     """Return force (first three) and moment of friction on balls at each contact in x3, y3, z3 ``(..., 4, 6)`` [N, N m].
 
     ``normals``: directions from the ball's centre to the contacts in x3, y3, z3 ``(..., 4, 3)``; ``force``: friction along
@@ -194,7 +202,7 @@ def contact_wrench(normals: Array, force: Array, moment: Array) -> Array:
     return np.concatenate([f, moment[..., None] * axes[..., 2, :]], axis=-1)
 
 
-def helical_power(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
+def power_of_helical_motion(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
     """Return the power [W] that keeps nut and screw in helical motion against friction.
 
     The drives of the bodies push with the friction on the balls: the power is the velocity of the body's surface at the
@@ -202,12 +210,14 @@ def helical_power(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
     ``(..., 4, 3)``; ``wrench``: force and moment of friction on the balls in x3, y3, z3 ``(..., 4, 6)`` [N, N m].
     """
     body = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed)
-    surface = groove.ball_radius * (normals @ groove.crosses[0].T) + groove.radius * np.array([0.0, 1.0, 0.0])
+    surface = groove.ball_radius * (normals @ groove.cross_product_matrices[0].T) + groove.radius * np.array(
+        [0.0, 1.0, 0.0]
+    )
     per_speed = np.sum(surface * wrench[..., :3], axis=-1) + wrench[..., 3:] @ groove.axis
     return float(np.sum(body * per_speed))
 
 
-def screw_contacts(groove: ScrewGroove, force: Array) -> Contacts:
+def contact_ellipses_of_screw(groove: ScrewGroove, force: Array) -> Contacts:
     """Return ellipses, loads and coefficients of friction of contacts, all balls in one row ``(n,)``.
 
     A contact without load has an ellipse of vanishing size.
@@ -221,11 +231,11 @@ def screw_contacts(groove: ScrewGroove, force: Array) -> Contacts:
     """
     h, four = groove.constants, np.reshape(force, (-1, 4)).astype(float)
     a, b = np.empty_like(four), np.empty_like(four)
-    kernels(SCREW, compiled=True).semi_axes(four, plain_array(h.C_a), plain_array(h.C_b), a, b)
-    return equal_contacts(a.ravel(), b.ravel(), four.ravel(), groove.mu)
+    load_kernel_package(SCREW, compiled=True).semi_axes(four, contiguous_floats(h.C_a), contiguous_floats(h.C_b), a, b)
+    return contacts_from_values(a.ravel(), b.ravel(), four.ravel(), groove.mu)
 
 
-def ball_motion(
+def solve_ball_motion(
     groove: ScrewGroove,
     force: Array,
     angle: Array,
@@ -252,12 +262,12 @@ def ball_motion(
     """
     normals = groove.normals(angle)
     maps, drives = groove.maps(normals)
-    at = screw_contacts(groove, np.asarray(force, dtype=float))
-    problem = Problem(at, maps, drives, np.zeros(4) if push is None else np.asarray(push, dtype=float))
+    at = contact_ellipses_of_screw(groove, np.asarray(force, dtype=float))
+    problem = MotionProblem(at, maps, drives, np.zeros(4) if push is None else np.asarray(push, dtype=float))
     return BallMotion(groove, at, normals, problem, least_dissipation(problem, start, fast))
 
 
-def source_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None = None) -> Sigmoid:
+def lin_sigmoid_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None = None) -> Sigmoid:
     """Return Lin's sigmoid friction law for the contacts of a screw.
 
     Its reference spin is the relative spin of two opposite contacts, omega_I sin(beta) for a bearing.
@@ -279,7 +289,7 @@ def source_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None 
     return Sigmoid(sharpness, spin, map_spacing)
 
 
-def ball_motion_by_root(ball: BallMotion, law: Law, start: Array | None = None) -> Motion:
+def solve_ball_motion_by_root(ball: BallMotion, law: FrictionLaw, start: Array | None = None) -> BodyMotion:
     """Return the motion of a ball by Lin's method for comparison: a root of the balance of forces (Lin 3.69, 3.71).
 
     ``ball``: the same ball, of which contacts and kinematics are used; ``law``: friction law; ``start``: motion omega_B,
@@ -287,18 +297,20 @@ def ball_motion_by_root(ball: BallMotion, law: Law, start: Array | None = None) 
     fails (status "failed") from many starts near two-point contact.
     """
     first = np.array([ball.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
-    return balance_by_root(ball.problem, law, first, fast=True)
+    return motion_by_root(ball.problem, law, first, fast=True)
 
 
-def forces_of_friction(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tuple[Array, Array]:
+def friction_on_balls_and_screw(
+    cell: BallsBetweenGrooves, wrench: Array, neighbour_forces: Array, coupling: Coupling
+) -> tuple[Array, Array]:
     """Return the forces of friction and of neighbours that change the contact loads.
 
     They act on the balls along x3, z3 ``(N, 2)`` and on the screw along its m free motions ``(m,)`` [N]. ``cell``: balls
     between screw and nut; ``wrench``: force and moment of friction on the balls at each contact in x3, y3, z3 ``(N, 4, 6)``
-    [N, N m]; ``extra``: forces of neighbours on the balls along x3, z3 ``(N, 2)`` [N]; ``coupling``: what friction may
-    change. The forces on what it may not change are zero.
+    [N, N m]; ``neighbour_forces``: forces of neighbours on the balls along x3, z3 ``(N, 2)`` [N]; ``coupling``: what
+    friction may change. The forces on what it may not change are zero.
     """
-    push = wrench[:, :, [0, 2]].sum(axis=1) + extra
+    push = wrench[:, :, [0, 2]].sum(axis=1) + neighbour_forces
     on_screw = wrench[:, ON_SCREW, :3].sum(axis=1)
     drag = -np.einsum("nim,ni->m", cell.rows, on_screw)
     if coupling == "none":
@@ -318,11 +330,11 @@ class AndersonMixer:
         self.depth, self.patience, self.rounds = depth, patience, 0
         self.x, self.r = list[Array](), list[Array]()
 
-    def keep(self, which: Mask) -> None:
+    def keep_vectors(self, which: Mask) -> None:
         """Drop the history of those vectors x, of all iterated together, for which ``which`` is False."""
         self.x, self.r = [x[which] for x in self.x], [r[which] for r in self.r]
 
-    def next(self, x: Array, g: Array) -> Array:
+    def next_iterate(self, x: Array, g: Array) -> Array:
         """Return the next iterate: ``x`` is the present one and ``g`` = g(x); both may be overwritten afterwards."""
         if self.rounds % self.patience == 0:
             self.x, self.r = [], []
@@ -336,12 +348,12 @@ class AndersonMixer:
         return np.asarray(x + damping * (g - x) - ((dx + damping * dr) @ share)[..., 0])
 
 
-def hold_screw(cell: Cell, load: SettledCell) -> Cell:
+def with_fixed_screw(cell: BallsBetweenGrooves, load: ContactLoadSolution) -> BallsBetweenGrooves:
     """Return the balls of ``cell`` with the screw fixed in its position in the solution ``load``, without free motions."""
     return replace(
         cell,
         rows=np.zeros((cell.angle.shape[0], 3, 0)),
         force=np.zeros(0),
         drag=np.zeros(0),
-        offset=cell.offset + cell.screw_motion @ load.inner,
+        offset=cell.offset + cell.section_displacement_maps @ load.inner,
     )

@@ -16,20 +16,26 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.screw.chain import CoupledChain, Guess, coupled_chain
+from rollbench.lowfi.friction.screw.chain import CoupledChainSolution, IterationStart, solve_coupled_chain
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.motion import Cell, Coupling, ball_motion, bare_cell, screw_rows
-from rollbench.lowfi.friction.screw.travel import ClosedTrack, History, Instant, Place, simulate
+from rollbench.lowfi.friction.screw.motion import (
+    BallsBetweenGrooves,
+    Coupling,
+    balls_without_friction,
+    screw_displacement_maps,
+    solve_ball_motion,
+)
+from rollbench.lowfi.friction.screw.travel import BallState, ClosedTrack, InstantSolution, TravelHistory, simulate
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
-from rollbench.meshes.record_keys import keyed, usual
+from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
 
 #: Factors of the deviation theta at the contacts SL, SR, NL, NR: both contact angles on the screw deviate alike, or in
 #: opposite directions, as on a groove that is shifted sideways.
 BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Pair:
     """Two neighbouring balls of a ball screw that touch, the first behind the second, with their loads."""
@@ -39,40 +45,40 @@ class Pair:
     #: Deviation theta of the contact angles of each ball [rad].
     theta: tuple[float, float]
     #: Factors of theta at the contacts SL, SR, NL, NR of each ball (screw or nut, left or right).
-    pattern: tuple[tuple[float, ...], tuple[float, ...]] = usual((BOTH, BOTH))
+    pattern: tuple[tuple[float, ...], tuple[float, ...]] = frozen_default((BOTH, BOTH))
     #: Oversize of the ball radii [m], negative for clearance.
-    oversize: float = usual(0.0)
-    #: Free translations of the screw, letters of "xyzr" (see `screw_rows`).
-    free: str = usual("z")
+    oversize: float = frozen_default(0.0)
+    #: Free translations of the screw, letters of "xyzr" (see `screw_displacement_maps`).
+    free: str = frozen_default("z")
     #: Force on the screw along each of its free translations [N].
-    force: tuple[float, ...] = usual((0.0,))
+    force: tuple[float, ...] = frozen_default((0.0,))
     #: What friction may change: nothing, the loads of the balls, or also the screw's position.
-    coupling: Coupling = usual("none")
+    coupling: Coupling = frozen_default("none")
 
-    def cell(self) -> Cell:
-        """Return both balls between screw and nut, with their loads, as data for `settle_load` and `coupled_chain`.
+    def cell(self) -> BallsBetweenGrooves:
+        """Return both balls between screw and nut, with their loads, as data for `settle_load` and `solve_coupled_chain`.
 
         The balls lie half their spacing before and behind azimuth 0.
         """
         half = 0.5 * self.groove.pair.spacing
         angle = self.groove.contact_angle + np.array(self.theta)[:, None] * np.array(self.pattern)
-        return bare_cell(
+        return balls_without_friction(
             self.groove,
             angle,
             np.full((2, 4), self.oversize),
-            screw_rows(self.groove, np.array([-half, half]), self.free),
+            screw_displacement_maps(self.groove, np.array([-half, half]), self.free),
             np.array(self.force),
         )
 
 
 @dataclass(frozen=True)
-class PairResult:
+class ScrewPairSolution:
     """Loads and motion of two balls of a screw, without and with contact of the balls with each other."""
 
     #: State without ball-to-ball contact.
-    free: CoupledChain
+    free: CoupledChainSolution
     #: State with ball-to-ball contact.
-    touching: CoupledChain
+    touching: CoupledChainSolution
 
     @property
     def force(self) -> float:
@@ -111,7 +117,7 @@ def _ratio_or_nan(amount: float, whole: float) -> float:
     return amount / whole if whole > 0.0 else float("nan")
 
 
-def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
+def solve_pair(pair: Pair, guess: IterationStart | None = None) -> ScrewPairSolution:
     """Return the states of two balls without and with ball-to-ball contact (Lin 3.69-3.76).
 
     The ball-to-ball force and the rate at which the gap opens are complementary, so that balls that part exert no force.
@@ -125,17 +131,17 @@ def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
         no friction, and the state with contact from that without.
     """
     cell, apart = pair.cell(), None if guess is None else replace(guess, ball_force=np.zeros(2))
-    free = coupled_chain(cell, np.full(2, np.inf), pair.coupling, guess=apart)
-    return PairResult(free, coupled_chain(cell, np.array([0.0, np.inf]), pair.coupling, free, guess=guess))
+    free = solve_coupled_chain(cell, np.full(2, np.inf), pair.coupling, guess=apart)
+    return ScrewPairSolution(free, solve_coupled_chain(cell, np.array([0.0, np.inf]), pair.coupling, free, guess=guess))
 
 
-def sliding_speed(pair: Pair) -> float:
+def pair_sliding_speed(pair: Pair) -> float:
     """Return the speed at which the two balls of a pair slide on each other [m/s], from their loss over mu times force."""
     motion = solve_pair(pair).touching.motion
     return float(motion.ball_loss[0]) / (pair.groove.between * float(motion.ball_force[0]))
 
 
-def implied_load(pair: Pair, force: float, increase: float) -> float:
+def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> float:
     """Return the sum of contact loads of one ball [N] that a ball-to-ball force and its increase of friction imply.
 
     The loss mu F v of the balls on each other, over the relative increase, is the loss at the grooves of both balls; here
@@ -152,18 +158,18 @@ def implied_load(pair: Pair, force: float, increase: float) -> float:
         Increase of the friction loss by ball-to-ball contact, over the loss without it.
     """
     g = pair.groove
-    loss = 0.5 * g.between * force * sliding_speed(pair) / increase
+    loss = 0.5 * g.between * force * pair_sliding_speed(pair) / increase
     angle = np.full(4, g.contact_angle)
 
     def excess(log_load: float) -> float:
         """Return the relative excess of a ball's loss at the contact load exp(``log_load``) [N] over the implied loss."""
-        return ball_motion(g, np.full(4, np.exp(log_load)), angle).motion.loss / loss - 1.0
+        return solve_ball_motion(g, np.full(4, np.exp(log_load)), angle).motion.loss / loss - 1.0
 
     return 4.0 * float(np.exp(brentq(excess, np.log(1e-3), np.log(1e5), xtol=1e-10)))
 
 
 @dataclass(frozen=True)
-class PairMap:
+class PairResultGrid:
     """Results over a grid of m oversizes and n forces on the screw."""
 
     #: Ball-to-ball force ``(m, n)`` [N].
@@ -174,7 +180,7 @@ class PairMap:
     converged: Array
 
 
-def oversize_map(pair: Pair, oversize: Array, axial: Array) -> PairMap:
+def results_over_oversize_and_force(pair: Pair, oversize: Array, axial: Array) -> PairResultGrid:
     """Return ball-to-ball force and increase of friction of two balls for m oversizes and n forces on the screw.
 
     The force on the screw has the direction that ``pair`` gives by its forces along the screw's free translations.
@@ -197,10 +203,10 @@ def oversize_map(pair: Pair, oversize: Array, axial: Array) -> PairMap:
         np.array([[getattr(r, name) for r in row] for row in solved])
         for name in ("force", "friction_increase", "converged")
     )
-    return PairMap(force, increase, converged)
+    return PairResultGrid(force, increase, converged)
 
 
-@keyed
+@register_frozen_defaults
 @dataclass(frozen=True)
 class Run:
     """Simulation over time of a ball screw (a ``Setting`` of ``travel``); azimuths are measured on the screw.
@@ -216,32 +222,32 @@ class Run:
     turns: float
     #: Force on the screw along each of its free translations [N].
     force: tuple[float, ...]
-    #: Free translations of the screw, letters of "xyzr" (see `screw_rows`).
+    #: Free translations of the screw, letters of "xyzr" (see `screw_displacement_maps`).
     free: str
     #: Time to simulate [s].
     duration: float
     #: Number of equal time steps.
     steps: int
     #: Oversize of the ball radii [m].
-    oversize: float = usual(0.0)
+    oversize: float = frozen_default(0.0)
     #: Amplitude of the deviation theta of the contact angles, a sine of the azimuth [rad].
-    amplitude: float = usual(0.0)
+    amplitude: float = frozen_default(0.0)
     #: Number of cycles of theta per turn.
-    cycles: float = usual(2.0)
+    cycles: float = frozen_default(2.0)
     #: Phase of theta at azimuth 0 [rad].
-    phase: float = usual(0.0)
+    phase: float = frozen_default(0.0)
     #: Factors of theta at the contacts SL, SR, NL, NR (screw or nut, left or right).
-    pattern: tuple[float, ...] = usual(BOTH)
+    pattern: tuple[float, ...] = frozen_default(BOTH)
     #: Length of the return tube as an angle of the track [rad]; balls in it bear no load.
-    tube: float = usual(0.0)
+    tube: float = frozen_default(0.0)
     #: Position of the first ball at the start as a fraction of the distance between balls.
-    first: float = usual(0.5)
+    first: float = frozen_default(0.5)
     #: What friction may change: nothing, the loads of the balls, or also the screw's position.
-    coupling: Coupling = usual("none")
+    coupling: Coupling = frozen_default("none")
     #: Iterations of loads and friction in each step; with one the loads are those under the friction of the previous step.
-    rounds: int = usual(1)
+    rounds: int = frozen_default(1)
     #: Body with which the deviation theta of the contact angles turns.
-    follows: Literal["screw", "nut"] = usual("screw")
+    follows: Literal["screw", "nut"] = frozen_default("screw")
 
     def __post_init__(self) -> None:
         """Raise ValueError for values out of range, or if the balls do not fit into the closed track."""
@@ -278,7 +284,7 @@ class Run:
         return 2.0 * np.pi * self.turns + self.tube
 
     @property
-    def occupation(self) -> float:
+    def track_occupation(self) -> float:
         """Ratio of the length that the touching balls would fill to the loaded turns (97.8 % in section 3.4.4 of Lin)."""
         return self.count * self.groove.pair.spacing / (2.0 * np.pi * self.turns)
 
@@ -292,11 +298,11 @@ class Run:
         along = track.along(azimuth, nut_angle)
         return along + nut_angle + track.first, along < track.arc
 
-    def begin(self) -> Place:
+    def begin(self) -> BallState:
         """Return the state at the start: balls spread evenly over the closed track, at the nominal orbital speed."""
         azimuth = self.ring * (np.arange(self.count) + self.first) / self.count - np.pi * self.turns
         gap = np.full(self.count, self.ring / self.count - self.groove.pair.spacing)
-        return Place(azimuth, gap, np.full(self.count, self.groove.nominal_orbit - self.groove.screw_speed), None)
+        return BallState(azimuth, gap, np.full(self.count, self.groove.nominal_orbit - self.groove.screw_speed), None)
 
     def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:
         """Return the time until a ball passes an end of the nut's loaded turns [s].
@@ -310,7 +316,7 @@ class Run:
         speed = self.groove.speed
         return self.tracks[0].time_to_end(azimuth, omega - speed, speed * time)
 
-    def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChain | None) -> Instant:
+    def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChainSolution | None) -> InstantSolution:
         """Return the loads and motions of the balls at one instant.
 
         ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``time``: time since the start [s];
@@ -319,9 +325,11 @@ class Run:
         """
         turned = self.groove.speed * time
         azimuths, loaded = self.place(azimuth, turned)
-        near = coupled_chain(cell_at_instant(self, azimuths, loaded, turned), slack, self.coupling, memory, self.rounds)
+        near = solve_coupled_chain(
+            balls_at_instant(self, azimuths, loaded, turned), slack, self.coupling, memory, self.rounds
+        )
         m = near.motion
-        return Instant(
+        return InstantSolution(
             omega=m.q[:, 0] - self.groove.screw_speed,
             ball_force=m.ball_force,
             load=near.load.force,
@@ -334,7 +342,7 @@ class Run:
         )
 
 
-def deviation(run: Run, azimuth: Array, turned: float = 0.0) -> Array:
+def contact_angle_deviation(run: Run, azimuth: Array, nut_angle: float = 0.0) -> Array:
     """Return the deviation theta of the contact angles of each ball ``(N,)`` [rad] (Figure 3.23 of Lin's thesis).
 
     Parameters
@@ -343,28 +351,28 @@ def deviation(run: Run, azimuth: Array, turned: float = 0.0) -> Array:
         Simulated ball screw, which gives amplitude, cycles and phase of theta.
     azimuth
         Azimuths of the balls on the screw ``(N,)`` [rad].
-    turned
+    nut_angle
         Angle by which the nut has turned on the screw [rad].
     """
-    own = azimuth - (turned if run.follows == "nut" else 0.0)
+    own = azimuth - (nut_angle if run.follows == "nut" else 0.0)
     return np.asarray(run.amplitude * np.sin(run.cycles * own + run.phase))
 
 
-def cell_at_instant(run: Run, azimuth: Array, loaded: NDArray[np.bool_], turned: float) -> Cell:
-    """Return the balls of a simulated screw at one instant, with the force on the screw, as data for `coupled_chain`.
+def balls_at_instant(run: Run, azimuth: Array, loaded: NDArray[np.bool_], nut_angle: float) -> BallsBetweenGrooves:
+    """Return the balls of a simulated screw at one instant, with the force on the screw, as data for `solve_coupled_chain`.
 
     ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``loaded``: which balls are in the loaded
-    turns ``(N,)``; the others get a clearance that keeps them free of contact; ``turned``: angle by which the nut has
+    turns ``(N,)``; the others get a clearance that keeps them free of contact; ``nut_angle``: angle by which the nut has
     turned on the screw [rad].
     """
     g = run.groove
-    angle = g.contact_angle + deviation(run, azimuth, turned)[:, None] * np.array(run.pattern)
+    angle = g.contact_angle + contact_angle_deviation(run, azimuth, nut_angle)[:, None] * np.array(run.pattern)
     clear = np.where(loaded, run.oversize, -0.5 * g.reach)
-    rows = screw_rows(g, azimuth, run.free)
-    return bare_cell(g, angle, np.repeat(clear[:, None], 4, axis=1), rows, np.array(run.force))
+    rows = screw_displacement_maps(g, azimuth, run.free)
+    return balls_without_friction(g, angle, np.repeat(clear[:, None], 4, axis=1), rows, np.array(run.force))
 
 
-def simulate_equal_steps(run: Run) -> History:
+def simulate_equal_steps(run: Run) -> TravelHistory:
     """Simulate a ball screw over time by Lin's scheme of equal time steps, from evenly spread balls.
 
     Parameters
@@ -391,7 +399,7 @@ class RunSummary:
     groove_variation: float
 
 
-def summarise(result: History) -> RunSummary:
+def summarise_history(result: TravelHistory) -> RunSummary:
     """Return those results of a simulation that section 3.4.4 of Lin's thesis states for its ball screw.
 
     Parameters

@@ -41,8 +41,8 @@ class ClosedTrack(NamedTuple):
     def along(self, azimuth: Array, turned: float = 0.0) -> Array:
         """Return the angular distances of the track's balls from the beginning of its loaded arc, 0 to ``ring`` [rad].
 
-        ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``turned``: angle by which the track has turned about the axis
-        [rad]. The result has one entry for each ball on this track.
+        ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``rotation_angle``: angle by which the track has turned about
+        the axis [rad]. The result has one entry for each ball on this track.
         """
         return np.asarray(np.mod(azimuth[self.balls] - turned - self.first, self.ring))
 
@@ -50,7 +50,7 @@ class ClosedTrack(NamedTuple):
         """Return the time until one of the track's balls passes an end of the loaded arc [s]; inf if none moves.
 
         ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``rate``: their speeds relative to the track ``(N,)`` [rad/s];
-        ``turned``: angle by which the track has turned about the axis [rad].
+        ``rotation_angle``: angle by which the track has turned about the axis [rad].
         """
         along, rate = self.along(azimuth, turned), rate[self.balls]
         forward = np.where(along < self.arc, self.arc, self.ring) - along
@@ -71,14 +71,14 @@ CLOSED = 1e-10
 #: faster closing stay open in a step.
 FASTEST = 10.0
 
-#: Fields of `History` with the torques of the three entries of ``Instant.losses``, in their order.
+#: Fields of `TravelHistory` with the torques of the three entries of ``Instant.losses``, in their order.
 TORQUES = ("groove_torque", "ball_torque", "closing_torque")
 
 #: First number of time steps where none is given: steps per ball diameter travelled, and smallest and largest number.
 STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 
 
-class Place(NamedTuple):
+class BallState(NamedTuple):
     """Positions and speeds of N balls at one time."""
 
     #: Azimuths of the balls ``(N,)`` [rad].
@@ -92,7 +92,7 @@ class Place(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Instant:
+class InstantSolution:
     """Loads and motions of N balls at one instant."""
 
     #: Angular speeds of the balls in the frame in which azimuths are measured ``(N,)`` [rad/s].
@@ -119,7 +119,7 @@ class Instant:
     on_screw: float = float("nan")
 
 
-class Setting(Protocol):
+class SimulatedSystem(Protocol):
     """Interface of a screw or bearing that `simulate` can simulate: its tracks and balls, and its state at one instant."""
 
     @property
@@ -138,7 +138,7 @@ class Setting(Protocol):
     def number(self) -> NDArray[np.int64]:
         """Numbers of the balls in the scene ``(N,)``; -1 for a ball that begins in the return."""
 
-    def begin(self) -> Place:
+    def begin(self) -> BallState:
         """Return positions and speeds of the balls at the start of the simulation."""
 
     def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:
@@ -148,7 +148,7 @@ class Setting(Protocol):
         ``time``: present time since the start [s].
         """
 
-    def instant(self, azimuth: Array, time: float, slack: Array, memory: Any) -> Instant | str:
+    def instant(self, azimuth: Array, time: float, slack: Array, memory: Any) -> InstantSolution | str:
         """Return the loads and motions at one instant, or a text that says why no loads are found.
 
         ``azimuth``: azimuths of the balls ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``: largest rate at
@@ -158,10 +158,10 @@ class Setting(Protocol):
 
 
 @dataclass(frozen=True)
-class History:
+class TravelHistory:
     """Time history of N balls, with time steps divided into T pieces in all; ball k pushes the next one of its track."""
 
-    #: Screw or bearing that was simulated, see `Setting`.
+    #: Screw or bearing that was simulated, see `SimulatedSystem`.
     setting: Any
     #: Time that was to be covered [s].
     span: float
@@ -214,7 +214,7 @@ class History:
         return float(np.sum(self.lasts * values) / np.sum(self.lasts))
 
     @property
-    def begun(self) -> int:
+    def begun_step_count(self) -> int:
         """Number of steps of which at least one piece was solved."""
         return int(self.step[-1]) + 1 if self.step.size else 0
 
@@ -239,7 +239,7 @@ class History:
         return np.asarray(self.setting.groove.speed * self.time)
 
     @property
-    def turned(self) -> Array:
+    def rotation_angle(self) -> Array:
         """Angle by which the rotating part has turned ``(T,)`` [rad]."""
         return np.asarray(np.abs(self.nut_angle))
 
@@ -250,7 +250,7 @@ class History:
         return speed * float(self.lasts.sum()), speed * self.span
 
     @property
-    def complete(self) -> bool:
+    def reached_end(self) -> bool:
         """Whether the whole time ``span`` was simulated."""
         return bool(abs(float(self.lasts.sum()) - self.span) <= TINY * self.span)
 
@@ -277,7 +277,7 @@ class History:
     @cached_property
     def groups(self) -> Array:
         """Number of groups of touching balls ``(T,)``."""
-        return np.asarray(sum(count_groups(self.contact[:, track.balls]) for track in self.setting.tracks))
+        return np.asarray(sum(count_touching_groups(self.contact[:, track.balls]) for track in self.setting.tracks))
 
     @cached_property
     def ball_to_groove_ratio(self) -> Array:
@@ -286,7 +286,7 @@ class History:
         return np.divide(between, groove, out=np.full_like(groove, np.nan), where=groove > 0.0)
 
     @property
-    def advance(self) -> tuple[float, float]:
+    def turning_and_axial_speed(self) -> tuple[float, float]:
         """Angular speed of the screw relative to the nut [rad/s], and the speed of its advance along the axis [m/s]."""
         turning = -self.setting.groove.speed
         return turning, self.setting.groove.ratio * turning
@@ -294,11 +294,11 @@ class History:
     @property
     def torque_balance(self) -> Array:
         """Power of the torque and of the axial load on the screw, less all losses ``(T,)`` [W]; zero but for round-off."""
-        turning, along = self.advance
+        turning, along = self.turning_and_axial_speed
         return np.asarray(self.on_screw * turning + self.axial * along - self.torque * abs(turning))
 
 
-def count_groups(contact: Mask) -> Array:
+def count_touching_groups(contact: Mask) -> Array:
     """Return the number of groups of touching balls on a closed track at each of T times ``(T,)``.
 
     Parameters
@@ -309,7 +309,7 @@ def count_groups(contact: Mask) -> Array:
     return np.asarray(np.sum(contact & ~np.roll(contact, 1, axis=1), axis=1) + np.all(contact, axis=1))
 
 
-def _time_to_meeting(place: Place, tracks: Sequence[ClosedTrack]) -> float:
+def _time_to_meeting(place: BallState, tracks: Sequence[ClosedTrack]) -> float:
     """Return the time until the first two neighbours with a gap between them meet at their present speeds [s].
 
     It is inf if none meet. ``place``: positions and speeds of the balls; ``tracks``: the closed tracks with their balls.
@@ -323,43 +323,49 @@ def _time_to_meeting(place: Place, tracks: Sequence[ClosedTrack]) -> float:
     return least
 
 
-def _next_piece(left: float, step: float, event: float, after: bool) -> tuple[float, bool]:
+def _next_piece_of_step(left: float, step: float, time_to_event: float, after_event: bool) -> tuple[float, bool]:
     """Return the duration of the next piece of a step [s], and whether an event ends it.
 
-    ``left``: time that remains of the step [s]; ``step``: duration of the whole step [s]; ``event``: time until the next
-    event [s]; ``after``: whether an event ended the piece before, so that this one is short.
+    ``left``: time that remains of the step [s]; ``step``: duration of the whole step [s]; ``time_to_event``: time until the
+    next event [s]; ``after_event``: whether an event ended the piece before, so that this one is short.
     """
     short = SHORT * step
-    limit = min(short, left) if after else left
-    if event >= limit:
+    limit = min(short, left) if after_event else left
+    if time_to_event >= limit:
         piece, ends = limit, False
-    elif event > 2.0 * short:
-        piece, ends = event - short, False
+    elif time_to_event > 2.0 * short:
+        piece, ends = time_to_event - short, False
     else:
-        piece, ends = max(event, TINY * step), True
+        piece, ends = max(time_to_event, TINY * step), True
     return (left, ends) if left - piece < TINY * step else (piece, ends)
 
 
-def _history_of_pieces(rows: list[dict[str, Any]], setting: Setting, span: float, steps: int, status: str) -> History:
+def _history_of_pieces(
+    rows: list[dict[str, Any]], setting: SimulatedSystem, duration: float, steps: int, status: str
+) -> TravelHistory:
     """Return the history that consists of the given values at all pieces of the time steps.
 
     ``setting``: screw or bearing that was simulated; ``rows``: for each piece a dictionary of values by the names of the
-    fields of `History`; ``span``: time that was to be simulated [s]; ``steps``: number of equal time steps; ``status``: see
-    `History`. The status "converged" is replaced if a piece did not converge, by a text with the first angle at which this
-    happened.
+    fields of `TravelHistory`; ``duration``: time that was to be simulated [s]; ``steps``: number of equal time steps;
+    ``status``: see `TravelHistory`. The status "converged" is replaced if a piece did not converge, by a text with the
+    first angle at which this happened.
     """
     direct = ("setting", "span", "steps", "status")
-    arrays = {f.name: np.array([row[f.name] for row in rows]) for f in fields(History) if f.name not in direct}
-    run = History(setting, span, steps, status=status, **arrays)
+    arrays = {f.name: np.array([row[f.name] for row in rows]) for f in fields(TravelHistory) if f.name not in direct}
+    run = TravelHistory(setting, duration, steps, status=status, **arrays)
     if status != "converged" or run.converged.all():
         return run
-    first = np.degrees(run.turned[np.argmin(run.converged)])
+    first = np.degrees(run.rotation_angle[np.argmin(run.converged)])
     return replace(run, status=f"no balance of friction found at {first:.6g} deg")
 
 
 def simulate(
-    setting: Setting, span: float, steps: int, scheme: Scheme = "located", report: Callable[[float], object] = float
-) -> History:
+    setting: SimulatedSystem,
+    duration: float,
+    steps: int,
+    scheme: Scheme = "located",
+    report: Callable[[float], object] = float,
+) -> TravelHistory:
     """Simulate balls that travel round their closed tracks, in equal time steps.
 
     The scheme "located" divides steps at events: a ball enters or leaves a loaded arc, or meets its neighbour. Gaps stay >=
@@ -369,7 +375,7 @@ def simulate(
     ----------
     setting
         Screw or bearing: its tracks, loads and friction.
-    span
+    duration
         Time to simulate [s].
     steps
         Number of equal time steps.
@@ -387,9 +393,9 @@ def simulate(
     ----------
     Lin (2019), section 3.4.4, for the scheme "equal".
     """
-    if steps < 1 or not span > 0.0:
-        raise ValueError(f"a simulation needs at least 1 step and a duration above 0 s, got {steps} steps and {span} s")
-    dt, place, rows, located = span / steps, setting.begin(), list[dict[str, Any]](), scheme == "located"
+    if steps < 1 or not duration > 0.0:
+        raise ValueError(f"a simulation needs at least 1 step and a duration above 0 s, got {steps} steps and {duration} s")
+    dt, place, rows, located = duration / steps, setting.begin(), list[dict[str, Any]](), scheme == "located"
     speed = abs(setting.groove.speed)
     if located:
         first = setting.instant(place.azimuth, 0.0, np.full(place.gap.size, np.inf), place.memory)
@@ -401,7 +407,7 @@ def simulate(
             piece, begin, count = left, k * dt + (dt - left), count + 1
             if located and count < PIECES:
                 event = min(setting.time_to_end(place.azimuth, place.omega, begin), _time_to_meeting(place, setting.tracks))
-                piece, after = _next_piece(left, dt, event, after)
+                piece, after = _next_piece_of_step(left, dt, event, after)
             ahead = 0.5 * piece if located else 0.0
             azimuth, time = place.azimuth + ahead * place.omega, begin + ahead
             slack = place.gap / piece
@@ -409,7 +415,9 @@ def simulate(
                 slack = np.where(slack > FASTEST * np.abs(place.omega).max(), np.inf, slack)
             instant = setting.instant(azimuth, time, slack, place.memory)
             if isinstance(instant, str):
-                return _history_of_pieces(rows, setting, span, steps, f"at {np.degrees(speed * time):.6g} deg: {instant}")
+                return _history_of_pieces(
+                    rows, setting, duration, steps, f"at {np.degrees(speed * time):.6g} deg: {instant}"
+                )
             place = _state_after_piece(setting, place, instant, piece)
             loss = sum(instant.losses)
             rows.append(
@@ -420,10 +428,10 @@ def simulate(
             )
             left -= piece
         report((k + 1) / steps)
-    return _history_of_pieces(rows, setting, span, steps, "converged")
+    return _history_of_pieces(rows, setting, duration, steps, "converged")
 
 
-def no_report(steps: str, share: float) -> None:
+def ignore_progress(steps: str, share: float) -> None:
     """Ignore a report on the progress of a simulation.
 
     ``steps``: text with the number of time steps; ``share``: fraction of them that is done.
@@ -431,15 +439,19 @@ def no_report(steps: str, share: float) -> None:
 
 
 def run_with_step_errors(
-    setting: Setting, span: float, steps: int | None, goal: float, report: Callable[[str, float], object] = no_report
-) -> tuple[History, StepError | None]:
+    setting: SimulatedSystem,
+    duration: float,
+    steps: int | None,
+    goal: float,
+    report: Callable[[str, float], object] = ignore_progress,
+) -> tuple[TravelHistory, StepError | None]:
     """Return a transient simulation by the scheme "located", and the estimated errors due to its finite time steps.
 
     Parameters
     ----------
     setting
         Screw or bearing: its tracks, loads and friction.
-    span
+    duration
         Time to simulate [s].
     steps
         Number of equal time steps. With None it is doubled until no estimated error is above ``goal``.
@@ -454,17 +466,17 @@ def run_with_step_errors(
         The simulation with the most time steps, and its errors. The errors are None if the simulation ended early or has
         fewer than four steps.
     """
-    pitches = abs(float(setting.begin().omega[0])) * span / setting.tracks[0].spacing
+    pitches = abs(float(setting.begin().omega[0])) * duration / setting.tracks[0].spacing
     first = int(np.clip(np.ceil(STEPS_PER_PITCH * pitches), *FIRST_STEPS))
 
-    def run(count: int) -> History:
+    def run(count: int) -> TravelHistory:
         """Return the simulation with ``count`` time steps."""
-        return simulate(setting, span, count, report=lambda share: report(f"{count} steps", share))
+        return simulate(setting, duration, count, report=lambda share: report(f"{count} steps", share))
 
-    return solve_steps(run, steps, first, goal)
+    return simulate_until_accurate(run, steps, first, goal)
 
 
-def _state_after_piece(setting: Setting, place: Place, instant: Instant, piece: float) -> Place:
+def _state_after_piece(setting: SimulatedSystem, place: BallState, instant: InstantSolution, piece: float) -> BallState:
     """Return positions and speeds of the balls after one piece of a time step.
 
     ``setting``: screw or bearing with its tracks; ``place``: state before the piece; ``instant``: solution whose speeds the
@@ -475,7 +487,7 @@ def _state_after_piece(setting: Setting, place: Place, instant: Instant, piece: 
         omega = instant.omega[track.balls]
         # never less than zero but for round-off
         gap[track.balls] = np.maximum(place.gap[track.balls] + piece * (np.roll(omega, -1) - omega), 0.0)
-    return Place(place.azimuth + piece * instant.omega, gap, instant.omega, instant.memory)
+    return BallState(place.azimuth + piece * instant.omega, gap, instant.omega, instant.memory)
 
 
 #: Order of convergence of smooth motion and of jumps of the torque; factor by which the change between two simulations is
@@ -516,7 +528,7 @@ class ErrorEstimate:
 class StepError:
     """Estimated errors of a simulation due to its finite time steps."""
 
-    #: Errors by quantity: ``torque`` over the angle, the ``torques`` of `History` by their names, and its ``share``.
+    #: Errors by quantity: ``torque`` over the angle, the ``torques`` of `TravelHistory` by their names, and its ``share``.
     quantities: dict[str, ErrorEstimate]
     #: Numbers of time steps of the three simulations that are compared, in increasing order.
     steps: tuple[int, ...]
@@ -536,42 +548,42 @@ class StepError:
         """Names of the quantities for which no order of convergence is observed."""
         return tuple(name for name, q in self.quantities.items() if q.unclear)
 
-    def small(self, goal: float) -> bool:
+    def is_within(self, goal: float) -> bool:
         """Return whether every error is at most ``goal``, a fraction of the mean torque."""
         return self.largest <= goal
 
 
-def mean_torque_difference(coarse: Array, fine: Array) -> float:
+def mean_torque_difference(long_step_torques: Array, short_step_torques: Array) -> float:
     """Return the mean absolute difference of the torques of two simulations of the same time, in the unit of the torques.
 
-    ``coarse``: mean torque in each of the S time steps of the first simulation ``(S,)``; ``fine``: that in each of the S'
-    >= S steps of the second one ``(S',)``, which is averaged over the longer steps of the first.
+    ``long_step_torques``: mean torque in each of the S time steps of the first simulation ``(S,)``; ``short_step_torques``:
+    that in each of the S' >= S steps of the second one ``(S',)``, which is averaged over the longer steps of the first.
     """
-    at = np.arange(coarse.size + 1) * (fine.size / coarse.size)
-    work = np.interp(at, np.arange(fine.size + 1), np.concatenate([[0.0], np.cumsum(fine)]))
-    return float(np.mean(np.abs(np.diff(work) * (coarse.size / fine.size) - coarse)))
+    at = np.arange(long_step_torques.size + 1) * (short_step_torques.size / long_step_torques.size)
+    work = np.interp(at, np.arange(short_step_torques.size + 1), np.concatenate([[0.0], np.cumsum(short_step_torques)]))
+    return float(np.mean(np.abs(np.diff(work) * (long_step_torques.size / short_step_torques.size) - long_step_torques)))
 
 
-def estimated_error(before: float, last: float, jumps: bool = False) -> ErrorEstimate:
+def extrapolated_error(first_change: float, last_change: float, jumps: bool = False) -> ErrorEstimate:
     """Return the estimated discretisation error of a quantity from three simulations, each with time steps half as long.
 
-    ``before``: change of the quantity from the simulation with the longest steps to the second one; ``last``: change from
-    the second to that with the shortest steps, both over the mean torque. Richardson's extrapolation uses the observed
-    order of convergence, at most that of smooth motion. If the quantity may have ``jumps``, it uses the order for jumps
-    unless the observed one is near that of smooth motion. Changes that grow, keep their size, or change their sign give no
-    order: the error is then UNCLEAR times the largest of them.
+    ``first_change``: change of the quantity from the simulation with the longest steps to the second one; ``last_change``:
+    change from the second to that with the shortest steps, both over the mean torque. Richardson's extrapolation uses the
+    observed order of convergence, at most that of smooth motion. If the quantity may have ``jumps``, it uses the order for
+    jumps unless the observed one is near that of smooth motion. Changes that grow, keep their size, or change their sign
+    give no order: the error is then UNCLEAR times the largest of them.
     """
-    most = max(abs(before), abs(last), abs(before + last))
+    most = max(abs(first_change), abs(last_change), abs(first_change + last_change))
     if most <= ROUND_OFF:
         return ErrorEstimate(most)
-    order = float(np.log2(max(abs(before), 1e-300) / max(abs(last), 1e-300)))
-    if before * last < 0.0 or order < LEAST:
+    order = float(np.log2(max(abs(first_change), 1e-300) / max(abs(last_change), 1e-300)))
+    if first_change * last_change < 0.0 or order < LEAST:
         return ErrorEstimate(UNCLEAR * most, order, float("nan"))
     used = min(order, SMOOTH if not jumps or order > SMOOTH - 0.5 else OF_JUMPS)
-    return ErrorEstimate(SAFETY * max(abs(last), abs(before) / 2.0**used) / (2.0**used - 1.0), order, used)
+    return ErrorEstimate(SAFETY * max(abs(last_change), abs(first_change) / 2.0**used) / (2.0**used - 1.0), order, used)
 
 
-def step_error(levels: Sequence[History]) -> StepError | None:
+def estimate_step_error(levels: Sequence[TravelHistory]) -> StepError | None:
     """Return the estimated errors of the last of several simulations of the same motion, from the last three of them.
 
     ``levels``: simulations in the order of increasing numbers of time steps. Returns None for fewer than three, or if the
@@ -585,37 +597,39 @@ def step_error(levels: Sequence[History]) -> StepError | None:
     size = abs(float(three.mean()))
     if size == 0.0:
         return StepError({"torque": ErrorEstimate(0.0)}, steps)
-    over = estimated_error(mean_torque_difference(one, two) / size, mean_torque_difference(two, three) / size, jumps=True)
+    over = extrapolated_error(
+        mean_torque_difference(one, two) / size, mean_torque_difference(two, three) / size, jumps=True
+    )
     least = 0.5 * float(np.abs(np.diff(three)).max(initial=0.0)) / (steps[-1] * size)
     errors = {"torque": replace(over, error=max(over.error, least))}
     numbers = [{name: value / size for name, value in x.torques.items()} | {"share": x.share} for x in levels[-3:]]
     for name, value in numbers[-1].items():
         if not np.isnan(value):
-            errors[name] = estimated_error(numbers[1][name] - numbers[0][name], value - numbers[1][name])
+            errors[name] = extrapolated_error(numbers[1][name] - numbers[0][name], value - numbers[1][name])
     return StepError(errors, steps)
 
 
-def solve_steps(
-    simulate: Callable[[int], History], steps: int | None, first: int, goal: float
-) -> tuple[History, StepError | None]:
+def simulate_until_accurate(
+    simulate: Callable[[int], TravelHistory], steps: int | None, first_count: int, goal: float
+) -> tuple[TravelHistory, StepError | None]:
     """Return the simulation with the most time steps of a series, and the estimated errors due to its finite steps.
 
     ``simulate``: function that returns the simulation with a given number of steps. ``steps``: largest number of steps; the
-    series then also has about a quarter and half of it. With None the series begins with ``first`` steps and doubles them
-    until no error is above ``goal``, a fraction of the mean torque. The errors are None where a simulation ended early, or
-    for fewer than four steps.
+    series then also has about a quarter and half of it. With None the series begins with ``first_count`` steps and doubles
+    them until no error is above ``goal``, a fraction of the mean torque. The errors are None where a simulation ended
+    early, or for fewer than four steps.
     """
     if steps is not None:
         counts = sorted({max(1, steps // 4), max(1, steps // 2), steps})
     else:
-        counts = [first * 2**k for k in range(20) if first * 2**k <= MOST]
-    levels: list[History] = []
+        counts = [first_count * 2**k for k in range(20) if first_count * 2**k <= MOST]
+    levels: list[TravelHistory] = []
     error: StepError | None = None
     for count in counts:
         levels.append(simulate(count))
         if not levels[-1].good:
             return levels[-1], None
-        error = step_error(levels)
-        if steps is None and error is not None and error.small(goal):
+        error = estimate_step_error(levels)
+        if steps is None and error is not None and error.is_within(goal):
             break
     return levels[-1], error

@@ -11,25 +11,30 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.screw.chain import AnyChain, ChainMotion, FrictionContacts, solve_chain
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, Constants, Grooved, contact_spacing
+from rollbench.lowfi.friction.screw.chain import BallChain, ChainMotion, FrictionContacts, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.groove import (
+    ON_SCREW,
+    GrooveHertzConstants,
+    GroovesInMotion,
+    azimuth_between_touching_balls,
+)
 from rollbench.lowfi.friction.screw.travel import ClosedTrack
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result
 from rollbench.lowfi.friction.whole.losses import (
-    BallPath,
+    BallKinematics,
     ball_friction,
-    ball_path,
+    ball_kinematics,
     friction_contacts,
     relative_coefficients,
     rotate_to_groove_axes,
 )
-from rollbench.lowfi.friction.whole.torque import ONE_TURN, axial_force_and_moment
+from rollbench.lowfi.friction.whole.torque import ONE_TURN, axial_forces_and_moments
 from rollbench.lowfi.jit import CONTACT, is_copy_loaded
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Drawn, draw_ball_radii
-from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
+from rollbench.meshes.errors import DrawnErrors, draw_ball_radii
+from rollbench.meshes.helix import BallLayout, ball_layout_at_positions, lead_per_radian
 from rollbench.meshes.parts import Circulation, Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
@@ -63,7 +68,7 @@ class Circuit(NamedTuple):
     ball: NDArray[np.int64]
 
 
-def circuits(scene: Scene) -> tuple[Circuit, ...]:
+def circuits_of_scene(scene: Scene) -> tuple[Circuit, ...]:
     """Return the circuits of a scene, beginning with those of the first start.
 
     If a screw has no table [circulation], its loaded arcs reach from one gap between its balls to the next. A ball that
@@ -82,8 +87,8 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
     loop = scene.circulation or Circulation()
     azimuths = np.sort(np.asarray(scene.balls.azimuths, dtype=float))
     ring = scene.track.lead == 0.0
-    path = ball_path(scene, scene.motion or ONE_TURN, scene.balls.radius)
-    spacing = contact_spacing(path)
+    path = ball_kinematics(scene, scene.motion or ONE_TURN, scene.balls.radius)
+    spacing = azimuth_between_touching_balls(path)
     if azimuths.size % loop.circuits:
         allowed = f"a number that divides the {azimuths.size} balls of a start"
         raise CircuitError("circuits", allowed, "circuits share the balls of their start equally")
@@ -118,47 +123,48 @@ def _first_balls_after_gaps(azimuths: Array) -> NDArray[np.int64]:
     return np.flatnonzero(apart > APART * np.median(apart)) + 1 if apart.size else np.zeros(0, dtype=np.int64)
 
 
-def _loaded_arc_length(group: Array, given: float | None, spacing: float) -> float:
+def _loaded_arc_length(group: Array, given_length: float | None, spacing: float) -> float:
     """Return the length of the loaded arc of one circuit [rad].
 
-    It is the length ``given`` in the scene [rad]. If this is None, it is the length that the balls fill, with half a
+    It is the length ``given_length`` in the scene [rad]. If this is None, it is the length that the balls fill, with half a
     distance between neighbours beyond each outer ball. ``group``: sorted azimuths of the balls on the arc [rad];
     ``spacing``: azimuth between two balls that touch [rad], the length of an arc with a single ball. Raises CircuitError if
     the given arc is too short for its balls.
     """
     span = float(group[-1] - group[0])
-    if given is None:
+    if given_length is None:
         return span * group.size / (group.size - 1) if group.size > 1 else spacing
-    if given < span - CLOSE:
+    if given_length < span - CLOSE:
         allowed = f"at least {span / (2.0 * np.pi):.6g} turns for each circuit"
         raise CircuitError("turns", allowed, "the loaded arc must hold the balls that the scene places on it")
-    return given
+    return given_length
 
 
-def _track_length(loop: Circulation, loaded: int, arc: float, spacing: float, radius: float) -> float:
+def _track_length(loop: Circulation, loaded_count: int, arc: float, spacing: float, path_length_per_angle: float) -> float:
     """Return the length of a closed track, loaded arc and return together, as an azimuth [rad].
 
-    ``loop``: table [circulation], whose filling or gap determines the length; ``loaded``: number of balls on the loaded
-    arc; ``arc``: its length [rad]; ``spacing``: azimuth between two balls that touch [rad]; ``radius``: length of the track
-    per angle [m]. Raises CircuitError if the loaded arc and the return cannot hold their balls.
+    ``loop``: table [circulation], whose filling or gap determines the length; ``loaded_count``: number of balls on the
+    loaded arc; ``arc``: its length [rad]; ``spacing``: azimuth between two balls that touch [rad];
+    ``path_length_per_angle``: length of the track per angle [m]. Raises CircuitError if the loaded arc and the return
+    cannot hold their balls.
     """
-    count = loaded + loop.returning
+    count = loaded_count + loop.returning
     if loop.filling is not None:
         length = count * spacing / loop.filling
     elif loop.gap is not None:
-        length = count * (spacing + loop.gap / radius)
+        length = count * (spacing + loop.gap / path_length_per_angle)
     else:
-        return arc * count / loaded
+        return arc * count / loaded_count
     least = arc + loop.returning * spacing
     if length >= least - CLOSE:
         return max(length, least)
     advice = "the loaded arc and the return must hold their balls: fewer turns, more balls in the return, or more clearance"
     if loop.filling is not None:
         raise CircuitError("filling", f"up to {count * spacing / least:.4g}", advice)
-    raise CircuitError("gap", f"at least {1e6 * radius * (least / count - spacing):.4g} um", advice)
+    raise CircuitError("gap", f"at least {1e6 * path_length_per_angle * (least / count - spacing):.4g} um", advice)
 
 
-def travel(scene: Scene) -> Array:
+def nut_travel(scene: Scene) -> Array:
     """Return the axial positions of the nut on the screw at the start (0) and the end of a simulation ``(2,)`` [m].
 
     They are measured from the position at the start.
@@ -171,11 +177,11 @@ def travel(scene: Scene) -> Array:
     motion = scene.motion or ONE_TURN
     span = 0.0 if scene.time is None else scene.time.span(motion)
     turned = motion.speed * span * (-1.0 if motion.turns == "screw" else 1.0)
-    return np.array([0.0, reduced_lead(scene.track) * turned])
+    return np.array([0.0, lead_per_radian(scene.track) * turned])
 
 
 @dataclass(frozen=True, eq=False)
-class SceneGrooves(BallPath, Grooved):
+class SceneGrooves(BallKinematics, GroovesInMotion):
     """Nominal grooves of a scene in motion.
 
     One object is used in a whole simulation, because the arrays for the compiled functions are cached for it
@@ -185,25 +191,25 @@ class SceneGrooves(BallPath, Grooved):
     #: Largest coefficient of friction.
     mu: float
     #: Hertz constants of nominal contacts.
-    hertz: Constants = field(repr=False)
+    hertz: GrooveHertzConstants = field(repr=False)
 
     @property
-    def constants(self) -> Constants:
+    def constants(self) -> GrooveHertzConstants:
         """Hertz constants of nominal contacts."""
         return self.hertz
 
 
-def grooves_of(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
+def grooves_of_scene(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
     """Return the nominal grooves of a scene; ``drive``: motion of the screw or nut that turns.
 
     Their coefficient of friction is the larger one of the screw's and the nut's grooves.
     """
-    path, h = ball_path(scene, drive, scene.balls.radius), error_free_hertz(scene)
-    return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=Constants(h.C, h.C_a, h.C_b))
+    path, h = ball_kinematics(scene, drive, scene.balls.radius), error_free_hertz(scene)
+    return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=GrooveHertzConstants(h.C, h.C_a, h.C_b))
 
 
 @dataclass(frozen=True)
-class SceneChain(AnyChain):
+class SceneChain(BallChain):
     """Balls of one closed track with their contact loads; sizes and coefficients of friction may differ."""
 
     #: Contact forces, angles and ellipses of the balls.
@@ -237,14 +243,14 @@ class SceneChain(AnyChain):
 
         ``wrench``: friction on the balls, forces [N] and moments [N m] in the sections' axes ``(N, 4, 6)`` (`wrench`).
         """
-        axial, moment = axial_force_and_moment(self.at, wrench)
+        axial, moment = axial_forces_and_moments(self.at, wrench)
         helical = moment + self.groove.ratio * axial
         return float(np.sum(helical * np.where(ON_SCREW, self.groove.screw_speed, self.groove.nut_speed)))
 
 
-def chain_motion(
+def solve_motion_on_track(
     scene: Scene,
-    at: StaticContacts,
+    contacts: StaticContacts,
     slack: Array,
     friction: Friction,
     drive: Drive,
@@ -280,12 +286,15 @@ def chain_motion(
         The motion; its field ``converged`` is False if no solution was found.
     """
     share, top = relative_coefficients(friction)
-    rubs = friction_contacts(scene, at, top * share, drive)
-    motion = solve_chain(
-        SceneChain(grooves, at.force, at.normals, slack, at, rubs, friction.between_balls), start, fast, True
+    rubs = friction_contacts(scene, contacts, top * share, drive)
+    motion = solve_motion_of_chain(
+        SceneChain(grooves, contacts.force, contacts.normals, slack, contacts, rubs, friction.between_balls),
+        start,
+        fast,
+        True,
     )
     for rows in (motion.seen, motion.pull):
-        rotate_to_groove_axes(at, rows)
+        rotate_to_groove_axes(contacts, rows)
     return motion
 
 
@@ -294,7 +303,7 @@ FULL = 1e-9
 
 
 @dataclass(frozen=True)
-class Balls:
+class BallsInCircuits:
     """All N balls of a scene in their circuits, in the order of the circuits."""
 
     #: Tracks of the circuits.
@@ -348,10 +357,12 @@ class Balls:
         for loop in self.tracks:
             starts[loop.balls] = loop.start
         space = folded + turned + 2.0 * np.pi * starts / track.starts
-        return layout_at(track, space, scene.nut.position + reduced_lead(track) * (folded - track.phase))
+        return ball_layout_at_positions(track, space, scene.nut.position + lead_per_radian(track) * (folded - track.phase))
 
 
-def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, member: int = 0) -> Balls:
+def balls_in_circuits(
+    scene: Scene, friction: Friction, drive: Drive, drawn: DrawnErrors, member: int = 0
+) -> BallsInCircuits:
     """Return the balls of a scene in their circuits at the beginning of a simulation.
 
     Parameters
@@ -374,9 +385,9 @@ def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, membe
     ValueError
         Balls overlap, or a circuit has no clearance.
     """
-    tracks, azimuths, numbers = zip(*circuits(scene), strict=True)
+    tracks, azimuths, numbers = zip(*circuits_of_scene(scene), strict=True)
     azimuth, number = np.concatenate(azimuths), np.concatenate(numbers)
-    grooves = grooves_of(scene, friction, drive)
+    grooves = grooves_of_scene(scene, friction, drive)
     radius = np.where(number >= 0, drawn.ball_radius[np.maximum(number, 0)], 0.0)
     rng = np.random.default_rng([scene.errors.seed, member, 1])  # the draws of the scene's own balls stay what they are
     radius[number < 0] = draw_ball_radii(scene, rng, int(np.sum(number < 0)))
@@ -384,7 +395,7 @@ def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, membe
     spacing = np.empty_like(radius)
     for members in (track.balls for track in tracks):
         spacing[members] = pair.spacing + (excess[members] + np.roll(excess[members], -1)) / pair.closing
-    balls = Balls(tracks, radius, number, azimuth, spacing, grooves)
+    balls = BallsInCircuits(tracks, radius, number, azimuth, spacing, grooves)
     gaps = balls.gaps(azimuth)
     if gaps.min() < -FULL:
         raise ValueError(
@@ -408,7 +419,7 @@ CLOSING = 1e-9
 
 
 @dataclass(frozen=True)
-class Onset:
+class ContactOnset:
     """Rotation until neighbouring balls of a static state meet: N balls, M pairs of neighbours in their circuits."""
 
     #: Angular speeds of the balls around the axis ``(N,)`` [rad/s]; those of unloaded balls are assumed.
@@ -438,7 +449,9 @@ class Onset:
         return bool(np.any(self.meeting <= self.leaving))
 
 
-def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0, drive: Drive = NUT) -> Onset:
+def contact_onset(
+    scene: Scene, result: StaticResult, unloaded_speed_ratio: float = 0.0, drive: Drive = NUT
+) -> ContactOnset:
     """Return when neighbouring balls begin to touch, from a static load distribution (section 4.3.2 of Lin's thesis).
 
     Lin argues from the loads: balls that lose contact stay behind, so that others run into them. Here each loaded ball
@@ -450,7 +463,7 @@ def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0, drive: 
     ----------
     scene, result
         The scene and its static result.
-    idle
+    unloaded_speed_ratio
         Angular speed of unloaded balls around the axis as a ratio of the nominal one: with 0 they do not move, as Lin
         assumes; with 1 they roll along with the others.
     drive
@@ -461,13 +474,13 @@ def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0, drive: 
     ValueError
         The static loads did not converge, balls overlap, or the circuits cannot hold their balls.
     """
-    path = ball_path(scene, drive, scene.balls.radius)
+    path = ball_kinematics(scene, drive, scene.balls.radius)
     balls = ball_friction(scene, contacts_of_result(scene, result), Friction(1.0, 1.0), drive, fast=is_copy_loaded(CONTACT))
     carrying = result.load.sum(axis=1)
-    orbit = np.where(carrying > 0.0, balls.orbit, idle * path.nominal_orbit)
-    spacing, ring = contact_spacing(path), scene.track.lead == 0.0
+    orbit = np.where(carrying > 0.0, balls.orbit, unloaded_speed_ratio * path.nominal_orbit)
+    spacing, ring = azimuth_between_touching_balls(path), scene.track.lead == 0.0
     pairs, gaps, leaving = [], [], []
-    for track, azimuth, ball in circuits(scene):
+    for track, azimuth, ball in circuits_of_scene(scene):
         here, number = azimuth[ball >= 0], ball[ball >= 0]
         after = np.append(here[1:], here[0] + 2.0 * np.pi)[: here.size if ring else -1]
         pair = np.column_stack([number, np.roll(number, -1)])[: after.size]
@@ -485,4 +498,4 @@ def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0, drive: 
     closing = orbit[pair[:, 0]] - orbit[pair[:, 1]]
     meets = closing > CLOSING * speed
     meeting = np.where(meets, np.maximum(gap, 0.0) * speed / np.where(meets, closing, 1.0), np.inf)
-    return Onset(orbit, carrying, pair, gap, meeting, speed * np.concatenate(leaving), balls.converged)
+    return ContactOnset(orbit, carrying, pair, gap, meeting, speed * np.concatenate(leaving), balls.converged)

@@ -20,10 +20,10 @@ from rollbench.lowfi.statics.contacts import (
 from rollbench.lowfi.statics.nominal import ContactLoads
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen, specimen
-from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii
+from rollbench.meshes.errors import Specimen, draw_specimen
+from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_radii
 from rollbench.meshes.parts import Errors, Scene
-from rollbench.meshes.surface import printed_radii
+from rollbench.meshes.surface import printed_principal_radii
 
 #: Fraction of a ball's largest contact load by which the smallest size of its ellipses, also of unloaded ones, is computed.
 FAINT = 1e-9
@@ -92,10 +92,12 @@ def contacts_of_result(scene: Scene, result: StaticResult, member: int = 0) -> S
     if not result.converged:
         raise ValueError(f"friction cannot be computed, because the contact loads did not converge: {result.status}")
     layout = ball_layout(scene)
-    return contacts_at(scene, result, specimen(scene, layout, member), layout)
+    return contacts_of_solution(scene, result, draw_specimen(scene, layout, member), layout)
 
 
-def contacts_at(scene: Scene, result: StaticResult | ContactLoads, drawn: Specimen, layout: BallLayout) -> StaticContacts:
+def contacts_of_solution(
+    scene: Scene, result: StaticResult | ContactLoads, drawn: Specimen, layout: BallLayout
+) -> StaticContacts:
     """Return forces, angles and ellipses of the contacts of a static solution at given positions of the balls.
 
     Parameters
@@ -125,32 +127,32 @@ def _force_cube_root(force: Array) -> Array:
     return np.asarray(np.cbrt(np.maximum(force, np.maximum(FAINT * most, 1e-30))))
 
 
-def replace_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts:
+def contacts_with_loads(contacts: StaticContacts, force: Array, angle: Array) -> StaticContacts:
     """Return contacts with other forces and angles, and with the ellipses that belong to these forces.
 
-    ``at``: contacts before, whose Hertz constants are used; ``force``: contact forces ``(N, 4)`` [N]; ``angle``: contact
-    angles ``(N, 4)`` [rad].
+    ``contacts``: contacts before, whose Hertz constants are used; ``force``: contact forces ``(N, 4)`` [N]; ``angle``:
+    contact angles ``(N, 4)`` [rad].
     """
-    grown = _force_cube_root(force) / _force_cube_root(at.force)
-    return replace(at, force=force, angle=angle, a=at.a * grown, b=at.b * grown)
+    grown = _force_cube_root(force) / _force_cube_root(contacts.force)
+    return replace(contacts, force=force, angle=angle, a=contacts.a * grown, b=contacts.b * grown)
 
 
-def spread_to_all_balls(
-    at: StaticContacts | None, layout: BallLayout, balls: NDArray[np.int64], ball_radius: Array, angle: float
+def contacts_of_all_balls(
+    contacts: StaticContacts | None, layout: BallLayout, balls: NDArray[np.int64], ball_radius: Array, unloaded_angle: float
 ) -> StaticContacts:
     """Return the contacts of all N balls of a scene, of which only some are loaded.
 
     Parameters
     ----------
-    at
+    contacts
         Contacts of the balls that may be loaded; None if no ball is loaded.
     layout
         Positions of all balls.
     balls
-        Indices of the balls in ``at``.
+        Indices of the balls in ``contacts``.
     ball_radius
         Radii of all balls ``(N,)`` [m].
-    angle
+    unloaded_angle
         Contact angle of unloaded balls [rad].
     """
     n = ball_radius.size
@@ -158,15 +160,15 @@ def spread_to_all_balls(
     full = StaticContacts(
         ball_radius,
         np.zeros((n, 4)),
-        np.full((n, 4), angle),
+        np.full((n, 4), unloaded_angle),
         np.full((n, 4), least),
         np.full((n, 4), least),
         np.ones((n, 4), dtype=bool),
         layout,
     )
-    if at is not None:
+    if contacts is not None:
         for name in ("force", "angle", "a", "b", "across"):
-            getattr(full, name)[balls] = getattr(at, name)
+            getattr(full, name)[balls] = getattr(contacts, name)
     return full
 
 
@@ -187,7 +189,7 @@ def _ellipse_constants(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Arr
         h = error_free_hertz(scene) if kind == "error-free" else distinct_hertz(scene, drawn, drawn.ball_radius)
         curvature = nominal_curvatures(scene)
     # curvatures are in ascending order; the one that equals the groove profile's belongs to the semi-axis across
-    profile = 1.0 / drawn.ball_radius[:, None] - 1.0 / groove_radii(scene)
+    profile = 1.0 / drawn.ball_radius[:, None] - 1.0 / nominal_groove_radii(scene)
     across = np.abs(curvature[..., 0] - profile) <= np.abs(curvature[..., 1] - profile)
     return np.broadcast_to(h.C_a, shape), np.broadcast_to(h.C_b, shape), np.broadcast_to(across, shape)
 
@@ -195,13 +197,13 @@ def _ellipse_constants(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Arr
 def _printed_ellipse_constants(scene: Scene) -> tuple[Array, Array]:
     """Return the Hertz constants of the long, then the short semi-axes ``(4,)`` [m/N^(1/3)] by Lin's printed Table B.1."""
     bare = replace(scene, errors=Errors())
-    drawn = specimen(bare, ball_layout(bare))
+    drawn = draw_specimen(bare, ball_layout(bare))
     gamma, ball = np.full(scene.ball_count, scene.track.contact_angle), scene.balls.material
     rows = []
     for body, side in ((scene.screw, 0), (scene.nut, 3)):
         steel = body.material
         modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, steel.youngs_modulus, steel.poissons_ratio)
-        low, high = printed_radii(bare, drawn, side, gamma)[0]
+        low, high = printed_principal_radii(bare, drawn, side, gamma)[0]
         constants = printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
         rows += 2 * [(constants.C_a, constants.C_b)]
     table = np.array(rows)

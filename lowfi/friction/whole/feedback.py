@@ -13,15 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.contact.equilibrium import settle_each_ball
+from rollbench.lowfi.friction.contact.equilibrium import solve_contact_loads_of_each_ball
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.motion import AndersonMixer
-from rollbench.lowfi.friction.whole.contacts import StaticContacts, replace_loads
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_with_loads
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.errors import Specimen, draw_specimen
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
@@ -41,7 +41,7 @@ JAMMED = 0.3
 
 
 @dataclass(frozen=True)
-class Seats:
+class PositionsInGrooves:
     """Positions of N balls relative to their four grooves in the static state, without friction."""
 
     #: Vector from the centre of each groove's profile to the ball's centre along x3, z3 ``(N, 4, 2)`` [m].
@@ -54,44 +54,46 @@ class Seats:
     axis: Array
 
 
-def ball_seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
+def positions_in_grooves(contacts: StaticContacts, C: Array, reach: Array, centre: Array) -> PositionsInGrooves:
     """Return the positions of N balls relative to their grooves in the static state, from their contact loads and angles.
 
-    A flank without contact moves with the other flank of its body. A ball without load keeps its nominal position. ``at``:
-    contacts of the balls; ``C``: Hertz constants ``(N, 4)`` [m/N^(2/3)]; ``reach`` ``(N, 4)`` [m]: distance of the ball's
-    centre from the centre of each groove's profile where both just touch; ``centre`` ``(N, 4, 2)`` [m]: centres of the
-    profiles.
+    A flank without contact moves with the other flank of its body. A ball without load keeps its nominal position.
+    ``contacts``: contacts of the balls; ``C``: Hertz constants ``(N, 4)`` [m/N^(2/3)]; ``reach`` ``(N, 4)`` [m]: distance
+    of the ball's centre from the centre of each groove's profile where both just touch; ``centre`` ``(N, 4, 2)`` [m]:
+    centres of the profiles.
     """
-    squeeze = C * np.cbrt(at.force) ** 2
-    away = (reach + squeeze)[..., None] * at.normals[..., [0, 2]]
+    squeeze = C * np.cbrt(contacts.force) ** 2
+    away = (reach + squeeze)[..., None] * contacts.normals[..., [0, 2]]
     other = [1, 0, 3, 2]
     by_other = away[:, other] + centre[:, other] - centre
-    free = (at.force == 0.0) & (at.force[:, other] > 0.0)
+    free = (contacts.force == 0.0) & (contacts.force[:, other] > 0.0)
     away = np.where(free[..., None], by_other, away)
     reach = np.where(free, np.maximum(reach, np.hypot(away[..., 0], away[..., 1])), reach)
-    return Seats(away, reach, C, np.asarray(at.frames[0, :, 2]))
+    return PositionsInGrooves(away, reach, C, np.asarray(contacts.frames[0, :, 2]))
 
 
-def ball_seats_of_result(scene: Scene, result: StaticResult, at: StaticContacts, member: int = 0) -> Seats:
+def positions_in_grooves_of_result(
+    scene: Scene, result: StaticResult, contacts: StaticContacts, member: int = 0
+) -> PositionsInGrooves:
     """Return the positions of the balls of a solved scene relative to their grooves.
 
-    ``result``: static result of the scene; ``at``: its contacts; ``member``: number of the specimen with random errors that
-    was solved.
+    ``result``: static result of the scene; ``contacts``: its contacts; ``member``: number of the specimen with random
+    errors that was solved.
     """
-    return ball_seats_with_errors(at, specimen(scene, at.layout, member), result.hertz_C)
+    return positions_in_grooves_with_errors(contacts, draw_specimen(scene, contacts.layout, member), result.hertz_C)
 
 
-def ball_seats_with_errors(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
+def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: Specimen, C: Array) -> PositionsInGrooves:
     """Return the positions of N balls relative to grooves with errors.
 
-    ``at``: contacts of the balls; ``drawn``: radii, groove centres and groove profiles with random errors; ``C``: Hertz
-    constants ``(N, 4)`` [m/N^(2/3)].
+    ``contacts``: contacts of the balls; ``drawn``: radii, groove centres and groove profiles with random errors; ``C``:
+    Hertz constants ``(N, 4)`` [m/N^(2/3)].
     """
-    inward = np.zeros_like(at.angle)
+    inward = np.zeros_like(contacts.angle)
     for s, row in enumerate(drawn.profile):
-        inward[:, s] = np.polynomial.polynomial.polyval(at.angle[:, s], row) if row.size else 0.0
+        inward[:, s] = np.polynomial.polynomial.polyval(contacts.angle[:, s], row) if row.size else 0.0
     reach = drawn.radius[None, :] - inward - drawn.ball_radius[:, None]
-    return ball_seats(at, C, reach, drawn.centre)
+    return positions_in_grooves(contacts, C, reach, drawn.centre)
 
 
 def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array) -> Array:
@@ -106,7 +108,7 @@ def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array
 
 
 @dataclass(frozen=True)
-class FedBack:
+class FrictionEquilibrium:
     """Contacts of N balls whose loads are in equilibrium with the friction that acts in these contacts.
 
     A ball fails if its forces, or the axial load that it carried without friction, are out of balance by more than
@@ -127,16 +129,16 @@ class FedBack:
     push: Array
 
 
-def feed_back(
+def solve_friction_equilibrium(
     scene: Scene,
-    at: StaticContacts,
-    place: Seats,
+    static_contacts: StaticContacts,
+    positions: PositionsInGrooves,
     friction: Friction,
     drive: Drive,
     fast: bool = False,
-    near: Array | None = None,
-    motion: Array | None = None,
-) -> FedBack:
+    starting_friction: Array | None = None,
+    starting_motions: Array | None = None,
+) -> FrictionEquilibrium:
     """Return the contact loads, angles and friction of each ball that are in equilibrium with each other.
 
     The iteration begins at the static state. If a ball has several equilibria, this leads to the one that it reaches by
@@ -146,9 +148,9 @@ def feed_back(
     ----------
     scene
         Screw whose friction displaces balls.
-    at
+    static_contacts
         Contacts of its N balls without friction.
-    place
+    positions
         Positions of the balls relative to their grooves without friction.
     friction
         Coefficients of friction.
@@ -156,9 +158,9 @@ def feed_back(
         Motion of screw or nut.
     fast
         Whether to use the compiled functions instead of plain Python.
-    near
+    starting_friction
         Friction of a similar state ``(N, 3)`` [N] (`FedBack.push`), from which the iteration begins instead.
-    motion
+    starting_motions
         Motions of the balls in a similar state ``(N, 4)`` [rad/s]. They shorten the solution but do not change it.
 
     Returns
@@ -166,30 +168,30 @@ def feed_back(
     FedBack
         The equilibrium; its field ``failed`` marks balls for which none was found.
     """
-    count = at.force.shape[0]
-    along, loaded = place.axis[[0, 2]], at.force.sum(axis=1) > 0.0
-    still = _unbalanced_forces(at.force, at.normals[..., [0, 2]], along, np.zeros((count, 3)))
+    count = static_contacts.force.shape[0]
+    along, loaded = positions.axis[[0, 2]], static_contacts.force.sum(axis=1) > 0.0
+    still = _unbalanced_forces(static_contacts.force, static_contacts.normals[..., [0, 2]], along, np.zeros((count, 3)))
     guess, shift, mixer = np.zeros((count, 3)), np.zeros((count, 3)), AndersonMixer(2, ROUNDS)
-    contacts, active, rounds = at, np.flatnonzero(loaded), 0
-    if near is not None and active.size:
-        guess[active] = near[active]
+    contacts, active, rounds = static_contacts, np.flatnonzero(loaded), 0
+    if starting_friction is not None and active.size:
+        guess[active] = starting_friction[active]
         contacts, shift[active], _ = _contacts_under_forces(
-            at, place, active, still[active] + guess[active], shift[active], at, fast
+            static_contacts, positions, active, still[active] + guess[active], shift[active], static_contacts, fast
         )
     failed = np.zeros(count, dtype=bool)
-    q = np.full((count, 4), np.nan) if motion is None else motion.copy()
+    q = np.full((count, 4), np.nan) if starting_motions is None else starting_motions.copy()
     while active.size and rounds < ROUNDS:
         rounds += 1
         chosen = contacts.subset(active)
         by_ball = ball_friction(scene, chosen, friction, drive, fast, q[active])
         q[active] = by_ball.q
-        answer = _friction_on_balls_and_screw(by_ball, chosen, place.axis)
+        answer = _friction_on_balls_and_screw(by_ball, chosen, positions.axis)
         unsettled = (np.abs(answer - guess[active]).max(axis=1) > AGREED * chosen.force.sum(axis=1)) | failed[active]
         active = active[unsettled]
-        mixer.keep(unsettled)
-        guess[active] = mixer.next(guess[active], answer[unsettled])
+        mixer.keep_vectors(unsettled)
+        guess[active] = mixer.next_iterate(guess[active], answer[unsettled])
         contacts, shift[active], failed[active] = _contacts_under_forces(
-            contacts, place, active, still[active] + guess[active], shift[active], at, fast
+            contacts, positions, active, still[active] + guess[active], shift[active], static_contacts, fast
         )
     for ball in active:
         from scipy.optimize import root  # few states come here
@@ -198,72 +200,81 @@ def feed_back(
 
         def excess(x: Array, one: NDArray[np.int64] = one, size: float = size) -> Array:
             """Return the friction in the contacts that balance an assumed friction x, less x, over the contact loads."""
-            there, _, _ = _contacts_under_forces(at, place, one, still[one] + size * x, shift[one], at, fast)
+            there, _, _ = _contacts_under_forces(
+                static_contacts, positions, one, still[one] + size * x, shift[one], static_contacts, fast
+            )
             chosen = there.subset(one)
             by_ball = ball_friction(scene, chosen, friction, drive, fast, q[one])
-            return np.asarray(_friction_on_balls_and_screw(by_ball, chosen, place.axis)[0] / size - x)
+            return np.asarray(_friction_on_balls_and_screw(by_ball, chosen, positions.axis)[0] / size - x)
 
         options = {"xtol": SOLVED, "eps": DIFFERENCE**2, "maxfev": TRIALS}
         guess[ball] = size * root(excess, guess[ball] / size, options=options).x
         contacts, shift[one], failed[one] = _contacts_under_forces(
-            contacts, place, one, still[one] + guess[one], shift[one], at, fast
+            contacts, positions, one, still[one] + guess[one], shift[one], static_contacts, fast
         )
     final = ball_friction(scene, contacts, friction, drive, fast, q)
     off = _unbalanced_forces(
         contacts.force,
         contacts.normals[..., [0, 2]],
         along,
-        still + _friction_on_balls_and_screw(final, contacts, place.axis),
+        still + _friction_on_balls_and_screw(final, contacts, positions.axis),
     )
     change = np.abs(off).max(axis=1) / np.maximum(contacts.force.sum(axis=1), 1e-300)
-    return FedBack(contacts, final, failed | (change > ACCEPTED), rounds, float(change.max(initial=0.0)), guess)
+    return FrictionEquilibrium(contacts, final, failed | (change > ACCEPTED), rounds, float(change.max(initial=0.0)), guess)
 
 
-def _friction_on_balls_and_screw(by_ball: BallFriction, at: StaticContacts, axis: Array) -> Array:
+def _friction_on_balls_and_screw(by_ball: BallFriction, contacts: StaticContacts, axis: Array) -> Array:
     """Return the friction on each ball along x3 and z3 and on the screw along its axis ``(N, 3)`` [N].
 
-    ``by_ball``: friction of the balls in the contacts ``at``; ``axis`` ``(3,)``: direction of the screw's axis in x3, y3,
-    z3.
+    ``by_ball``: friction of the balls in the contacts ``contacts``; ``axis`` ``(3,)``: direction of the screw's axis in x3,
+    y3, z3.
     """
-    wrench = by_ball.wrench(at.normals)[..., :3]
+    wrench = by_ball.wrench(contacts.normals)[..., :3]
     drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], axis)
     return np.column_stack([wrench[:, :, [0, 2]].sum(axis=1), drag])
 
 
-def second_states(
-    scene: Scene, place: Seats, at: StaticContacts, rolling: FedBack, friction: Friction, drive: Drive, fast: bool = False
+def balls_with_second_state(
+    scene: Scene,
+    positions: PositionsInGrooves,
+    static_contacts: StaticContacts,
+    rolling_state: FrictionEquilibrium,
+    friction: Friction,
+    drive: Drive,
+    fast: bool = False,
 ) -> tuple[int, ...]:
     """Return the indices of balls for which another equilibrium is found, jammed between their grooves.
 
     The search starts from four displaced states, in which the balls are pushed along x3 or z3 with ``DISPLACED`` times
-    their largest contact load. It may miss such an equilibrium. ``place``, ``at``: positions and contacts of the balls
-    without friction; ``rolling``: the equilibrium that the balls reach by rolling from there.
+    their largest contact load. It may miss such an equilibrium. ``positions``, ``static_contacts``: positions and contacts
+    of the balls without friction; ``rolling_state``: the equilibrium that the balls reach by rolling from there.
     """
-    size, other = rolling.at.force.max(axis=1), np.zeros(at.force.shape[0], dtype=bool)
+    size, other = rolling_state.at.force.max(axis=1), np.zeros(static_contacts.force.shape[0], dtype=bool)
     for axis in range(2):
         for sign in (-1.0, 1.0):
             push = np.zeros((size.size, 3))
             push[:, axis] = sign * DISPLACED * size
-            again = feed_back(scene, at, place, friction, drive, fast, push)
-            apart = np.abs(again.at.force - rolling.at.force).max(axis=1) > ANOTHER * np.maximum(size, 1e-300)
-            other |= apart & ~again.failed & ~rolling.failed & (size > 0.0)
+            again = solve_friction_equilibrium(scene, static_contacts, positions, friction, drive, fast, push)
+            apart = np.abs(again.at.force - rolling_state.at.force).max(axis=1) > ANOTHER * np.maximum(size, 1e-300)
+            other |= apart & ~again.failed & ~rolling_state.failed & (size > 0.0)
     return tuple(int(k) for k in np.flatnonzero(other))
 
 
 def _contacts_under_forces(
     contacts: StaticContacts,
-    place: Seats,
+    place: PositionsInGrooves,
     balls: NDArray[np.int64],
     forces: Array,
     start: Array,
-    bare: StaticContacts,
+    frictionless: StaticContacts,
     fast: bool,
 ) -> tuple[StaticContacts, Array, NDArray[np.bool_]]:
     """Return contacts in which k of the N balls are in equilibrium with given forces.
 
     ``contacts``: contacts of all balls, of which those of ``balls`` ``(k,)`` (indices) are replaced; ``place``: positions
     of all balls without friction; ``forces`` ``(k, 3)``: forces on each ball and on the screw [N]; ``start`` ``(k, 3)``:
-    displacements to begin from [m]; ``bare``: contacts without friction, whose loads give the scale of the tolerance.
+    displacements to begin from [m]; ``frictionless``: contacts without friction, whose loads give the scale of the
+    tolerance.
 
     Returns
     -------
@@ -273,9 +284,11 @@ def _contacts_under_forces(
     """
     away = place.away[balls]
     pressed = np.hypot(away[..., 0], away[..., 1]) - place.reach[balls]
-    x, force, normal, left = settle_each_ball(away, pressed, place.C[balls], place.axis[[0, 2]], forces, start, fast)
-    failed = left > 1e-8 * np.maximum(force.sum(axis=1), bare.force[balls].sum(axis=1))
+    x, force, normal, left = solve_contact_loads_of_each_ball(
+        away, pressed, place.C[balls], place.axis[[0, 2]], forces, start, fast
+    )
+    failed = left > 1e-8 * np.maximum(force.sum(axis=1), frictionless.force[balls].sum(axis=1))
     new_force, angle = contacts.force.copy(), contacts.angle.copy()
     new_force[balls] = force
     angle[balls] = contact_angles(normal)
-    return replace_loads(contacts, new_force, angle), x, failed
+    return contacts_with_loads(contacts, new_force, angle), x, failed

@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 from rollbench.lowfi.friction.contact.equilibrium import STATUS
 from rollbench.lowfi.friction.screw.chain import FrictionContacts
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, HelicalMotion, contact_axes
-from rollbench.lowfi.friction.screw.motion import contact_wrench
+from rollbench.lowfi.friction.screw.motion import friction_wrench_at_contacts
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
-from rollbench.lowfi.jit import CONTACT, kernels
+from rollbench.lowfi.jit import CONTACT, load_kernel_package
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.helix import groove_radii, reduced_lead
+from rollbench.meshes.helix import lead_per_radian, nominal_groove_radii
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
@@ -37,7 +37,7 @@ UNBALANCED = 1e-6
 
 
 @dataclass(frozen=True)
-class BallPath(HelicalMotion):
+class BallKinematics(HelicalMotion):
     """Motion of a ball of a given radius along the scene's helix, or round the ring of a bearing (zero lead)."""
 
     #: Radius of the ball [m].
@@ -55,15 +55,15 @@ class BallPath(HelicalMotion):
 
 
 @lru_cache(maxsize=64)
-def ball_path(scene: Scene, drive: Drive, ball_radius: float) -> BallPath:
+def ball_kinematics(scene: Scene, drive: Drive, ball_radius: float) -> BallKinematics:
     """Return the helix, the contact angle and the speeds that determine the motion of a ball; results are cached.
 
     ``drive``: motion of the screw or nut that turns; ``ball_radius``: radius of the ball [m].
     """
     screw = drive.speed if drive.turns == "screw" else 0.0
     track = scene.track
-    lead = 2.0 * np.pi * reduced_lead(track)
-    return BallPath(ball_radius, track.pitch_radius, track.contact_angle, lead, drive.speed - screw, screw)
+    lead = 2.0 * np.pi * lead_per_radian(track)
+    return BallKinematics(ball_radius, track.pitch_radius, track.contact_angle, lead, drive.speed - screw, screw)
 
 
 @dataclass(frozen=True)
@@ -113,11 +113,16 @@ class BallFriction:
         The components are in x3, y3, z3. ``normals``: unit vectors from each ball's centre to its contacts in x3, y3, z3
         ``(N, 4, 3)``.
         """
-        return contact_wrench(normals, self.force, self.moment)
+        return friction_wrench_at_contacts(normals, self.force, self.moment)
 
 
 def ball_friction(
-    scene: Scene, at: StaticContacts, friction: Friction, drive: Drive, fast: bool = False, near: Array | None = None
+    scene: Scene,
+    contacts: StaticContacts,
+    friction: Friction,
+    drive: Drive,
+    fast: bool = False,
+    starting_motions: Array | None = None,
 ) -> BallFriction:
     """Return the motion of least dissipation and the friction of every ball.
 
@@ -129,7 +134,7 @@ def ball_friction(
     ----------
     scene
         Screw or bearing.
-    at
+    contacts
         Contacts of its N balls.
     friction
         Coefficients of friction.
@@ -137,7 +142,7 @@ def ball_friction(
         Motion of screw or nut.
     fast
         Whether to use the compiled functions instead of plain Python.
-    near
+    starting_motions
         First estimates of the motions ``(N, 4)`` [rad/s], from a similar state (``BallFriction.q``); nan for balls without
         an estimate. If None, there are no estimates.
 
@@ -148,15 +153,15 @@ def ball_friction(
     """
     if drive.speed == 0.0:
         raise ValueError("friction at rest is not determined; it needs a speed of screw or nut other than zero")
-    count = at.force.shape[0]
-    loaded = np.flatnonzero(at.force.sum(axis=1) > 0.0)
-    pressed = at.subset(loaded)
+    count = contacts.force.shape[0]
+    loaded = np.flatnonzero(contacts.force.sum(axis=1) > 0.0)
+    pressed = contacts.subset(loaded)
     share, top = relative_coefficients(friction)
     rubs = friction_contacts(scene, pressed, share, drive)
     n = loaded.size
-    q = np.full((n, 4), np.nan) if near is None else near[loaded]
+    q = np.full((n, 4), np.nan) if starting_motions is None else starting_motions[loaded]
     forces, rests, outcome = np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 2))
-    kernels(CONTACT, compiled=fast).least_dissipation_of_bodies(
+    load_kernel_package(CONTACT, compiled=fast).least_dissipation_of_bodies(
         rubs.shape, rubs.maps, rubs.drives, q, forces, rests, outcome
     )
     seen = rubs.drives + np.einsum("nirj,nj->nir", rubs.maps, q)
@@ -170,23 +175,31 @@ def ball_friction(
     left = outcome[:, 1] / rubs.shape[..., 2].sum(axis=1)
     for k, code, off in zip(loaded, outcome[:, 0].astype(int), left, strict=True):
         status[k] = STATUS[code] if off <= UNBALANCED else "failed"
-    return friction_of_motions(at, every, motion, pull, rest, status, float(left.max(initial=0.0)))
+    return friction_of_motions(contacts, every, motion, pull, rest, status, float(left.max(initial=0.0)))
 
 
 def friction_of_motions(
-    at: StaticContacts, q: Array, motion: Array, pull: Array, rest: NDArray[np.bool_], status: list[str], left: float
+    contacts: StaticContacts,
+    motions: Array,
+    motion: Array,
+    pull: Array,
+    rest: NDArray[np.bool_],
+    status: list[str],
+    imbalance: float,
 ) -> BallFriction:
     """Return motion, friction and losses of N balls, with the losses computed from motions and friction.
 
-    ``at``: contacts of the balls; ``q``: motions ``(N, 4)`` [rad/s], orbit and then rotation, nan without load; ``motion``:
-    sliding and spin of the contacts ``(N, 4, 3)`` [m/s, rad/s]; ``pull``: friction on the ball ``(N, 4, 3)``, two forces
-    [N] and the moment about the normal [N m]; ``rest``: whether each contact sticks ``(N, 4)``; ``status``: status of the
-    solution for each ball; ``left``: largest force out of balance as a fraction of a ball's sum of mu F.
+    ``contacts``: contacts of the balls; ``motions``: motions ``(N, 4)`` [rad/s], orbit and then rotation, nan without load;
+    ``motion``: sliding and spin of the contacts ``(N, 4, 3)`` [m/s, rad/s]; ``pull``: friction on the ball ``(N, 4, 3)``,
+    two forces [N] and the moment about the normal [N m]; ``rest``: whether each contact sticks ``(N, 4)``; ``status``:
+    status of the solution for each ball; ``imbalance``: largest force out of balance as a fraction of a ball's sum of mu F.
     """
-    loaded = at.force[..., None] > 0.0
+    loaded = contacts.force[..., None] > 0.0
     loss = np.where(loaded, -pull * np.nan_to_num(motion), 0.0) + 0.0
     seen = np.where(loaded, motion, np.nan)
-    return BallFriction(q[:, 0], q[:, 1:], seen, pull[..., :2], pull[..., 2], loss, rest, tuple(status), left)
+    return BallFriction(
+        motions[:, 0], motions[:, 1:], seen, pull[..., :2], pull[..., 2], loss, rest, tuple(status), imbalance
+    )
 
 
 def relative_coefficients(friction: Friction) -> tuple[Array, float]:
@@ -200,18 +213,22 @@ def relative_coefficients(friction: Friction) -> tuple[Array, float]:
     return (mu / top if top > 0.0 else np.ones(4)), top
 
 
-def friction_contacts(scene: Scene, at: StaticContacts, share: Array, drive: Drive) -> FrictionContacts:
+def friction_contacts(
+    scene: Scene, contacts: StaticContacts, friction_coefficients: Array, drive: Drive
+) -> FrictionContacts:
     """Return the sliding contacts of all balls in axes whose x lies along the long semi-axis of each contact ellipse.
 
-    ``at``: contact forces and ellipses; ``share``: coefficients of friction of the contacts SL, SR, NL, NR ``(4,)``,
-    absolute or relative; the friction bounds in the result are products of these and the forces. ``drive``: motion of screw
-    or nut.
+    ``contacts``: contact forces and ellipses; ``friction_coefficients``: coefficients of friction of the contacts SL, SR,
+    NL, NR ``(4,)``, absolute or relative; the friction bounds in the result are products of these and the forces.
+    ``drive``: motion of screw or nut.
     """
-    maps, drives = ball_path(scene, drive, scene.balls.radius).maps(at.normals, at.ball_radius)
+    maps, drives = ball_kinematics(scene, drive, scene.balls.radius).maps(contacts.normals, contacts.ball_radius)
     for rows in (maps, drives):
-        rows[~at.across] = _rotate_quarter_turn(rows[~at.across])
+        rows[~contacts.across] = _rotate_quarter_turn(rows[~contacts.across])
     return FrictionContacts(
-        np.stack([at.a, at.b, share * at.force], axis=-1), np.ascontiguousarray(maps), np.ascontiguousarray(drives)
+        np.stack([contacts.a, contacts.b, friction_coefficients * contacts.force], axis=-1),
+        np.ascontiguousarray(maps),
+        np.ascontiguousarray(drives),
     )
 
 
@@ -223,28 +240,29 @@ def rotate_to_groove_axes(at: StaticContacts, values: Array) -> None:
     values[~at.across] = _rotate_quarter_turn(values[~at.across], -1.0)
 
 
-def _rotate_quarter_turn(rows: Array, sign: float = 1.0) -> Array:
+def _rotate_quarter_turn(components: Array, sign: float = 1.0) -> Array:
     """Return the components of k contacts after their axes x, z have turned by 90 degrees about the contact normal.
 
-    ``rows`` ``(k, 3, ...)``: components along x and z and about the normal; ``sign``: 1 or, for the opposite sense, -1.
+    ``components`` ``(k, 3, ...)``: components along x and z and about the normal; ``sign``: 1 or, for the opposite sense,
+    -1.
     """
-    return np.stack([sign * rows[:, 1], -sign * rows[:, 0], rows[:, 2]], axis=1)
+    return np.stack([sign * components[:, 1], -sign * components[:, 0], components[:, 2]], axis=1)
 
 
-def closing_speeds(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Drive) -> Array:
+def closing_speeds_of_neighbours(scene: Scene, contacts: StaticContacts, by_ball: BallFriction, drive: Drive) -> Array:
     """Return the speed at which each ball approaches the next one of the same start ``(N,)`` [m/s].
 
     It is negative if they separate. The next ball is the neighbour at the larger azimuth. The last ball of a ring is
-    followed by its first. The speed is nan for a ball without a next one and where one of both has no load. ``at``:
+    followed by its first. The speed is nan for a ball without a next one and where one of both has no load. ``contacts``:
     contacts of the N balls; ``by_ball``: their motions; ``drive``: motion of screw or nut.
     """
-    path = ball_path(scene, drive, scene.balls.radius)
-    count, starts = at.force.shape[0], scene.track.starts
+    path = ball_kinematics(scene, drive, scene.balls.radius)
+    count, starts = contacts.force.shape[0], scene.track.starts
     closing = np.full(count, np.nan)
     per_start = count // starts
     for k in range(starts):
         balls = np.arange(k * per_start, (k + 1) * per_start)
-        order = balls[np.argsort(at.layout.azimuth[balls], kind="stable")]
+        order = balls[np.argsort(contacts.layout.azimuth[balls], kind="stable")]
         closing[order[:-1]] = path.radius * (by_ball.orbit[order[:-1]] - by_ball.orbit[order[1:]])
         if scene.track.lead == 0.0 and per_start > 1:
             closing[order[-1]] = path.radius * (by_ball.orbit[order[-1]] - by_ball.orbit[order[0]])
@@ -262,7 +280,7 @@ SPEEDS, STEPS, HALVINGS = (0.3, 0.1, 0.03, 0.01, 0.003), 12, 12
 WIDE = 0.03
 
 
-def quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Array, Array]:
+def hertz_pressure_quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Array, Array]:
     """Return the points and weights of a quadrature over the unit disc with Hertz's pressure as the weight function.
 
     ``outwards``, ``around``: numbers of points along a radius and around the disc, k in all.
@@ -281,11 +299,14 @@ def quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Ar
     return np.outer(radius, np.cos(turn)).ravel(), np.outer(radius, np.sin(turn)).ravel(), mass
 
 
-def surface_speeds(scene: Scene, at: StaticContacts, drive: Drive, curved: float) -> tuple[Array, Array]:
+def surface_speeds_in_contacts(
+    scene: Scene, contacts: StaticContacts, drive: Drive, curvature_factor: float
+) -> tuple[Array, Array]:
     """Return the sliding velocities of points in the contacts, as a linear function of the motions of the balls.
 
-    ``at``: contacts of N balls, each with the k points of `quadrature`; ``drive``: motion of screw or nut; ``curved``:
-    factor of the contacts' curvature across the groove, 1 for the actual one and 0 for flat ellipses.
+    ``contacts``: contacts of N balls, each with the k points of `hertz_pressure_quadrature`; ``drive``: motion of screw or
+    nut; ``curvature_factor``: factor of the contacts' curvature across the groove, 1 for the actual one and 0 for flat
+    ellipses.
 
     Returns
     -------
@@ -293,14 +314,16 @@ def surface_speeds(scene: Scene, at: StaticContacts, drive: Drive, curved: float
         First the sliding across and along the groove per unit of each ball's four motions ``(N, 4, k, 2, 4)`` [m]; then the
         sliding by screw and nut while the ball rests ``(N, 4, k, 2)`` [m/s].
     """
-    path = ball_path(scene, drive, scene.balls.radius)
-    maps, drives = path.maps(at.normals, at.ball_radius)
+    path = ball_kinematics(scene, drive, scene.balls.radius)
+    maps, drives = path.maps(contacts.normals, contacts.ball_radius)
     body = np.where(ON_SCREW, path.screw_speed, path.nut_speed)
-    rolling = np.einsum("nsi,ji->nsj", contact_axes(at.normals)[:, :, 0], path.turns)  # Omega = rolling @ q - body part
-    bend = 0.25 * curved * (1.0 / at.ball_radius[:, None] + 1.0 / groove_radii(scene))
-    x, z, _ = quadrature()
-    px = np.where(at.across, at.a, at.b)[..., None] * x
-    pz = np.where(at.across, at.b, at.a)[..., None] * z
+    rolling = np.einsum(
+        "nsi,ji->nsj", contact_axes(contacts.normals)[:, :, 0], path.turns
+    )  # Omega = rolling @ q - body part
+    bend = 0.25 * curvature_factor * (1.0 / contacts.ball_radius[:, None] + 1.0 / nominal_groove_radii(scene))
+    x, z, _ = hertz_pressure_quadrature()
+    px = np.where(contacts.across, contacts.a, contacts.b)[..., None] * x
+    pz = np.where(contacts.across, contacts.b, contacts.a)[..., None] * z
     lift = bend[..., None] * px**2
     rows = np.stack(
         [
@@ -316,16 +339,17 @@ def surface_speeds(scene: Scene, at: StaticContacts, drive: Drive, curved: float
     return rows, added
 
 
-def least_power(rows: Array, added: Array, strength: Array, start: Array, slide: float) -> Array:
+def least_dissipated_power(rows: Array, added: Array, strength: Array, start: Array, typical_sliding_speed: float) -> Array:
     """Return the power that each of N balls loses in its motion of least dissipation ``(N,)``.
 
     It is found by Newton's method. The sliding speed is regularised as sqrt(v^2 + eps^2), with eps reduced in steps.
-    ``rows``, ``added``: sliding of the contacts' points (`surface_speeds`); ``strength`` ``(N, 4)``: friction bound of each
-    contact, coefficient times force [N], or force times relative coefficient, then the power is relative, too; ``start``
-    ``(N, 4)``: motions to begin from [rad/s]; ``slide``: a typical sliding speed [m/s], the scale of eps.
+    ``rows``, ``added``: sliding of the contacts' points (`surface_speeds_in_contacts`); ``strength`` ``(N, 4)``: friction
+    bound of each contact, coefficient times force [N], or force times relative coefficient, then the power is relative,
+    too; ``start`` ``(N, 4)``: motions to begin from [rad/s]; ``typical_sliding_speed``: a typical sliding speed [m/s], the
+    scale of eps.
     """
     loaded = (strength > 0.0).any(axis=0)
-    weight = (strength[:, loaded, None] * quadrature()[2]).reshape(len(strength), -1)
+    weight = (strength[:, loaded, None] * hertz_pressure_quadrature()[2]).reshape(len(strength), -1)
     rows, added = rows[:, loaded].reshape(len(weight), -1, 4), added[:, loaded].reshape(*weight.shape, 2)
     q = start.copy()
 
@@ -335,7 +359,7 @@ def least_power(rows: Array, added: Array, strength: Array, start: Array, slide:
         size = np.sqrt(v[..., 0] ** 2 + v[..., 1] ** 2 + eps * eps)
         return (weight * size).sum(axis=1), v, size
 
-    for eps in slide * np.array(SPEEDS):
+    for eps in typical_sliding_speed * np.array(SPEEDS):
         total, v, size = value(q, eps)
         for _ in range(STEPS):
             w = weight / size
@@ -360,7 +384,7 @@ def least_power(rows: Array, added: Array, strength: Array, start: Array, slide:
 
 
 def heathcote_loss_increase(
-    scene: Scene, at: StaticContacts, by_ball: BallFriction, friction: Friction, drive: Drive
+    scene: Scene, contacts: StaticContacts, by_ball: BallFriction, friction: Friction, drive: Drive
 ) -> float:
     """Return the relative increase of the losses of all contacts by Heathcote slip, at given loads; nan without any loss.
 
@@ -371,7 +395,7 @@ def heathcote_loss_increase(
     ----------
     scene
         Screw or bearing.
-    at
+    contacts
         Contacts under the static loads.
     by_ball
         Motion and friction of each ball.
@@ -383,7 +407,7 @@ def heathcote_loss_increase(
     balls = np.flatnonzero(np.isfinite(by_ball.orbit))
     if balls.size == 0:
         return float("nan")
-    pressed, share = at.subset(balls), relative_coefficients(friction)[0]
+    pressed, share = contacts.subset(balls), relative_coefficients(friction)[0]
     strength = share * pressed.force
     start = np.column_stack([by_ball.orbit, by_ball.rotation])[balls]
     seen = np.nan_to_num(by_ball.motion[balls])
@@ -391,7 +415,9 @@ def heathcote_loss_increase(
     if slide == 0.0:
         return float("nan")
     flat, curved = (
-        float(least_power(*surface_speeds(scene, pressed, drive, factor), strength, start, slide).sum())
+        float(
+            least_dissipated_power(*surface_speeds_in_contacts(scene, pressed, drive, factor), strength, start, slide).sum()
+        )
         for factor in (0.0, 1.0)
     )
     return curved / flat - 1.0

@@ -14,19 +14,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.compliance.bodies import whole_body
+from rollbench.lowfi.compliance.bodies import compliance_between_contacts
 from rollbench.lowfi.compliance.parts import Backend
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
-from rollbench.lowfi.friction.screw.travel import ClosedTrack, Instant, Place
-from rollbench.lowfi.friction.whole.circuit import Balls, SceneGrooves, chain_motion
-from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_at, spread_to_all_balls
-from rollbench.lowfi.friction.whole.feedback import ball_seats_with_errors, feed_back
-from rollbench.lowfi.friction.whole.torque import axial_force_and_moment, feeds_back
+from rollbench.lowfi.friction.screw.travel import BallState, ClosedTrack, InstantSolution
+from rollbench.lowfi.friction.whole.circuit import BallsInCircuits, SceneGrooves, solve_motion_on_track
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_all_balls, contacts_of_solution
+from rollbench.lowfi.friction.whole.feedback import positions_in_grooves_with_errors, solve_friction_equilibrium
+from rollbench.lowfi.friction.whole.torque import axial_forces_and_moments, friction_displaces_balls
 from rollbench.lowfi.statics.nominal import ContactLoads, beam_loads, elastic_loads
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Drawn, Specimen
-from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
+from rollbench.meshes.errors import DrawnErrors, Specimen
+from rollbench.meshes.helix import BallLayout, ball_layout_at_positions, lead_per_radian
 from rollbench.meshes.parts import Friction, Scene, Track
 from rollbench.meshes.parts import Motion as Drive
 
@@ -50,7 +50,7 @@ class ComplianceWindow(NamedTuple):
 
 @dataclass
 class TravellingCompliance:
-    """Compliance of screw or nut between contacts that travel along the track together; replaces `whole_body`.
+    """Compliance of screw or nut between contacts that travel along the track together.
 
     The compliance is computed at three positions of a window, and between them by the parabola through these. A body of
     revolution with a groove in it responds in the same way to balls that turn and advance together, except near its ends,
@@ -68,9 +68,9 @@ class TravellingCompliance:
 
         ``layout``: positions of the balls; ``screw``: whether the body is the screw (True) or the nut; ``backend``: models
         for the compliance of the parts; ``flanks``: numbers of the flanks with contacts. The result is ``(2 c, 2 c)`` for c
-        contacts, each with two axes, as from `whole_body`.
+        contacts, each with two axes, as from `compliance_between_contacts`.
         """
-        track, rate = scene.track, reduced_lead(scene.track)
+        track, rate = scene.track, lead_per_radian(scene.track)
         known = self.windows.setdefault((screw, tuple(flanks), layout.z.size), [])
         for window in known:
             moved = layout.azimuth - window.azimuth
@@ -79,7 +79,10 @@ class TravellingCompliance:
             if apart <= APART and -BEYOND <= share <= 1.0 + BEYOND:
                 break
         else:
-            share, window = 0.0, self.begin(layout, track, lambda place: whole_body(scene, place, screw, backend, flanks))
+            share, window = (
+                0.0,
+                self.begin(layout, track, lambda place: compliance_between_contacts(scene, place, screw, backend, flanks)),
+            )
             known.append(window)
         first, second, third = window.G
         left = 1.0 - share
@@ -92,9 +95,12 @@ class TravellingCompliance:
         the balls travel; ``compute``: function that returns the compliance [m/N] at given positions of the balls. Raises
         ValueError if this function does so at the first position.
         """
-        rate, length = reduced_lead(track), self.ahead
+        rate, length = lead_per_radian(track), self.ahead
         while True:
-            places = (layout_at(track, layout.azimuth + s, layout.z + s * rate) for s in (length, 0.5 * length, 0.0))
+            places = (
+                ball_layout_at_positions(track, layout.azimuth + s, layout.z + s * rate)
+                for s in (length, 0.5 * length, 0.0)
+            )
             try:
                 third, second, first = map(compute, places)
             except ValueError:
@@ -105,19 +111,19 @@ class TravellingCompliance:
             return ComplianceWindow(layout.azimuth, layout.z, length, (first, second, third))
 
 
-def load_solver_in_motion(model: str, ahead: float) -> Callable[..., ContactLoads]:
+def load_solver_for_travelling_balls(model: str, travel_sense: float) -> Callable[..., ContactLoads]:
     """Return the function by which a static model computes contact loads at each instant of a simulation over time.
 
     Parameters
     ----------
     model
         Name of the static model.
-    ahead
+    travel_sense
         Sense in which the balls travel in the nut: 1.0 towards larger azimuths, or -1.0.
     """
     if model != "refined":
         return AGAIN[model]
-    return partial(elastic_loads, whole=TravellingCompliance(WINDOW * ahead))
+    return partial(elastic_loads, whole=TravellingCompliance(WINDOW * travel_sense))
 
 
 #: Functions that compute the contact loads at each instant of a simulation over time, by the name of the static model.
@@ -127,7 +133,7 @@ AGAIN: dict[str, Callable[..., ContactLoads]] = {"lin": beam_loads, "refined": e
 Solve = Callable[[Specimen, BallLayout], StaticResult | ContactLoads]
 
 
-class Memory(NamedTuple):
+class LastInstant(NamedTuple):
     """Motions and forces of N balls at the previous instant, from which the next solution begins."""
 
     #: Motions of the balls, orbit and then rotation ``(N, 4)`` [rad/s].
@@ -139,7 +145,7 @@ class Memory(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Setting:
+class SceneInMotion:
     """Constants of a transient simulation by ``lowfi.friction.screw.travel``; azimuths are in the nut's frame."""
 
     #: The scene.
@@ -149,9 +155,9 @@ class Setting:
     #: Motion of screw or nut.
     drive: Drive
     #: Parts with their random errors.
-    drawn: Drawn
+    drawn: DrawnErrors
     #: Balls in their circuits.
-    balls: Balls
+    balls: BallsInCircuits
     #: Function that computes the contact loads of balls at given positions.
     solve: Solve
     #: Whether to use the compiled functions instead of plain Python.
@@ -175,7 +181,7 @@ class Setting:
             Friction on balls and screw (`FedBack.push`) in the previous step ``(N, 3)`` [N]; it is overwritten by that of
             this step.
         q
-            Motions of the balls in the previous step ``(N, 4)`` [rad/s], first estimates for `feed_back`.
+            Motions of the balls in the previous step ``(N, 4)`` [rad/s], first estimates for `solve_friction_equilibrium`.
 
         Returns
         -------
@@ -187,18 +193,20 @@ class Setting:
         folded, loaded = self.balls.place(azimuth)
         layout, on_arc = self.balls.layout(scene, folded, on_nut), np.flatnonzero(loaded)
         space, station = layout.azimuth[on_arc], layout.z[on_arc]
-        arc_layout = layout_at(track, space, station)
+        arc_layout = ball_layout_at_positions(track, space, station)
         met = self.drawn.at(scene, space - on_screw, space - on_nut - scene.nut.azimuth, station, self.balls.radius[on_arc])
         result = self.solve(met, arc_layout)
         at, status = None, "converged" if result.converged else f"contact loads: {result.status}"
         if result.converged:
-            at = contacts_at(scene, result, met, arc_layout)
-            if feeds_back(scene, self.friction):
-                place = ball_seats_with_errors(at, met, result.hertz_C)
-                fed = feed_back(scene, at, place, self.friction, self.drive, self.fast, push[on_arc], q[on_arc])
+            at = contacts_of_solution(scene, result, met, arc_layout)
+            if friction_displaces_balls(scene, self.friction):
+                place = positions_in_grooves_with_errors(at, met, result.hertz_C)
+                fed = solve_friction_equilibrium(
+                    scene, at, place, self.friction, self.drive, self.fast, push[on_arc], q[on_arc]
+                )
                 push[on_arc], at = fed.push, fed.at
                 status = f"friction and place do not agree on {int(fed.failed.sum())} balls" if fed.failed.any() else status
-        return spread_to_all_balls(at, layout, on_arc, self.balls.radius, track.contact_angle), loaded, status
+        return contacts_of_all_balls(at, layout, on_arc, self.balls.radius, track.contact_angle), loaded, status
 
     @property
     def groove(self) -> SceneGrooves:
@@ -220,13 +228,13 @@ class Setting:
         """Numbers of the balls in the scene ``(N,)``, -1 for those of the return."""
         return self.balls.number
 
-    def begin(self) -> Place:
+    def begin(self) -> BallState:
         """Return the state at the start of the simulation: balls at the scene's positions, rolling at the nominal speed."""
         count, nut = self.balls.radius.size, self.groove.nut_speed
         nominal = self.groove.nominal_orbit - nut
-        memory = Memory(np.tile([nominal + nut, 0.0, 0.0, 0.0], (count, 1)), np.zeros(count), np.zeros((count, 3)))
+        memory = LastInstant(np.tile([nominal + nut, 0.0, 0.0, 0.0], (count, 1)), np.zeros(count), np.zeros((count, 3)))
         gap = np.maximum(self.balls.gaps(self.balls.azimuth), 0.0)
-        return Place(self.balls.azimuth, gap, np.full(count, nominal), memory)
+        return BallState(self.balls.azimuth, gap, np.full(count, nominal), memory)
 
     def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - arcs are fixed in the nut
         """Return the time until a ball passes an end of its loaded arc [s]; infinite for a bearing, which has no ends.
@@ -238,7 +246,7 @@ class Setting:
             return np.inf
         return min(track.time_to_end(azimuth, omega) for track in self.tracks)
 
-    def instant(self, azimuth: Array, time: float, slack: Array, memory: Memory) -> Instant | str:
+    def instant(self, azimuth: Array, time: float, slack: Array, memory: LastInstant) -> InstantSolution | str:
         """Return the loads and motions of the balls at one instant, or a phrase that says what failed.
 
         ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``:
@@ -250,7 +258,7 @@ class Setting:
         if status != "converged":
             return status
         moved = [
-            chain_motion(
+            solve_motion_on_track(
                 self.scene,
                 at.subset(members),
                 slack[members] if members.stop - members.start > 1 else np.array([np.inf]),
@@ -264,10 +272,12 @@ class Setting:
         ]
         q, force, wrench = (np.concatenate([getattr(m, name) for m in moved]) for name in ("q", "ball_force", "wrench"))
         axial = -at.axial_force
-        if feeds_back(self.scene, self.friction):  # contact loads that know of friction balance its axial force
+        if friction_displaces_balls(
+            self.scene, self.friction
+        ):  # contact loads that know of friction balance its axial force
             axial += float(np.einsum("nsi,ni->", wrench[:, ON_SCREW, :3], at.frames[:, :, 2]))
         groove, ball, closing = (sum(parts) for parts in zip(*(m.losses for m in moved), strict=True))
-        return Instant(
+        return InstantSolution(
             omega=q[:, 0] - self.groove.nut_speed,
             ball_force=force,
             load=at.force,
@@ -275,20 +285,20 @@ class Setting:
             losses=(groove, ball, closing),
             input_power=sum(m.input_power for m in moved),
             converged=all(m.converged for m in moved),
-            memory=Memory(q, force, push),
+            memory=LastInstant(q, force, push),
             axial=axial,
-            on_screw=_screw_torque(self, at, wrench, axial),
+            on_screw=_driving_torque_on_screw(self, at, wrench, axial),
         )
 
 
-def _screw_torque(setting: Setting, at: StaticContacts, wrench: Array, axial: float) -> float:
+def _driving_torque_on_screw(setting: SceneInMotion, contacts: StaticContacts, wrench: Array, axial: float) -> float:
     """Return the torque about +z that drives the screw under an external axial load ``axial`` [N], in N m.
 
     It is the moment of contact loads and friction about the axis. The axial force of friction that the contact loads do not
-    balance adds its work along the helix. ``setting``: screw with its thread; ``at``: contacts of the N balls; ``wrench``:
-    friction on the balls, forces [N] and moments [N m] in their sections' axes ``(N, 4, 6)``.
+    balance adds its work along the helix. ``setting``: screw with its thread; ``contacts``: contacts of the N balls;
+    ``wrench``: friction on the balls, forces [N] and moments [N m] in their sections' axes ``(N, 4, 6)``.
     """
     wrenches = wrench.copy()
-    wrenches[..., :3] -= at.force[..., None] * at.normals
-    along, moment = (float(component[:, ON_SCREW].sum()) for component in axial_force_and_moment(at, wrenches))
-    return moment + reduced_lead(setting.scene.track) * (along - axial)
+    wrenches[..., :3] -= contacts.force[..., None] * contacts.normals
+    along, moment = (float(component[:, ON_SCREW].sum()) for component in axial_forces_and_moments(contacts, wrenches))
+    return moment + lead_per_radian(setting.scene.track) * (along - axial)

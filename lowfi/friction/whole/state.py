@@ -7,11 +7,26 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.lowfi.friction.whole.circuit import balls_of, chain_motion
-from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result, spread_to_all_balls
-from rollbench.lowfi.friction.whole.feedback import JAMMED, ball_seats_of_result, feed_back, second_states
-from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds, friction_of_motions
-from rollbench.lowfi.friction.whole.torque import ScrewTorque, feeds_back, sum_friction, will_compile
+from rollbench.lowfi.friction.whole.circuit import balls_in_circuits, solve_motion_on_track
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_all_balls, contacts_of_result
+from rollbench.lowfi.friction.whole.feedback import (
+    JAMMED,
+    balls_with_second_state,
+    positions_in_grooves_of_result,
+    solve_friction_equilibrium,
+)
+from rollbench.lowfi.friction.whole.losses import (
+    BallFriction,
+    ball_friction,
+    closing_speeds_of_neighbours,
+    friction_of_motions,
+)
+from rollbench.lowfi.friction.whole.torque import (
+    ScrewTorque,
+    compiling_saves_time,
+    friction_displaces_balls,
+    sum_friction_over_contacts,
+)
 from rollbench.lowfi.jit import CONTACT, is_copy_loaded, is_machine_code_cached, register_compile_job
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -27,7 +42,7 @@ TOUCHING = 1e-6
 
 
 @dataclass(frozen=True)
-class Neighbours:
+class NeighbourFriction:
     """Friction of N balls, in the order of the scene, where touching neighbours push each other."""
 
     #: Motion and friction of the balls.
@@ -43,12 +58,13 @@ class Neighbours:
 
 
 def friction_with_neighbours(
-    scene: Scene, at: StaticContacts, friction: Friction, drive: Drive, member: int = 0, fast: bool = False
-) -> Neighbours:
+    scene: Scene, contacts: StaticContacts, friction: Friction, drive: Drive, member: int = 0, fast: bool = False
+) -> NeighbourFriction:
     """Return the friction of all balls at given contact loads, where neighbours closer than ``TOUCHING`` push each other.
 
-    Balls in the return touch no other ball. ``at``: contacts of the balls; ``friction``: coefficients; ``drive``: motion of
-    screw or nut; ``member``: number of the specimen with random errors; ``fast``: whether to use the compiled functions.
+    Balls in the return touch no other ball. ``contacts``: contacts of the balls; ``friction``: coefficients; ``drive``:
+    motion of screw or nut; ``member``: number of the specimen with random errors; ``fast``: whether to use the compiled
+    functions.
 
     Raises
     ------
@@ -58,11 +74,11 @@ def friction_with_neighbours(
         Balls overlap.
     """
     track, drawn = scene.track, draw_errors(scene, member)
-    all_balls = balls_of(scene, friction, drive, drawn, member)
+    all_balls = balls_in_circuits(scene, friction, drive, drawn, member)
     on_arc = np.flatnonzero(all_balls.number >= 0)
     order = all_balls.number[on_arc]
     layout = all_balls.layout(scene, all_balls.azimuth)
-    full = spread_to_all_balls(at.subset(order), layout, on_arc, all_balls.radius, track.contact_angle)
+    full = contacts_of_all_balls(contacts.subset(order), layout, on_arc, all_balls.radius, track.contact_angle)
     gap = all_balls.gaps(all_balls.azimuth) * all_balls.grooves.pair.closing
     slack = np.where(gap <= TOUCHING, 0.0, np.inf)
     least = np.inf
@@ -77,19 +93,19 @@ def friction_with_neighbours(
         limit = np.where(free, np.inf, slack[members])
         least = min(least, float(np.min(np.where(free, np.inf, gap[members]))))
         touching += int(np.sum(limit == 0.0))
-        moved = chain_motion(scene, full.subset(members), limit, friction, drive, all_balls.grooves, None, fast)
+        moved = solve_motion_on_track(scene, full.subset(members), limit, friction, drive, all_balls.grooves, None, fast)
         kept, to = number >= 0, number[number >= 0]
-        pressed = at.force[to].sum(axis=1) > 0.0
+        pressed = contacts.force[to].sum(axis=1) > 0.0
         q[to] = np.where(pressed[:, None], moved.q[kept], np.nan)
         motion[to], pull[to], force[to] = moved.seen[kept], moved.pull[kept], moved.ball_force[kept]
         power += float(moved.ball_loss.sum() + moved.closing_loss.sum())
         left = max(left, moved.left)
         for k in to[pressed]:
             status[k] = "balanced" if moved.converged else "failed"
-    rest = np.zeros(at.force.shape, dtype=bool)
-    scale = max(max(friction.screw, friction.nut) * float(at.force.sum(axis=1).max(initial=0.0)), 1e-30)
-    by_ball = friction_of_motions(at, q, motion, pull, rest, status, left / scale)
-    return Neighbours(by_ball, force, power, touching, least)
+    rest = np.zeros(contacts.force.shape, dtype=bool)
+    scale = max(max(friction.screw, friction.nut) * float(contacts.force.sum(axis=1).max(initial=0.0)), 1e-30)
+    by_ball = friction_of_motions(contacts, q, motion, pull, rest, status, left / scale)
+    return NeighbourFriction(by_ball, force, power, touching, least)
 
 
 @dataclass(frozen=True)
@@ -113,12 +129,12 @@ class FrictionState:
     #: Whether friction displaces the balls in their grooves and so changes the contact loads.
     coupled: bool
     #: Forces and losses between touching balls; None if not requested.
-    neighbours: Neighbours | None = None
+    neighbours: NeighbourFriction | None = None
     #: Indices of balls for which a second, jammed state was found; None if no second state was searched.
     second: tuple[int, ...] | None = None
 
     @property
-    def settled(self) -> bool:
+    def all_balanced(self) -> bool:
         """Whether the friction of every ball is in balance and agrees with the ball's position."""
         return self.balls.converged and not self.unsettled
 
@@ -161,7 +177,7 @@ def friction_state(
         The static result did not converge, the speed is zero, or balls overlap.
     """
     at = contacts_of_result(scene, result, member)
-    coupled = feeds_back(scene, friction)
+    coupled = friction_displaces_balls(scene, friction)
     pushed = friction.neighbours
     first = (
         fast is None
@@ -170,36 +186,42 @@ def friction_state(
         and not pushed
         and scene.ball_count <= UNCOMPILED
     )
-    if first and will_compile(scene, friction):
+    if first and compiling_saves_time(scene, friction):
         register_compile_job(CONTACT, partial(friction_state, scene, result, friction, drive, member, fast=True))
     if fast is None:
         fast = not first and (
-            will_compile(scene, friction) or is_copy_loaded(CONTACT) or (coupled and is_machine_code_cached(CONTACT))
+            compiling_saves_time(scene, friction)
+            or is_copy_loaded(CONTACT)
+            or (coupled and is_machine_code_cached(CONTACT))
         )
     balls = ball_friction(scene, at, friction, drive, fast)
-    torque = bare = sum_friction(scene, at, balls, drive)
+    torque = bare = sum_friction_over_contacts(scene, at, balls, drive)
     unsettled: tuple[int, ...] = ()
     second: tuple[int, ...] | None
     change, second, at_back = 0.0, None, at
     if coupled:
-        place = ball_seats_of_result(scene, result, at, member)
-        there, back = (feed_back(scene, at, place, friction, d, fast) for d in (drive, reversed_motion(drive)))
+        place = positions_in_grooves_of_result(scene, result, at, member)
+        there, back = (
+            solve_friction_equilibrium(scene, at, place, friction, d, fast) for d in (drive, reversed_motion(drive))
+        )
         still, at, at_back, balls = at, there.at, back.at, there.friction
-        torque = replace(sum_friction(scene, at, balls, drive, coupled=True), reverse_power=back.friction.power)
+        torque = replace(
+            sum_friction_over_contacts(scene, at, balls, drive, coupled=True), reverse_power=back.friction.power
+        )
         change = max(there.change, back.change)
         unsettled = tuple(int(k) for k in np.flatnonzero(there.failed | back.failed))
         if max(friction.screw, friction.nut) >= JAMMED:
-            second = second_states(scene, place, still, there, friction, drive, fast)
-    touching: Neighbours | None = None
+            second = balls_with_second_state(scene, place, still, there, friction, drive, fast)
+    touching: NeighbourFriction | None = None
     if pushed:
         ways = ((at, drive), (at_back, reversed_motion(drive)))
         touching, back_again = (
             friction_with_neighbours(scene, contacts, friction, d, member, fast) for contacts, d in ways
         )
         balls = touching.balls
-        sums = sum_friction(scene, at, balls, drive, coupled=coupled)
+        sums = sum_friction_over_contacts(scene, at, balls, drive, coupled=coupled)
         torque = replace(sums, power=sums.power + touching.power, reverse_power=back_again.balls.power + back_again.power)
-    closing = closing_speeds(scene, at, balls, drive)
+    closing = closing_speeds_of_neighbours(scene, at, balls, drive)
     return FrictionState(at, balls, torque, closing, bare, unsettled, change, coupled, touching, second)
 
 

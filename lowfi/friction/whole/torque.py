@@ -11,8 +11,8 @@ without friction, T = P/Omega - r F therefore has an error of second order in mu
 contact and large in two-point contact. With feedback (``lowfi.friction.whole.feedback``) P is taken at the loads with
 friction.
 
-Two further functions return whether the friction of a scene displaces its balls (`feeds_back`), and whether compiling the
-functions saves time for its number of balls (`will_compile`).
+Two further functions return whether the friction of a scene displaces its balls (`friction_displaces_balls`), and whether
+compiling the functions saves time for its number of balls (`compiling_saves_time`).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import numpy as np
 
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.helix import reduced_lead
+from rollbench.meshes.helix import lead_per_radian
 from rollbench.meshes.parts import Friction, Motion, Scene
 
 if TYPE_CHECKING:
@@ -77,12 +77,12 @@ class ScrewTorque:
         return self.helical[0] * self.speed
 
     @property
-    def translating(self) -> bool:
+    def moves_axial_load(self) -> bool:
         """Whether the rotation moves an axial load: the lead is not zero, and the load is above round-off."""
         return self.ratio != 0.0 and abs(self.load) > ROUND_OFF * self.carried
 
     @property
-    def ideal(self) -> float:
+    def frictionless_torque(self) -> float:
         """Torque that balances the axial load without friction [N m]."""
         return abs(self.ratio * self.load)
 
@@ -90,13 +90,13 @@ class ScrewTorque:
     def forward(self) -> float:
         """Torque that moves the screw against the axial load [N m]."""
         with_load = self.load * self.ratio * self.speed > 0.0
-        return self.ideal + (self.reverse_power if with_load else self.power) / abs(self.speed)
+        return self.frictionless_torque + (self.reverse_power if with_load else self.power) / abs(self.speed)
 
     @property
     def backward(self) -> float:
         """Braking torque of the screw while the axial load drives it [N m]; negative: the screw must be driven."""
         with_load = self.load * self.ratio * self.speed > 0.0
-        return self.ideal - (self.power if with_load else self.reverse_power) / abs(self.speed)
+        return self.frictionless_torque - (self.power if with_load else self.reverse_power) / abs(self.speed)
 
     @property
     def efficiency(self) -> tuple[float, float]:
@@ -104,60 +104,63 @@ class ScrewTorque:
 
         The second one is negative if the screw locks itself. Both are nan without axial load.
         """
-        if not self.translating:
+        if not self.moves_axial_load:
             return float("nan"), float("nan")
-        return self.ideal / self.forward, self.backward / self.ideal
+        return self.frictionless_torque / self.forward, self.backward / self.frictionless_torque
 
     @property
-    def locking(self) -> bool:
+    def is_self_locking(self) -> bool:
         """Whether the axial load cannot drive the screw."""
-        return self.translating and self.backward <= 0.0
+        return self.moves_axial_load and self.backward <= 0.0
 
 
-def sum_friction(
-    scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motion, coupled: bool = False
+def sum_friction_over_contacts(
+    scene: Scene, contacts: StaticContacts, by_ball: BallFriction, drive: Motion, coupled: bool = False
 ) -> ScrewTorque:
     """Return torque, axial force and power of the friction of a scene, as sums over all contacts.
 
-    ``at``: contacts of its balls; ``by_ball``: friction of each ball; ``drive``: motion of the screw or nut that turns;
-    ``coupled``: whether contact loads and friction together carry the axial load (True), or the contact loads alone.
+    ``contacts``: contacts of its balls; ``by_ball``: friction of each ball; ``drive``: motion of the screw or nut that
+    turns; ``coupled``: whether contact loads and friction together carry the axial load (True), or the contact loads alone.
     """
-    normals, frames = at.normals, at.frames
+    normals, frames = contacts.normals, contacts.frames
     friction = by_ball.wrench(normals)
     total = friction.copy()
-    total[..., :3] -= at.force[..., None] * normals
-    axial, moment = axial_force_and_moment(at, total)
-    ratio = reduced_lead(scene.track)
+    total[..., :3] -= contacts.force[..., None] * normals
+    axial, moment = axial_forces_and_moments(contacts, total)
+    ratio = lead_per_radian(scene.track)
     speed = drive.speed if drive.turns == "screw" else -drive.speed
     helical = moment + ratio * axial  # on the balls: the drives push with it
     plane = friction[:, :, [0, 2]].sum(axis=1)
-    most = at.force.max(axis=1, initial=0.0)
+    most = contacts.force.max(axis=1, initial=0.0)
     loaded = most > 0.0
     tilt = np.hypot(plane[loaded, 0], plane[loaded, 1]) / most[loaded]
     pull = -np.einsum("nsi,ni->", friction[:, ON_SCREW, :3], frames[:, :, 2])
     return ScrewTorque(
         speed=speed,
         ratio=ratio,
-        load=-at.axial_force - (float(pull) if coupled else 0.0),
+        load=-contacts.axial_force - (float(pull) if coupled else 0.0),
         power=by_ball.power,
         pull=float(pull),
         reverse_power=by_ball.power,
         helical=(float(helical[:, ON_SCREW].sum()), float(helical[:, ~ON_SCREW].sum())),
         tilt=float(tilt.max(initial=0.0)),
-        carried=float(at.force.sum()),
+        carried=float(contacts.force.sum()),
     )
 
 
-def axial_force_and_moment(at: StaticContacts, wrench: Array) -> tuple[Array, Array]:
+def axial_forces_and_moments(contacts: StaticContacts, wrench: Array) -> tuple[Array, Array]:
     """Return the axial forces [N], then the moments about the screw's axis [N m], of all contacts, each ``(N, 4)``.
 
-    ``wrench`` ``(N, 4, 6)``: three forces [N] and three moments [N m] at each contact ``at``, in the axes x3, y3, z3 of the
-    ball's section.
+    ``wrench`` ``(N, 4, 6)``: three forces [N] and three moments [N m] at each contact ``contacts``, in the axes x3, y3, z3
+    of the ball's section.
     """
-    turn = at.frames
+    turn = contacts.frames
     force = np.einsum("nsi,nij->nsj", wrench[..., :3], turn)
     moment = np.einsum("nsi,nij->nsj", wrench[..., 3:], turn)
-    arm = np.einsum("nsi,nij->nsj", at.ball_radius[:, None, None] * at.normals, turn) + at.layout.centre[:, None]
+    arm = (
+        np.einsum("nsi,nij->nsj", contacts.ball_radius[:, None, None] * contacts.normals, turn)
+        + contacts.layout.centre[:, None]
+    )
     return force[..., 2], moment[..., 2] + arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0]
 
 
@@ -168,7 +171,7 @@ ONE_TURN = Motion(2.0 * pi)
 COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 
 
-def feeds_back(scene: Scene, friction: Friction) -> bool:
+def friction_displaces_balls(scene: Scene, friction: Friction) -> bool:
     """Return whether friction displaces balls in their grooves.
 
     It does if this feedback is requested in ``friction``, a coefficient is above zero, and the track has a lead.
@@ -176,7 +179,7 @@ def feeds_back(scene: Scene, friction: Friction) -> bool:
     return friction.feedback and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
 
 
-def will_compile(scene: Scene, friction: Friction) -> bool:
+def compiling_saves_time(scene: Scene, friction: Friction) -> bool:
     """Return whether a scene has so many balls that compiling the functions of contact friction first saves time.
 
     The result does not depend on whether compiled functions are on disk already (`lowfi.jit.is_machine_code_cached`).
@@ -188,5 +191,5 @@ def will_compile(scene: Scene, friction: Friction) -> bool:
     friction
         Coefficients of friction.
     """
-    often = feeds_back(scene, friction) or friction.neighbours
+    often = friction_displaces_balls(scene, friction) or friction.neighbours
     return scene.ball_count > (COUPLED_ABOVE if often else COMPILE_ABOVE)

@@ -92,7 +92,7 @@ TOLERANCE = 1e-10
 
 
 @kernel
-def _rigid_motion(errors: Array, load: float, p: Array) -> float:
+def _motion_of_rigid_bodies(errors: Array, load: float, p: Array) -> float:
     """Return the axial motion of the nut [m] if screw and nut are rigid and the contact angle is constant.
 
     The forces at this motion sum up to the load or at most 1 % more, so that at least one ball is loaded. errors (M,):
@@ -128,7 +128,7 @@ def solve_by_newton(
     """
     m = errors.size
     loads, s, t = work[0], work[1], work[2]
-    u[m - 1] = _rigid_motion(errors, load, p)
+    u[m - 1] = _motion_of_rigid_bodies(errors, load, p)
     for j in range(m - 1, 0, -1):
         # the motion of rigid bodies plus the stretch if all balls carried the same load
         u[j - 1] = u[j] + segments[j] * load * (m - j) / m

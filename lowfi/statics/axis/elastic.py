@@ -19,50 +19,57 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, cho_factor, cho_solve
 
 from rollbench.lowfi.compliance.bodies import ball_compliance, body_compliance
-from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section
-from rollbench.lowfi.statics.axis.solve import Model, Sets, equilibrium, inverse, rigid_rows, solve_assembly
-from rollbench.lowfi.statics.axis.structure import Structure, threaded
+from rollbench.lowfi.compliance.parts import REFINED, Backend, grooved_section, reduce_to_compliance_geometry
+from rollbench.lowfi.statics.axis.solve import (
+    AssemblyEquations,
+    AssemblyModel,
+    inner_flank_motions_by_set,
+    solve_assembly,
+    solve_assembly_by_model,
+    stiffness_from_compliance,
+)
+from rollbench.lowfi.statics.axis.structure import Structure, first_ball_nut
 from rollbench.lowfi.statics.axis.system import (
+    AssemblyArrays,
     BallSet,
     RollerElements,
-    System,
-    reported_row,
+    assembly_residual_scale,
+    contact_states_of_sets,
+    pad_to_two_bodies,
+    reported_body_number,
     roller_elements,
     roller_springs,
-    scale_of,
-    set_flanks,
     typical_force,
-    widened,
-    with_arms,
+    with_lever_arms,
 )
 from rollbench.lowfi.statics.contacts import error_free_hertz, oblique_term
 from rollbench.lowfi.statics.elastic import CONDENSED
-from rollbench.lowfi.statics.kernel_types import BallContacts, Bodies, BodyState, BodySystem, RowState
+from rollbench.lowfi.statics.kernel_types import BallContacts, Bodies, BodySystem, ForceState, MotionState
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.response import (
     LARGEST,
-    by_ball,
     contact_compliance,
-    normals_of,
-    positive,
+    contact_normals,
+    order_ball_by_ball,
     spring_rows,
     typical_axes,
+    without_negative_eigenvalues,
 )
 from rollbench.lowfi.statics.result import AxisResult
-from rollbench.lowfi.statics.settle import Description, SetFlanks, least_residual, options_of
+from rollbench.lowfi.statics.settle import ContactState, ModelDescription, least_residual, solver_options
 from rollbench.lowfi.statics.shaft import (
+    SectionForceCoupling,
     Shaft,
-    Squeeze,
-    flank_loads,
+    build_shaft,
+    couple_section_forces,
     flank_motions_by_loads,
     flank_response,
+    nodal_loads_of_flank_forces,
     node_forces,
     node_motions,
-    shaft_of,
-    squeezed,
     stretch_of,
 )
-from rollbench.lowfi.statics.shape import pivots
+from rollbench.lowfi.statics.shape import independent_columns
 from rollbench.lowfi.statics.static import Engine
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.meshes.arrays import Array
@@ -114,14 +121,14 @@ class Housings:
 
 
 @dataclass(kw_only=True)
-class ElasticSets(Sets):
+class ElasticAssemblyEquations(AssemblyEquations):
     """Equations of an assembly with elastic bodies, N balls and rollers, and m moving housings, for the kernels."""
 
     SOLVER = "solve_forces"
     #: Arrays of bodies and rolling elements for the kernels.
     given: BodySystem
     #: Contact forces, free motions of the bodies, and contacts: the unknowns of the iteration.
-    state: BodyState
+    state: ForceState
     #: Method by which the compliance of screws, nuts and balls is computed.
     backend: Backend
     #: All balls and rollers as one contact problem on the shaft.
@@ -139,18 +146,20 @@ class ElasticSets(Sets):
     #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
     #: Change of the contacts' approach by the shaft's section forces; None: not modelled.
-    squeeze: Squeeze | None
+    squeeze: SectionForceCoupling | None
 
-    def flanks(self) -> Sequence[SetFlanks]:
+    def flanks(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions of each bearing and nut in the present state."""
-        return set_flanks(self.system, self.row_states()[0], self.shifts())
+        return contact_states_of_sets(self.system, self.row_states()[0], self.shifts())
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
         """Return equations with changed lever arms of the contacts, which start from the present state.
 
         ``arms``: for each bearing or nut with N balls, the lengths ``(N, 4, 2)`` [m] added to the lever arms.
         """
-        longer: Any = prepare_elastic_sets(with_arms(self.system, arms), self.backend, self.engine).at_state(self)
+        longer: Any = elastic_assembly_equations(
+            with_lever_arms(self.system, arms), self.backend, self.engine
+        ).copy_state_from(self)
         return longer  # type: ignore[no-any-return]
 
     def round_off(self) -> float:
@@ -159,9 +168,9 @@ class ElasticSets(Sets):
         motion = 2.0 * float(np.abs(v0).max(initial=0.0)) + float(np.abs(state.inner[:, :2]).max(initial=0.0))
         return least_residual(motion, float(state.contact[..., 3].max(initial=0.0)), self.scale, self.problems)
 
-    def description(self) -> Description:
+    def description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
-        return Description(CONDENSED, self.state.phi.size + self.state.a.size, self.assumed)
+        return ModelDescription(CONDENSED, self.state.phi.size + self.state.a.size, self.assumed)
 
     def forces(self) -> Array:
         """Return the forces of the balls on their flanks ``(N, 4, 2)`` [N] with which the bodies are in equilibrium.
@@ -180,7 +189,7 @@ class ElasticSets(Sets):
             out[:, half] += (G @ forces[:, half].ravel()).reshape(N, 2, 2)
         return np.asarray(out)
 
-    def row_states(self) -> tuple[RowState, Array]:
+    def row_states(self) -> tuple[MotionState, Array]:
         """Return the motions of shaft nodes and housings with all contacts, and the reactions of the supports.
 
         The reactions ``(r, 6)`` [N, N m] act on the r nodes and housings and are zero at free degrees of freedom.
@@ -190,9 +199,9 @@ class ElasticSets(Sets):
         n, k = structure.nodes.size, shaft.work.size
         pushes = forces[:, :2].transpose(1, 0, 2).reshape(-1, 2)
         q = np.zeros((structure.stations.size, 6))
-        by_flanks = flank_loads(self.whole, pushes, [0, 1])
+        by_flanks = nodal_loads_of_flank_forces(self.whole, pushes, [0, 1])
         if self.squeeze is not None:
-            by_flanks += self.squeeze.node_loads(pushes.ravel())
+            by_flanks += self.squeeze.nodal_loads_of_jumps(pushes.ravel())
         q[:n] = node_motions(shaft, by_flanks, self.state.a[:k])
         on_outer = self.on_housings.T @ forces[:, 2:].ravel() + self.carried.T @ forces[:, :2].ravel()
         h = self.housings
@@ -206,8 +215,8 @@ class ElasticSets(Sets):
         slices = np.zeros((system.slices.drop.size, 2))
         self.engine.roller_forces(system.slices, q, slices, np.zeros_like(q))
         if self.squeeze is not None:
-            q[:n] = self.squeeze.with_inside(q[:n], pushes, structure.fixed[:n])
-        state = RowState(q, np.zeros((n - 1, 6)), self.state.inner[:, :2], self.state.contact, slices)
+            q[:n] = self.squeeze.add_jumps_inside_stretches(q[:n], pushes, structure.fixed[:n])
+        state = MotionState(q, np.zeros((n - 1, 6)), self.state.inner[:, :2], self.state.contact, slices)
         return state, held
 
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
@@ -215,7 +224,7 @@ class ElasticSets(Sets):
 
         The second entry is taken at the reported shaft node or housing; None if it does not exist (`elastic_stiffness`).
         """
-        S = ball_roots(self)
+        S = square_root_stiffness_of_balls(self)
         return [own_stiffness(self, i, b, S) for i, b in enumerate(self.system.balls)], elastic_stiffness(self, S)
 
 
@@ -247,14 +256,14 @@ def housings_of(structure: Structure, arm: float) -> Housings:
         motions = np.zeros((6 * m, loose.shape[1]))
         motions[free] = scale[free, None] * loose
         if loose.shape[1]:
-            free = np.delete(free, pivots(loose.T))
+            free = np.delete(free, independent_columns(loose.T))
     given = np.where(held, prescribed, 0.0)
     factor = cho_factor(K[np.ix_(free, free)], lower=True) if free.size else None
     found = Housings(free, factor, K, motions, given, motions.T @ load)
     return replace(found, given=given + found.solve((load - K @ given)[:, None])[:, 0])
 
 
-def on_shaft(b: BallSet) -> Problem:
+def problem_moved_by_shaft_only(b: BallSet) -> Problem:
     """Return the contact problem of a ball nut or bearing in which only the shaft moves the inner flanks.
 
     If a housing carries the inner ring, the inner flanks do not move with the shaft.
@@ -263,7 +272,7 @@ def on_shaft(b: BallSet) -> Problem:
     return p if b.of.carrier is None else replace(p, node=np.zeros_like(p.node), B=np.zeros_like(p.B))
 
 
-def section_of(assembly: Assembly, backend: Backend) -> BeamSection | None:
+def grooved_shaft_section(assembly: Assembly, backend: Backend) -> BeamSection | None:
     """Return the cross-section of the threaded shaft with its groove; None: the one from the assembly's dimensions.
 
     Parameters
@@ -273,21 +282,21 @@ def section_of(assembly: Assembly, backend: Backend) -> BeamSection | None:
     backend
         Method of computing compliance: with ``section`` "cell" the stiffness of the grooved section is computed.
     """
-    thread = threaded(assembly) if backend.section == "cell" else None
-    return None if thread is None else grooved_section(geometry_only(thread), True)
+    thread = first_ball_nut(assembly) if backend.section == "cell" else None
+    return None if thread is None else grooved_section(reduce_to_compliance_geometry(thread), True)
 
 
-def combined_problem(system: System, rollers: RollerElements) -> Problem:
+def combined_problem(system: AssemblyArrays, rollers: RollerElements) -> Problem:
     """Return all balls, then all rollers of an assembly as one contact problem on the shaft's beam.
 
     It serves to compute the response of the beam to contact forces. Its scene and errors are those of the first bearing
     or nut only.
     """
-    s, problems = system.structure, [on_shaft(b) for b in system.balls]
+    s, problems = system.structure, [problem_moved_by_shaft_only(b) for b in system.balls]
     first = problems[0]
     on_cones = np.stack([rollers.B[:, 0], np.zeros((rollers.count, 2, 6))], axis=1)
     at_cones = np.repeat(rollers.node[:, None], 2, axis=1)
-    at_cones, on_cones = widened(at_cones, on_cones, first.B.shape[3], s.nodes.size)
+    at_cones, on_cones = pad_to_two_bodies(at_cones, on_cones, first.B.shape[3], s.nodes.size)
     return replace(
         first,
         fixed=s.fixed[: s.nodes.size],
@@ -300,7 +309,7 @@ def combined_problem(system: System, rollers: RollerElements) -> Problem:
     )
 
 
-def own_bodies(
+def compliance_of_screw_and_nut(
     b: BallSet, backend: Backend, force: float
 ) -> tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]:
     """Return the compliance of screw and nut of one ball nut or bearing, and the terms of its contacts besides Hertz.
@@ -334,12 +343,12 @@ def own_bodies(
         assumed += [x for x in body.assumed if x not in assumed]
         slope = body.slope + ball.slope
         e[:, sides], h[:, sides] = body.e + ball.e - slope, oblique[list(sides)] + slope / size
-        order = by_ball(N, 2)
+        order = order_ball_by_ball(N, 2)
         blocks.append(body.G[np.ix_(order, order)])
     return (blocks[0], blocks[1]), e, h, ball.g * np.array([1.0, ball.sign, ball.sign, 1.0]), tuple(assumed)
 
 
-def housing_rows(system: System, rollers: RollerElements) -> tuple[Array, Array]:
+def flank_motions_by_housings(system: AssemblyArrays, rollers: RollerElements) -> tuple[Array, Array]:
     """Return the motions of the flanks per unit motion of the m moving housings.
 
     The first matrix ``(4 N, 6 m)`` holds the motions of the outer flanks, the second those of inner flanks that a housing
@@ -352,20 +361,21 @@ def housing_rows(system: System, rollers: RollerElements) -> tuple[Array, Array]
         carrier = -1 if b.of.carrier is None else int(b.problem.node[0, 0])
         for rows, row, flanks in ((outer, b.outer, slice(2, 4)), (inner, carrier, slice(2))):
             if row >= 0:
-                rows[b.balls, :, :, 6 * (row - n) : 6 * (row - n) + 6] = b.of_one_row(flanks)
+                rows[b.balls, :, :, 6 * (row - n) : 6 * (row - n) + 6] = b.coefficients_of_one_body(flanks)
     for i in np.flatnonzero(rollers.outer >= 0):
         j = 6 * (int(rollers.outer[i]) - n)
         outer[balls + i, 0, :, j : j + 6] = rollers.B[i, 1]
     return outer.reshape(4 * len(outer), 6 * m), inner.reshape(4 * len(inner), 6 * m)
 
 
-def prepare_elastic_sets(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
+def elastic_assembly_equations(system: AssemblyArrays, backend: Backend, engine: ModuleType) -> ElasticAssemblyEquations:
     """Return the equations of an assembly with elastic bodies.
 
     Parameters
     ----------
     system
-        Arrays of the assembly, with at least one ball nut or ball bearing, and the shaft section of `section_of`.
+        Arrays of the assembly, with at least one ball nut or ball bearing, and the shaft section of
+        `grooved_shaft_section`.
     backend
         Method by which the compliance of screws, nuts and balls is computed.
     engine
@@ -383,20 +393,20 @@ def prepare_elastic_sets(system: System, backend: Backend, engine: ModuleType) -
     if N > LARGEST:
         raise ValueError(f"elastic bodies are allowed with at most {LARGEST} balls and rollers, got {N}; use the model lin")
     whole, s = combined_problem(system, rollers), system.structure
-    shaft, housings = shaft_of(whole), housings_of(s, system.arm)
-    order = by_ball(N, 2)
+    shaft, housings = build_shaft(whole), housings_of(s, system.arm)
+    order = order_ball_by_ball(N, 2)
     (beam, rigid), moved = flank_response(shaft, [0, 1]), flank_motions_by_loads(shaft, [0, 1])
     stretches = [
         stretch_of(whole, b.problem.scene, b.problem.layout, backend, [0, 1], b.balls)
         for b in system.balls
         if b.of.carrier is None
     ]
-    squeeze = squeezed(shaft, [0, 1], [x for x in stretches if x is not None], system.assembly.thermal_strain)
+    squeeze = couple_section_forces(shaft, [0, 1], [x for x in stretches if x is not None], system.assembly.thermal_strain)
     if squeeze is not None:
         beam, moved = beam + squeeze.added, moved + squeeze.moved
     forces = [typical_force(system, b) for b in system.balls]
-    parts = [own_bodies(b, backend, x) for b, x in zip(system.balls, forces, strict=True)]
-    flat, carried = housing_rows(system, rollers)
+    parts = [compliance_of_screw_and_nut(b, backend, x) for b, x in zip(system.balls, forces, strict=True)]
+    flat, carried = flank_motions_by_housings(system, rollers)
     if np.any(carried @ housings.solve(carried.T)):
         raise ValueError(
             "an inner ring sits on a housing that stands on springs: the motion of the housing couples inner and outer "
@@ -404,9 +414,9 @@ def prepare_elastic_sets(system: System, backend: Backend, engine: ModuleType) -
         )
     rigid_rings = np.zeros((4 * rollers.count,) * 2)
     compliance = min(contact_compliance(b.problem, x) for b, x in zip(system.balls, forces, strict=True))
-    normals = np.concatenate([normals_of(system.contacts.geometry), np.zeros((rollers.count, 4, 2))])
+    normals = np.concatenate([contact_normals(system.contacts.geometry), np.zeros((rollers.count, 4, 2))])
     (first, on_inner, low), (second, on_outer, high) = (
-        positive(G + block_diag(*(p[0][k] for p in parts), rigid_rings), n.reshape(-1, 2), compliance)
+        without_negative_eigenvalues(G + block_diag(*(p[0][k] for p in parts), rigid_rings), n.reshape(-1, 2), compliance)
         for k, (G, n) in enumerate(
             ((beam[np.ix_(order, order)], normals[:, :2]), (flat @ housings.solve(flat.T), normals[:, 2:]))
         )
@@ -425,7 +435,7 @@ def prepare_elastic_sets(system: System, backend: Backend, engine: ModuleType) -
     local[..., 0] -= np.concatenate([on_inner.reshape(N, 2), on_outer.reshape(N, 2)], axis=1)[:balls]
     work = np.concatenate([shaft.work, housings.work])
     bodies = Bodies(first, second, R.reshape(N, 8, -1), v0.reshape(N, 8), work)
-    scale = scale_of(system)
+    scale = assembly_residual_scale(system)
     used = system.contacts.geometry[..., 5] > 0.0
     springs = np.concatenate(
         [
@@ -433,7 +443,7 @@ def prepare_elastic_sets(system: System, backend: Backend, engine: ModuleType) -
             roller_springs(rollers.count, scale.stiffness),
         ]
     )
-    options = options_of(scale, system.arm, float(system.contacts.r_ball.max()))
+    options = solver_options(scale, system.arm, float(system.contacts.r_ball.max()))
     contacts = BallContacts(
         geometry=system.contacts.geometry,
         closure=system.contacts.closure,
@@ -444,12 +454,12 @@ def prepare_elastic_sets(system: System, backend: Backend, engine: ModuleType) -
         rollers=rollers.contacts,
         tiny=scale.none,
     )
-    state = BodyState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5)))
+    state = ForceState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5)))
     cut = max(low, high) / compliance
     clipped = f"negative compliance of the bodies, up to {100 * cut:.2g} % of a contact's, is set to zero"
     notes = (clipped,) if cut > 1e-6 else ()
     assumed = tuple(dict.fromkeys(f"{b.of.name}: {x}" for b, p in zip(system.balls, parts, strict=True) for x in p[4]))
-    return ElasticSets(
+    return ElasticAssemblyEquations(
         engine=engine,
         given=BodySystem(bodies, contacts, np.ascontiguousarray(springs)),
         state=state,
@@ -467,10 +477,10 @@ def prepare_elastic_sets(system: System, backend: Backend, engine: ModuleType) -
     )
 
 
-def ball_roots(elastic: ElasticSets) -> list[Array]:
+def square_root_stiffness_of_balls(elastic: ElasticAssemblyEquations) -> list[Array]:
     """Return for each ball i a matrix S_i ``(rows, 8)`` such that S_i^T S_i is its stiffness for motions of its flanks.
 
-    The eight motions of the four flanks are in the order of `BodyState`.
+    The eight motions of the four flanks are in the order of `ForceState`.
     """
     N = elastic.state.contact.shape[0]
     S, counts = np.zeros((N, 6, 8)), np.zeros(N, dtype=np.int64)
@@ -488,7 +498,7 @@ def block_diagonal(S: list[Array]) -> Array:
     return out
 
 
-def joint_compliance(first: Array, second: Array) -> Array:
+def compliance_of_inner_and_outer(first: Array, second: Array) -> Array:
     """Return the compliance matrix ``(8 N, 8 N)`` [m/N] of all flanks of N balls, ordered ball by ball.
 
     Parameters
@@ -503,7 +513,7 @@ def joint_compliance(first: Array, second: Array) -> Array:
     return out.reshape(8 * N, 8 * N)
 
 
-def own_stiffness(elastic: ElasticSets, i: int, b: BallSet, S: list[Array]) -> Array:
+def own_stiffness(elastic: ElasticAssemblyEquations, i: int, b: BallSet, S: list[Array]) -> Array:
     """Return the stiffness ``(6, 6)`` of one ball nut or bearing: inner part moved rigidly, outer part fixed.
 
     Parameters
@@ -515,24 +525,24 @@ def own_stiffness(elastic: ElasticSets, i: int, b: BallSet, S: list[Array]) -> A
     b
         The ball nut or bearing.
     S
-        Square roots of the balls' stiffness from `ball_roots`.
+        Square roots of the balls' stiffness from `square_root_stiffness_of_balls`.
     """
     root = block_diagonal(S[b.balls])
     rows = np.zeros((b.problem.layout.z.size, 8, 6))
-    rows[:, :4] = rigid_rows(b, elastic.system.structure.stations)
+    rows[:, :4] = inner_flank_motions_by_set(b, elastic.system.structure.stations)
     moved = root @ rows.reshape(-1, 6)
-    compliance = joint_compliance(*elastic.own[i])
+    compliance = compliance_of_inner_and_outer(*elastic.own[i])
     return np.asarray(moved.T @ np.linalg.solve(np.eye(len(root)) + root @ compliance @ root.T, moved))
 
 
-def elastic_stiffness(elastic: ElasticSets, S: list[Array]) -> Array | None:
+def elastic_stiffness(elastic: ElasticAssemblyEquations, S: list[Array]) -> Array | None:
     """Return the tangent stiffness ``(6, 6)`` of the whole assembly at the reported shaft node or housing.
 
     None if that housing is fixed, or the assembly has no resistance to some motion. `whole_stiffness` is the counterpart
     for rigid bodies (model lin).
     """
     system, structure = elastic.system, elastic.system.structure
-    row = reported_row(system)
+    row = reported_body_number(system)
     if row < 0:
         return None
     n, k, N = structure.nodes.size, elastic.shaft.work.size, len(S)
@@ -561,7 +571,7 @@ def elastic_stiffness(elastic: ElasticSets, S: list[Array]) -> Array | None:
     SR = root @ bodies.R.reshape(8 * N, -1)
     matrix = np.block(
         [
-            [np.eye(len(root)) + root @ joint_compliance(bodies.first, bodies.second) @ root.T, -SR],
+            [np.eye(len(root)) + root @ compliance_of_inner_and_outer(bodies.first, bodies.second) @ root.T, -SR],
             [SR.T, np.zeros((SR.shape[1],) * 2)],
         ]
     )
@@ -570,7 +580,7 @@ def elastic_stiffness(elastic: ElasticSets, S: list[Array]) -> Array | None:
     except np.linalg.LinAlgError:
         return None
     compliance = answer[at : at + 6] - load.T @ (root.T @ x[: len(root)]) + work.T @ x[len(root) :]
-    return inverse(0.5 * (compliance + compliance.T), ~structure.fixed[row], system.arm)
+    return stiffness_from_compliance(0.5 * (compliance + compliance.T), ~structure.fixed[row], system.arm)
 
 
 def solve_refined(
@@ -602,13 +612,13 @@ def solve_refined(
         result = solve_assembly(assembly, engine=engine, member=member)
         return replace(result, model=name, left_out=(*result.left_out, *rigid))
 
-    def made_ready(system: System, kernels: ModuleType) -> ElasticSets:
+    def made_ready(system: AssemblyArrays, kernels: ModuleType) -> ElasticAssemblyEquations:
         """Return the equations of an assembly with elastic bodies, whose compliance the given backend computes."""
-        return prepare_elastic_sets(system, backend, kernels)
+        return elastic_assembly_equations(system, backend, kernels)
 
     again = partial(solve_refined, engine=engine, member=member, backend=backend, name=name)
-    model = Model(name, ASSUMPTIONS, rigid, made_ready, section_of(assembly, backend), False)
-    return equilibrium(assembly, model, engine, member, again)
+    model = AssemblyModel(name, ASSUMPTIONS, rigid, made_ready, grooved_shaft_section(assembly, backend), False)
+    return solve_assembly_by_model(assembly, model, engine, member, again)
 
 
 def rigid_rings(assembly: Assembly) -> tuple[str, ...]:

@@ -16,18 +16,23 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.lowfi.statics.axis.structure import held_rows, rigid_motions
-from rollbench.lowfi.statics.axis.system import BallSet, System
-from rollbench.lowfi.statics.held import approach, drives, opening, ran_away
-from rollbench.lowfi.statics.problem import wrench_rows
+from rollbench.lowfi.statics.axis.structure import restraints_on_rigid_motions, rigid_motions
+from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet
+from rollbench.lowfi.statics.held import (
+    approach_change_by_motions,
+    loads_do_work_on,
+    solve_opening_program,
+    status_of_runaway_body,
+)
+from rollbench.lowfi.statics.problem import point_motion_matrix
 from rollbench.lowfi.statics.result import Status
-from rollbench.lowfi.statics.shape import pivots, unresisted
+from rollbench.lowfi.statics.shape import independent_columns, null_space_of_constraints
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import FREEDOMS
 
 
 @dataclass(frozen=True)
-class Loose:
+class UnrestrainedMotions:
     """Rigid motions of shaft and housings that no support, spring or contact resists, and pins that prevent them."""
 
     #: Whether the loads drive such a motion, so that there is no equilibrium.
@@ -38,7 +43,7 @@ class Loose:
     pins: tuple[tuple[int, int], ...] = ()
 
 
-def loose_motions(system: System) -> Loose:
+def unrestrained_motions(system: AssemblyArrays) -> UnrestrainedMotions:
     """Return the rigid motions of shaft and housings that no support, spring, ball or roller resists.
 
     They are found from the motions of the bodies at the balls' centres in place of the motions of the flanks, for the
@@ -46,7 +51,7 @@ def loose_motions(system: System) -> Loose:
     """
     s = system.structure
     motions = rigid_motions(s, system.arm)
-    rows = [held_rows(s, motions)]
+    rows = [restraints_on_rigid_motions(s, motions)]
     by_row = motions.reshape(-1, 6, motions.shape[1])
     n = s.nodes.size
     for b in system.balls:
@@ -55,7 +60,7 @@ def loose_motions(system: System) -> Loose:
         for row, sign in ((0 if b.of.carrier is None else int(b.problem.node[0, 0]), 1.0), (b.outer, -1.0)):
             if row >= 0:
                 arm = layout.centre - np.array([0.0, 0.0, s.stations[row]])
-                moved += sign * (wrench_rows(layout, arm) @ by_row[row]).reshape(len(moved), -1)
+                moved += sign * (point_motion_matrix(layout, arm) @ by_row[row]).reshape(len(moved), -1)
         rows.append(moved)
     for roller in system.rollers:
         a = roller.arrays
@@ -64,21 +69,23 @@ def loose_motions(system: System) -> Loose:
             if a.row[0, end] >= 0:
                 moved += a.B[:, end] @ by_row[a.row[0, end]]
         rows.append(moved)
-    null = unresisted(np.concatenate(rows))
+    null = null_space_of_constraints(np.concatenate(rows))
     if not null.shape[0]:
-        return Loose(False, "")
+        return UnrestrainedMotions(False, "")
     free = (motions @ null.T).reshape(-1, 6, null.shape[0])
     text = describe_motions(system, free)
-    if drives(np.einsum("rkc,rk->c", free, s.load), s.load, system.arm):
-        return Loose(True, f"{text}: no support, spring or rolling element resists it, and the loads drive it")
+    if loads_do_work_on(np.einsum("rkc,rk->c", free, s.load), s.load, system.arm):
+        return UnrestrainedMotions(
+            True, f"{text}: no support, spring or rolling element resists it, and the loads drive it"
+        )
     rows_of = [0, *range(n, s.stations.size)]
     flat = free[rows_of].reshape(-1, null.shape[0])
     arms = np.tile([1.0, 1.0, 1.0, system.arm, system.arm, system.arm], len(rows_of))
-    chosen = pivots((flat * arms[:, None]).T)
-    return Loose(False, text, tuple((rows_of[k // 6], k % 6) for k in chosen))
+    chosen = independent_columns((flat * arms[:, None]).T)
+    return UnrestrainedMotions(False, text, tuple((rows_of[k // 6], k % 6) for k in chosen))
 
 
-def describe_motions(system: System, free: Array) -> str:
+def describe_motions(system: AssemblyArrays, free: Array) -> str:
     """Return a description in words of rigid motions of shaft and housings, such as "rigid motion of the shaft in uz".
 
     Parameters
@@ -101,7 +108,7 @@ def describe_motions(system: System, free: Array) -> str:
     return "rigid motion of " + " and ".join(motions)
 
 
-def pinned(system: System, loose: Loose) -> System:
+def pin_unrestrained_motions(system: AssemblyArrays, loose: UnrestrainedMotions) -> AssemblyArrays:
     """Return the assembly's arrays with fixed degrees of freedom ("pins") against motions that nothing resists."""
     if not loose.pins:
         return system
@@ -116,7 +123,7 @@ def pinned(system: System, loose: Loose) -> System:
 APEX = 1e-6
 
 
-def opening_motion(system: System) -> Array | None:
+def opening_motion(system: AssemblyArrays) -> Array | None:
     """Find a rigid motion of shaft and housings that opens all contacts while the loads do work, by a linear program.
 
     Contacts are taken at their nominal angles.
@@ -142,13 +149,13 @@ def opening_motion(system: System) -> Array | None:
     if float(np.abs(work).max()) <= 1e-12 * total:
         return None
     centres = 2 * system.contacts.r_ball.size
-    rows = [csr_array(_ball_rows(b, system, by_row)) for b in system.balls]
-    rows += [hstack([csr_array(x), csr_array((len(x), centres))]) for x in _roller_rows(system, by_row)]
-    answer = opening(work, csr_array(vstack(rows)), held_rows(s, motions))
+    rows = [csr_array(_approach_change_of_balls(b, system, by_row)) for b in system.balls]
+    rows += [hstack([csr_array(x), csr_array((len(x), centres))]) for x in _approach_change_of_rollers(system, by_row)]
+    answer = solve_opening_program(work, csr_array(vstack(rows)), restraints_on_rigid_motions(s, motions))
     return None if answer is None else np.asarray(motions @ answer).reshape(-1, 6)
 
 
-def _ball_rows(b: BallSet, system: System, by_row: Array) -> Array:
+def _approach_change_of_balls(b: BallSet, system: AssemblyArrays, by_row: Array) -> Array:
     """Return the change of the approach of every contact of one nut or bearing, per unit motion of bodies and balls.
 
     In an opening motion no approach may grow. The single arc of a deep groove has contacts at its contact angle on both
@@ -167,10 +174,10 @@ def _ball_rows(b: BallSet, system: System, by_row: Array) -> Array:
     angles = (beta, -beta) if b.of.thrust == "deep groove" else (beta,)
     moved, balls = b.flank_motions(by_row), system.contacts.r_ball.size
     used = [(int(side), angle) for side in np.flatnonzero(b.problem.use) for angle in angles]
-    return np.concatenate([approach(s, angle, moved[:, s], b.balls.start, balls) for s, angle in used])
+    return np.concatenate([approach_change_by_motions(s, angle, moved[:, s], b.balls.start, balls) for s, angle in used])
 
 
-def _roller_rows(system: System, by_row: Array) -> list[Array]:
+def _approach_change_of_rollers(system: AssemblyArrays, by_row: Array) -> list[Array]:
     """Return the change of the approach of all roller slices per unit of the k rigid motions, for each roller bearing.
 
     Parameters
@@ -187,21 +194,21 @@ def _roller_rows(system: System, by_row: Array) -> list[Array]:
     return out
 
 
-def unheld(system: System) -> Status:
+def status_of_runaway_assembly(system: AssemblyArrays) -> Status:
     """Return the status of an assembly in which the shaft or a housing moved without limit in the iteration.
 
     The status is "not held" only if a linear program proves that the contacts cannot carry the loads; otherwise it is "not
     converged".
     """
     opens = "the loads open every contact that could carry them (linear program: {})"
-    return ran_away(
+    return status_of_runaway_body(
         partial(opening_motion, system),
         "the shaft or a ring",
         lambda motion: opens.format(describe_motions(system, motion)),
     )
 
 
-def reversed_status(system: System, name: str, thrust: str, angle: float, load: float) -> Status:
+def reversed_status(system: AssemblyArrays, name: str, thrust: str, angle: float, load: float) -> Status:
     """Return the status "not held" for a bearing whose balls carry load on the side of the groove for the reverse thrust.
 
     The bearing carries thrust in one direction only, but the model continues its groove arcs beyond the bottom. The proof

@@ -32,8 +32,11 @@ TIED = diagonal_stiffness((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 
 
 @dataclass(frozen=True)
-class _Mounting:
-    """Assembly without loads and thermal expansion, and the function that solves it; argument of the cached `_shifts`."""
+class _PreloadTask:
+    """Assembly without loads and thermal expansion, and the function that solves it.
+
+    Argument of the cached `_find_preload_shifts`.
+    """
 
     #: Assembly without loads and without thermal expansion.
     bare: Assembly
@@ -43,7 +46,9 @@ class _Mounting:
     solve: Callable[[Assembly], AxisResult] = field(compare=False)
 
 
-def mount(assembly: Assembly, solve: partial[AxisResult]) -> tuple[Assembly, tuple[str, ...], Status | None]:
+def replace_preload_forces(
+    assembly: Assembly, solve: partial[AxisResult]
+) -> tuple[Assembly, tuple[str, ...], Status | None]:
     """Replace the preload forces of an assembly by axial offsets of outer rings and nuts that produce them.
 
     At these offsets each preloaded bearing or nut carries its preload force, without external loads and before thermal
@@ -62,22 +67,24 @@ def mount(assembly: Assembly, solve: partial[AxisResult]) -> tuple[Assembly, tup
         The assembly with offsets; notes for the report; and a status that gives the reason if preloads are not reached,
         else None.
     """
-    numbers = _preloaded(assembly)
+    numbers = _sets_with_preload_force(assembly)
     if not numbers:
         return assembly, (), None
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle, thermal_strain=0.0)
-    shift, notes, unmet = _shifts(_Mounting(bare, (solve.func, solve.args, *sorted(solve.keywords.items())), solve))
-    return assembly if shift is None else _shifted(assembly, numbers, np.array(shift)), notes, unmet
+    shift, notes, unmet = _find_preload_shifts(
+        _PreloadTask(bare, (solve.func, solve.args, *sorted(solve.keywords.items())), solve)
+    )
+    return assembly if shift is None else _replace_preload_by_offsets(assembly, numbers, np.array(shift)), notes, unmet
 
 
-def _preloaded(assembly: Assembly) -> list[int]:
+def _sets_with_preload_force(assembly: Assembly) -> list[int]:
     """Return the indices of the assembly's bearings and nuts whose preload is prescribed as a force."""
     return [i for i, s in enumerate(assembly.sets) if s.preload > 0.0]
 
 
 @lru_cache(maxsize=4)
-def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
+def _find_preload_shifts(mounting: _PreloadTask) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
     """Find the axial shifts [m] of outer rings and nuts that press them onto their balls with the prescribed preloads.
 
     First the outer parts are free to slide along the axis and are pushed by their preload forces. As the energy is convex
@@ -93,16 +100,16 @@ def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, .
         reached, else None.
     """
     bare, solve = mounting.bare, mounting.solve
-    numbers = _preloaded(bare)
+    numbers = _sets_with_preload_force(bare)
     goal = np.log([bare.sets[i].preload for i in numbers])
 
     def excess(shift: Array) -> Array:
         """Return ln(preload force at given shifts [m] / required force) of each part; nan for a part without load."""
-        result = solve(_shifted(bare, numbers, shift))
+        result = solve(_replace_preload_by_offsets(bare, numbers, shift))
         forces = np.array([abs(result.sets[i].force[2]) for i in numbers]) if result.converged else np.zeros(len(numbers))
         return np.asarray(np.log(np.where(forces > 0.0, forces, np.nan)) - goal)
 
-    pushed, status = _pushed(bare, numbers, solve)
+    pushed, status = _shifts_of_sliding_parts(bare, numbers, solve)
     if pushed is None:
         why = f"preloads by force are not met at mounting: {status.reason}"
         return None, (), Status(status.kind, why, "mounting")
@@ -112,7 +119,7 @@ def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, .
     if not float(np.abs(value).max()) < DIFFERENCE:  # the shaft's axial position is fixed
         shift = pushed
         value = excess(shift)
-    steps, slope = np.diag([DIFFERENCE * closing(bare.sets[i]) for i in numbers]), np.zeros((0, 0))
+    steps, slope = np.diag([DIFFERENCE * preload_shift_of_rigid_parts(bare.sets[i]) for i in numbers]), np.zeros((0, 0))
     for _ in range(STEPS):
         worst = float(np.abs(value).max())
         if not worst > ACCEPTED:
@@ -136,7 +143,9 @@ def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, .
     return tuple(shift), (note,), None if worst < FAILED else failed
 
 
-def _pushed(bare: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], AxisResult]) -> tuple[Array | None, Status]:
+def _shifts_of_sliding_parts(
+    bare: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], AxisResult]
+) -> tuple[Array | None, Status]:
     """Return the axial shifts [m] of outer rings and nuts that can slide along the axis, pushed by their preload forces.
 
     Parameters
@@ -159,7 +168,7 @@ def _pushed(bare: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], 
         rolling = sets[i]
         push, seat = -rolling.preload if rolling.thrust == "+z" else rolling.preload, f"outer part of {rolling.name}"
         sliding = tuple((f, 0.0) for f in FREEDOMS if f != "uz")
-        on = None if rolling.housing is None or bodies[rolling.housing].stands else bodies[rolling.housing]
+        on = None if rolling.housing is None or bodies[rolling.housing].is_fixed else bodies[rolling.housing]
         if on is not None:
             sliding = ()
             joints.append(Joint(seat, on.name, rolling.position, TIED))
@@ -174,7 +183,7 @@ def _pushed(bare: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], 
     return np.array([way * (moved[seat] - (moved[on] if on else 0.0)) for seat, on, way in seats]), result.status
 
 
-def closing(rolling: RollingSet) -> float:
+def preload_shift_of_rigid_parts(rolling: RollingSet) -> float:
     """Return the axial shift [m] of the outer part that gives a bearing or nut its preload force, with rigid bodies."""
     if isinstance(rolling.parts, RollerRow):
         bearing = tapered_bearing(rolling.parts)
@@ -184,7 +193,7 @@ def closing(rolling: RollingSet) -> float:
     return float(contact_approach(rolling.preload / (rolling.parts.ball_count * sin), C[0] + C[3])) / sin
 
 
-def _shifted(assembly: Assembly, numbers: Sequence[int], shift: Array) -> Assembly:
+def _replace_preload_by_offsets(assembly: Assembly, numbers: Sequence[int], shift: Array) -> Assembly:
     """Return the assembly with axial offsets of outer rings and nuts in place of their preload forces.
 
     Parameters

@@ -20,52 +20,52 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach, contact_force
-from rollbench.lowfi.statics.axis.held import loose_motions, pinned, unheld
-from rollbench.lowfi.statics.axis.mount import mount
-from rollbench.lowfi.statics.axis.structure import spring_terms
-from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
+from rollbench.lowfi.statics.axis.held import pin_unrestrained_motions, status_of_runaway_assembly, unrestrained_motions
+from rollbench.lowfi.statics.axis.mount import replace_preload_forces
+from rollbench.lowfi.statics.axis.structure import largest_spring_force_term
+from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, SolveRecord, assemble_axis, failed_axis
 from rollbench.lowfi.statics.axis.system import (
     USE,
+    AssemblyArrays,
     BallSet,
     Placed,
-    System,
+    assembly_residual_scale,
     ball_positions,
-    build,
-    motions_of,
-    moved_flanks,
-    reported_row,
-    scale_of,
-    set_flanks,
-    with_arms,
+    build_assembly_arrays,
+    contact_states_of_sets,
+    flank_motions_of_set,
+    interpolate_shaft_motions,
+    reported_body_number,
+    with_lever_arms,
 )
 from rollbench.lowfi.statics.contacts import error_free_hertz
-from rollbench.lowfi.statics.kernel_types import AxisSystem, RowState, Slopes
+from rollbench.lowfi.statics.kernel_types import AxisSystem, EnergyDerivatives, MotionState
 from rollbench.lowfi.statics.problem import Problem, centre_distances
 from rollbench.lowfi.statics.result import AxisResult, Status
-from rollbench.lowfi.statics.selection import all_clear, motions_in_section
+from rollbench.lowfi.statics.selection import motions_in_section, solutions_clear_of_left_out_flanks
 from rollbench.lowfi.statics.settle import (
     NO_LOADS,
-    Description,
-    Prepared,
-    SetFlanks,
+    ContactState,
+    ModelDescription,
+    StaticEquations,
     least_residual,
-    options_of,
-    report_of,
-    settled,
-    status_of,
+    solve_status,
+    solve_with_updated_contacts,
+    solver_options,
+    solver_report,
 )
-from rollbench.lowfi.statics.shape import lifted, rigid_transport
+from rollbench.lowfi.statics.shape import initial_motions_with_supports, rigid_transport
 from rollbench.lowfi.statics.static import Engine, pick_engine
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.section import BeamSection, contact_stations
+from rollbench.meshes.section import BeamSection, contact_force_positions
 
 
-def likely_sides(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:
-    """Guess which flanks of each ball nut or ball bearing can be loaded; `clear` tests the guess at the solution.
+def guess_loaded_flanks(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:
+    """Guess which flanks of each ball nut or ball bearing can be loaded; the guess is tested at the solution.
 
     Parameters
     ----------
@@ -81,12 +81,14 @@ def likely_sides(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:
     """
     sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     if len(sets) < len(assembly.sets) or any(s.carrier is not None for s, _ in sets):
-        return all_sides(assembly)
-    along = axial_place(assembly, sets)
-    return [_flanks_of_set(s, scene, along - s.offset, drawn) for (s, scene), (_, drawn) in zip(sets, places, strict=True)]
+        return flanks_by_thrust_direction(assembly)
+    along = estimate_axial_displacement(assembly, sets)
+    return [
+        _flanks_in_contact(s, scene, along - s.offset, drawn) for (s, scene), (_, drawn) in zip(sets, places, strict=True)
+    ]
 
 
-def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) -> float:
+def estimate_axial_displacement(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) -> float:
     """Estimate the axial displacement of the shaft [m], with all bodies rigid.
 
     It is the prescribed displacement of a support, or else the one at which the contact forces of all bearings and nuts
@@ -109,7 +111,7 @@ def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) ->
     return float(brentq(excess, offset.min() - reach, offset.max() + reach, xtol=1e-9))
 
 
-def _flanks_of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
+def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
     """Return which flanks of one ball nut or bearing touch a ball when the shaft moves by ``shift`` [m] along z.
 
     ``scene``: dimensions of the ball nut or bearing; ``drawn``: these with random errors. A positive shift closes the flank
@@ -125,48 +127,50 @@ def _flanks_of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Speci
     return USE["-z"] if closed[:, 1].max() > 0.0 >= closed[:, 0].max() else use
 
 
-def clear(system: System, state: RowState) -> bool:
+def clear_of_left_out_flanks(system: AssemblyArrays, state: MotionState) -> bool:
     """Return whether no ball of the solved assembly touches a flank that was left out of its equations.
 
     Only flanks that the direction of thrust of a ball nut or bearing can load are examined.
     """
-    return all(_set_clear(system, b, state) for b in system.balls if np.any(USE[b.of.thrust] & ~b.problem.use))
+    return all(
+        _set_clear_of_left_out_flanks(system, b, state) for b in system.balls if np.any(USE[b.of.thrust] & ~b.problem.use)
+    )
 
 
-def _set_clear(system: System, b: BallSet, state: RowState) -> bool:
+def _set_clear_of_left_out_flanks(system: AssemblyArrays, b: BallSet, state: MotionState) -> bool:
     """Return whether no ball of the ball nut or bearing ``b`` touches a flank that was left out of the equations."""
     contact = state.contact[b.balls]
-    shift = moved_flanks(b, state.q)
+    shift = flank_motions_of_set(b, state.q)
     for s in range(2):
         if not b.problem.use[s] and b.of.carrier is None:
-            shift[:, s] = _flank_motion(system, b, s, state.q)
+            shift[:, s] = _left_out_flank_motion(system, b, s, state.q)
     place, load = state.p[None, b.balls], contact[None, ..., 0]
-    return bool(all_clear(place, shift[None], b.problem.geometry[None], load, b.problem.use)[0])
+    return bool(solutions_clear_of_left_out_flanks(place, shift[None], b.problem.geometry[None], load, b.problem.use)[0])
 
 
-def _flank_motion(system: System, b: BallSet, s: int, q: Array) -> Array:
-    """Return the motion ``(N, 2)`` [m] of screw flank ``s`` (0: SL, 1: SR), which was left out, at each of N balls.
+def _left_out_flank_motion(system: AssemblyArrays, b: BallSet, flank: int, q: Array) -> Array:
+    """Return the motion ``(N, 2)`` [m] of screw flank ``flank`` (0: SL, 1: SR), which was left out, at each of N balls.
 
     ``q`` ``(r, 6)``: solved motions of shaft nodes and housings [m, rad], between which the motion is interpolated.
     """
-    stations = contact_stations(b.problem.scene, b.problem.layout)[:, s]
-    j, m = motions_of(system.structure, stations)
+    stations = contact_force_positions(b.problem.scene, b.problem.layout)[:, flank]
+    j, m = interpolate_shaft_motions(system.structure, stations)
     moved = np.einsum("nab,nb->na", m, np.concatenate([q[j], q[j + 1]], axis=1))
-    return motions_in_section(b.problem.layout, b.problem.drawn.centre[:, s], stations, moved)
+    return motions_in_section(b.problem.layout, b.problem.drawn.centre[:, flank], stations, moved)
 
 
-def all_sides(assembly: Assembly) -> list[Mask]:
+def flanks_by_thrust_direction(assembly: Assembly) -> list[Mask]:
     """Return for each ball nut or ball bearing which of SL, SR, NL, NR its direction of thrust can load ``(4,)``."""
     return [USE[s.thrust] for s in assembly.sets if isinstance(s.parts, Scene)]
 
 
 def uses_all_flanks(uses: Sequence[Mask], assembly: Assembly) -> bool:
     """Return whether the chosen flanks ``uses`` are all flanks that the directions of thrust can load."""
-    return all(np.array_equal(a, b) for a, b in zip(uses, all_sides(assembly), strict=True))
+    return all(np.array_equal(a, b) for a, b in zip(uses, flanks_by_thrust_direction(assembly), strict=True))
 
 
-def whole_stiffness(
-    system: System, engine: ModuleType, given: AxisSystem, state: RowState, hessians: Array
+def stiffness_of_rigid_assembly(
+    system: AssemblyArrays, engine: ModuleType, given: AxisSystem, state: MotionState, hessians: Array
 ) -> Array | None:
     """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of the assembly at the reported shaft node or housing.
 
@@ -186,7 +190,7 @@ def whole_stiffness(
     hessians
         Second derivatives of each ball's energy by the motions of its flanks [N/m].
     """
-    row = reported_row(system)
+    row = reported_body_number(system)
     if row < 0:
         return None
     r = system.structure.stations.size
@@ -201,10 +205,10 @@ def whole_stiffness(
         load[row, k] = 1.0
         engine.solve_lines(given.shaft, values, load, step)
         compliance[:, k] = step[row]
-    return inverse(compliance, ~system.structure.fixed[row], system.arm)
+    return stiffness_from_compliance(compliance, ~system.structure.fixed[row], system.arm)
 
 
-def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | None:
+def stiffness_from_compliance(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | None:
     """Return the stiffness ``(6, 6)`` of the free degrees of freedom, from the compliance ``(6, 6)``; nan for the others.
 
     None if the matrix is not a positive compliance but round-off, as happens if no contact carries load.
@@ -234,7 +238,7 @@ def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | N
     return out
 
 
-def rigid_rows(b: BallSet, stations: Array) -> Array:
+def inner_flank_motions_by_set(b: BallSet, stations: Array) -> Array:
     """Return the motions ``(N, 4, 6)`` of the two inner flanks, two axes each, per unit motion of the rigid inner part.
 
     The motion of the inner part is taken at the axial position of the nut or bearing.
@@ -261,7 +265,7 @@ def set_stiffness(b: BallSet, stations: Array, hessians: Array) -> Array:
     hessians
         Second derivatives of each ball's energy by the motions of its inner flanks ``(N, 4, 4)`` [N/m].
     """
-    rows = rigid_rows(b, stations)
+    rows = inner_flank_motions_by_set(b, stations)
     return np.asarray(np.einsum("nai,nab,nbj->ij", rows, hessians, rows))
 
 
@@ -271,11 +275,11 @@ FAR = 0.1
 
 
 @dataclass(kw_only=True)
-class Sets(Prepared):
+class AssemblyEquations(StaticEquations):
     """Equations of an assembly for the numerical kernels: base class for rigid and for elastic bodies."""
 
     #: Arrays of the assembly.
-    system: System
+    system: AssemblyArrays
 
     @property
     def problems(self) -> Sequence[Problem]:
@@ -283,7 +287,7 @@ class Sets(Prepared):
         return [b.problem for b in self.system.balls]
 
     @abstractmethod
-    def row_states(self) -> tuple[RowState, Array]:
+    def row_states(self) -> tuple[MotionState, Array]:
         """Return the motions of shaft nodes and housings with all contacts, and the reactions at fixed freedoms ``(r, 6)``.
 
         Reactions are forces [N] and moments [N m], zero at free degrees of freedom.
@@ -298,25 +302,25 @@ class Sets(Prepared):
 
 
 @dataclass(kw_only=True)
-class RigidSets(Sets):
+class RigidAssemblyEquations(AssemblyEquations):
     """Equations of an assembly whose shaft is a beam and whose nuts, outer rings and housings are rigid (model lin)."""
 
     SOLVER = "solve_axis"
     #: Arrays of shaft and rolling elements for the kernels.
     given: AxisSystem
     #: Motions, element deformations and contacts: the unknowns of the iteration.
-    state: RowState
+    state: MotionState
 
-    def flanks(self) -> Sequence[SetFlanks]:
+    def flanks(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions of each bearing and nut in the present state."""
-        return set_flanks(self.system, self.state)
+        return contact_states_of_sets(self.system, self.state)
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
         """Return equations with changed lever arms of the contacts, which start from the present state.
 
         ``arms``: for each bearing or nut with N balls, the lengths ``(N, 4, 2)`` [m] added to the lever arms.
         """
-        system = with_arms(self.system, arms)
+        system = with_lever_arms(self.system, arms)
         return replace(self, system=system, given=self.given._replace(balls=system.contacts))
 
     def round_off(self) -> float:
@@ -328,20 +332,23 @@ class RigidSets(Sets):
         motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(v0).max(initial=0.0))
         stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
         contacts = least_residual(motion, stiff, self.scale, self.problems)
-        springs = spring_terms(self.system.structure, state.q, self.system.arm)
+        springs = largest_spring_force_term(self.system.structure, state.q, self.system.arm)
         return max(contacts, least_residual(springs, 1.0, self.scale, ()))
 
-    def description(self) -> Description:
-        """Return the formulation and the number of unknowns for the record; the assumptions are those of `Model`."""
-        return Description("convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ())
+    def description(self) -> ModelDescription:
+        """Return the formulation and the number of unknowns for the record.
 
-    def slopes(self) -> Slopes:
+        The assumptions are those of `AssemblyModel`.
+        """
+        return ModelDescription("convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ())
+
+    def slopes(self) -> EnergyDerivatives:
         """Return the first and second derivatives of the energy in the present state."""
-        out = Slopes(np.zeros(self.state.q.shape), np.zeros((len(self.state.p), 8, 8)))
+        out = EnergyDerivatives(np.zeros(self.state.q.shape), np.zeros((len(self.state.p), 8, 8)))
         self.engine.evaluate_axis(self.given, self.state, out)
         return out
 
-    def row_states(self) -> tuple[RowState, Array]:
+    def row_states(self) -> tuple[MotionState, Array]:
         """Return the present state, and the reactions: the gradient of the energy at the fixed degrees of freedom."""
         return self.state, np.where(self.system.structure.fixed, self.slopes().gradient, 0.0)
 
@@ -349,10 +356,10 @@ class RigidSets(Sets):
         """Return the tangent stiffness ``(6, 6)`` of each bearing or nut, and of the assembly, see `Sets.stiffness`."""
         system, hessians = self.system, self.slopes().hessians
         sets = [set_stiffness(b, system.structure.stations, hessians[b.balls, :4, :4]) for b in system.balls]
-        return sets, whole_stiffness(system, self.engine, self.given, self.state, hessians)
+        return sets, stiffness_of_rigid_assembly(system, self.engine, self.given, self.state, hessians)
 
 
-def far_off(q: Array, system: System) -> bool:
+def moved_too_far(q: Array, system: AssemblyArrays) -> bool:
     """Return whether a body moved so far that the linear kinematics of the contacts no longer hold.
 
     Parameters
@@ -365,25 +372,25 @@ def far_off(q: Array, system: System) -> bool:
     return not float((np.abs(q) / np.repeat([system.arm, 1.0], 3)).max()) <= FAR
 
 
-def prepare(system: System, engine: ModuleType) -> RigidSets:
+def rigid_assembly_equations(system: AssemblyArrays, engine: ModuleType) -> RigidAssemblyEquations:
     """Return the equations of an assembly (model lin), with an initial state that has the prescribed displacements.
 
     ``system``: arrays of the assembly; ``engine``: module of the numerical kernels, compiled or interpreted.
     """
     s, n = system.structure, system.structure.nodes.size
-    scale, furthest = scale_of(system), float(system.contacts.r_ball.max(initial=0.0))
+    scale, furthest = assembly_residual_scale(system), float(system.contacts.r_ball.max(initial=0.0))
     q = np.zeros((s.stations.size, 6))
-    q[:n], d = lifted(s.nodes, s.fixed[:n], s.prescribed[:n])
+    q[:n], d = initial_motions_with_supports(s.nodes, s.fixed[:n], s.prescribed[:n])
     q[n:] = np.where(s.fixed[n:], s.prescribed[n:], 0.0)
     N, M = system.contacts.r_ball.size, system.slices.drop.size
-    state = RowState(q, d, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
+    state = MotionState(q, d, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
     system.contacts = system.contacts._replace(tiny=scale.none)
-    options = options_of(scale, system.arm, furthest)
+    options = solver_options(scale, system.arm, furthest)
     given = AxisSystem(system.axis, system.contacts, system.slices)
-    return RigidSets(engine=engine, given=given, state=state, options=options, system=system)
+    return RigidAssemblyEquations(engine=engine, given=given, state=state, options=options, system=system)
 
 
-class Model(NamedTuple):
+class AssemblyModel(NamedTuple):
     """Mechanical model by which an assembly is solved."""
 
     #: Name of the model.
@@ -393,7 +400,7 @@ class Model(NamedTuple):
     #: Effects that the model neglects, as sentences.
     left_out: tuple[str, ...]
     #: Function that makes the equations for the kernels from the arrays of an assembly.
-    ready: Callable[[System, ModuleType], Sets]
+    ready: Callable[[AssemblyArrays, ModuleType], AssemblyEquations]
     #: Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
     section: BeamSection | None
     #: Whether flanks are left out that load and offsets lift off the balls.
@@ -424,11 +431,13 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     ValueError
         If dimensions leave a part without material.
     """
-    model = Model("lin", AXIS_ASSUMPTIONS, (), prepare, None, True)
-    return equilibrium(assembly, model, engine, member, partial(solve_assembly, engine=engine, member=member))
+    model = AssemblyModel("lin", AXIS_ASSUMPTIONS, (), rigid_assembly_equations, None, True)
+    return solve_assembly_by_model(assembly, model, engine, member, partial(solve_assembly, engine=engine, member=member))
 
 
-def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, again: partial[AxisResult]) -> AxisResult:
+def solve_assembly_by_model(
+    assembly: Assembly, model: AssemblyModel, engine: Engine, member: int, solve_same_model: partial[AxisResult]
+) -> AxisResult:
     """Compute the static equilibrium of an assembly by a model, and return forces, stiffness and motions.
 
     Parameters
@@ -439,7 +448,7 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
         Mechanical model.
     engine, member
         Kernels, and number of the specimen with random errors, as for `solve_assembly`.
-    again
+    solve_same_model
         Function that solves another assembly by the same model, to find the axial offsets that give the required preloads.
     """
     start = perf_counter()
@@ -448,32 +457,38 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
         """Return the result of an assembly without equilibrium."""
         return failed_axis(assembly, model.name, status, perf_counter() - start, model.assumed)
 
-    mounted, notes, unmet = mount(assembly, again)
+    mounted, notes, unmet = replace_preload_forces(assembly, solve_same_model)
     if unmet:
         return failed(unmet)
     kernels, places = engine_for(assembly, engine), ball_positions(mounted, member)
-    uses = likely_sides(mounted, places) if model.fewer else all_sides(mounted)
+    uses = guess_loaded_flanks(mounted, places) if model.fewer else flanks_by_thrust_direction(mounted)
     while True:
-        system = build(mounted, member, uses, places, model.section)
-        loose = loose_motions(system)
+        system = build_assembly_arrays(mounted, member, uses, places, model.section)
+        loose = unrestrained_motions(system)
         if loose.driven:
             return failed(Status("not held", loose.text))
-        prepared = model.ready(pinned(system, loose), kernels)
+        prepared = model.ready(pin_unrestrained_motions(system, loose), kernels)
         ready = perf_counter()
-        prepared, outcome = settled(prepared)
-        if uses_all_flanks(uses, mounted) or (outcome.status == 0 and clear(prepared.system, prepared.state)):
+        prepared, outcome = solve_with_updated_contacts(prepared)
+        if uses_all_flanks(uses, mounted) or (
+            outcome.status == 0 and clear_of_left_out_flanks(prepared.system, prepared.state)
+        ):
             break
-        uses = all_sides(mounted)
+        uses = flanks_by_thrust_direction(mounted)
         notes = (*notes, "balls touch flanks that load or offset should lift off: solved again with all flanks")
     state, held = prepared.row_states()
     proven = system if model.fewer else prepared.system  # elastic bodies: loose motions stay fixed in the proof
-    status = status_of(outcome, prepared.round_off(), partial(unheld, proven), far_off(state.q, proven))
+    status = solve_status(
+        outcome, prepared.round_off(), partial(status_of_runaway_assembly, proven), moved_too_far(state.q, proven)
+    )
     if outcome.status in NO_LOADS:
         return failed(status)
     description, (sets, whole) = prepared.description(), prepared.stiffness()
-    ending = Ending(
+    ending = SolveRecord(
         status=status,
-        report=report_of(outcome, prepared, description, prepared.system.structure.nodes.size - 1, (start, ready), notes),
+        report=solver_report(
+            outcome, prepared, description, prepared.system.structure.nodes.size - 1, (start, ready), notes
+        ),
         loose=loose.text,
         held=held,
         sets=sets,

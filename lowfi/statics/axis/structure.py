@@ -19,8 +19,8 @@ from rollbench.meshes.section import (
     MERGE,
     BeamSection,
     enclosing_nodes,
-    fixed_partition,
-    merge_stations,
+    merge_close_positions,
+    nodes_of_whole_beam,
     screw_section,
     tube_section,
 )
@@ -86,15 +86,17 @@ def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
     if assembly.ingredients.partition != "nodal" and on_shaft:
         extra = [*needed[len(stations) :], *(s.position for s in assembly.sets if not isinstance(s.parts, Scene)), *steps]
         scenes = [replace(x, screw=replace(x.screw, length=assembly.screw.length)) for x in on_shaft]
-        return enclosing_nodes(merge_stations(np.concatenate([fixed_partition(*scenes), extra]), held), np.array(needed))[0]
-    nodes = merge_stations(np.array([*needed, *steps]), held)
+        return enclosing_nodes(
+            merge_close_positions(np.concatenate([nodes_of_whole_beam(*scenes), extra]), held), np.array(needed)
+        )[0]
+    nodes = merge_close_positions(np.array([*needed, *steps]), held)
     if nodes.size == 1:  # a beam needs one element
         away = low - MERGE * 100.0 if low > 0.5 * assembly.screw.length else low + MERGE * 100.0
         nodes = np.sort(np.array([low, away]))
     return nodes
 
 
-def threaded(assembly: Assembly) -> Scene | None:
+def first_ball_nut(assembly: Assembly) -> Scene | None:
     """Return the first ball nut of an assembly, whose thread determines the shaft's section; None without a ball nut."""
     for s in assembly.sets:
         if isinstance(s.parts, Scene) and s.parts.track.lead > 0.0:
@@ -114,7 +116,7 @@ def element_sections(assembly: Assembly, nodes: Array, section: BeamSection | No
     section
         Cross-section of the threaded shaft; None: computed from its dimensions.
     """
-    screw, thread = assembly.screw, threaded(assembly)
+    screw, thread = assembly.screw, first_ball_nut(assembly)
     plain_screw = partial(tube_section, screw.outer_diameter, screw.bore, screw.material)
     base = section or (plain_screw() if thread is None else screw_section(thread))
     plain = [(s.start, s.end, tube_section(s.diameter, s.bore, screw.material)) for s in assembly.segments]
@@ -140,7 +142,7 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
         If two supports fix the same degree of freedom of one node.
     """
     nodes = shaft_nodes(assembly, stations)
-    moving = [h for h in assembly.housings if not h.stands]
+    moving = [h for h in assembly.housings if not h.is_fixed]
     r = nodes.size + len(moving)
     fixed, prescribed, load = np.zeros((r, 6), dtype=bool), np.zeros((r, 6)), np.zeros((r, 6))
     holds = [(int(np.abs(nodes - s.at).argmin()), s.fixed, s.at) for s in assembly.supports]
@@ -200,7 +202,7 @@ def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> 
     return ends, reach, np.array([x[4] for x in springs]).reshape(-1, 6, 6)
 
 
-def spring_terms(structure: Structure, q: Array, arm: float) -> float:
+def largest_spring_force_term(structure: Structure, q: Array, arm: float) -> float:
     """Return the largest term [N] in the sums that give the spring forces; their round-off error follows from it.
 
     If two housings joined by a stiff spring move far together, the spring force is a small difference of large terms.
@@ -246,7 +248,7 @@ def rigid_motions(structure: Structure, arm: float) -> Array:
     return out.reshape(6 * (n + m), -1)
 
 
-def held_rows(structure: Structure, motions: Array) -> Array:
+def restraints_on_rigid_motions(structure: Structure, motions: Array) -> Array:
     """Return the constraints that supports and springs impose on rigid motions, one normalised row for each constraint.
 
     The product of the result with a combination of the motions is zero if no support or spring resists this combination.

@@ -8,10 +8,17 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.lowfi.rollers import slice_contacts, tapered_bearing
+from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices, tapered_bearing
 from rollbench.lowfi.statics.axis.held import APEX, reversed_status
-from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, left_out, reported_location, reported_row
-from rollbench.lowfi.statics.kernel_types import RowState
+from rollbench.lowfi.statics.axis.system import (
+    AssemblyArrays,
+    BallSet,
+    RollerSet,
+    describe_left_out_flanks,
+    reported_body_number,
+    reported_location,
+)
+from rollbench.lowfi.statics.kernel_types import MotionState
 from rollbench.lowfi.statics.problem import SolvedState
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
@@ -19,17 +26,17 @@ from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.lowfi.statics.summary import (
     BALANCE,
     MODEL_ASSUMPTIONS,
-    about_origin,
-    balance_of,
-    contacts_of,
-    judged,
+    add_reason_not_unique,
+    check_equilibrium,
+    contact_result,
     net_forces,
     nodal_reactions,
-    round_off,
-    where_not_unique,
+    resultant_about_origin,
+    round_off_forces,
+    status_after_equilibrium_check,
     wrench_of,
 )
-from rollbench.lowfi.statics.validity import contact_warnings, rotation_warning, tilted
+from rollbench.lowfi.statics.validity import contact_warnings, large_tilt_warning, rotation_warning
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
@@ -51,7 +58,7 @@ NOTHING = 10.0 * ACCEPTED
 
 
 @dataclass(frozen=True)
-class Ending:
+class SolveRecord:
     """Data of a finished solve of an assembly that its result needs besides motions and contacts."""
 
     #: Status that the solver reported.
@@ -78,7 +85,7 @@ class Ending:
     scale: float
 
 
-def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
+def assemble_axis(system: AssemblyArrays, state: MotionState, end: SolveRecord) -> AxisResult:
     """Return the result of a solved assembly: bearings, housings, reactions, equilibrium check, stiffness and status.
 
     Parameters
@@ -95,18 +102,18 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
     by_name = {b.of.name: ball_result(system, i, state, end) for i, b in enumerate(system.balls)}
     by_name |= {x.of.name: roller_result(x, state, structure.stations) for x in system.rollers}
     sets = tuple(by_name[s.name] for s in assembly.sets)
-    balance = _balance(system, state, end, sets)
-    housings = tuple(_housing(system, i, sets, state.q, end) for i in range(r - n))
+    balance = _shaft_equilibrium(system, state, end, sets)
+    housings = tuple(_housing_result(system, i, sets, state.q, end) for i in range(r - n))
     of_rollers = partial(roller_warnings, z=structure.nodes, motion=state.q[:n])
     warnings = tuple(
-        w.prefixed(s.of.name) for s in sets for w in (s.balls.warnings if s.balls is not None else of_rollers(s))
+        w.with_part_name(s.of.name) for s in sets for w in (s.balls.warnings if s.balls is not None else of_rollers(s))
     )
-    status = where_not_unique(judged_axis(end.status, system, balance, housings), warnings)
+    status = add_reason_not_unique(status_after_assembly_check(end.status, system, balance, housings), warnings)
     if status == "converged":
-        status = reversed_row(system, sets, end.scale) or status
+        status = status_of_reversed_bearing(system, sets, end.scale) or status
     held = (f"{end.loose}: fixed at its initial position, as no load drives and nothing resists it",) if end.loose else ()
     at = reported_location(assembly)
-    station = None if isinstance(at, str) else float(structure.nodes[reported_row(system)])
+    station = None if isinstance(at, str) else float(structure.nodes[reported_body_number(system)])
     return AxisResult(
         model=end.model,
         status=status,
@@ -120,16 +127,18 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
         stiffness=end.whole,
         solver=end.report,
         assumed=(*assembly.assumed, *end.assumed, *((ROLLERS,) if system.rollers else ())),
-        left_out=(*held, *end.left_out, *left_out(system)),
+        left_out=(*held, *end.left_out, *describe_left_out_flanks(system)),
         warnings=warnings,
         reactions=nodal_reactions(structure.nodes, assembly.supports, end.held[:n]),
     )
 
 
-def judged_axis(status: Status, system: System, balance: Equilibrium, housings: Sequence[HousingResult]) -> Status:
+def status_after_assembly_check(
+    status: Status, system: AssemblyArrays, balance: Equilibrium, housings: Sequence[HousingResult]
+) -> Status:
     """Return the status of an assembly after the check of equilibrium of shaft, balls and housings.
 
-    It is "not converged" if one of them is out of balance, see `lowfi.statics.summary.judged`.
+    It is "not converged" if one of them is out of balance, see `lowfi.statics.summary.status_after_equilibrium_check`.
 
     Parameters
     ----------
@@ -146,7 +155,7 @@ def judged_axis(status: Status, system: System, balance: Equilibrium, housings: 
     for b in system.balls:
         if b.balls.start < balance.worst_ball <= b.balls.stop:
             ball = f"ball {balance.worst_ball - b.balls.start} of {b.of.name}"
-    status = judged(status, balance, frozen, "the shaft", ball)
+    status = status_after_equilibrium_check(status, balance, frozen, "the shaft", ball)
     worst = max(housings, key=lambda h: h.residual, default=None)
     if status == "converged" and worst is not None and not frozen and not worst.residual <= BALANCE:
         reason = f"{worst.name} is out of balance by {worst.residual:.1e} of the largest force"
@@ -154,7 +163,7 @@ def judged_axis(status: Status, system: System, balance: Equilibrium, housings: 
     return status
 
 
-def reversed_row(system: System, sets: Sequence[SetResult], scale: float) -> Status | None:
+def status_of_reversed_bearing(system: AssemblyArrays, sets: Sequence[SetResult], scale: float) -> Status | None:
     """Return the status if a bearing for one direction of thrust is loaded against this direction; None if none is.
 
     Parameters
@@ -176,7 +185,7 @@ def reversed_row(system: System, sets: Sequence[SetResult], scale: float) -> Sta
     return None
 
 
-def ball_result(system: System, i: int, state: RowState, end: Ending) -> SetResult:
+def ball_result(system: AssemblyArrays, i: int, state: MotionState, end: SolveRecord) -> SetResult:
     """Return the result of one ball nut or ball bearing: its contacts, and force and moment on shaft and outer part.
 
     Parameters
@@ -198,16 +207,16 @@ def ball_result(system: System, i: int, state: RowState, end: Ending) -> SetResu
     motion = state.q[: problem.nodes.size]
     largest = float(force.max(initial=0.0))
     solved = SolvedState(problem, motion, p, force, normal, np.zeros(motion.shape), shifts, largest)
-    result = contacts_of(solved, problem.nodes, motion, end.report, both_ways=b.of.thrust == "deep groove")
+    result = contact_result(solved, problem.nodes, motion, end.report, arc_on_both_sides=b.of.thrust == "deep groove")
     forces = -result.force_direction * force[..., None]
     on_shaft, back = (
         _sum_at(result.contact_point[:, half], forces[:, half], b.of.position) for half in (slice(2), slice(2, 4))
     )
-    outer = _outer(b, state, system.structure.stations)
+    outer = _outer_part_motion(b, state, system.structure.stations)
     return SetResult(b.of, *on_shaft, np.concatenate(back), end.sets[i], outer, result)
 
 
-def roller_result(x: RollerSet, state: RowState, stations: Array) -> SetResult:
+def roller_result(x: RollerSet, state: MotionState, stations: Array) -> SetResult:
     """Return the result of one tapered roller bearing: roller loads, force and moment on the shaft, and stiffness.
 
     Parameters
@@ -225,11 +234,11 @@ def roller_result(x: RollerSet, state: RowState, stations: Array) -> SetResult:
     wrench, K = -slices[:, 0] @ B, (B.T * slices[:, 1]) @ B
     loads = slices[:, 0].reshape(x.row.count, x.row.slices)
     lines = loads * x.row.slices / x.row.length
-    outer = _outer(x, state, stations)
+    outer = _outer_part_motion(x, state, stations)
     return SetResult(x.of, wrench[:3], wrench[3:], -wrench, K, outer, None, x.azimuths, loads.sum(axis=1), lines)
 
 
-def _outer(x: BallSet | RollerSet, state: RowState, stations: Array) -> Array:
+def _outer_part_motion(x: BallSet | RollerSet, state: MotionState, stations: Array) -> Array:
     """Return the motion ``(6,)`` [m, rad] of an outer ring or nut at its axial position, its prescribed offset included.
 
     Parameters
@@ -262,28 +271,32 @@ def _sum_at(points: Array, forces: Array, station: float) -> tuple[Array, Array]
     return forces.sum(axis=(0, 1)), np.cross(arm, forces).sum(axis=(0, 1))
 
 
-def _balance(system: System, state: RowState, end: Ending, sets: tuple[SetResult, ...]) -> Equilibrium:
+def _shaft_equilibrium(
+    system: AssemblyArrays, state: MotionState, end: SolveRecord, sets: tuple[SetResult, ...]
+) -> Equilibrium:
     """Return the check of equilibrium of the shaft: external loads, support reactions, and forces of bearings and nuts.
 
     ``state``: solved motions; ``end``: data of the finished solve; ``sets``: results of the bearings and nuts.
     """
     nodes = system.structure.nodes
     applied, contact = wrench_of(system.assembly.loads), np.zeros(6)
-    reaction = about_origin(nodes, end.held[: nodes.size])
+    reaction = resultant_about_origin(nodes, end.held[: nodes.size])
     largest = end.scale
     for s in (x for x in sets if x.of.carrier is None):
         contact += rigid_transport(s.of.position).T @ np.concatenate([s.force, s.moment])
         contacts = 0.0 if s.balls is None else float(s.balls.load.max(initial=0.0))
         largest = max(largest, float(np.abs(s.force).max()), contacts)
     size = max(largest, float(np.abs(np.concatenate([applied[:3], reaction[:3]])).max()))
-    noise = round_off(np.diff(nodes), system.axis.sections, state.q[: nodes.size])
+    noise = round_off_forces(np.diff(nodes), system.axis.sections, state.q[: nodes.size])
     net = net_forces(state.contact[..., 0], state.contact[..., 1:3])
-    return balance_of(
+    return check_equilibrium(
         (applied, reaction, contact, np.zeros(6)), size, system.arm, noise, net[: system.contacts.r_ball.size]
     )
 
 
-def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, end: Ending) -> HousingResult:
+def _housing_result(
+    system: AssemblyArrays, i: int, sets: tuple[SetResult, ...], q: Array, end: SolveRecord
+) -> HousingResult:
     """Return the result of one housing: its motion, the forces of supports and springs on it, and its residual.
 
     The residual is the sum of external load, reactions, spring forces, and forces of the bearings and nuts that the housing
@@ -372,11 +385,11 @@ def roller_warnings(s: SetResult, z: Array, motion: Array) -> tuple[Warned, ...]
     if not isinstance(s.of.parts, RollerRow) or s.line_loads is None:
         return ()
     bearing = tapered_bearing(s.of.parts)
-    half_width, pressure = slice_contacts(bearing, s.line_loads)
+    half_width, pressure = half_widths_and_pressures_of_slices(bearing, s.line_loads)
     approach = float(bearing.law().approach(s.line_loads).max(initial=0.0))
     rx, ry = (float(np.interp(s.of.position, z, motion[:, k])) for k in (3, 4))
     return (
         *contact_warnings(pressure.max(axis=1), half_width.max(axis=1), 0.5 * bearing.diameter, "roller"),
-        *tilted(float(np.hypot(rx, ry)), 0.5 * bearing.pitch_diameter, approach, "roller"),
+        *large_tilt_warning(float(np.hypot(rx, ry)), 0.5 * bearing.pitch_diameter, approach, "roller"),
         *rotation_warning(z, motion),
     )

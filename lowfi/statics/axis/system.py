@@ -22,16 +22,22 @@ from rollbench.lowfi.rollers import slice_middles, tapered_bearing
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
 from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.kernel.beam import element_constants
-from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, RollerContacts, RowState
-from rollbench.lowfi.statics.problem import Problem, flank_rows, largest_interference, pack_geometry, round_off_approach
-from rollbench.lowfi.statics.settle import Scale, SetFlanks
+from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, MotionState, RollerContacts
+from rollbench.lowfi.statics.problem import (
+    Problem,
+    flank_motion_matrix,
+    largest_interference,
+    pack_geometry,
+    round_off_approach,
+)
+from rollbench.lowfi.statics.settle import ContactState, Scale
 from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
-from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.errors import Specimen, draw_specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import SIDES, Load, Scene
-from rollbench.meshes.section import BeamSection, contact_stations
+from rollbench.meshes.section import BeamSection, contact_force_positions
 
 Ints = NDArray[np.int64]
 #: Positions of the balls of one bearing row or ball nut, and its randomly drawn manufacturing errors.
@@ -79,7 +85,7 @@ class BallSet:
         found[self.row < 0] = 0.0
         return np.asarray(found)
 
-    def of_one_row(self, flanks: slice) -> Array:
+    def coefficients_of_one_body(self, flanks: slice) -> Array:
         """Return the coefficients ``(N, 2, 2, 6)`` that give the motions of two flanks by the motions of their rigid body.
 
         ``flanks``: the two flanks on this body, ``slice(2)`` on the inner and ``slice(2, 4)`` on the outer part. The axes
@@ -106,7 +112,7 @@ class RollerSet:
 
 
 @dataclass
-class System:
+class AssemblyArrays:
     """Shaft with its bearings, ball nuts and housings as arrays for the numerical kernels."""
 
     #: Description of the assembly by the user.
@@ -139,16 +145,16 @@ def ball_positions(assembly: Assembly, member: int = 0) -> list[Placed]:
     """
     scenes = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
     layouts = [ball_layout(scene) for scene in scenes]
-    return [(x, specimen(scene, x, member)) for scene, x in zip(scenes, layouts, strict=True)]
+    return [(x, draw_specimen(scene, x, member)) for scene, x in zip(scenes, layouts, strict=True)]
 
 
-def build(
+def build_assembly_arrays(
     assembly: Assembly,
     member: int = 0,
-    uses: Sequence[NDArray[np.bool_]] | None = None,
-    places: Sequence[Placed] | None = None,
+    flanks_in_use: Sequence[NDArray[np.bool_]] | None = None,
+    positions_and_errors: Sequence[Placed] | None = None,
     section: BeamSection | None = None,
-) -> System:
+) -> AssemblyArrays:
     """Return an assembly (shaft, bearings, ball nuts and housings) as arrays for the numerical kernels.
 
     Parameters
@@ -157,10 +163,10 @@ def build(
         Shaft with bearings and ball nuts.
     member
         Number of the specimen: each number gives other random errors.
-    uses
+    flanks_in_use
         For each ball nut or ball bearing, which of its four flanks get contacts ``(4,)``. None: all flanks that its
         direction of thrust can load.
-    places
+    positions_and_errors
         Result of `ball_positions`, if it is known already.
     section
         Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
@@ -172,10 +178,10 @@ def build(
     """
     parts = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     rows = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)]
-    built = [USE[s.thrust] for s, _ in parts] if uses is None else list(uses)
-    placements = ball_positions(assembly, member) if places is None else places
+    built = [USE[s.thrust] for s, _ in parts] if flanks_in_use is None else list(flanks_in_use)
+    placements = ball_positions(assembly, member) if positions_and_errors is None else positions_and_errors
     stations = [
-        contact_stations(scene, x)[:, u[:2]]
+        contact_force_positions(scene, x)[:, u[:2]]
         for (s, scene), (x, _), u in zip(parts, placements, built, strict=True)
         if s.carrier is None
     ]
@@ -194,8 +200,10 @@ def build(
     arm = max(
         [b.problem.scene.track.pitch_radius for b in balls] + [tapered_bearing(r.row).pitch_diameter / 2.0 for r in rollers]
     )
-    contacts, slices = _all_balls(balls), _all_rollers(rollers)
-    return System(assembly, structure, balls, rollers, arm, _axis(structure, contacts, slices), contacts, slices)
+    contacts, slices = _concatenate_balls(balls), _concatenate_rollers(rollers)
+    return AssemblyArrays(
+        assembly, structure, balls, rollers, arm, _kernel_arrays_of_structure(structure, contacts, slices), contacts, slices
+    )
 
 
 def _ball_set(
@@ -203,8 +211,8 @@ def _ball_set(
     scene: Scene,
     structure: Structure,
     use: NDArray[np.bool_],
-    place: Placed,
-    first: int,
+    positions_and_errors: Placed,
+    first_ball: int,
     arms: Array | None = None,
 ) -> BallSet:
     """Return the balls of one ball nut or bearing row, with the motions of their flanks by shaft nodes and housing.
@@ -219,18 +227,18 @@ def _ball_set(
         Shaft, housings and springs.
     use
         Which of the four flanks get contacts ``(4,)``.
-    place
+    positions_and_errors
         Positions of the balls and randomly drawn errors.
-    first
+    first_ball
         Index of the first ball among all balls of the assembly.
     arms
         Extra lever arms of the contacts ``(N, 4, 2)`` [m]; None: none.
     """
-    layout, drawn = place
+    layout, drawn = positions_and_errors
     parts = (scene, drawn, layout, arms)
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
     n, nodes, N = structure.nodes.size, structure.nodes, layout.z.size
-    stations = contact_stations(scene, layout)
+    stations = contact_force_positions(scene, layout)
     nodal, built = scene.ingredients.partition == "nodal", int(np.argmax(use[:2]))
     if rolling.carrier is not None:
         node = np.full((N, 2), structure.row[rolling.carrier])
@@ -239,18 +247,18 @@ def _ball_set(
         node[:, ~use[:2]] = node[:, [built]]
     outer = -1 if rolling.housing is None else structure.row[rolling.housing]
     at = float(structure.at[outer - n]) if outer >= 0 else scene.nut.position
-    on_nut = np.stack([flank_rows(parts, s, np.full(N, at)) for s in (2, 3)], axis=1)
+    on_nut = np.stack([flank_motion_matrix(parts, s, np.full(N, at)) for s in (2, 3)], axis=1)
     v0 = np.zeros((N, 4, 2))
     v0[:, 2:] = rolling.offset * on_nut[..., 2]
     if nodal or rolling.carrier is not None:
-        on_screw = np.stack([flank_rows(parts, s, structure.stations[node[:, s]]) for s in range(2)], axis=1)
+        on_screw = np.stack([flank_motion_matrix(parts, s, structure.stations[node[:, s]]) for s in range(2)], axis=1)
     else:
         sides = [s if use[s] else built for s in range(2)]
-        around = [motions_of(structure, stations[:, s]) for s in range(2)]
+        around = [interpolate_shaft_motions(structure, stations[:, s]) for s in range(2)]
         node = np.stack([around[s][0] for s in sides], axis=1)
-        on_screw = np.stack([flank_rows(parts, s, stations[:, s]) @ around[s][1] for s in sides], axis=1)
+        on_screw = np.stack([flank_motion_matrix(parts, s, stations[:, s]) @ around[s][1] for s in sides], axis=1)
     width, r = (6 if nodal else 12), structure.stations.size
-    pieces = widened(node, on_screw, width, r), widened(np.full((N, 2), outer), on_nut, width, r)
+    pieces = pad_to_two_bodies(node, on_screw, width, r), pad_to_two_bodies(np.full((N, 2), outer), on_nut, width, r)
     row, B = (np.concatenate(x, axis=1) for x in zip(*pieces, strict=True))
     problem = Problem(
         scene=scene,
@@ -268,10 +276,10 @@ def _ball_set(
         use=use,
         left_out_elements=0,
     )
-    return BallSet(rolling, problem, slice(first, first + N), outer, row, B, v0)
+    return BallSet(rolling, problem, slice(first_ball, first_ball + N), outer, row, B, v0)
 
 
-def motions_of(structure: Structure, stations: Array) -> tuple[Ints, Array]:
+def interpolate_shaft_motions(structure: Structure, stations: Array) -> tuple[Ints, Array]:
     """Interpolate the motions of the shaft between its nodes at k axial positions.
 
     Returns the first node ``(k,)`` of the beam element at each position, and the matrices ``(k, 6, 12)`` that give the six
@@ -291,7 +299,7 @@ def motions_of(structure: Structure, stations: Array) -> tuple[Ints, Array]:
     return motion_matrices(stations, nodes, BeamSection(EA, EI, GJ, kGA))
 
 
-def widened(row: Ints, B: Array, width: int, rows: int) -> tuple[Ints, Array]:
+def pad_to_two_bodies(body: Ints, B: Array, width: int, body_count: int) -> tuple[Ints, Array]:
     """Pad the coefficients of one body's six motions with zeros to the twelve motions of two consecutively numbered bodies.
 
     The kernels store for every flank the coefficients of the motions of two such bodies. Returns the number of the first
@@ -300,23 +308,23 @@ def widened(row: Ints, B: Array, width: int, rows: int) -> tuple[Ints, Array]:
 
     Parameters
     ----------
-    row
+    body
         Number of the body (shaft node or housing) that moves each flank.
     B
         Coefficients ``(..., 6)`` of its motions, returned unchanged if they have ``width`` columns.
     width
         Number of columns to return, 6 or 12.
-    rows
+    body_count
         Number of all bodies.
     """
     if B.shape[-1] == width:
-        return row, B
-    last = row == rows - 1
+        return body, B
+    last = body == body_count - 1
     first, second = (np.concatenate(x, axis=-1) for x in ((B, np.zeros_like(B)), (np.zeros_like(B), B)))
-    return row - last, np.where(last[..., None, None], second, first)
+    return body - last, np.where(last[..., None, None], second, first)
 
 
-def with_arms(system: System, arms: Sequence[Array]) -> System:
+def with_lever_arms(system: AssemblyArrays, arms: Sequence[Array]) -> AssemblyArrays:
     """Return the arrays of an assembly with changed lever arms of the contacts and unchanged Hertz constants.
 
     Parameters
@@ -332,10 +340,10 @@ def with_arms(system: System, arms: Sequence[Array]) -> System:
         longer = _ball_set(b.of, p.scene, system.structure, p.use, (p.layout, p.drawn), b.balls.start, m)
         longer.problem.C[:] = p.C
         balls.append(longer)
-    return replace(system, balls=balls, contacts=_all_balls(balls)._replace(tiny=system.contacts.tiny))
+    return replace(system, balls=balls, contacts=_concatenate_balls(balls)._replace(tiny=system.contacts.tiny))
 
 
-def set_flanks(system: System, state: RowState, shifts: Array | None = None) -> list[SetFlanks]:
+def contact_states_of_sets(system: AssemblyArrays, state: MotionState, shifts: Array | None = None) -> list[ContactState]:
     """Return contact forces, ball centres and flank motions of each ball nut and ball bearing.
 
     Parameters
@@ -347,12 +355,12 @@ def set_flanks(system: System, state: RowState, shifts: Array | None = None) -> 
     shifts
         Motions ``(N, 4, 2)`` [m] of the flanks of all balls; None: computed from the motions in ``state``.
     """
-    moved = [moved_flanks(b, state.q) if shifts is None else shifts[b.balls] for b in system.balls]
+    moved = [flank_motions_of_set(b, state.q) if shifts is None else shifts[b.balls] for b in system.balls]
     contact, centre = state.contact, state.p
-    return [SetFlanks(b.problem, contact[b.balls], centre[b.balls], m) for b, m in zip(system.balls, moved, strict=True)]
+    return [ContactState(b.problem, contact[b.balls], centre[b.balls], m) for b, m in zip(system.balls, moved, strict=True)]
 
 
-def moved_flanks(b: BallSet, q: Array) -> Array:
+def flank_motions_of_set(b: BallSet, q: Array) -> Array:
     """Return the motions ``(N, 4, 2)`` [m] of the flanks of one ball nut or bearing, prescribed offsets included.
 
     Parameters
@@ -365,7 +373,7 @@ def moved_flanks(b: BallSet, q: Array) -> Array:
     return np.asarray(b.v0 + b.flank_motions(q))
 
 
-def _all_balls(sets: list[BallSet]) -> AxisBalls:
+def _concatenate_balls(sets: list[BallSet]) -> AxisBalls:
     """Concatenate the arrays of the balls of all nuts and bearings for the kernels.
 
     The contact data ``geometry`` of each problem in ``sets`` is replaced by a view of the joint array, so that both see an
@@ -399,13 +407,13 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
     )
 
 
-def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first: int) -> RollerSet:
+def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first_slice: int) -> RollerSet:
     """Return the roller slices of one tapered roller bearing as arrays for the kernels.
 
-    ``rolling``: the bearing with its position and housing; ``row``: dimensions of its rollers and raceways; ``first``:
-    index of its first slice among the slices of all bearings. The slices lie along the raceway of the cup. Cone and cup
-    approach each other along the normal of the cup's raceway. The forces of cone raceway and rib on a roller add up to a
-    force on the same line of action (`lowfi.rollers`).
+    ``rolling``: the bearing with its position and housing; ``row``: dimensions of its rollers and raceways;
+    ``first_slice``: index of its first slice among the slices of all bearings. The slices lie along the raceway of the cup.
+    Cone and cup approach each other along the normal of the cup's raceway. The forces of cone raceway and rib on a roller
+    add up to a force on the same line of action (`lowfi.rollers`).
     """
     n, bearing = structure.nodes.size, tapered_bearing(row)
     inner = int(np.abs(structure.nodes - rolling.position).argmin())
@@ -434,10 +442,10 @@ def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first
         np.full(count, float(law.g)),
         np.full(count, float(law.s)),
     )
-    return RollerSet(rolling, row, slice(first, first + count), azimuths, arrays)
+    return RollerSet(rolling, row, slice(first_slice, first_slice + count), azimuths, arrays)
 
 
-def _all_rollers(sets: list[RollerSet]) -> AxisRollers:
+def _concatenate_rollers(sets: list[RollerSet]) -> AxisRollers:
     """Concatenate the arrays of the roller slices of all roller bearings."""
     if not sets:
         none = np.zeros(0)
@@ -445,7 +453,7 @@ def _all_rollers(sets: list[RollerSet]) -> AxisRollers:
     return AxisRollers(*(np.ascontiguousarray(np.concatenate(x)) for x in zip(*(r.arrays for r in sets), strict=True)))
 
 
-def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> AxisArrays:
+def _kernel_arrays_of_structure(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> AxisArrays:
     """Return the kernels' arrays of shaft, housings and springs, with the envelope of their stiffness matrix.
 
     ``contacts`` and ``slices`` (balls and roller slices) determine which bodies are coupled. The envelope stores each row
@@ -492,7 +500,7 @@ def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> Axi
     )
 
 
-def applied(system: System) -> float:
+def sum_of_applied_loads(system: AssemblyArrays) -> float:
     """Return the sum of the magnitudes of all loads on shaft and housings [N], without thermal loads.
 
     Moments count as moment divided by the largest pitch radius.
@@ -515,32 +523,32 @@ def preload_approach(b: BallSet) -> float:
     return max(largest_interference(b.problem), shift * float(np.sin(b.problem.scene.track.contact_angle)))
 
 
-def mean_share(system: System) -> float:
+def mean_load_per_element(system: AssemblyArrays) -> float:
     """Return the sum of all loads divided by the number of rolling elements [N]."""
-    return applied(system) / max(1, system.contacts.r_ball.size + sum(r.row.count for r in system.rollers))
+    return sum_of_applied_loads(system) / max(1, system.contacts.r_ball.size + sum(r.row.count for r in system.rollers))
 
 
-def typical_force(system: System, b: BallSet) -> float:
+def typical_force(system: AssemblyArrays, b: BallSet) -> float:
     """Return the force of a typical contact of a ball nut or bearing, at least 1e-6 N.
 
     This is the larger of the mean load of a rolling element and the preload of a contact. If there are neither loads nor
     preload but prescribed displacements, it is the force at an approach of 1 um.
     """
     pair = pair_compliance(b)
-    force = max(mean_share(system), float(contact_force(preload_approach(b), pair)))
+    force = max(mean_load_per_element(system), float(contact_force(preload_approach(b), pair)))
     if force == 0.0 and np.any(system.structure.prescribed):
         force = float(contact_force(1e-6, pair))
     return max(force, 1e-6)
 
 
-def scale_of(system: System) -> Scale:
+def assembly_residual_scale(system: AssemblyArrays) -> Scale:
     """Return the typical force and stiffness of the assembly's contacts, and the forces that count as zero.
 
     The solver divides residuals by these values. A contact counts as unloaded below the round-off of the typical force. If
     neither loads nor preload press any contact, this limit is the force at an approach of the size of the coordinates'
     round-off.
     """
-    load, share = system.structure.load, mean_share(system)
+    load, share = system.structure.load, mean_load_per_element(system)
     stiffness, squeezed = 1.0, 0.0
     for b in system.balls:
         pair = pair_compliance(b)
@@ -643,13 +651,13 @@ def reported_location(assembly: Assembly) -> float | str:
     return assembly.loads[0].at if assembly.loads else assembly.sets[0].position
 
 
-def reported_row(system: System) -> int:
+def reported_body_number(system: AssemblyArrays) -> int:
     """Return the number of the shaft node or housing whose stiffness is reported; -1 for a fixed housing."""
     at, s = reported_location(system.assembly), system.structure
     return s.row[at] if isinstance(at, str) else int(np.abs(s.nodes - at).argmin())
 
 
-def left_out(system: System) -> tuple[str, ...]:
+def describe_left_out_flanks(system: AssemblyArrays) -> tuple[str, ...]:
     """Return a sentence for each ball nut or bearing of which some flanks were left out because no ball touches them."""
     notes = []
     for b in system.balls:

@@ -21,11 +21,11 @@ from rollbench.lowfi.statics.kernel_types import (
     AxisBalls,
     AxisRollers,
     AxisSystem,
+    EnergyDerivatives,
+    MotionState,
+    MotionWorkspace,
     Options,
     Outcome,
-    RowState,
-    RowWorkspace,
-    Slopes,
 )
 
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, flank_hessian, settle_ball
@@ -98,7 +98,7 @@ def add_axis(values: Array, axis: AxisArrays) -> None:
 
 
 @kernel
-def loop_balls(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
+def add_ball_stiffness_in_loops(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
     """Add the contact stiffness of all balls to the stiffness matrix ``values``, stored as an envelope, ball by ball.
 
     Each ball adds B_s^T h B_t for its flanks s and t that can move. B gives the motion of a flank by the motions of the
@@ -117,7 +117,7 @@ def loop_balls(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Arra
                 h = hessians[i, 2 * s : 2 * s + 2, 2 * t : 2 * t + 2]
                 for a in range(spans):
                     for b in range(a + 1 if s == t else spans):
-                        turned_block(balls.B[i, s, :, 6 * a :], h, balls.B[i, t, :, 6 * b :], block)
+                        write_coupling_block(balls.B[i, s, :, 6 * a :], h, balls.B[i, t, :, 6 * b :], block)
                         if s != t and row + a == column + b:  # both halves of a block on the diagonal
                             for j in range(6):
                                 for k in range(j):
@@ -127,7 +127,7 @@ def loop_balls(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Arra
 
 
 @kernel
-def turned_block(left: Array, h: Array, right: Array, block: Array) -> None:
+def write_coupling_block(left: Array, h: Array, right: Array, block: Array) -> None:
     """Write the stiffness block (6, 6) = left^T h right of a ball for the motions of two nodes or bodies.
 
     left, right (2, 6 or more): motion of a groove flank by the motion of its node or body, in the first six columns; h (2,
@@ -160,7 +160,7 @@ def add_rollers(values: Array, axis: AxisArrays, rollers: AxisRollers, slices: A
 
 
 @kernel
-def hold(values: Array, axis: AxisArrays, shift: Array) -> None:
+def fix_prescribed_motions(values: Array, axis: AxisArrays, shift: Array) -> None:
     """Apply the boundary conditions: give the rows and columns of fixed motions in ``values`` those of a unit matrix.
 
     Before that, ``shift`` (6,) [N/m, N m] is added to the diagonal of the stiffness matrix for every node and body.
@@ -180,10 +180,11 @@ def hold(values: Array, axis: AxisArrays, shift: Array) -> None:
                     values[axis.start[other] + line] = 0.0
 
 
-def _balls_at_once(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
+def _add_ball_stiffness_by_numpy(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
     """Add the contact stiffness of all balls to the stiffness matrix ``values`` by numpy, without loops over the balls.
 
-    It does the same as `loop_balls` and is used without compilation. hessians (N, 8, 8): stiffness of the balls [N/m].
+    It does the same as `add_ball_stiffness_in_loops` and is used without compilation. hessians (N, 8, 8): stiffness of the
+    balls [N/m].
     """
     six, spans = np.arange(6), range(balls.B.shape[3] // 6)
     for s, t, a, b in product(range(4), range(4), spans, spans):
@@ -197,14 +198,14 @@ def _balls_at_once(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: 
         np.add.at(values, (axis.start[lines] + columns)[lower], K[lower])
 
 
-add_balls = loop_balls if is_compiled(__name__) else _balls_at_once
+add_balls = add_ball_stiffness_in_loops if is_compiled(__name__) else _add_ball_stiffness_by_numpy
 
 #: Residual ratio above which the stiffness is factored again, see ``descent``. Zero means in every step.
 KEPT = 0.0
 
 
 @kernel
-def evaluate_axis(given: AxisSystem, state: RowState, out: Slopes) -> tuple[float, float]:
+def evaluate_axis(given: AxisSystem, state: MotionState, out: EnergyDerivatives) -> tuple[float, float]:
     """Return the energy [J] of shaft, bodies and rolling elements at the state, and the largest force in them [N].
 
     Writes the nodal motions, ball centres, contacts and roller slices to ``state``, and the gradient of the energy and the
@@ -233,7 +234,7 @@ def evaluate_axis(given: AxisSystem, state: RowState, out: Slopes) -> tuple[floa
 
 
 @kernel
-def evaluate_structure(axis: AxisArrays, state: RowState, gradient: Array) -> tuple[float, float]:
+def evaluate_structure(axis: AxisArrays, state: MotionState, gradient: Array) -> tuple[float, float]:
     """Return the energy [J] of shaft, bodies and springs without rolling elements, and the largest force in them [N].
 
     Writes the derivatives of this energy by the motions of nodes and bodies to ``gradient`` (r, 6).
@@ -294,7 +295,7 @@ def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
 
 
 @kernel
-def tangent(given: AxisSystem, state: RowState, hessians: Array, base: Array, values: Array, shift: Array) -> bool:
+def tangent(given: AxisSystem, state: MotionState, hessians: Array, base: Array, values: Array, shift: Array) -> bool:
     """Assemble and factor the tangent stiffness matrix of shaft, bodies and rolling elements.
 
     base: stiffness of shaft and springs, from `add_axis`; hessians (N, 8, 8): stiffness of the balls [N/m]; shift (6,)
@@ -305,7 +306,7 @@ def tangent(given: AxisSystem, state: RowState, hessians: Array, base: Array, va
     values[:] = base
     add_balls(values, axis, balls, hessians)
     add_rollers(values, axis, rollers, state.slices)
-    hold(values, axis, shift)
+    fix_prescribed_motions(values, axis, shift)
     return bool(factor(values, axis.first, axis.start))
 
 
@@ -327,14 +328,14 @@ def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> N
 
 
 @kernel
-def energy_at(given: AxisSystem, state: RowState, workspace: RowWorkspace) -> tuple[float, float]:
+def energy_at(given: AxisSystem, state: MotionState, workspace: MotionWorkspace) -> tuple[float, float]:
     """Return the energy [J] of shaft, bodies and rolling elements, and the largest force [N]; same as `evaluate_axis`."""
     return evaluate_axis(given, state, workspace.slopes)
 
 
 @kernel
 def find_step(
-    given: AxisSystem, state: RowState, options: Options, workspace: RowWorkspace, shift: float, fresh: bool
+    given: AxisSystem, state: MotionState, options: Options, workspace: MotionWorkspace, shift: float, fresh: bool
 ) -> bool:
     """Write Newton's step of the motions of nodes and bodies to the workspace; return False if it cannot be solved.
 
@@ -349,7 +350,7 @@ def find_step(
 
 
 @kernel
-def reach_of(given: AxisSystem, workspace: RowWorkspace) -> float:
+def reach_of(given: AxisSystem, workspace: MotionWorkspace) -> float:
     """Return the largest relative displacement [m] of two opposite flanks of a ball in the whole Newton step."""
     balls, largest, shift = given.balls, 0.0, np.zeros((4, 2))
     for i in range(balls.row.shape[0]):
@@ -367,7 +368,7 @@ minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
 
 
 @kernel
-def start_on_springs(given: AxisSystem, state: RowState, options: Options, workspace: RowWorkspace) -> None:
+def start_from_linear_springs(given: AxisSystem, state: MotionState, options: Options, workspace: MotionWorkspace) -> None:
     """Set the state to the equilibrium with linear springs in place of balls and rollers, as a first guess.
 
     Leaves the state unchanged if that stiffness matrix is not positive definite. The step is shortened such that no flank
@@ -406,16 +407,16 @@ def spring_of_pair(geometry: Array, a: int, stiffness: float, out: Array) -> Non
 
 
 @kernel
-def solve_axis(given: AxisSystem, state: RowState, options: Options, start: bool) -> Outcome:
+def solve_axis(given: AxisSystem, state: MotionState, options: Options, start: bool) -> Outcome:
     """Find the static equilibrium of a shaft with its bodies, springs, balls and rollers.
 
     With ``start`` the iteration begins at the solution with linear springs as rolling elements, otherwise at ``state``,
     which holds the solution on return.
     """
     r, size = state.q.shape[0], given.shaft.start[-1]
-    slopes, base = Slopes(np.empty((r, 6)), np.zeros((given.balls.row.shape[0], 8, 8))), np.zeros(size)
+    slopes, base = EnergyDerivatives(np.empty((r, 6)), np.zeros((given.balls.row.shape[0], 8, 8))), np.zeros(size)
     add_axis(base, given.shaft)
-    workspace = RowWorkspace(slopes, base, np.empty(size), np.empty((r, 6)), np.empty((r, 6)), np.empty(state.d.shape))
+    workspace = MotionWorkspace(slopes, base, np.empty(size), np.empty((r, 6)), np.empty((r, 6)), np.empty(state.d.shape))
     if start:
-        start_on_springs(given, state, options, workspace)
+        start_from_linear_springs(given, state, options, workspace)
     return minimise(given, state, options, workspace)

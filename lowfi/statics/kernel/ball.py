@@ -23,7 +23,7 @@ from math import sqrt
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.kernel_types import Array
 
-from .contact import arc, contact_law, flank, hertz
+from .contact import approach_to_arc, approach_to_profile, contact_law, hertz_law
 
 #: Columns of the array ``geometry``, see the description of this module.
 WX, WZ, SIZE, APPROACH, HERTZ, USE, RADIUS, SX, SZ = range(9)
@@ -36,7 +36,7 @@ SETTLING, HALVINGS = 60, 30
 
 
 @kernel
-def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int:
+def guess_ball_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int:
     """Write a first guess of the ball's centre p (2,) [m], relative to its nominal position, for Newton's method.
 
     A diagonal pair is two opposite flanks a, b of screw and nut. The guess is the mean of the two-contact solutions of all
@@ -83,19 +83,23 @@ def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int
 
 
 @kernel
-def meet(ux: float, uz: float, geometry: Array, r_ball: float, profile: Array) -> tuple[float, float, float, float]:
+def approach_to_flank(
+    ux: float, uz: float, geometry: Array, r_ball: float, profile: Array
+) -> tuple[float, float, float, float]:
     """Return the approach [m], unit normal (x, z) and curvature term kt [1/m] of a ball and one groove flank.
 
     (ux, uz): displacement of the ball's centre from its nominal position relative to the flank [m]; profile: coefficients
     of the flank's deviation from a circular arc, empty for an exact arc.
     """
     if profile.shape[0] == 0:
-        return arc(ux, uz, geometry[WX], geometry[WZ], geometry[SIZE], geometry[APPROACH])
-    return flank(ux, uz, geometry[WX], geometry[WZ], r_ball, geometry[RADIUS], profile, geometry[SX], geometry[SZ])
+        return approach_to_arc(ux, uz, geometry[WX], geometry[WZ], geometry[SIZE], geometry[APPROACH])
+    return approach_to_profile(
+        ux, uz, geometry[WX], geometry[WZ], r_ball, geometry[RADIUS], profile, geometry[SX], geometry[SZ]
+    )
 
 
 @kernel
-def touch(
+def ball_contact_forces(
     x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
 ) -> float:
     """Compute contact forces and stiffnesses for the ball's centre at (x, z) [m] and the amplitude y of its deformation.
@@ -104,25 +108,27 @@ def touch(
     Lin's thesis. shift (4, 2): motions of the flanks [m].
     """
     if profile.shape[1] > 0 or local.shape[0] > 0:
-        return touch_any(x, z, y, shift, geometry, local, r_ball, profile, contact)
+        return general_ball_contact_forces(x, z, y, shift, geometry, local, r_ball, profile, contact)
     energy = 0.0  # a separate loop for circular flanks, without views of rows, so that the compiler inlines it
     for s in range(4):
         contact[s, FORCE] = 0.0
         if geometry[s, USE] != 0.0:
             wx, wz, size, approach = geometry[s, WX], geometry[s, WZ], geometry[s, SIZE], geometry[s, APPROACH]
-            delta, contact[s, MX], contact[s, MZ], kt = arc(x - shift[s, 0], z - shift[s, 1], wx, wz, size, approach)
+            delta, contact[s, MX], contact[s, MZ], kt = approach_to_arc(
+                x - shift[s, 0], z - shift[s, 1], wx, wz, size, approach
+            )
             if delta > 0.0:
-                force, slope, work = hertz(delta, geometry[s, HERTZ])
+                force, slope, work = hertz_law(delta, geometry[s, HERTZ])
                 contact[s, FORCE], contact[s, KN], contact[s, KT] = force, slope, force * kt
                 energy += work
     return energy
 
 
 @kernel
-def touch_any(
+def general_ball_contact_forces(
     x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
 ) -> float:
-    """Compute contact forces and energy of a ball, as `touch`, also for non-circular flanks and for an elastic ball.
+    """Compute contact forces and energy of a ball, also for non-circular flanks and for an elastic ball.
 
     (x, z): position of the ball's centre [m]; y: amplitude of its deformation; shift (4, 2): motions of the flanks [m];
     local (4, 3): compliance terms of the contacts, empty for a rigid ball. Writes ``contact`` (4, 5), returns the energy
@@ -133,7 +139,7 @@ def touch_any(
         contact[s, FORCE] = 0.0
         if geometry[s, USE] == 0.0:
             continue
-        met = meet(x - shift[s, 0], z - shift[s, 1], geometry[s], r_ball, profile[s])
+        met = approach_to_flank(x - shift[s, 0], z - shift[s, 1], geometry[s], r_ball, profile[s])
         delta, contact[s, MX], contact[s, MZ], kt = met
         e, h = 0.0, 0.0
         if local.shape[0] > 0:
@@ -163,7 +169,7 @@ def net_force(contact: Array) -> tuple[float, float]:
 
 
 @kernel
-def body_force(y: float, contact: Array, local: Array) -> float:
+def unbalanced_deformation_force(y: float, contact: Array, local: Array) -> float:
     """Return the unbalanced force on the amplitude y of the ball's deformation, converted to a contact force [N].
 
     contact (4, 5): forces and stiffnesses of the contacts; local (4, 3): compliance terms of the contacts.
@@ -205,7 +211,7 @@ def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, f
     hxx += bump
     hzz += bump
     if local.shape[0] > 0:
-        return body_step(gx, gz, gy, hxx, hxz, hzz, hxy, hzy, hyy)
+        return newton_step_of_elastic_ball(gx, gz, gy, hxx, hxz, hzz, hxy, hzy, hyy)
     det = hxx * hzz - hxz * hxz
     if det <= 0.0:
         stiff = hxx + hzz
@@ -217,7 +223,7 @@ def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, f
 
 
 @kernel
-def body_step(
+def newton_step_of_elastic_ball(
     gx: float, gz: float, gy: float, hxx: float, hxz: float, hzz: float, hxy: float, hzy: float, hyy: float
 ) -> tuple[float, float, float, float]:
     """Return the Newton step (x, z) of an elastic ball's centre and y of its deformation, and the energy's slope along it.
@@ -268,12 +274,14 @@ def interference(a: int, shift: Array, geometry: Array, closure: Array) -> float
 
 
 @kernel
-def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, contact: Array) -> float:
+def solve_opposite_flank_pair(
+    a: int, total_interference: float, p: Array, shift: Array, geometry: Array, contact: Array
+) -> float:
     """Solve a ball that touches only two opposite circular flanks, a and b = 3 - a, in closed form.
 
-    total: interference of the ball between the two flanks [m]. The forces are equal and opposite, so the contacts share the
-    interference as C_a : C_b, and the ball's centre lies on the line through the groove centres. Writes the centre p (2,)
-    [m] and the contacts (4, 5). Returns the energy [J], or -1 if a third flank would touch the ball.
+    total_interference: interference of the ball between the two flanks [m]. The forces are equal and opposite, so the
+    contacts share the interference as C_a : C_b, and the ball's centre lies on the line through the groove centres. Writes
+    the centre p (2,) [m] and the contacts (4, 5). Returns the energy [J], or -1 if a third flank would touch the ball.
     """
     b = 3 - a
     C_pair = geometry[a, HERTZ] + geometry[b, HERTZ]
@@ -282,10 +290,10 @@ def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, co
     dist0, dist = sqrt(dx * dx + dz * dz), sqrt((dx + vx) * (dx + vx) + (dz + vz) * (dz + vz))
     nx, nz = dx / dist0, dz / dist0
     change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)
-    added, size = total * geometry[b, HERTZ] / C_pair - geometry[b, APPROACH], geometry[b, SIZE]
+    added, size = total_interference * geometry[b, HERTZ] / C_pair - geometry[b, APPROACH], geometry[b, SIZE]
     p[0] = shift[b, 0] + ((dx + vx) * added + (vx - nx * change) * size) / dist + (nx * size - geometry[b, WX])
     p[1] = shift[b, 1] + ((dz + vz) * added + (vz - nz * change) * size) / dist + (nz * size - geometry[b, WZ])
-    force, slope, energy = hertz(total, C_pair)
+    force, slope, energy = hertz_law(total_interference, C_pair)
     for s in range(4):
         contact[s, FORCE] = 0.0
         if s == a or b == s:
@@ -293,10 +301,10 @@ def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, co
             contact[s, FORCE] = force
             contact[s, MX], contact[s, MZ] = sign * (dx + vx), sign * (dz + vz)
             contact[s, KN] = slope * C_pair / C
-            contact[s, KT] = force / (geometry[s, SIZE] + total * C / C_pair - geometry[s, APPROACH])
+            contact[s, KT] = force / (geometry[s, SIZE] + total_interference * C / C_pair - geometry[s, APPROACH])
         elif geometry[s, USE] != 0.0:
             wx, wz, reach = geometry[s, WX], geometry[s, WZ], geometry[s, SIZE]
-            delta, mx, mz, _ = arc(p[0] - shift[s, 0], p[1] - shift[s, 1], wx, wz, reach, geometry[s, APPROACH])
+            delta, mx, mz, _ = approach_to_arc(p[0] - shift[s, 0], p[1] - shift[s, 1], wx, wz, reach, geometry[s, APPROACH])
             contact[s, MX], contact[s, MZ] = mx, mz
             if delta > 0.0:
                 return -1.0
@@ -304,7 +312,7 @@ def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, co
 
 
 @kernel
-def loosened(contact: Array, tiny: float, energy: float) -> float:
+def clear_negligible_forces(contact: Array, tiny: float, energy: float) -> float:
     """Set all forces of a ball to zero if none exceeds ``tiny`` [N].
 
     contact (4, 5): contacts of the ball, changed in place. Returns the ball's energy [J]: ``energy``, or zero without
@@ -346,21 +354,21 @@ def settle_ball(
         first, second = interference(0, shift, geometry, closure), interference(1, shift, geometry, closure)
         energy = -1.0
         if first > 0.0 and second <= 0.0:  # the literal 0 lets the compiler compute the offsets of the pair's data
-            energy = press_pair(0, first, p, shift, geometry, contact)
+            energy = solve_opposite_flank_pair(0, first, p, shift, geometry, contact)
         elif second > 0.0 and first <= 0.0:
-            energy = press_pair(1, second, p, shift, geometry, contact)
+            energy = solve_opposite_flank_pair(1, second, p, shift, geometry, contact)
         if energy >= 0.0:
-            return loosened(contact, tiny, energy)
-    start_centre(p, shift, geometry, closure)
+            return clear_negligible_forces(contact, tiny, energy)
+    guess_ball_centre(p, shift, geometry, closure)
     x, z, y = p[0], p[1], 0.0
-    energy = touch(x, z, y, shift, geometry, local, r_ball, profile, contact)
+    energy = ball_contact_forces(x, z, y, shift, geometry, local, r_ball, profile, contact)
     best = 1e300
     for _ in range(SETTLING):
         net, scale = net_force(contact)
         if elastic:
-            net = max(net, body_force(y, contact, local))
+            net = max(net, unbalanced_deformation_force(y, contact, local))
         if scale <= tiny:
-            energy = loosened(contact, tiny, energy)
+            energy = clear_negligible_forces(contact, tiny, energy)
             break
         if net <= 2e-15 * scale or (net <= 1e-11 * scale and net >= 0.5 * best):
             break  # balanced, or at the round-off floor
@@ -371,13 +379,13 @@ def settle_ball(
         t = 1.0
         new, lower = energy, False
         for _ in range(HALVINGS):
-            new = touch(x + t * sx, z + t * sz, y + t * sy, shift, geometry, local, r_ball, profile, contact)
+            new = ball_contact_forces(x + t * sx, z + t * sz, y + t * sy, shift, geometry, local, r_ball, profile, contact)
             lower = new <= energy + 1e-4 * t * slope or abs(t * slope) <= 1e-13 * energy
             if lower:
                 break
             t *= 0.5
         if not lower:
-            energy = touch(x, z, y, shift, geometry, local, r_ball, profile, contact)
+            energy = ball_contact_forces(x, z, y, shift, geometry, local, r_ball, profile, contact)
             break
         x, z, y, energy = x + t * sx, z + t * sz, y + t * sy, new
     p[0], p[1] = x, z

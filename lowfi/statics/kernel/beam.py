@@ -24,14 +24,14 @@ from rollbench.lowfi.statics.kernel_types import (
     BeamArrays,
     BeamContacts,
     BeamSystem,
+    EnergyDerivatives,
     MemberArrays,
     MemberStates,
+    MotionState,
+    MotionWorkspace,
     Options,
     Outcome,
     Rows,
-    RowState,
-    RowWorkspace,
-    Slopes,
 )
 
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, ball_mismatch, flank_hessian, settle_ball
@@ -52,7 +52,7 @@ def element_constants(length: float, section: Array) -> tuple[float, float, floa
 
 
 @kernel
-def force_of(d: Array, constants: tuple[float, float, float, float, float], out: Array) -> None:
+def write_element_force(d: Array, constants: tuple[float, float, float, float, float], out: Array) -> None:
     """Write the force and moment (6,) [N, N m] at node 2 of a beam element that cause its deformation d (6,) [m, rad].
 
     constants: stiffnesses of the element, see `element_constants`.
@@ -120,7 +120,7 @@ ROUND_OFF = 1e-17
 
 
 @kernel
-def flank_shift(contacts: BeamContacts, motion: Array, i: int, m: int, shift: Array) -> None:
+def write_screw_flank_motions(contacts: BeamContacts, motion: Array, i: int, m: int, shift: Array) -> None:
     """Compute the motions of the screw's two groove flanks at ball i from the nodal motions (6 n,) of the beam.
 
     m: number of nodal motions on which a flank depends, 6 or 12. Writes the motions along x3 and z3 [m] to ``shift`` (4,
@@ -138,7 +138,7 @@ def flank_shift(contacts: BeamContacts, motion: Array, i: int, m: int, shift: Ar
 
 
 @kernel
-def pull(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: float, fz: float) -> None:
+def add_contact_force(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: float, fz: float) -> None:
     """Add the contact force (fx, fz) [N] of ball i on flank s to the gradient (6 n,) of the energy by the nodal motions.
 
     B (N, 2, 2, m): motions of the screw's flanks per unit motion of the nodes; m: number of nodal motions on which the
@@ -180,7 +180,7 @@ def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: A
 
 
 @kernel
-def evaluate(given: BeamSystem, state: RowState, out: Slopes) -> tuple[float, float]:
+def evaluate(given: BeamSystem, state: MotionState, out: EnergyDerivatives) -> tuple[float, float]:
     """Return the energy [J] of beam and balls at the state, and the largest force [N].
 
     The force may be an applied one, one in an element, or one of a contact. Writes the gradient of the energy and the
@@ -197,9 +197,9 @@ def evaluate(given: BeamSystem, state: RowState, out: Slopes) -> tuple[float, fl
     m = B.shape[3]
     for i in range(r_ball.shape[0]):
         if m == 6:  # the literal 6 lets the compiler unroll the loops
-            flank_shift(contacts, flat, i, 6, shift)
+            write_screw_flank_motions(contacts, flat, i, 6, shift)
         else:
-            flank_shift(contacts, flat, i, m, shift)
+            write_screw_flank_motions(contacts, flat, i, m, shift)
         energy += settle_ball(p[i], shift, geometry[i], closure[i], rigid, r_ball[i], profile, tiny, contact[i])
         flank_hessian(contact[i], hessians[i])
         for s in range(4):
@@ -209,14 +209,16 @@ def evaluate(given: BeamSystem, state: RowState, out: Slopes) -> tuple[float, fl
             if f > 0.0:
                 fx, fz = f * contact[i, s, MX], f * contact[i, s, MZ]
                 if m == 6:
-                    pull(grad, B, i, s, 6, 6 * node[i, s], fx, fz)
+                    add_contact_force(grad, B, i, s, 6, 6 * node[i, s], fx, fz)
                 else:
-                    pull(grad, B, i, s, m, 6 * node[i, s], fx, fz)
+                    add_contact_force(grad, B, i, s, m, 6 * node[i, s], fx, fz)
     return energy, scale
 
 
 @kernel
-def add_own(band: Array, b: Array, h: tuple[float, float, float], start: int, m: int, workspace: Array) -> None:
+def add_contact_stiffness(
+    band: Array, b: Array, h: tuple[float, float, float], start: int, m: int, workspace: Array
+) -> None:
     """Add the stiffness b^T h b of one contact to the lower band of the beam's stiffness matrix.
 
     b (2, m): motion of the groove flank by m nodal motions, the first of which has the index ``start``; h: stiffness
@@ -232,7 +234,7 @@ def add_own(band: Array, b: Array, h: tuple[float, float, float], start: int, m:
 
 
 @kernel
-def add_between(band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, workspace: Array) -> None:
+def add_flank_coupling(band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, workspace: Array) -> None:
     """Add the stiffness b^T h c that couples the screw's two flanks at one ball to the lower band of the stiffness matrix.
 
     b, c (2, m): motions of the two flanks by m nodal motions each, the first of which have the indices ``rows`` and
@@ -249,7 +251,9 @@ def add_between(band: Array, b: Array, c: Array, h: Array, rows: int, columns: i
 
 
 @kernel
-def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Array, shift: float, arm: float) -> None:
+def assemble_stiffness(
+    band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Array, shift: float, arm: float
+) -> None:
     """Write the stiffness matrix of beam and balls to ``band``, its lower band A[i, j] = band[j, i - j].
 
     hessians (N, 4, 4): stiffness of the balls against motions of the screw's flanks [N/m]; shift [N/m]: stiffness added to
@@ -266,21 +270,21 @@ def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Ar
             if stiffness[0] == 0.0 and stiffness[2] == 0.0:
                 continue
             if m == 6:  # the literal 6 lets the compiler unroll the loops
-                add_own(band, B[i, s], stiffness, 6 * node[i, s], 6, workspace)
+                add_contact_stiffness(band, B[i, s], stiffness, 6 * node[i, s], 6, workspace)
             else:
-                add_own(band, B[i, s], stiffness, 6 * node[i, s], m, workspace)
+                add_contact_stiffness(band, B[i, s], stiffness, 6 * node[i, s], m, workspace)
             if hessians[i, o, t] != 0.0 or hessians[i, o + 1, t + 1] != 0.0:
                 between, rows, columns = hessians[i, o : o + 2, t : t + 2], 6 * node[i, s], 6 * node[i, 1 - s]
-                add_between(band, B[i, s], B[i, 1 - s], between, rows, columns, workspace)
+                add_flank_coupling(band, B[i, s], B[i, 1 - s], between, rows, columns, workspace)
     for i in range(fixed.shape[0]):
         for k in range(6):
             band[6 * i + k, 0] += shift if k < 3 else shift * arm * arm
             if fixed[i, k]:
-                hold(band, 6 * i + k)
+                fix_nodal_motion(band, 6 * i + k)
 
 
 @kernel
-def hold(band: Array, i: int) -> None:
+def fix_nodal_motion(band: Array, i: int) -> None:
     """Fix the nodal motion with index i: make its row and column in the lower band those of a unit matrix."""
     width = band.shape[1]
     for w in range(width):
@@ -291,7 +295,9 @@ def hold(band: Array, i: int) -> None:
 
 
 @kernel
-def advance(shaft: BeamArrays | AxisArrays, state: RowState, q0: Array, d0: Array, step: Array, t: float) -> None:
+def advance_along_step(
+    shaft: BeamArrays | AxisArrays, state: MotionState, q0: Array, d0: Array, step: Array, t: float
+) -> None:
     """Set nodal motions q and element deformations d to their start values (q0, d0) plus ``t`` times the step.
 
     step (r, 6): change of the motions of nodes and bodies [m, rad] for t = 1. The change of the element deformations is
@@ -311,14 +317,14 @@ def advance(shaft: BeamArrays | AxisArrays, state: RowState, q0: Array, d0: Arra
 
 
 @kernel
-def energy_at(given: BeamSystem, state: RowState, workspace: RowWorkspace) -> tuple[float, float]:
+def energy_at(given: BeamSystem, state: MotionState, workspace: MotionWorkspace) -> tuple[float, float]:
     """Return the energy [J] of beam and balls at the state, and the largest force [N]; same as `evaluate`."""
     return evaluate(given, state, workspace.slopes)
 
 
 @kernel
 def find_step(
-    given: BeamSystem, state: RowState, options: Options, workspace: RowWorkspace, shift: float, fresh: bool
+    given: BeamSystem, state: MotionState, options: Options, workspace: MotionWorkspace, shift: float, fresh: bool
 ) -> bool:
     """Write Newton's step of the nodal motions to the workspace; return False if the stiffness is not positive definite.
 
@@ -328,15 +334,15 @@ def find_step(
     beam, band = given.shaft, workspace.matrix
     if fresh:
         least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
-        assemble(band, beam, given.contacts, workspace.slopes.hessians, max(shift, least), options.arm)
+        assemble_stiffness(band, beam, given.contacts, workspace.slopes.hessians, max(shift, least), options.arm)
         if not factor_band(band):
             return False
-    step_down(given, workspace)
+    solve_newton_step(given, workspace)
     return True
 
 
 @kernel
-def step_down(given: BeamSystem, workspace: RowWorkspace) -> None:
+def solve_newton_step(given: BeamSystem, workspace: MotionWorkspace) -> None:
     """Solve for Newton's step of the nodal motions with the factored stiffness matrix, and write it to the workspace."""
     fixed, gradient, step = given.shaft.fixed, workspace.slopes.gradient, workspace.step
     for i in range(step.shape[0]):
@@ -346,7 +352,7 @@ def step_down(given: BeamSystem, workspace: RowWorkspace) -> None:
 
 
 @kernel
-def residual_at(given: Rows, state: RowState, options: Options, workspace: RowWorkspace, scale: float) -> float:
+def residual_at(given: Rows, state: MotionState, options: Options, workspace: MotionWorkspace, scale: float) -> float:
     """Return the largest unbalanced force of the equilibrium equations as a fraction of ``scale`` [N].
 
     Moments are divided by the length ``options.arm``. Components of fixed motions do not count. In newtons if ``scale`` is
@@ -361,7 +367,7 @@ def residual_at(given: Rows, state: RowState, options: Options, workspace: RowWo
 
 
 @kernel
-def slope_along(given: Rows, state: RowState, workspace: RowWorkspace) -> float:
+def slope_along(given: Rows, state: MotionState, workspace: MotionWorkspace) -> float:
     """Return the derivative [J] of the energy by the step length, along the step in the workspace."""
     gradient, step, total = workspace.slopes.gradient, workspace.step, 0.0
     for i in range(step.shape[0]):
@@ -372,39 +378,39 @@ def slope_along(given: Rows, state: RowState, workspace: RowWorkspace) -> float:
 
 
 @kernel
-def reach_of(given: BeamSystem, workspace: RowWorkspace) -> float:
+def reach_of(given: BeamSystem, workspace: MotionWorkspace) -> float:
     """Return the largest displacement [m] of a groove flank in the whole Newton step."""
     contacts, motion = given.contacts, workspace.step.ravel()
     m, largest, shift = contacts.B.shape[3], 0.0, np.zeros((4, 2))
     for i in range(contacts.node.shape[0]):
         if m == 6:
-            flank_shift(contacts, motion, i, 6, shift)
+            write_screw_flank_motions(contacts, motion, i, 6, shift)
         else:
-            flank_shift(contacts, motion, i, m, shift)
+            write_screw_flank_motions(contacts, motion, i, m, shift)
         for s in range(2):
             largest = max(largest, shift[s, 0] ** 2 + shift[s, 1] ** 2)
     return sqrt(largest)
 
 
 @kernel
-def save_start(state: RowState, workspace: RowWorkspace) -> None:
+def save_start(state: MotionState, workspace: MotionWorkspace) -> None:
     """Store the current nodal motions and element deformations in the workspace as the start of the line search."""
     workspace.q0[:], workspace.d0[:] = state.q, state.d
 
 
 @kernel
-def move(given: Rows, state: RowState, workspace: RowWorkspace, t: float) -> None:
+def move(given: Rows, state: MotionState, workspace: MotionWorkspace, t: float) -> None:
     """Set the state to the start of the line search plus ``t`` times the Newton step."""
-    advance(given.shaft, state, workspace.q0, workspace.d0, workspace.step, t)
+    advance_along_step(given.shaft, state, workspace.q0, workspace.d0, workspace.step, t)
 
 
 @kernel
-def finish(given: Rows, state: RowState, options: Options, workspace: RowWorkspace) -> None:
+def finish(given: Rows, state: MotionState, options: Options, workspace: MotionWorkspace) -> None:
     """Do nothing, because the last evaluation is final; other models than the beam complete their final state here."""
 
 
 @kernel
-def least_force(given: Rows, state: RowState, options: Options) -> float:
+def least_force(given: Rows, state: MotionState, options: Options) -> float:
     """Return the smallest force [N] that relative residuals may be divided by.
 
     The larger of ``options.floor`` and the largest element moment divided by ``options.arm``. Without it, a screw that is
@@ -413,14 +419,14 @@ def least_force(given: Rows, state: RowState, options: Options) -> float:
     floor, f = options.floor, np.empty(6)
     for e in range(state.d.shape[0]):
         c = given.shaft.constants[e]
-        force_of(state.d[e], (c[0], c[1], c[2], c[3], c[4]), f)
+        write_element_force(state.d[e], (c[0], c[1], c[2], c[3], c[4]), f)
         for k in range(3, 6):
             floor = max(floor, abs(f[k]) / options.arm)
     return floor
 
 
 @kernel
-def furthest(given: Rows, state: RowState) -> float:
+def furthest(given: Rows, state: MotionState) -> float:
     """Return the largest displacement [m] of a node of the shaft, or of another body that the state contains."""
     q, moved = state.q, 0.0
     for i in range(q.shape[0]):
@@ -429,7 +435,7 @@ def furthest(given: Rows, state: RowState) -> float:
 
 
 @kernel
-def unbalanced(state: RowState, scale: float) -> float:
+def unbalanced(state: MotionState, scale: float) -> float:
     """Return the largest net force on a ball as a fraction of ``scale`` [N]; zero when all balls are in equilibrium."""
     return ball_mismatch(state.contact, scale)
 
@@ -438,7 +444,7 @@ minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
 
 
 @kernel
-def start_on_springs(given: BeamSystem, state: RowState, options: Options, workspace: RowWorkspace) -> None:
+def start_from_linear_springs(given: BeamSystem, state: MotionState, options: Options, workspace: MotionWorkspace) -> None:
     """Set the state to the equilibrium of the screw on linear springs in the nominal contact directions, as a first guess.
 
     Leaves the state unchanged if that stiffness cannot be factored. No flank moves further than ``options.furthest``, the
@@ -455,14 +461,14 @@ def start_on_springs(given: BeamSystem, state: RowState, options: Options, works
                 size = max(geometry[i, s, SIZE], 1e-30)
                 own[0, 0], own[1, 1] = stiffness * wx * wx / (size * size), stiffness * wz * wz / (size * size)
                 own[0, 1] = own[1, 0] = stiffness * wx * wz / (size * size)
-    assemble(workspace.matrix, given.shaft, given.contacts, hessians, 1e-9 * stiffness, options.arm)
+    assemble_stiffness(workspace.matrix, given.shaft, given.contacts, hessians, 1e-9 * stiffness, options.arm)
     if factor_band(workspace.matrix):
-        step_down(given, workspace)
+        solve_newton_step(given, workspace)
         shorten_first_step(given, state, options, workspace, reach_of(given, workspace))
 
 
 @kernel
-def shorten_first_step(given: Rows, state: RowState, options: Options, workspace: RowWorkspace, reach: float) -> None:
+def shorten_first_step(given: Rows, state: MotionState, options: Options, workspace: MotionWorkspace, reach: float) -> None:
     """Take the first step, shortened such that no flank moves further than ``options.furthest`` [m].
 
     reach [m]: largest displacement of a flank in the whole step.
@@ -472,15 +478,15 @@ def shorten_first_step(given: Rows, state: RowState, options: Options, workspace
 
 
 @kernel
-def workspace_for(given: BeamSystem, state: RowState) -> RowWorkspace:
+def workspace_for(given: BeamSystem, state: MotionState) -> MotionWorkspace:
     """Return work arrays, of matching shapes, for the Newton iteration on a screw and its balls."""
     n, band = state.q.shape[0], given.shaft.band
-    slopes = Slopes(np.empty((n, 6)), np.zeros((state.contact.shape[0], 4, 4)))
-    return RowWorkspace(slopes, band, np.empty(band.shape), np.empty((n, 6)), np.empty((n, 6)), np.empty(state.d.shape))
+    slopes = EnergyDerivatives(np.empty((n, 6)), np.zeros((state.contact.shape[0], 4, 4)))
+    return MotionWorkspace(slopes, band, np.empty(band.shape), np.empty((n, 6)), np.empty((n, 6)), np.empty(state.d.shape))
 
 
 @kernel
-def solve_beam(given: BeamSystem, state: RowState, options: Options, start: bool) -> Outcome:
+def solve_beam(given: BeamSystem, state: MotionState, options: Options, start: bool) -> Outcome:
     """Find the static equilibrium of a screw (Timoshenko beam) and its balls in a fixed nut.
 
     With ``start`` the iteration begins at the solution with linear springs as contacts, otherwise at ``state``, which holds
@@ -488,19 +494,19 @@ def solve_beam(given: BeamSystem, state: RowState, options: Options, start: bool
     """
     workspace = workspace_for(given, state)
     if start:
-        start_on_springs(given, state, options, workspace)
+        start_from_linear_springs(given, state, options, workspace)
     return minimise(given, state, options, workspace)
 
 
 @kernel
-def ensemble(given: BeamSystem, begin: RowState, options: Options, members: MemberArrays, out: MemberStates) -> None:
+def ensemble(given: BeamSystem, begin: MotionState, options: Options, members: MemberArrays, out: MemberStates) -> None:
     """Solve the equilibrium of many specimens of one screw, which differ in ball radii, groove centres and lever arms.
 
     given: arrays of the nominal screw; members: arrays of the specimens. Every specimen starts from ``begin``, the solution
     of the nominal screw, which is not changed, so that calls may run in parallel. The solutions are written to ``out``.
     """
     contacts = given.contacts
-    state = RowState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy(), begin.slices)
+    state = MotionState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy(), begin.slices)
     workspace, shared = workspace_for(given, state), members.B.shape[0] == 1
     for m in range(members.r_ball.shape[0]):
         of_member = BeamContacts(

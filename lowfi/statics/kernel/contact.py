@@ -10,7 +10,7 @@ SETTLED = 1e-9
 
 
 @kernel
-def hertz(delta: float, c: float) -> tuple[float, float, float]:
+def hertz_law(delta: float, c: float) -> tuple[float, float, float]:
     """Return force F [N], stiffness dF/d delta [N/m] and energy [J] of a Hertzian contact of approach delta > 0 [m].
 
     The law is delta = c F^(2/3) with the Hertz constant c [m/N^(2/3)], equation 2.14 of Lin's thesis.
@@ -30,16 +30,16 @@ def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, floa
     continuous there, and the energy remains convex.
     """
     if e == 0.0 and h == 0.0:
-        return hertz(delta, c)
+        return hertz_law(delta, c)
     x = sqrt(delta / c)  # F^(1/3) of Hertz's law, where the search begins
     low, high = 0.0, 1e300
-    limit = turning(c, e, h)
+    limit = force_root_at_continuation(c, e, h)
     if limit > 0.0:
         # beyond the edge: delta = edge + C (x^2 - limit^2)/2
         edge = limit * limit * (c + limit * (e + limit * h))
         if delta > edge:
             x = sqrt(limit * limit + 2.0 * (delta - edge) / c)
-            return x * x * x, 3.0 * x / c, stored(limit, c, e, h) + 0.2 * c * (x**5 - limit**5)
+            return x * x * x, 3.0 * x / c, contact_energy(limit, c, e, h) + 0.2 * c * (x**5 - limit**5)
         high = limit
         x = min(x, limit)
     for _ in range(60):  # Newton on C x^2 + e x^3 + h x^4 = delta, bracketed
@@ -53,11 +53,11 @@ def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, floa
             x = new
             break
         x = new if low < new < high else 0.5 * (low + high)
-    return x * x * x, 3.0 * x / (2.0 * c + x * (3.0 * e + 4.0 * h * x)), stored(x, c, e, h)
+    return x * x * x, 3.0 * x / (2.0 * c + x * (3.0 * e + 4.0 * h * x)), contact_energy(x, c, e, h)
 
 
 @kernel
-def turning(c: float, e: float, h: float) -> float:
+def force_root_at_continuation(c: float, e: float, h: float) -> float:
     """Return the cube root of the force [N^(1/3)] above which `contact_law` is continued by another law; 0 if none.
 
     It is the smallest x > 0 with 3 e x + 4 h x^2 = -C, where the law is delta = C x^2 + e x^3 + h x^4.
@@ -71,7 +71,7 @@ def turning(c: float, e: float, h: float) -> float:
 
 
 @kernel
-def stored(x: float, c: float, e: float, h: float) -> float:
+def contact_energy(x: float, c: float, e: float, h: float) -> float:
     """Return the elastic energy [J] of a contact that follows `contact_law`, at the force x^3 [N].
 
     It is force times approach, minus the integral of the approach over the force.
@@ -80,12 +80,15 @@ def stored(x: float, c: float, e: float, h: float) -> float:
 
 
 @kernel
-def arc(mx: float, mz: float, wx0: float, wz0: float, size0: float, approach: float) -> tuple[float, float, float, float]:
+def approach_to_arc(
+    mx: float, mz: float, wx0: float, wz0: float, size0: float, approach: float
+) -> tuple[float, float, float, float]:
     """Return approach [m], unit normal (x, z) and curvature term [1/m] of a ball and a circular groove flank.
 
     (mx, mz): motion of the ball's centre relative to the flank [m]; (wx0, wz0): its nominal position from the groove's
     centre [m], of length size0; approach: nominal approach [m]. The result is the nominal approach plus its change. Its
-    round-off is then that of the motion (1e-22 m), not that of the radii (1e-18 m). See `flank` for the curvature term.
+    round-off is then that of the motion (1e-22 m), not that of the radii (1e-18 m). See `approach_to_profile` for the
+    curvature term.
     """
     wx, wz = wx0 + mx, wz0 + mz
     size = sqrt(wx * wx + wz * wz)
@@ -96,7 +99,7 @@ def arc(mx: float, mz: float, wx0: float, wz0: float, size0: float, approach: fl
 
 
 @kernel
-def flank(
+def approach_to_profile(
     mx: float, mz: float, wx0: float, wz0: float, r_ball: float, radius: float, profile: Array, sx: float, sz: float
 ) -> tuple[float, float, float, float]:
     """Return approach [m], unit normal (x, z) and curvature term [1/m] of a ball and a groove flank that is no exact arc.

@@ -25,8 +25,8 @@ from .search import (
     SOLVED,
     WHOLE_STEPS,
     first_trial,
-    got_on,
     next_trial,
+    record_progress,
 )
 
 #: Module of the model that this copy of the solver minimises; set by `lowfi.jit.load_driver`.
@@ -46,7 +46,9 @@ least_force, furthest, unbalanced = system.least_force, system.furthest, system.
 
 
 @kernel
-def search(given: Any, state: Any, workspace: Any, energy: float, slope: float, limit: float) -> tuple[float, float, int]:
+def search_along_step(
+    given: Any, state: Any, workspace: Any, energy: float, slope: float, limit: float
+) -> tuple[float, float, int]:
     """Search the energy minimum along the Newton step in the workspace; leave the state at the accepted point.
 
     energy, slope: energy [J] and its derivative by the step length [J] at the start; limit: largest step length. Returns
@@ -62,14 +64,16 @@ def search(given: Any, state: Any, workspace: Any, energy: float, slope: float, 
 
 
 @kernel
-def judge(given: Any, state: Any, options: Options, workspace: Any, scale: float, start: float) -> tuple[float, float]:
+def force_scale_and_residual(
+    given: Any, state: Any, options: Options, workspace: Any, scale: float, first_force: float
+) -> tuple[float, float]:
     """Return the force [N] by which the residual is divided, and the relative residual.
 
     That force is ``scale`` [N], the largest force in the model, or a lower limit if that is larger. The limit is
-    `least_force`. Where only displacements are prescribed (``options.floor`` is zero) it is ``start`` [N], a force of the
-    first state, because the final state may be free of forces.
+    `least_force`. Where only displacements are prescribed (``options.floor`` is zero) it is ``first_force`` [N], a force of
+    the first state, because the final state may be free of forces.
     """
-    least = least_force(given, state, options) if options.floor > 0.0 else start
+    least = least_force(given, state, options) if options.floor > 0.0 else first_force
     scale = max(scale, least)
     return scale, residual_at(given, state, options, workspace, scale)
 
@@ -110,16 +114,16 @@ def minimise(given: Any, state: Any, options: Options, workspace: Any) -> Outcom
             move(given, state, workspace, 1.0)
             energy, scale = energy_at(given, state, workspace)
             evaluations += 1
-            scale, residual = judge(given, state, options, workspace, scale, begin)
+            scale, residual = force_scale_and_residual(given, state, options, workspace, scale, begin)
             whole = residual <= GROWN * max(last, tolerance)
         if not whole:
-            energy, scale, used = search(given, state, workspace, before, slope, limit)
+            energy, scale, used = search_along_step(given, state, workspace, before, slope, limit)
             evaluations += used
-            scale, residual = judge(given, state, options, workspace, scale, begin)
+            scale, residual = force_scale_and_residual(given, state, options, workspace, scale, begin)
         if used > 0 and last <= SOLVED and residual > GROWN * last:
             move(given, state, workspace, 0.0)
             energy, scale = energy_at(given, state, workspace)
-            scale, residual = judge(given, state, options, workspace, scale, begin)[0], last
+            scale, residual = force_scale_and_residual(given, state, options, workspace, scale, begin)[0], last
             break
         amount = max(1e-3, amount * 0.1)
         if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
@@ -130,7 +134,7 @@ def minimise(given: Any, state: Any, options: Options, workspace: Any) -> Outcom
             break
         fresh = residual >= WHOLE_STEPS or residual >= KEPT * progress.best
         near = residual * scale / options.floor if options.floor > 0.0 else residual
-        progress, ends = got_on(progress, residual, near, energy, used)
+        progress, ends = record_progress(progress, residual, near, energy, used)
         if ends:
             break
     finish(given, state, options, workspace)

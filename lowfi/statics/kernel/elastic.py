@@ -27,9 +27,9 @@ from rollbench.lowfi.statics.kernel_types import (
     BallContacts,
     BallRows,
     Bodies,
-    BodyState,
     BodySystem,
     BodyWorkspace,
+    ForceState,
     ForceStep,
     Options,
     Outcome,
@@ -38,11 +38,11 @@ from rollbench.lowfi.statics.kernel_types import (
 
 from .ball import BODY, FORCE, KN, KT, MX, MZ, ball_mismatch, settle_ball
 from .contact import contact_law
-from .rollers import roller_elements, roller_rows
+from .rollers import roller_elements, write_roller_stiffness_rows
 
 
 @kernel
-def body_motion(bodies: Bodies, phi: Array, out: Array) -> None:
+def flank_motions_by_forces(bodies: Bodies, phi: Array, out: Array) -> None:
     """Write the motions ``out`` (N, d) = G phi [m] of the flanks by the contact forces ``phi`` (N, d) [N] on the bodies.
 
     With two bodies, the first half of a ball's columns belongs to the first body and the second half to the second one.
@@ -59,7 +59,7 @@ def body_motion(bodies: Bodies, phi: Array, out: Array) -> None:
 
 
 @kernel
-def couple(bodies: Bodies, rows: BallRows, M: Array) -> None:
+def assemble_newton_matrix(bodies: Bodies, rows: BallRows, M: Array) -> None:
     """Write the matrix M (q, q) = I + S G S^T, with which a Newton step for the contact forces is solved.
 
     G is the compliance matrix of the elastic bodies. S are q rows of factors: S^T S is the stiffness matrix of the balls.
@@ -103,7 +103,7 @@ def cholesky_lower(M: Array) -> bool:
 
 
 @kernel
-def triangular(M: Array, b: Array) -> None:
+def cholesky_substitute(M: Array, b: Array) -> None:
     """Solve M x = b with M = L L^T and write x over b.
 
     ``M``: matrix whose lower triangle holds the Cholesky factor L, from `cholesky_lower`; ``b`` (q,): right-hand side.
@@ -116,7 +116,7 @@ def triangular(M: Array, b: Array) -> None:
 
 
 @kernel
-def apply_rows(rows: BallRows, x: Array, out: Array) -> None:
+def multiply_by_stiffness_rows(rows: BallRows, x: Array, out: Array) -> None:
     """Write the product ``out`` (q,) = S x of the balls' stiffness factors S with the motions x (N, d) of their flanks [m].
 
     S^T S is the stiffness matrix of the balls; ``rows`` holds the q rows of S ball by ball.
@@ -128,7 +128,7 @@ def apply_rows(rows: BallRows, x: Array, out: Array) -> None:
 
 
 @kernel
-def forces_of_rows(rows: BallRows, u: Array, out: Array) -> None:
+def subtract_flank_forces(rows: BallRows, u: Array, out: Array) -> None:
     """Subtract the flank forces S^T u [N] from ``out`` (N, d).
 
     S are the q rows of factors in ``rows``, with the stiffness S^T S of the balls; u (q,): solution of a Newton step.
@@ -140,32 +140,34 @@ def forces_of_rows(rows: BallRows, u: Array, out: Array) -> None:
 
 
 @kernel
-def border(R: Array, rows: BallRows, L: Array, u: Array, target: Array, hold: float, out: Array) -> bool:
+def solve_free_motions(
+    R: Array, rows: BallRows, L: Array, u: Array, target: Array, added_stiffness: float, out: Array
+) -> bool:
     """Solve for the amplitudes of the free motions of the bodies, which only the contacts resist, in a Newton step.
 
     M is the matrix of the Newton step without free motions, and S are the rows of the balls' stiffness S^T S. Writes the
     amplitudes a (k,) [m] of the free motions R (N, d, k) to ``out``, such that (S R)^T u = target (k,). On entry u is M^-1
-    b; on return it is M^-1 (b + S R a). L is the Cholesky factor of M, and ``hold`` [N/m] is a stiffness that is added to
-    the free motions. Returns False if some free motion meets no resistance.
+    b; on return it is M^-1 (b + S R a). L is the Cholesky factor of M, and ``added_stiffness`` [N/m] is a stiffness that is
+    added to the free motions. Returns False if some free motion meets no resistance.
     """
     k, total = R.shape[2], u.shape[0]
     plain, Z = np.empty((k, total)), np.empty((k, total))
     for c in range(k):
-        apply_rows(rows, R[:, :, c], plain[c])
+        multiply_by_stiffness_rows(rows, R[:, :, c], plain[c])
         Z[c] = plain[c]
-        triangular(L, Z[c])
+        cholesky_substitute(L, Z[c])
     # Schur complement of the bordered system: (S R)^T M^-1 (S R)
-    schur = np.dot(plain, Z.T) + hold * np.eye(k)
+    schur = np.dot(plain, Z.T) + added_stiffness * np.eye(k)
     if not cholesky_lower(schur):
         return False
     out[:] = target - np.dot(plain, u)
-    triangular(schur, out)
+    cholesky_substitute(schur, out)
     u += np.dot(out, Z)
     return True
 
 
 @kernel
-def flank_rows(contact: Array, local: Array, rows: Array) -> int:
+def write_stiffness_rows(contact: Array, local: Array, rows: Array) -> int:
     """Write the stiffness of a ball against motions of its four flanks as S^T S; return the number of rows of S (6, 8).
 
     Each contact gives a row sqrt(k) d with its stiffness k and direction d. A Householder transformation makes the flank
@@ -227,7 +229,9 @@ def reflect(direction: Array, x: Array, first: int, last: int, size: float) -> N
 
 
 @kernel
-def full_balls(v: Array, contacts: BallContacts, inner: Array, contact: Array, f: Array) -> tuple[float, float]:
+def solve_balls_of_four_flanks(
+    v: Array, contacts: BallContacts, inner: Array, contact: Array, f: Array
+) -> tuple[float, float]:
     """Find the equilibrium of every ball between four flanks, and the forces of every roller, for given flank motions.
 
     v (N, 8): motions of the flanks [m]. Writes the forces f (N, 8) [N] on the flanks, the ball centres [m] and deformation
@@ -250,7 +254,7 @@ def full_balls(v: Array, contacts: BallContacts, inner: Array, contact: Array, f
 
 
 @kernel
-def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array) -> tuple[float, float]:
+def solve_balls_of_flank_pair(v: Array, contacts: BallContacts, contact: Array, f: Array) -> tuple[float, float]:
     """Compute forces and energy of balls between two opposite circular flanks a and b, in closed form.
 
     v (N, 2): motion of flank a minus that of flank b [m]. The vector between the arc centres is D + v, and the centre of
@@ -283,14 +287,15 @@ def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array) -> tu
 
 
 @kernel
-def evaluate_balls(v: Array, contacts: BallContacts, state: BodyState, f: Array) -> tuple[float, float]:
+def evaluate_balls(v: Array, contacts: BallContacts, state: ForceState, f: Array) -> tuple[float, float]:
     """Write the forces f [N] of all rolling elements for flank motions v [m]; return energy [J] and largest force [N].
 
-    Uses the closed form `pair_balls` where v has two columns (one pair of flanks per ball), otherwise `full_balls`.
+    Uses the closed form `solve_balls_of_flank_pair` where v has two columns (one pair of flanks per ball), otherwise
+    `solve_balls_of_four_flanks`.
     """
     if v.shape[1] == 2:
-        return pair_balls(v, contacts, state.contact[:, 0], f)
-    return full_balls(v, contacts, state.inner, state.contact, f)
+        return solve_balls_of_flank_pair(v, contacts, state.contact[:, 0], f)
+    return solve_balls_of_four_flanks(v, contacts, state.inner, state.contact, f)
 
 
 @kernel
@@ -303,9 +308,9 @@ def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -
     d = S.shape[2]
     for i in range(S.shape[0]):
         if i >= contacts.r_ball.shape[0]:
-            counts[i] = roller_rows(contact[i], S[i])
+            counts[i] = write_roller_stiffness_rows(contact[i], S[i])
         elif d == 8:
-            counts[i] = flank_rows(contact[i], contacts.local[i], S[i])
+            counts[i] = write_stiffness_rows(contact[i], contacts.local[i], S[i])
         elif contact[i, 0, FORCE] > 0.0:
             mx, mz = contact[i, 0, MX], contact[i, 0, MZ]
             # rows along the normal and the tangent
@@ -325,7 +330,9 @@ KEPT = 0.0
 
 
 @kernel
-def solve_rows(bodies: Bodies, rows: BallRows, target: Array, hold: float, u: Array, a: Array) -> bool:
+def solve_newton_equations(
+    bodies: Bodies, rows: BallRows, target: Array, added_stiffness: float, u: Array, a: Array
+) -> bool:
     """Solve the equations of a Newton step for the contact forces and the free motions of the elastic bodies.
 
     G is the compliance matrix of the bodies, S are the rows of the balls' stiffness S^T S, and R are the free motions with
@@ -338,11 +345,11 @@ def solve_rows(bodies: Bodies, rows: BallRows, target: Array, hold: float, u: Ar
     definite.
     """
     M = np.empty((u.shape[0], u.shape[0]))
-    couple(bodies, rows, M)
+    assemble_newton_matrix(bodies, rows, M)
     if not cholesky_lower(M):
         return False
-    triangular(M, u)
-    return bodies.R.shape[2] == 0 or border(bodies.R, rows, M, u, target, hold, a)
+    cholesky_substitute(M, u)
+    return bodies.R.shape[2] == 0 or solve_free_motions(bodies.R, rows, M, u, target, added_stiffness, a)
 
 
 @kernel
@@ -353,7 +360,7 @@ def add_free(R: Array, a: Array, out: Array) -> None:
 
 
 @kernel
-def stored(bodies: Bodies, state: BodyState, g: Array) -> float:
+def energy_of_bodies(bodies: Bodies, state: ForceState, g: Array) -> float:
     """Return the elastic energy phi G phi/2 of the bodies minus the work of the loads on the free motions [J].
 
     g (N, d): motions G phi of the flanks [m] by the contact forces phi of the state.
@@ -362,15 +369,15 @@ def stored(bodies: Bodies, state: BodyState, g: Array) -> float:
 
 
 @kernel
-def place_flanks(bodies: Bodies, state: BodyState, g: Array, v: Array) -> None:
+def write_flank_motions(bodies: Bodies, state: ForceState, g: Array, v: Array) -> None:
     """Write the elastic motions g = G phi and the total motions v = v0 + g + R a of the flanks [m] from the state."""
-    body_motion(bodies, state.phi, g)
+    flank_motions_by_forces(bodies, state.phi, g)
     v[:] = bodies.v0 + g
     add_free(bodies.R, state.a, v)
 
 
 @kernel
-def apart(v: Array) -> float:
+def largest_relative_flank_motion(v: Array) -> float:
     """Return the largest relative motion [m] between a flank of the first body and the opposite flank of the second.
 
     v (N, d): motions of the flanks; with d = 2 they are relative motions already.
@@ -380,7 +387,7 @@ def apart(v: Array) -> float:
 
 
 @kernel
-def unbalanced(state: BodyState, scale: float) -> float:
+def unbalanced(state: ForceState, scale: float) -> float:
     """Return the largest net force on a ball as a fraction of ``scale`` [N].
 
     Zero for balls in the closed form with two opposite flanks, which are always in equilibrium.
@@ -389,19 +396,19 @@ def unbalanced(state: BodyState, scale: float) -> float:
 
 
 @kernel
-def energy_at(given: BodySystem, state: BodyState, workspace: BodyWorkspace) -> tuple[float, float]:
+def energy_at(given: BodySystem, state: ForceState, workspace: BodyWorkspace) -> tuple[float, float]:
     """Return the energy of bodies and balls [J] and the largest contact force [N] at the state.
 
     Writes the forces of the balls on the flanks, and the contacts, to ``workspace.f`` and ``state``. The flank motions in
     the workspace must be those of the state.
     """
     energy, scale = evaluate_balls(workspace.v, given.contacts, state, workspace.f)
-    return energy + stored(given.bodies, state, workspace.g), scale
+    return energy + energy_of_bodies(given.bodies, state, workspace.g), scale
 
 
 @kernel
 def find_step(
-    given: BodySystem, state: BodyState, options: Options, workspace: BodyWorkspace, shift: float, fresh: bool
+    given: BodySystem, state: ForceState, options: Options, workspace: BodyWorkspace, shift: float, fresh: bool
 ) -> bool:
     """Write Newton's step of contact forces and free motions to the workspace; return False if it cannot be solved.
 
@@ -413,22 +420,22 @@ def find_step(
     ball_rows(given.contacts, state.contact, rows.S, counts)
     starts[1:] = np.cumsum(counts)[:-1]
     dphi[:] = f - state.phi
-    body_motion(bodies, dphi, dv)
+    flank_motions_by_forces(bodies, dphi, dv)
     u = np.empty(starts[-1] + counts[-1])
-    apply_rows(rows, dv, u)
+    multiply_by_stiffness_rows(rows, dv, u)
     target = bodies.work.copy()
     for c in range(R.shape[2]):
         target[c] += np.sum(R[:, :, c] * f)
-    if not solve_rows(bodies, rows, target, shift, u, da):
+    if not solve_newton_equations(bodies, rows, target, shift, u, da):
         return False
-    forces_of_rows(rows, u, dphi)
-    body_motion(bodies, dphi, dv)
+    subtract_flank_forces(rows, u, dphi)
+    flank_motions_by_forces(bodies, dphi, dv)
     add_free(R, da, dv)
     return True
 
 
 @kernel
-def residual_at(given: BodySystem, state: BodyState, options: Options, workspace: BodyWorkspace, scale: float) -> float:
+def residual_at(given: BodySystem, state: ForceState, options: Options, workspace: BodyWorkspace, scale: float) -> float:
     """Return the largest unbalanced force as a fraction of ``scale`` [N].
 
     The largest of: the differences between the assumed flank forces and those that the balls exert, and the net loads on
@@ -442,7 +449,7 @@ def residual_at(given: BodySystem, state: BodyState, options: Options, workspace
 
 
 @kernel
-def slope_along(given: BodySystem, state: BodyState, workspace: BodyWorkspace) -> float:
+def slope_along(given: BodySystem, state: ForceState, workspace: BodyWorkspace) -> float:
     """Return the derivative [J] of the energy by the step length, along the Newton step in the workspace."""
     step = workspace.step
     return float(np.sum(step.dphi * workspace.g) - np.sum(workspace.f * step.dv) - np.sum(given.bodies.work * step.da))
@@ -451,11 +458,11 @@ def slope_along(given: BodySystem, state: BodyState, workspace: BodyWorkspace) -
 @kernel
 def reach_of(given: BodySystem, workspace: BodyWorkspace) -> float:
     """Return the largest relative motion [m] of two opposite flanks in the whole Newton step."""
-    return apart(workspace.step.dv)
+    return largest_relative_flank_motion(workspace.step.dv)
 
 
 @kernel
-def save_start(state: BodyState, workspace: BodyWorkspace) -> None:
+def save_start(state: ForceState, workspace: BodyWorkspace) -> None:
     """Store the current forces and motions in the workspace as the start of the line search."""
     workspace.begin.phi[:], workspace.begin.a[:], workspace.begin.g[:], workspace.begin.v[:] = (
         state.phi,
@@ -466,7 +473,7 @@ def save_start(state: BodyState, workspace: BodyWorkspace) -> None:
 
 
 @kernel
-def move(given: BodySystem, state: BodyState, workspace: BodyWorkspace, t: float) -> None:
+def move(given: BodySystem, state: ForceState, workspace: BodyWorkspace, t: float) -> None:
     """Set forces and motions to the start of the line search plus ``t`` times the Newton step."""
     begin, step = workspace.begin, workspace.step
     state.phi[:], state.a[:] = begin.phi + t * step.dphi, begin.a + t * step.da
@@ -475,7 +482,7 @@ def move(given: BodySystem, state: BodyState, workspace: BodyWorkspace, t: float
 
 
 @kernel
-def finish(given: BodySystem, state: BodyState, options: Options, workspace: BodyWorkspace) -> None:
+def finish(given: BodySystem, state: ForceState, options: Options, workspace: BodyWorkspace) -> None:
     """Compute the final contacts from the flank motions with less round-off.
 
     The motions are known in two ways: summed over all Newton steps, and computed anew from the contact forces as G phi. The
@@ -483,7 +490,7 @@ def finish(given: BodySystem, state: BodyState, options: Options, workspace: Bod
     smaller residual are used.
     """
     v, residual = workspace.v.copy(), residual_at(given, state, options, workspace, 1.0)
-    place_flanks(given.bodies, state, workspace.g, workspace.v)
+    write_flank_motions(given.bodies, state, workspace.g, workspace.v)
     evaluate_balls(workspace.v, given.contacts, state, workspace.f)
     if residual_at(given, state, options, workspace, 1.0) > residual:
         workspace.v[:] = v
@@ -491,13 +498,13 @@ def finish(given: BodySystem, state: BodyState, options: Options, workspace: Bod
 
 
 @kernel
-def least_force(given: BodySystem, state: BodyState, options: Options) -> float:
+def least_force(given: BodySystem, state: ForceState, options: Options) -> float:
     """Return the smallest force [N] that relative residuals may be divided by."""
     return options.floor
 
 
 @kernel
-def furthest(given: BodySystem, state: BodyState) -> float:
+def furthest(given: BodySystem, state: ForceState) -> float:
     """Return the largest amplitude [m] of a free motion of the bodies, which only the contacts resist; 0 without any."""
     return float(np.max(np.abs(state.a))) if state.a.size else 0.0
 
@@ -506,7 +513,7 @@ minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
 
 
 @kernel
-def solve_forces(given: BodySystem, state: BodyState, options: Options, start: bool) -> Outcome:
+def solve_forces(given: BodySystem, state: ForceState, options: Options, start: bool) -> Outcome:
     """Find the equilibrium of elastic bodies and rolling elements: minimise the energy over the contact forces.
 
     With ``start`` the iteration begins at the solution with linear springs as contacts, otherwise at the forces in
@@ -520,13 +527,13 @@ def solve_forces(given: BodySystem, state: BodyState, options: Options, start: b
     begin = SearchStart(np.empty(shape), np.empty(state.a.shape[0]), np.empty(shape), np.empty(shape))
     workspace = BodyWorkspace(np.empty(shape), np.empty(shape), np.empty(shape), step, begin, rows)
     if start:
-        start_on_springs(given, state, options, workspace)
-    place_flanks(given.bodies, state, workspace.g, workspace.v)
+        start_from_linear_springs(given, state, options, workspace)
+    write_flank_motions(given.bodies, state, workspace.g, workspace.v)
     return minimise(given, state, options, workspace)
 
 
 @kernel
-def start_on_springs(given: BodySystem, state: BodyState, options: Options, workspace: BodyWorkspace) -> None:
+def start_from_linear_springs(given: BodySystem, state: ForceState, options: Options, workspace: BodyWorkspace) -> None:
     """Set the state to the equilibrium with linear springs: one spring between opposite flanks replaces two contacts.
 
     Leaves the state unchanged if the equations cannot be solved. The solution is scaled down such that no flank moves
@@ -537,13 +544,13 @@ def start_on_springs(given: BodySystem, state: BodyState, options: Options, work
     balls, width = springs.shape[0], springs.shape[1]
     rows = BallRows(springs, np.full(balls, width, dtype=np.int64), width * np.arange(balls))
     u = np.empty(width * balls)
-    apply_rows(rows, bodies.v0, u)
-    if not solve_rows(bodies, rows, bodies.work, 1e-9 * options.stiffness, u, state.a):
+    multiply_by_stiffness_rows(rows, bodies.v0, u)
+    if not solve_newton_equations(bodies, rows, bodies.work, 1e-9 * options.stiffness, u, state.a):
         return
     state.phi[:, :] = 0.0
-    forces_of_rows(rows, u, state.phi)
-    place_flanks(bodies, state, workspace.g, v)
-    if apart(v) > options.furthest and apart(bodies.v0) <= options.furthest:
-        shorter = options.furthest / max(apart(v - bodies.v0), options.furthest)
+    subtract_flank_forces(rows, u, state.phi)
+    write_flank_motions(bodies, state, workspace.g, v)
+    if largest_relative_flank_motion(v) > options.furthest and largest_relative_flank_motion(bodies.v0) <= options.furthest:
+        shorter = options.furthest / max(largest_relative_flank_motion(v - bodies.v0), options.furthest)
         state.phi[:] *= shorter
         state.a[:] *= shorter

@@ -70,7 +70,7 @@ def _filled(band: Array) -> Array:
     return filled
 
 
-def _views(filled: Array) -> tuple[Array, Array]:
+def _block_views(filled: Array) -> tuple[Array, Array]:
     """Return views of the diagonal blocks (m, b, b) of an extended band matrix, and of the blocks below them.
 
     Only the lower triangles of the diagonal blocks and the upper triangles of the blocks below belong to the matrix; the
@@ -90,7 +90,7 @@ def _block_factor(band: Array) -> bool:
     """
     filled = _filled(band)
     factor = np.zeros_like(filled)
-    (on, below), (inverse, under) = _views(filled), _views(factor)
+    (on, below), (inverse, under) = _block_views(filled), _block_views(factor)
     taken = np.zeros(on.shape[1:])
     try:
         for k in range(len(on)):
@@ -110,7 +110,7 @@ def inverse_blocks(band: Array) -> tuple[Array, Array]:
 
     They are the input of `substitute_blocks`.
     """
-    on, below = _views(_filled(band))
+    on, below = _block_views(_filled(band))
     return np.tril(on), np.triu(below)
 
 
@@ -141,21 +141,21 @@ substitute_band = ldl_substitute if is_compiled(__name__) else _block_substitute
 
 
 @kernel
-def row_factor(values: Array, first: Array, start: Array) -> bool:
+def envelope_factor(values: Array, first_column: Array, row_start: Array) -> bool:
     """Replace a symmetric matrix stored as an envelope by its Cholesky factor; return False if not positive definite.
 
     values: stored entries, A[i, j] at start[i] + j for first[i] <= j <= i.
     """
-    for i in range(first.shape[0]):
-        row = start[i]
-        for j in range(first[i], i):
-            other = start[j]
+    for i in range(first_column.shape[0]):
+        row = row_start[i]
+        for j in range(first_column[i], i):
+            other = row_start[j]
             x = values[row + j]
-            for k in range(max(first[i], first[j]), j):
+            for k in range(max(first_column[i], first_column[j]), j):
                 x -= values[row + k] * values[other + k]
             values[row + j] = x / values[other + j]
         x = values[row + i]
-        for k in range(first[i], i):
+        for k in range(first_column[i], i):
             x -= values[row + k] * values[row + k]
         if not x > 0.0:
             return False
@@ -164,58 +164,58 @@ def row_factor(values: Array, first: Array, start: Array) -> bool:
 
 
 @kernel
-def row_solve(values: Array, first: Array, start: Array, b: Array) -> None:
+def envelope_substitute(values: Array, first_column: Array, row_start: Array, b: Array) -> None:
     """Solve A x = b and write x over b (n,).
 
-    values: Cholesky factor of A from `row_factor`, stored as an envelope: entry [i, j] at start[i] + j for first[i] <= j <=
-    i.
+    values: Cholesky factor of A from `envelope_factor`, stored as an envelope: entry [i, j] at start[i] + j for first[i] <=
+    j <= i.
     """
-    n = first.shape[0]
+    n = first_column.shape[0]
     for i in range(n):
-        row = start[i]
+        row = row_start[i]
         x = b[i]
-        for k in range(first[i], i):
+        for k in range(first_column[i], i):
             x -= values[row + k] * b[k]
         b[i] = x / values[row + i]
     for i in range(n - 1, -1, -1):
-        row = start[i]
+        row = row_start[i]
         b[i] = b[i] / values[row + i]
-        for k in range(first[i], i):
+        for k in range(first_column[i], i):
             b[k] -= values[row + k] * b[i]
 
 
-def _lapack_factor(values: Array, first: Array, start: Array) -> bool:
+def _lapack_factor(values: Array, first_column: Array, row_start: Array) -> bool:
     """Replace a symmetric matrix by its Cholesky factor, with LAPACK; return False if it is not positive definite.
 
     values: entries stored as an envelope, [i, j] at start[i] + j for first[i] <= j <= i.
     """
-    n = first.shape[0]
+    n = first_column.shape[0]
     full = np.zeros((n, n))
     for i in range(n):
-        full[i, first[i] : i + 1] = values[start[i] + first[i] : start[i] + i + 1]
+        full[i, first_column[i] : i + 1] = values[row_start[i] + first_column[i] : row_start[i] + i + 1]
     try:
         factor = np.linalg.cholesky(full)
     except np.linalg.LinAlgError:
         return False
     for i in range(n):
-        values[start[i] + first[i] : start[i] + i + 1] = factor[i, first[i] : i + 1]
+        values[row_start[i] + first_column[i] : row_start[i] + i + 1] = factor[i, first_column[i] : i + 1]
     return True
 
 
-def _lapack_solve(values: Array, first: Array, start: Array, b: Array) -> None:
+def _lapack_solve(values: Array, first_column: Array, row_start: Array, b: Array) -> None:
     """Solve A x = b with LAPACK and write x over b (n,).
 
     values: Cholesky factor of A from `_lapack_factor`, stored as an envelope with the indices first and start.
     """
     from scipy.linalg import solve_triangular
 
-    n = first.shape[0]
+    n = first_column.shape[0]
     full = np.zeros((n, n))
     for i in range(n):
-        full[i, first[i] : i + 1] = values[start[i] + first[i] : start[i] + i + 1]
+        full[i, first_column[i] : i + 1] = values[row_start[i] + first_column[i] : row_start[i] + i + 1]
     b[:] = solve_triangular(full, solve_triangular(full, b, lower=True), lower=True, trans=1)
 
 
 #: Factor a matrix stored as an envelope in place, and solve with that factor: compiled or LAPACK version.
-factor = row_factor if is_compiled(__name__) else _lapack_factor
-substitute = row_solve if is_compiled(__name__) else _lapack_solve
+factor = envelope_factor if is_compiled(__name__) else _lapack_factor
+substitute = envelope_substitute if is_compiled(__name__) else _lapack_solve

@@ -22,7 +22,7 @@ ROUND_OFF = 2.0**-52
 
 
 @kernel
-def roller_law(delta: float, g: float, s: float) -> tuple[float, float, float]:
+def line_contact_law(delta: float, g: float, s: float) -> tuple[float, float, float]:
     """Return line load q [N/m], stiffness dq/d delta [N/m^2] and energy [J/m] of a line contact of approach delta > 0 [m].
 
     The law is delta = q (g - S ln q), with constants g and s [m^2/N] of the roller and its raceways. It has a maximum of
@@ -69,7 +69,7 @@ def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array
         slices[i, 0], slices[i, 1] = 0.0, 0.0
         if delta <= ROUND_OFF * terms:
             continue
-        load, slope, stored = roller_law(delta, rollers.g[i], rollers.s[i])
+        load, slope, stored = line_contact_law(delta, rollers.g[i], rollers.s[i])
         force = rollers.width[i] * load
         slices[i, 0], slices[i, 1] = force, rollers.width[i] * slope
         energy += rollers.width[i] * stored
@@ -102,7 +102,7 @@ def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array,
             delta = approach + tilt * x - rollers.drop[i, k]
             if delta <= 0.0 or width == 0.0:
                 continue
-            load, slope, stored = roller_law(delta, rollers.g[i], rollers.s[i])
+            load, slope, stored = line_contact_law(delta, rollers.g[i], rollers.s[i])
             force += width * load
             moment += width * load * x
             kff += width * slope
@@ -123,7 +123,7 @@ def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array,
 
 
 @kernel
-def roller_rows(contact: Array, rows: Array) -> int:
+def write_roller_stiffness_rows(contact: Array, rows: Array) -> int:
     """Write the stiffness of a roller against the eight motions of its rings as S^T S; return the number of rows of S.
 
     contact (4, 5): stiffness of the roller, from `roller_elements`. Writes S to ``rows`` (6, 8), of which at most two rows

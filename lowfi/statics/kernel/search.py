@@ -1,7 +1,7 @@
 """Line search on a convex energy, and the criteria that end a Newton iteration; used by all static solvers."""
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.kernel_types import Progress, Trial
+from rollbench.lowfi.statics.kernel_types import LineSearchTrial, Progress
 
 #: How an iteration ended: converged, too many iterations, body moved without limit, stiffness not positive definite.
 CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = range(4)
@@ -32,18 +32,18 @@ FALLS = 1e-6
 
 
 @kernel
-def first_trial(energy: float, slope: float, limit: float) -> Trial:
+def first_trial(energy: float, slope: float, limit: float) -> LineSearchTrial:
     """Return the first trial of a line search: the whole Newton step, or the longest step that ``limit`` allows.
 
     energy, slope: energy [J] at the start of the search, and its derivative by the step length there [J], which is
     negative. limit: largest step length; a longer step would carry flanks past their balls and give no information on the
     contacts.
     """
-    return Trial(energy, slope, limit, 0.0, 0.0, min(1.0, limit), 0)
+    return LineSearchTrial(energy, slope, limit, 0.0, 0.0, min(1.0, limit), 0)
 
 
 @kernel
-def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
+def next_trial(trial: LineSearchTrial, new: float, ahead: float) -> tuple[LineSearchTrial, bool]:
     """Return the next step length to try in a line search, and whether the search continues.
 
     trial: bracket and last step length tried; new, ahead: energy [J] and its derivative by the step length [J], found
@@ -55,21 +55,23 @@ def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
     go_on = tried < TRIALS
     if ahead > 0.0:
         if ahead <= 0.5 * abs(slope) and new <= energy + ROUNDING * abs(energy):
-            return Trial(energy, slope, limit, low, high, t, tried), False
+            return LineSearchTrial(energy, slope, limit, low, high, t, tried), False
         if new <= energy + 1e-4 * t * slope and ahead <= 0.9 * abs(slope):
-            return Trial(energy, slope, limit, low, high, t, tried), False
+            return LineSearchTrial(energy, slope, limit, low, high, t, tried), False
         high = t
         t = low + (0.5 if low > 0.0 else 0.35) * (high - low)
     else:
         if ahead >= 0.9 * slope or high > 0.0 or t >= limit:
-            return Trial(energy, slope, limit, low, high, t, tried), False
+            return LineSearchTrial(energy, slope, limit, low, high, t, tried), False
         low = t
         t = min(4.0 * t, limit)
-    return Trial(energy, slope, limit, low, high, t, tried), go_on
+    return LineSearchTrial(energy, slope, limit, low, high, t, tried), go_on
 
 
 @kernel
-def got_on(progress: Progress, residual: float, unbalanced: float, energy: float, tried: int) -> tuple[Progress, bool]:
+def record_progress(
+    progress: Progress, residual: float, unbalanced: float, energy: float, tried: int
+) -> tuple[Progress, bool]:
     """Update the record of a Newton iteration's progress; return it and whether the iteration ends here.
 
     residual: unbalanced force relative to the largest force; unbalanced: relative to the applied loads; energy: energy [J]

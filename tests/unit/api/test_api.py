@@ -14,7 +14,7 @@ from tests.shipped_texts import own_text
 
 import rollbench
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.cells import typeset_text
+from rollbench.reports.cells import with_typographic_signs
 
 
 @pytest.fixture(scope="module")
@@ -284,6 +284,6 @@ def test_an_ensemble_has_typed_statistics(command) -> None:
 def test_the_page_of_a_scene_is_written(tmp_path: Path) -> None:
     page = rollbench.report("two-balls", out=tmp_path / "page", store=tmp_path)
     assert page.passed
-    assert typeset_text(page.verdict) in page.page.read_text(encoding="utf-8")
+    assert with_typographic_signs(page.verdict) in page.page.read_text(encoding="utf-8")
     with pytest.raises(rollbench.InputError, match="quick: got both quick and a scene; allowed: only without a scene"):
         rollbench.report("two-balls", quick=True, out=tmp_path / "page")

@@ -6,7 +6,7 @@ import pytest
 from tests.copies import ROOT
 
 import rollbench
-from rollbench.compare.cli import in_options
+from rollbench.compare.cli import error_with_option_names
 from rollbench.compare.errors import InputError
 
 VARY = ["errors.balls.oversize=0 um:7 um"]
@@ -66,7 +66,7 @@ def test_the_library_names_arguments_and_the_command_line_options(argument, func
     assert argument in f"{raised.value.key}; {raised.value.advice}"
     assert "--" not in text
     assert "command line" not in text
-    assert "`" not in "".join(in_options(raised.value).lines())
+    assert "`" not in "".join(error_with_option_names(raised.value).lines())
 
 
 @pytest.mark.parametrize(
@@ -81,4 +81,4 @@ def test_an_argument_becomes_its_option(given, named, said):
     with pytest.raises(InputError) as raised:
         rollbench.check("lin-case1", **given)
     assert named in str(raised.value)
-    assert said in str(in_options(raised.value))
+    assert said in str(error_with_option_names(raised.value))

@@ -4,9 +4,9 @@ from itertools import chain
 
 from tests.shipped_texts import own_text
 
-from rollbench.compare.results.definitions import _known_definitions, definition
-from rollbench.compare.scenes.catalogue import scene_text
-from rollbench.compare.scenes.template import template
+from rollbench.compare.results.definitions import _definitions_by_path_pattern, definition
+from rollbench.compare.scenes.catalogue import shipped_scene_text
+from rollbench.compare.scenes.template import commented_template
 
 #: Keys that number, name or count, in tables whose headings say what they are.
 NO_QUANTITY = (
@@ -54,14 +54,14 @@ AXIS = '[lubricant]\nviscosity = "50 mm2/s"\n[drive]\nmass = "200 kg"\ntime = "0
 
 
 def test_every_number_is_defined_and_every_definition_is_of_something_printed(command, tmp_path):
-    one, two = (scene_text(name) for name in ("lin-case1", "double-nut"))
+    one, two = (shipped_scene_text(name) for name in ("lin-case1", "double-nut"))
     scenes = {
         "lin": f'{one}\n[[cases]]\nname = "case1"\nshare = 1\n',  # its only case has the stored runs of lin-case1
         "step": f'{one}\n[ingredients]\nload_step = "100 N"\n',
         "operation": f"{one}\n[operation]\nreliability = 95\nviscosity_ratio = 1.5\ncontamination = 0.6\n",
-        "axis": scene_text("axis-fixed-fixed").replace("[motion]", AXIS),
+        "axis": shipped_scene_text("axis-fixed-fixed").replace("[motion]", AXIS),
         "turning": f'{one}\n[motion]\nspeed = "60 rpm"\n',
-        "bearings": template("support-bearings"),
+        "bearings": commented_template("support-bearings"),
         "rollers": own_text("rollers").replace('warming = "10 K"', 'warming = "0 K"'),
         "deep-groove": own_text("public/b1-nptel-clearance"),
         "sets": f'{two}\n[[cases]]\nname = "one"\nshare = 1\n',
@@ -77,4 +77,4 @@ def test_every_number_is_defined_and_every_definition_is_of_something_printed(co
     numbers = {path for path, value in printed if isinstance(value, (int, float)) and not isinstance(value, bool)}
     assert not sorted(path for path in numbers if definition(path) is None and path.rsplit(".")[-1] not in NO_QUANTITY)
     paths = {path for path, _ in printed}
-    assert not [pattern.pattern for pattern, _ in _known_definitions() if not any(map(pattern.fullmatch, paths))]
+    assert not [pattern.pattern for pattern, _ in _definitions_by_path_pattern() if not any(map(pattern.fullmatch, paths))]

@@ -5,16 +5,16 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.registry import run_model
-from rollbench.compare.results.scene_json import torque_by_palmgren
+from rollbench.compare.results.scene_json import palmgren_load_torque
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.axis_file import preload_of_arrangement
-from rollbench.compare.scenes.template import template
+from rollbench.compare.scenes.template import commented_template
 from rollbench.lowfi.bearings.angular_contact import BallRow, bearing_of_contact_angle
-from rollbench.lowfi.bearings.axis import PointRow, equal_rows, equilibrium
+from rollbench.lowfi.bearings.axis import PointRow, equal_rows_with_gap, solve_set_equilibrium
 from rollbench.meshes.axis import ARRANGEMENTS, Assembly, Housing
 from rollbench.meshes.parts import FREEDOMS, Scene
 
-SET = template("support-bearings")
+SET = commented_template("support-bearings")
 
 
 def read(text: str) -> Assembly:
@@ -44,7 +44,7 @@ def test_preload_of_a_set_follows_from_that_of_a_pair(name: str) -> None:
     """Against the equilibrium of point contacts with equal gaps."""
     rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
     one = PointRow(1e10)
-    loads = equilibrium(equal_rows(one, rows, one.deflection(2150.0))).loads
+    loads = solve_set_equilibrium(equal_rows_with_gap(one, rows, one.deflection(2150.0))).loads
     assert preload_of_arrangement(name, 2150.0) == pytest.approx(loads[np.array(rows) == 1].sum(), rel=1e-9)
 
 
@@ -91,7 +91,7 @@ def test_a_solved_set_carries_its_preload_as_the_rows_alone_do() -> None:
 
 def test_starting_torque_grows_with_the_thrust_to_the_power_four_thirds() -> None:
     parts = read(SET).sets[0].parts
-    one, two = (torque_by_palmgren(parts, thrust) for thrust in (1000.0, -2000.0))
+    one, two = (palmgren_load_torque(parts, thrust) for thrust in (1000.0, -2000.0))
     assert two.torque / one.torque == pytest.approx(2.0 ** (4 / 3), rel=1e-9)
     assert one.torque == pytest.approx(one.factor * 1000.0 * 0.046)
     assert one.factor == pytest.approx(0.0013 * np.cbrt(300.0 / one.rating))
@@ -105,7 +105,7 @@ def test_a_rigidity_that_no_conformity_gives_is_refused() -> None:
 def test_a_housing_that_is_held_where_it_is_stands():
     """Held elsewhere it moves there, and held in five directions in the sixth."""
     held = tuple((name, 0.0) for name in FREEDOMS)
-    assert Housing("h", 0.1, held).stands
-    assert not Housing("h", 0.1, held[1:]).stands
+    assert Housing("h", 0.1, held).is_fixed
+    assert not Housing("h", 0.1, held[1:]).is_fixed
     for k, (name, _) in enumerate(held):
-        assert not Housing("h", 0.1, (*held[:k], (name, 1e-9), *held[k + 1 :])).stands
+        assert not Housing("h", 0.1, (*held[:k], (name, 1e-9), *held[k + 1 :])).is_fixed

@@ -10,10 +10,10 @@ from tests.helpers import relative
 from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi import jit
 from rollbench.lowfi.rollers import LineLaw
-from rollbench.lowfi.statics.axis.solve import prepare
-from rollbench.lowfi.statics.axis.system import build, tapered_bearing
+from rollbench.lowfi.statics.axis.solve import rigid_assembly_equations
+from rollbench.lowfi.statics.axis.system import build_assembly_arrays, tapered_bearing
 from rollbench.lowfi.statics.kernel import axis, beam, rollers
-from rollbench.lowfi.statics.kernel_types import Slopes
+from rollbench.lowfi.statics.kernel_types import EnergyDerivatives
 from rollbench.meshes.axis import Housing, Joint, RollingSet, diagonal_stiffness
 from rollbench.meshes.parts import Load
 
@@ -24,7 +24,7 @@ def test_law_of_a_slice_is_that_of_the_bearings():
     law = tapered_bearing(ROLLERS).law()
     exact = LineLaw(law.g, law.s)
     for delta in (1e-8, 3e-6, 2e-5):
-        load, slope, energy = rollers.roller_law(delta, float(law.g), law.s)
+        load, slope, energy = rollers.line_contact_law(delta, float(law.g), law.s)
         assert load == pytest.approx(float(exact.line_load(delta)), rel=1e-12)
         assert slope == pytest.approx(float(exact.slope(load)), rel=1e-12)
         assert energy == pytest.approx(float(exact.energy(load)), rel=1e-12)
@@ -34,7 +34,9 @@ def test_compiled_kernels_find_the_same():
     parts = double_nut()
     found = []
     for compiled in (False, True):
-        prepared = prepare(build(parts), jit.kernels(jit.STATICS, compiled=compiled))
+        prepared = rigid_assembly_equations(
+            build_assembly_arrays(parts), jit.load_kernel_package(jit.STATICS, compiled=compiled)
+        )
         outcome = prepared.iterate()
         assert outcome.status == 0
         found.append(prepared.state.contact[..., 0].copy())
@@ -52,8 +54,8 @@ def mixed():
 
 @pytest.fixture(scope="module", params=["lin", "lin-source-partition"])
 def ready(request):
-    parts = MODELS[request.param].of_assembly(mixed())
-    prepared = prepare(build(parts), jit.kernels(jit.STATICS, compiled=False))
+    parts = MODELS[request.param].assembly_with_settings(mixed())
+    prepared = rigid_assembly_equations(build_assembly_arrays(parts), jit.load_kernel_package(jit.STATICS, compiled=False))
     prepared.iterate()
     rng = np.random.default_rng(1)
     prepared.state.q[:] += rng.normal(0.0, 2e-7, prepared.state.q.shape)
@@ -67,10 +69,10 @@ def ready(request):
 
 def evaluated(prepared, step=None, t=0.0):
     s, state = prepared.system, prepared.state
-    out = Slopes(np.zeros(state.q.shape), np.zeros((s.contacts.r_ball.size, 8, 8)))
+    out = EnergyDerivatives(np.zeros(state.q.shape), np.zeros((s.contacts.r_ball.size, 8, 8)))
     q, d = state.q.copy(), state.d.copy()
     if step is not None:
-        beam.advance(s.axis, state, q, d, step, t)
+        beam.advance_along_step(s.axis, state, q, d, step, t)
     energy, _ = axis.evaluate_axis(prepared.given, state, out)
     state.q[:], state.d[:] = q, d
     return energy, out

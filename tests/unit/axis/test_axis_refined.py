@@ -8,10 +8,10 @@ from tests.axes import ROLLERS, assembly, bearing, double_nut, fixed_axis, mirro
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
 
 from rollbench.compare.models.registry import MODELS
-from rollbench.lowfi.compliance.parts import LADDER, geometry_only, smooth_body
+from rollbench.lowfi.compliance.parts import LADDER, reduce_to_compliance_geometry, smooth_body
 from rollbench.lowfi.statics import kernel
 from rollbench.lowfi.statics.axis import elastic
-from rollbench.lowfi.statics.axis.system import build
+from rollbench.lowfi.statics.axis.system import build_assembly_arrays
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.axis import Housing, RollingSet
 from rollbench.meshes.parts import FREEDOMS, Load, SideErrors, Support
@@ -181,9 +181,9 @@ def test_contacts_of_one_set_squeeze_those_of_another_through_a_held_bar():
     ends = Support(0.0, tuple((k, 0.0) for k in FREEDOMS)), Support(0.3, (("uz", 0.0),))
     one, other = nut("one", 0.1, count=6, turns=2.0), nut("other", 0.22, count=4, turns=1.0)  # evenly around
     parts = assembly(one, other, supports=ends)
-    system = build(parts, section=elastic.section_of(parts, LADDER["refined"]))
-    added = elastic.prepare_elastic_sets(system, LADDER["refined"], kernel).squeeze.added.reshape(2, 10, 2, 2, 10, 2)
-    tube = smooth_body(geometry_only(one.parts), True, LADDER["refined"])
+    system = build_assembly_arrays(parts, section=elastic.grooved_shaft_section(parts, LADDER["refined"]))
+    added = elastic.elastic_assembly_equations(system, LADDER["refined"], kernel).squeeze.added.reshape(2, 10, 2, 2, 10, 2)
+    tube = smooth_body(reduce_to_compliance_geometry(one.parts), True, LADDER["refined"])
     plain = tube_section(2.0 * tube.outer, 2.0 * tube.bore, tube.material)
     bar = elastic.combined_problem(system, elastic.roller_elements([])).sections[0]
     share = tube.material.poissons_ratio * tube.radius / plain.EA

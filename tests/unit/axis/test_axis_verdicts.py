@@ -13,7 +13,7 @@ from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.statics.axis import solve
 from rollbench.lowfi.statics.axis.elastic import solve_refined
-from rollbench.lowfi.statics.axis.system import build
+from rollbench.lowfi.statics.axis.system import build_assembly_arrays
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import Load, SideErrors
@@ -65,7 +65,7 @@ def test_rows_that_only_round_off_closes_carry_nothing(degrees, model):
 def test_a_load_beside_a_contact_stays_where_it_is():
     """The node between them is the contact's; the way from the load to it is rigid."""
     parts = assembly(bearing("a", 0.05, "+z", offset=-4e-6), bearing("b", 0.25, "-z", offset=4e-6), supports=(TURNING,))
-    contact = build(parts).structure.nodes[0]
+    contact = build_assembly_arrays(parts).structure.nodes[0]
     load = Load(float(contact) + 5e-6, (2e3, 0.0, 100.0))
     found = solve.solve_assembly(replace(parts, loads=(load,)))
     assert found.status == "converged"

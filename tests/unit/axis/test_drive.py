@@ -7,16 +7,16 @@ import pytest
 from tests.axes import ROLLERS, assembly, bearing, fixed_axis
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.load_cases import solve_axis as solve
+from rollbench.compare.models.load_cases import solve_axis_with_results as solve
 from rollbench.compare.models.registry import Options
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction.solve import solve_axis
-from rollbench.compare.studies.friction.whole import Choices
+from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.lowfi.bearings.torque import roller_torque
 from rollbench.meshes.axis import Drive, RollingSet
 from rollbench.meshes.parts import Friction, Load, Lubricant, Motion
 
-LIN = Choices(model="lin")
+LIN = FrictionChoices(model="lin")
 OIL, FAST = Lubricant(50e-6), Motion(120.0)
 
 
@@ -78,11 +78,11 @@ def test_a_shaft_in_rollers_alone_answers_without_a_coefficient():
     assert solve_axis(replace(axis, motion=None), LIN).data["drive"]["running_torque_Nmm"] is None
     assert solve_axis(replace(axis, friction=Friction(0.1, 0.1)), LIN).data["drive"] == found.data["drive"]
     with pytest.raises(InputError, match=r"mu: got 0\.1.*rollers"):
-        solve_axis(axis, Choices(model="lin", mu=(0.1,)))
+        solve_axis(axis, FrictionChoices(model="lin", mu=(0.1,)))
 
 
 def test_several_coefficients_make_a_table():
-    found = solve_axis(replace(driven(), friction=None), Choices(model="lin", mu=(0.05, 0.1)))
+    found = solve_axis(replace(driven(), friction=None), FrictionChoices(model="lin", mu=(0.05, 0.1)))
     torques = [row["friction_torque_Nmm"] for row in found.data["over_friction"]]
     assert torques[0] < torques[1] == pytest.approx(found.data["torque"]["friction_torque_Nmm"] * torques[1] / torques[0])
     assert any(title == "over the coefficient of friction" for title, *_ in found.tables)
@@ -127,7 +127,7 @@ def test_life_of_all_sets_is_shorter_than_that_of_each():
     ],
 )
 def test_keys_of_an_axis_are_refused_with_what_to_do(tables, key, advice):
-    text = catalogue.scene_text("axis-fixed-fixed").replace('[motion]\nspeed = "1200 rpm"\n', "")
+    text = catalogue.shipped_scene_text("axis-fixed-fixed").replace('[motion]\nspeed = "1200 rpm"\n', "")
     with pytest.raises(InputError) as refused:
         scene_file.parse_scene(f"{text}\n{tables}\n", "mine.toml")
     assert key in str(refused.value)
@@ -135,10 +135,10 @@ def test_keys_of_an_axis_are_refused_with_what_to_do(tables, key, advice):
 
 
 def test_a_mass_needs_a_nut_and_a_lubricant_a_bearing():
-    text = catalogue.scene_text("double-nut")
+    text = catalogue.shipped_scene_text("double-nut")
     with pytest.raises(InputError, match=r"lubricant: got .*bearing"):
         scene_file.parse_scene(f'{text}\n[lubricant]\nviscosity = "27 mm2/s"\n', "mine.toml")
-    support = catalogue.scene_text("smith-axis")
+    support = catalogue.shipped_scene_text("smith-axis")
     with pytest.raises(InputError, match="nuts of one lead"):
         scene_file.parse_scene(f'{support}\n[drive]\nmass = "100 kg"\n', "mine.toml")
 

@@ -9,13 +9,13 @@ from scipy.integrate import quad
 from rollbench.lowfi.bearings.angular_contact import (
     BallBearing,
     CatalogueBearings,
-    axial_displacement,
     bearing_of_contact_angle,
-    conformity_of_pair,
-    contact_parameters,
+    bearing_state_at_displacement,
+    bearing_states_under_thrust,
+    conformity_from_pair_rigidity,
+    dimensionless_hertz_parameters,
+    displacement_under_thrust,
     relative_curvatures,
-    thrust_state,
-    thrust_state_under_load,
 )
 
 STEEL = (207e9, 0.3)
@@ -36,7 +36,7 @@ def test_catalogue_angle_gives_back_itself_and_its_pitch(angle):
 def test_rigid_limit_keeps_the_angle():
     """A hard bearing does not turn: the load on a ball is F/(Z sin alpha_0), and u sin(alpha_0) its approach."""
     b = bearing_of_contact_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(40.0), 1e7 * 207e9, 0.3)
-    s = thrust_state(b, axial_displacement(b, 5e3))
+    s = bearing_state_at_displacement(b, displacement_under_thrust(b, 5e3))
     assert s.angle == pytest.approx(np.radians(40.0), abs=1e-6)
     assert s.ball_load == pytest.approx(5e3 / (18 * np.sin(np.radians(40.0))), rel=1e-6)
     assert s.displacement * np.sin(np.radians(40.0)) == pytest.approx(float(s.approach), rel=1e-5)
@@ -47,7 +47,7 @@ def test_soft_limit_turns_to_a_right_angle():
     b = bearing(25.0)
     for times in (1e3, 1e4):
         u = times * b.centre_distance
-        s = thrust_state(b, u)
+        s = bearing_state_at_displacement(b, u)
         assert s.angle == pytest.approx(np.pi / 2.0, abs=1.0 / times)
         rest = b.centre_distance * (1.0 - np.sin(b.free_angle))
         assert float(s.approach) == pytest.approx(u - rest, rel=1.0 / times**2)
@@ -60,7 +60,7 @@ def test_right_angle_is_a_thrust_bearing():
     assert inner == pytest.approx(2.0 / b.ball_diameter, rel=1e-14)
     assert outer == pytest.approx(2.0 / b.ball_diameter, rel=1e-14)
     u = np.array([1e-6, 1e-5])
-    s = thrust_state(b, u)
+    s = bearing_state_at_displacement(b, u)
     np.testing.assert_allclose(s.angle, np.pi / 2.0, rtol=1e-14)
     np.testing.assert_allclose(s.load, 18 * (u / (s.inner.C + s.outer.C)) ** 1.5, rtol=1e-12)
     np.testing.assert_allclose(s.stiffness, 1.5 * s.load / u, rtol=1e-12)
@@ -70,9 +70,9 @@ def test_no_angle_means_no_stiffness_at_first():
     """A radial bearing without clearance: u deflects by u^2/2A only, so F ~ u^4 for small u."""
     b = bearing(0.0)
     u = np.array([1e-8, 2e-8])
-    loads = thrust_state(b, u).load
+    loads = bearing_state_at_displacement(b, u).load
     assert loads[1] / loads[0] == pytest.approx(16.0, rel=1e-6)
-    assert thrust_state(b, 0.0).load == 0.0
+    assert bearing_state_at_displacement(b, 0.0).load == 0.0
 
 
 @pytest.mark.parametrize("angle", [0.0, 15.0, 57.0, 80.0, 90.0])
@@ -80,15 +80,15 @@ def test_no_angle_means_no_stiffness_at_first():
 def test_stiffness_is_the_derivative(angle, u):
     b = bearing(angle)
     h = 1e-5 * u
-    slope = (thrust_state(b, u + h).load - thrust_state(b, u - h).load) / (2.0 * h)
-    assert float(thrust_state(b, u).stiffness) == pytest.approx(float(slope), rel=2e-9)
+    slope = (bearing_state_at_displacement(b, u + h).load - bearing_state_at_displacement(b, u - h).load) / (2.0 * h)
+    assert float(bearing_state_at_displacement(b, u).stiffness) == pytest.approx(float(slope), rel=2e-9)
 
 
 def test_displacement_and_deflection_identities():
     """2.6 and 2.23 of Smith: approach A (cos a0/cos a - 1), displacement A sin(a - a0)/cos(a)."""
     b = bearing()
     for load in (1e-3, 10.0, 5e3, 2e4):
-        s = thrust_state(b, axial_displacement(b, load))
+        s = bearing_state_at_displacement(b, displacement_under_thrust(b, load))
         assert float(s.load) == pytest.approx(load, rel=1e-13)
         a, rest, angle = b.centre_distance, b.free_angle, float(s.angle)
         assert float(s.approach) == pytest.approx(a * (np.cos(rest) / np.cos(angle) - 1.0), abs=1e-15)
@@ -98,7 +98,7 @@ def test_displacement_and_deflection_identities():
 
 def test_loose_balls_carry_nothing():
     back = -3.0 * bearing().centre_distance  # where the other shoulder of a deep groove would be
-    s = thrust_state(bearing(), np.array([back, -1e-5, 0.0]))
+    s = bearing_state_at_displacement(bearing(), np.array([back, -1e-5, 0.0]))
     assert np.all(s.load == 0.0)
     assert np.all(s.stiffness == 0.0)
     assert np.all(s.ball_load == 0.0)
@@ -111,8 +111,8 @@ def test_energy_of_the_deflection_is_that_of_the_contacts():
     """
     b = bearing()
     u = 2e-5
-    work = quad(lambda x: float(thrust_state(b, x).load), 0.0, u, epsrel=1e-10)[0]
-    s = thrust_state(b, u)
+    work = quad(lambda x: float(bearing_state_at_displacement(b, x).load), 0.0, u, epsrel=1e-10)[0]
+    s = bearing_state_at_displacement(b, u)
     assert work == pytest.approx(18 * 0.4 * float(s.ball_load * s.approach), rel=1e-3)
 
 
@@ -144,12 +144,12 @@ def test_faulty_bearings_are_refused(change, words):
 
 def test_faulty_loads_are_refused():
     with pytest.raises(ValueError, match="at least 0 N"):
-        axial_displacement(bearing(), -1.0)
+        displacement_under_thrust(bearing(), -1.0)
     with pytest.raises(ValueError, match="too large for Hertz"):
-        axial_displacement(bearing(), 1e12)
+        displacement_under_thrust(bearing(), 1e12)
     for difference in (-0.1, 1.0):
         with pytest.raises(ValueError, match="curvature difference"):
-            contact_parameters(difference)
+            dimensionless_hertz_parameters(difference)
 
 
 def test_many_bearings_under_given_loads_and_back_from_their_rigidity() -> None:
@@ -164,15 +164,15 @@ def test_many_bearings_under_given_loads_and_back_from_their_rigidity() -> None:
         *STEEL,
     )
     load = np.array([50.0, 300.0, 5000.0])
-    state = thrust_state_under_load(many, load)
+    state = bearing_states_under_thrust(many, load)
     assert state.load == pytest.approx(load, rel=1e-9)
     for k in range(3):
         size = (float(many.ball_diameter[k]), float(many.pitch_diameter[k]), (float(many.conformity[k]),) * 2)
         alone = bearing_of_contact_angle(int(many.balls[k]), *size, float(angle[k]), *STEEL)
-        assert float(state.displacement[k]) == pytest.approx(axial_displacement(alone, float(load[k])), rel=1e-9)
+        assert float(state.displacement[k]) == pytest.approx(displacement_under_thrust(alone, float(load[k])), rel=1e-9)
     begin = replace(many, conformity=np.full(3, 0.54))
-    assert conformity_of_pair(begin, load, 2.0 * state.stiffness) == pytest.approx(many.conformity, rel=1e-7)
+    assert conformity_from_pair_rigidity(begin, load, 2.0 * state.stiffness) == pytest.approx(many.conformity, rel=1e-7)
     with pytest.raises(ValueError, match=r"no conformity between 0\.503 and 0\.65"):
-        conformity_of_pair(begin, load, 20.0 * state.stiffness)
+        conformity_from_pair_rigidity(begin, load, 20.0 * state.stiffness)
     with pytest.raises(ValueError, match="too large for Hertz contact"):
-        thrust_state_under_load(many, 1e9 * load)
+        bearing_states_under_thrust(many, 1e9 * load)

@@ -27,8 +27,8 @@ def chain(a: axis.Axis, x: float, nut: float) -> np.ndarray:
 def test_stiffness_is_that_of_the_chain(x, right):
     a = axis.Axis(**SHAFT, left=1.8e9, right=right)
     u = np.linalg.solve(chain(a, x, NUT), [0.0, 0.0, 0.0, 1.0])
-    assert float(axis.axis_stiffness(a, x, NUT)) == pytest.approx(1.0 / u[3], rel=1e-10)
-    assert float(axis.shaft_stiffness(a, x)) == pytest.approx(1.0 / u[1], rel=1e-10)
+    assert float(axis.carriage_to_frame_stiffness(a, x, NUT)) == pytest.approx(1.0 / u[3], rel=1e-10)
+    assert float(axis.shaft_and_support_stiffness(a, x)) == pytest.approx(1.0 / u[1], rel=1e-10)
 
 
 @pytest.mark.parametrize("x", [0.05, 0.65, 1.0])
@@ -43,18 +43,20 @@ def test_loads_of_the_supports_are_those_of_the_chain(x):
 def test_rigid_supports_give_the_formulas_of_the_source_and_ends_of_the_travel():
     """Beside a support the nut feels it and the whole screw with the other one; a rigid one takes all."""
     ea, x = SHAFT["young"] * SHAFT["area"], np.linspace(0.1, 1.2, 12)
-    np.testing.assert_allclose(axis.shaft_stiffness(axis.Axis(**SHAFT), x), ea * 1.3 / (x * (1.3 - x)), rtol=1e-13)
-    np.testing.assert_allclose(axis.shaft_stiffness(axis.Axis(**SHAFT, right=0.0), x), ea / x, rtol=1e-13)
-    left, right = axis.branch_stiffnesses(AXIS, np.array([0.0, 1.3]))
+    np.testing.assert_allclose(
+        axis.shaft_and_support_stiffness(axis.Axis(**SHAFT), x), ea * 1.3 / (x * (1.3 - x)), rtol=1e-13
+    )
+    np.testing.assert_allclose(axis.shaft_and_support_stiffness(axis.Axis(**SHAFT, right=0.0), x), ea / x, rtol=1e-13)
+    left, right = axis.stiffness_of_both_sides(AXIS, np.array([0.0, 1.3]))
     np.testing.assert_allclose(left, [1.8e9, 1.0 / (1 / 1.8e9 + 1.3 / ea)], rtol=1e-13)
     np.testing.assert_allclose(right, [1.0 / (1 / 0.9e9 + 1.3 / ea), 0.9e9], rtol=1e-13)
     rigid = axis.Axis(**SHAFT)
     assert axis.support_loads(rigid, 0.0, 100.0) == (100.0, 0.0)
     assert axis.support_loads(rigid, 1.3, 100.0) == (0.0, -100.0)
-    np.testing.assert_allclose(axis.axis_stiffness(rigid, np.array([0.0, 1.3]), NUT), NUT)
+    np.testing.assert_allclose(axis.carriage_to_frame_stiffness(rigid, np.array([0.0, 1.3]), NUT), NUT)
     for x in (-1e-9, 1.3001):
         with pytest.raises(ValueError, match="position"):
-            axis.branch_stiffnesses(AXIS, x)
+            axis.stiffness_of_both_sides(AXIS, x)
 
 
 def test_stretch_and_warming():
@@ -64,7 +66,7 @@ def test_stretch_and_warming():
     assert axis.shaft_tension(axis.Axis(**SHAFT), 4e-5, a, 2.0) == pytest.approx(ea * (4e-5 / 1.3 - a * 2.0), rel=1e-12)
     pulled = axis.shaft_tension(AXIS, 4e-5)
     assert pulled * (1.3 / ea + 1 / AXIS.left + 1 / AXIS.right) == pytest.approx(4e-5, rel=1e-12)
-    limit = axis.unloading_warming(AXIS, 4e-5, a)
+    limit = axis.warming_that_removes_tension(AXIS, 4e-5, a)
     assert axis.shaft_tension(AXIS, 4e-5, a, limit) == pytest.approx(0.0, abs=1e-9 * pulled)
     assert axis.shaft_tension(AXIS, 4e-5, a, 2.0 * limit) == pytest.approx(-pulled, rel=1e-9)
     assert axis.shaft_tension(axis.Axis(**SHAFT, right=0.0), 4e-5) == 0.0
@@ -74,9 +76,9 @@ def test_sum_in_series_is_softer_than_any_topology():
     """The source's sum, against the chain: with both ends side by side the supports count a fourth of what it takes."""
     k = 1.75e9
     a = axis.Axis(**SHAFT, left=k, right=k)
-    middle = float(axis.shaft_stiffness(axis.Axis(**SHAFT), 0.65))
+    middle = float(axis.shaft_and_support_stiffness(axis.Axis(**SHAFT), 0.65))
     summed = as_printed.series_stiffness((k, k), middle, NUT)
-    right = float(axis.axis_stiffness(a, 0.65, NUT))
+    right = float(axis.carriage_to_frame_stiffness(a, 0.65, NUT))
     assert 1 / summed - 1 / middle - 1 / NUT == pytest.approx(2.0 / k, rel=1e-12)
     assert 1 / right - 1 / middle - 1 / NUT == pytest.approx(0.5 / k, rel=1e-9)
 

@@ -6,7 +6,13 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 from rollbench.lowfi.bearings import angular_contact
-from rollbench.lowfi.bearings.axis import BearingSet, equal_rows, equilibrium, lift_off_force, preloaded_rows
+from rollbench.lowfi.bearings.axis import (
+    BearingSet,
+    equal_rows_with_gap,
+    equal_rows_with_preload,
+    lift_off_force,
+    solve_set_equilibrium,
+)
 
 ROW = angular_contact.BallRow(
     angular_contact.bearing_of_contact_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(57.0), 207e9, 0.3)
@@ -36,7 +42,7 @@ class Power:
 @pytest.mark.parametrize("n", [1, 2, 5])
 def test_tandem_rows_are_n_times_one(n):
     rows = BearingSet((ROW,) * n, (1,) * n, (0.0,) * n)
-    s = equilibrium(rows, 4e3)
+    s = solve_set_equilibrium(rows, 4e3)
     np.testing.assert_allclose(s.loads, 4e3 / n, rtol=1e-12)
     assert s.displacement == pytest.approx(ROW.deflection(4e3 / n), rel=1e-12)
     assert s.stiffness == pytest.approx(n * ROW.stiffness(s.displacement), rel=1e-12)
@@ -44,12 +50,12 @@ def test_tandem_rows_are_n_times_one(n):
 
 def test_opposed_rows_double_the_stiffness_at_preload_and_are_second_order_straight():
     """Preloaded pair: u = F/k to third order, because the curvatures of both rows cancel: half of F, an eighth off."""
-    pair = preloaded_rows(ROW, (1, -1), 2e3)
-    s = equilibrium(pair)
+    pair = equal_rows_with_preload(ROW, (1, -1), 2e3)
+    s = solve_set_equilibrium(pair)
     np.testing.assert_allclose(s.loads, 2e3, rtol=1e-11)
     assert s.displacement == pytest.approx(0.0, abs=1e-16)
     assert s.stiffness == pytest.approx(2.0 * ROW.stiffness(ROW.deflection(2e3)), rel=1e-9)
-    off = [abs(equilibrium(pair, f).displacement - f / s.stiffness) for f in (800.0, 400.0, 200.0)]
+    off = [abs(solve_set_equilibrium(pair, f).displacement - f / s.stiffness) for f in (800.0, 400.0, 200.0)]
     assert off[0] / off[1] == pytest.approx(8.0, rel=0.05)
     assert off[1] / off[2] == pytest.approx(8.0, rel=0.02)
 
@@ -58,7 +64,7 @@ def test_opposed_rows_double_the_stiffness_at_preload_and_are_second_order_strai
 def test_equilibrium_balances_and_minimises_the_energy(force):
     """Brute force: the sum of the work of all rows less that of the force is least there."""
     rows = BearingSet((ROW, OTHER, ROW), TRIPLEX, (1.5e-5, 1.2e-5, 1.5e-5))
-    s = equilibrium(rows, force)
+    s = solve_set_equilibrium(rows, force)
     assert np.array(TRIPLEX) @ s.loads == pytest.approx(force, abs=1e-9 * max(abs(force), 1e3))
 
     def energy(u):
@@ -72,17 +78,19 @@ def test_equilibrium_balances_and_minimises_the_energy(force):
 
 
 def test_stiffness_of_a_set_is_the_derivative():
-    rows = equal_rows(ROW, TRIPLEX, 1.5e-5)
+    rows = equal_rows_with_gap(ROW, TRIPLEX, 1.5e-5)
     for force in (-3e3, 0.0, 4e3):
         h = 1.0
-        slope = (equilibrium(rows, force + h).displacement - equilibrium(rows, force - h).displacement) / (2.0 * h)
-        assert equilibrium(rows, force).stiffness == pytest.approx(1.0 / slope, rel=1e-6)
+        slope = (
+            solve_set_equilibrium(rows, force + h).displacement - solve_set_equilibrium(rows, force - h).displacement
+        ) / (2.0 * h)
+        assert solve_set_equilibrium(rows, force).stiffness == pytest.approx(1.0 / slope, rel=1e-6)
 
 
 def test_unloaded_row_leaves_the_rest_alone():
-    pair = preloaded_rows(ROW, (1, -1), 1e3)
+    pair = equal_rows_with_preload(ROW, (1, -1), 1e3)
     limit = lift_off_force(pair)
-    just, beyond = equilibrium(pair, 0.999 * limit), equilibrium(pair, 1.5 * limit)
+    just, beyond = solve_set_equilibrium(pair, 0.999 * limit), solve_set_equilibrium(pair, 1.5 * limit)
     assert just.loads[1] > 0.0
     np.testing.assert_array_equal(beyond.loads[1], 0.0)
     assert beyond.loads[0] == pytest.approx(1.5 * limit, rel=1e-12)
@@ -91,35 +99,38 @@ def test_unloaded_row_leaves_the_rest_alone():
 
 @pytest.mark.parametrize("n", [1.0, 1.1, 1.5])
 def test_lift_off_of_a_power_law(n):
-    assert lift_off_force(preloaded_rows(Power(n), (1, -1), 700.0)) == pytest.approx(2.0**n * 700.0, rel=1e-12)
+    assert lift_off_force(equal_rows_with_preload(Power(n), (1, -1), 700.0)) == pytest.approx(2.0**n * 700.0, rel=1e-12)
 
 
 def test_triplex_preload_of_a_power_law():
     """Both gaps closed: (P/2)^(1/n) + P^(1/n) = 2 F_p^(1/n), so P/F_p = (2/(1 + 2^(-1/n)))^n; 1.359 for n = 1.5."""
     row = Power(1.5)
-    loads = equilibrium(equal_rows(row, TRIPLEX, row.deflection(1500.0))).loads
+    loads = solve_set_equilibrium(equal_rows_with_gap(row, TRIPLEX, row.deflection(1500.0))).loads
     expected = 1500.0 * (2.0 / (1.0 + 2.0 ** (-2.0 / 3.0))) ** 1.5
     np.testing.assert_allclose(loads, [expected / 2.0, expected / 2.0, expected], rtol=1e-10)
 
 
 def test_gap_and_force_describe_one_set():
-    by_gap = equilibrium(equal_rows(ROW, TRIPLEX, 1.5e-5))
-    by_force = preloaded_rows(ROW, TRIPLEX, float(by_gap.loads[2]))
-    np.testing.assert_allclose(equilibrium(by_force).loads, by_gap.loads, rtol=1e-10)
+    by_gap = solve_set_equilibrium(equal_rows_with_gap(ROW, TRIPLEX, 1.5e-5))
+    by_force = equal_rows_with_preload(ROW, TRIPLEX, float(by_gap.loads[2]))
+    np.testing.assert_allclose(solve_set_equilibrium(by_force).loads, by_gap.loads, rtol=1e-10)
     assert sum(by_force.offsets[1:]) == pytest.approx(3e-5, rel=1e-10)
-    np.testing.assert_allclose(equilibrium(by_force, 2e3).loads, equilibrium(equal_rows(ROW, TRIPLEX, 1.5e-5), 2e3).loads)
+    np.testing.assert_allclose(
+        solve_set_equilibrium(by_force, 2e3).loads,
+        solve_set_equilibrium(equal_rows_with_gap(ROW, TRIPLEX, 1.5e-5), 2e3).loads,
+    )
 
 
 def test_a_set_facing_one_way_rests_loose():
-    assert np.all(equilibrium(BearingSet((ROW, ROW), (-1, -1), (1e-6, 2e-6))).loads == 0.0)
+    assert np.all(solve_set_equilibrium(BearingSet((ROW, ROW), (-1, -1), (1e-6, 2e-6))).loads == 0.0)
 
 
 REFUSED = [
     (lambda: BearingSet((), (), ()), "got 0 rows"),
     (lambda: BearingSet((ROW,), (1,), ()), "0 offsets; allowed: equal numbers"),
     (lambda: BearingSet((ROW,), (2,), (0.0,)), r"got \[2\]; allowed: \+1 and -1"),
-    (lambda: equilibrium(BearingSet((ROW,), (1,), (0.0,)), -1.0), "thrust in that direction"),
-    (lambda: preloaded_rows(ROW, (1, 1), 1e3), "both directions"),
+    (lambda: solve_set_equilibrium(BearingSet((ROW,), (1,), (0.0,)), -1.0), "thrust in that direction"),
+    (lambda: equal_rows_with_preload(ROW, (1, 1), 1e3), "both directions"),
     (lambda: lift_off_force(BearingSet((ROW,), (1,), (0.0,))), "negative direction"),
 ]
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.makers.bearings import bearing_scene
-from rollbench.compare.cases.makers.outside import read_tables
+from rollbench.compare.cases.makers.bearings import single_row_bearing_scene
+from rollbench.compare.cases.makers.outside import read_maker_tables
 from rollbench.lowfi.bearings import torque
-from rollbench.lowfi.rating.contacts import contact_rating
+from rollbench.lowfi.rating.contacts import permissible_contact_force
 
 RPM = np.pi / 30.0
 INCH_POUND = 0.0254 * 4.4482216152605
@@ -52,13 +52,13 @@ def test_starting_torques_that_nsk_prints_lie_in_the_range(size, balls, ball, pi
     bearing of the same bore, outside diameter and width."""
     printed = [
         (table.number(row["preload_N"]), table.number(row["starting_torque_N_m"]))
-        for table in read_tables("nsk-tac")
+        for table in read_maker_tables("nsk-tac")
         for row in table.rows
         if row["bearing"] == size and row["arrangement"].startswith("DB or")
     ]
     assert printed
     for preload, pair in printed:
-        rated = contact_rating(bearing_scene(balls, ball, pitch, np.radians(60.0)))
+        rated = permissible_contact_force(single_row_bearing_scene(balls, ball, pitch, np.radians(60.0)))
         loads = preload, 0.0, preload / (balls * np.sin(np.radians(60.0)) * rated)
         low, high = torque.ball_torque("angular contact", np.radians(60.0), pitch, loads, None).starting
         assert low < 0.5 * pair < high
@@ -80,21 +80,23 @@ def test_both_forms_agree_with_the_exponent_two_thirds_only():
 
 def test_static_rating_and_load_torque():
     across, along = 1.0 / 0.1, 1.0 / 4e-3
-    c = torque.static_rating(2, 18, 8e-3, np.radians(60.0), across, along)
+    c = torque.palmgren_static_rating(2, 18, 8e-3, np.radians(60.0), across, along)
     k = 2.8 / (8.0 * np.sqrt(across * along) * 1e-3)  # kg/mm^2
     assert c == pytest.approx(k * 2 * 18 * np.sin(np.radians(60.0)) * 64.0 * torque.KILOGRAM_FORCE, rel=1e-12)
-    t = torque.load_torque(4e3, 1e3, 55e-3, c)
+    t = torque.load_dependent_torque(4e3, 1e3, 55e-3, c)
     assert t.equivalent_load == pytest.approx(0.5 * 1e3 + 0.3 * 4e3)
     assert t.factor == pytest.approx(0.0013 * (t.equivalent_load / c) ** (1 / 3))
     assert t.torque == pytest.approx(t.factor * 4e3 * 55e-3)
     # without radial load it grows with the 4/3 power
-    assert torque.load_torque(8e3, 0.0, 55e-3, c).torque / torque.load_torque(1e3, 0.0, 55e-3, c).torque == pytest.approx(
-        16.0
-    )
+    assert torque.load_dependent_torque(8e3, 0.0, 55e-3, c).torque / torque.load_dependent_torque(
+        1e3, 0.0, 55e-3, c
+    ).torque == pytest.approx(16.0)
 
 
 def test_taper_torque_in_its_own_units():
     """1000 rpm, 10 cP, 1000 lb, G_1 = 100: 3.54e-3 (1e4)^0.62 1000^0.3 in-lb."""
-    found = torque.taper_torque(100.0, 10e-3, 1000.0 * RPM, 1000.0 * 4.4482216152605)
+    found = torque.timken_running_torque(100.0, 10e-3, 1000.0 * RPM, 1000.0 * 4.4482216152605)
     assert found / INCH_POUND == pytest.approx(3.54e-3 * 1e4**0.62 * 1000.0**0.3, rel=1e-12)
-    assert torque.taper_geometry(found, 10e-3, 1000.0 * RPM, 1000.0 * 4.4482216152605) == pytest.approx(100.0, rel=1e-12)
+    assert torque.timken_factor_from_torque(found, 10e-3, 1000.0 * RPM, 1000.0 * 4.4482216152605) == pytest.approx(
+        100.0, rel=1e-12
+    )

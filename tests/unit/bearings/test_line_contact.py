@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
-from rollbench.lowfi.rollers import LineLaw, approach_law_of_races, half_width, pressure
+from rollbench.lowfi.rollers import LineLaw, approach_law_of_races, line_contact_half_width, line_contact_pressure
 
 YOUNG, POISSON = 207e9, 0.3
 MODULUS = contact_modulus(YOUNG, POISSON, YOUNG, POISSON)
@@ -20,17 +20,17 @@ def test_half_width_is_the_limit_of_long_ellipses():
     a, b = float(h.C_a) * np.cbrt(force), float(h.C_b) * np.cbrt(force)
     peak = 1.5 * force / (np.pi * a * b)
     line = 0.5 * np.pi * b * peak
-    assert float(half_width(line, k, MODULUS)) == pytest.approx(b, rel=1e-5)
-    assert float(pressure(line, b)) == pytest.approx(peak, rel=1e-12)
+    assert float(line_contact_half_width(line, k, MODULUS)) == pytest.approx(b, rel=1e-5)
+    assert float(line_contact_pressure(line, b)) == pytest.approx(peak, rel=1e-12)
 
 
 def test_source_s_constant_of_the_half_width():
     """b = 2.78e-4 sqrt(q/curvature) in lb and in, for 30e6 psi and 0.3."""
     inch, pound = 0.0254, 4.4482216152605
     psi = contact_modulus(*(30e6 * pound / inch**2, 0.3) * 2)
-    assert float(half_width(pound / inch, 1.0 / inch, psi)) / inch == pytest.approx(2.78e-4, rel=1e-3)
+    assert float(line_contact_half_width(pound / inch, 1.0 / inch, psi)) / inch == pytest.approx(2.78e-4, rel=1e-3)
     with pytest.raises(ValueError, match="allowed: above 0"):
-        half_width(1.0, 0.0, MODULUS)
+        line_contact_half_width(1.0, 0.0, MODULUS)
 
 
 def strain(stress_x, stress_z):
@@ -73,7 +73,7 @@ def test_approach_is_the_integral_of_the_strains(q):
     """The closed form drops terms of the order (b/R)^2 ln: it meets the integrals to that."""
     total, size = 0.0, 0.0
     for curvature in (1 / 4e-3 + 1 / 20e-3, 1 / 4e-3 - 1 / 28e-3):
-        b = float(half_width(q, curvature, MODULUS))
+        b = float(line_contact_half_width(q, curvature, MODULUS))
         total += ring(q, b, 5e-3) + half_roller(q, b, 4e-3)
         size = max(size, b / 4e-3)
     assert float(LAW.approach(q)) == pytest.approx(total, rel=0.2 * size**2)

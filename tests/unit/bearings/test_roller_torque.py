@@ -7,13 +7,13 @@ import pytest
 from tests.axes import ROLLERS
 
 from rollbench.lowfi.bearings.tapered_roller import (
-    mean_distance,
+    mean_distance_of_rib_pressure,
     rib_contact,
     rib_geometry,
     rib_height,
     roller_speed_ratios,
 )
-from rollbench.lowfi.bearings.torque import HYSTERESIS, hysteresis_torque, roller_torque, rolling_force
+from rollbench.lowfi.bearings.torque import HYSTERESIS, film_rolling_resistance, hysteresis_torque, roller_torque
 from rollbench.lowfi.rollers import tapered_bearing
 from rollbench.meshes.parts import Lubricant
 
@@ -56,8 +56,10 @@ def test_a_sphere_that_does_not_reach_the_rib_or_fits_it_is_refused(radius):
 
 def test_mean_distance_of_a_round_contact_about_its_middle():
     """int p r dA/F = 3 pi a/16 of a Hertzian circle about its own centre; the height where it is small."""
-    assert float(mean_distance(np.array(1e-3), np.array(1e-3), 0.0)) == pytest.approx(3e-3 * np.pi / 16.0, rel=1e-4)
-    assert float(mean_distance(np.array(1e-9), np.array(1e-9), 2e-4)) == pytest.approx(2e-4, rel=1e-6)
+    assert float(mean_distance_of_rib_pressure(np.array(1e-3), np.array(1e-3), 0.0)) == pytest.approx(
+        3e-3 * np.pi / 16.0, rel=1e-4
+    )
+    assert float(mean_distance_of_rib_pressure(np.array(1e-9), np.array(1e-9), 2e-4)) == pytest.approx(2e-4, rel=1e-6)
 
 
 def test_rollers_roll_without_sliding():
@@ -82,8 +84,8 @@ def test_film_grows_with_speed_and_viscosity_by_the_law_of_its_regime():
     q = np.full((ROLLERS.count, ROLLERS.slices), 1e5)
     films = [roller_torque(ROLLERS, q, speed, OIL).film for speed in (50.0, 100.0)]
     assert films[1] / films[0] == pytest.approx(2.0**0.658, rel=1e-9)
-    assert rolling_force(1e5, 2.0, 0.01, Lubricant(100e-6), 2.3e11) == pytest.approx(
-        2.0**0.658 * rolling_force(1e5, 2.0, 0.01, OIL, 2.3e11)
+    assert film_rolling_resistance(1e5, 2.0, 0.01, Lubricant(100e-6), 2.3e11) == pytest.approx(
+        2.0**0.658 * film_rolling_resistance(1e5, 2.0, 0.01, OIL, 2.3e11)
     )
     assert roller_torque(ROLLERS, q, -100.0, OIL).torque == pytest.approx(roller_torque(ROLLERS, q, 100.0, OIL).torque)
 

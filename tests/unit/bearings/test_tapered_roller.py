@@ -8,14 +8,14 @@ from scipy.integrate import quad
 from scipy.special import beta, gamma
 
 from rollbench.lowfi.bearings import as_printed
-from rollbench.lowfi.bearings.axis import equilibrium, preloaded_rows
+from rollbench.lowfi.bearings.axis import equal_rows_with_preload, solve_set_equilibrium
 from rollbench.lowfi.bearings.tapered_roller import (
-    combined_equilibrium,
     energy_and_derivatives,
-    load_zone,
-    load_zone_of_forces,
+    load_zone_integrals,
+    load_zone_under_thrust_and_radial_load,
     roller_azimuths,
     solve_by_load_zone,
+    solve_thrust_and_radial_equilibrium,
 )
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.lowfi.rollers import (
@@ -26,7 +26,7 @@ from rollbench.lowfi.rollers import (
     circular_crown,
     roller_contacts,
     slice_roller,
-    slice_state,
+    sliced_roller_state_at_approach,
 )
 
 B = TaperedBearing(16, 8.38e-3, 12.4e-3, np.radians(30.8), np.radians(4.0), 207e9, 0.3, 5e-3)
@@ -38,7 +38,7 @@ THRUST = 9e3
 @pytest.mark.parametrize("exponent", [1.0, 1.1, 1.5])
 @pytest.mark.parametrize("eps", [0.02, 0.3, 0.4999, 0.6, 3.0])
 def test_load_zone_against_plain_quadrature(eps, exponent):
-    z = load_zone(eps, exponent)
+    z = load_zone_integrals(eps, exponent)
 
     def share(psi):
         return max(1.0 - 0.5 / eps * (1.0 - np.cos(psi)), 0.0) ** exponent
@@ -52,7 +52,7 @@ def test_load_zone_against_plain_quadrature(eps, exponent):
 @pytest.mark.parametrize("n", [1.0, 1.1, 10.0 / 9.0, 1.5])
 def test_half_zone_in_closed_form(n):
     """eps = 1/2: the bracket is cos(psi) over half the circumference, J_a = B((n+1)/2, 1/2)/2 pi, J_r with n + 1."""
-    z = load_zone(0.5, n)
+    z = load_zone_integrals(0.5, n)
     assert z.axial == pytest.approx(beta((n + 1) / 2, 0.5) / (2 * np.pi), rel=1e-12)
     assert z.radial == pytest.approx(beta((n + 2) / 2, 0.5) / (2 * np.pi), rel=1e-12)
 
@@ -60,32 +60,32 @@ def test_half_zone_in_closed_form(n):
 def test_full_zone_in_closed_form():
     """eps = 1: the bracket is cos^2(psi/2), so J_a = Gamma(n + 1/2)/(sqrt(pi) Gamma(n + 1)), J_r = J_a n/(n + 1)."""
     n = 1.1
-    z = load_zone(1.0, n)
+    z = load_zone_integrals(1.0, n)
     assert z.axial == pytest.approx(gamma(n + 0.5) / (np.sqrt(np.pi) * gamma(n + 1)), rel=1e-12)
     assert z.radial / z.axial == pytest.approx(n / (n + 1), rel=1e-12)
 
 
 def test_pure_thrust_and_nearly():
-    z = load_zone(np.inf, 1.1)
+    z = load_zone_integrals(np.inf, 1.1)
     assert (z.axial, z.radial, z.half_angle) == (1.0, 0.0, np.pi)
-    near = load_zone(1e9, 1.1)
+    near = load_zone_integrals(1e9, 1.1)
     assert near.radial == pytest.approx(1.1 / 4e9, rel=1e-8)  # n w/2, w = 1/(2 eps)
 
 
 @pytest.mark.parametrize("eps", [1e-3, 0.2, 0.5, 1.0, 40.0, 1e6])
 def test_zone_of_a_load_inverts(eps):
-    z = load_zone(eps, 1.1)
+    z = load_zone_integrals(eps, 1.1)
     angle = 0.4
-    back = load_zone_of_forces(1e3, 1e3 * z.radial / z.axial / np.tan(angle), angle, 1.1)
+    back = load_zone_under_thrust_and_radial_load(1e3, 1e3 * z.radial / z.axial / np.tan(angle), angle, 1.1)
     assert back.eps == pytest.approx(eps, rel=1e-8)
 
 
 def test_zone_refusals():
     with pytest.raises(ValueError, match="above zero"):
-        load_zone(0.0, 1.1)
+        load_zone_integrals(0.0, 1.1)
     for axial, radial in ((1.0, 2.0), (0.0, 1.0), (1.0, -0.1)):
         with pytest.raises(ValueError, match="F_r tan"):
-            load_zone_of_forces(axial, radial, np.pi / 4.0, 1.1)
+            load_zone_under_thrust_and_radial_load(axial, radial, np.pi / 4.0, 1.1)
 
 
 # --- one roller
@@ -139,8 +139,8 @@ def test_row_under_thrust():
 
 def test_direct_mounting_with_preload():
     """Two rows: nearly straight, so the stiffness doubles and stays within 2 % up to half the lift-off."""
-    pair = preloaded_rows(TaperedRow(B), (1, -1), 6e3)
-    k = [equilibrium(pair, f).stiffness for f in (0.0, 3e3, 6e3)]
+    pair = equal_rows_with_preload(TaperedRow(B), (1, -1), 6e3)
+    k = [solve_set_equilibrium(pair, f).stiffness for f in (0.0, 3e3, 6e3)]
     row = TaperedRow(B)
     assert k[0] == pytest.approx(2.0 * row.stiffness(row.deflection(6e3)), rel=1e-9)
     assert max(k) / min(k) < 1.02
@@ -151,7 +151,7 @@ def test_direct_mounting_with_preload():
 
 @pytest.mark.parametrize("radial", [0.0, 1.0, 4e3, 9e3, 14e3])
 def test_combined_load_balances(radial):
-    s = combined_equilibrium(B, THRUST, radial)
+    s = solve_thrust_and_radial_equilibrium(B, THRUST, radial)
     assert s.converged
     assert s.loads.sum() * np.sin(B.cup_angle) == pytest.approx(THRUST, rel=1e-10)
     total = (s.loads * np.cos(roller_azimuths(B))).sum() * np.cos(B.cup_angle)
@@ -171,7 +171,7 @@ def test_combined_stiffness_and_force_are_derivatives():
 
 
 def test_pure_thrust_is_the_row():
-    s = combined_equilibrium(B, THRUST, 0.0)
+    s = solve_thrust_and_radial_equilibrium(B, THRUST, 0.0)
     assert s.axial == pytest.approx(TaperedRow(B).deflection(THRUST), rel=1e-10)
     assert s.radial == pytest.approx(0.0, abs=1e-15)
     zone = solve_by_load_zone(B, THRUST, 0.0)
@@ -183,7 +183,7 @@ def test_load_zone_integrals_meet_the_rollers(radial):
     """The source's route with exponent 1.1: greatest load within 1 %, deflections within 3 %, for many rollers too."""
     for rollers in (16, 64):
         b = replace(B, rollers=rollers)
-        s, z = combined_equilibrium(b, THRUST, radial), solve_by_load_zone(b, THRUST, radial)
+        s, z = solve_thrust_and_radial_equilibrium(b, THRUST, radial), solve_by_load_zone(b, THRUST, radial)
         assert z.greatest == pytest.approx(s.loads.max(), rel=0.01)
         assert (z.axial, z.radial) == pytest.approx((s.axial, s.radial), rel=0.03)
 
@@ -192,15 +192,15 @@ def test_small_radial_load_by_first_order():
     """dF_r/d(delta_r) at pure thrust: sum over the rollers of k cos^2(alpha) cos^2(psi)."""
     row = TaperedRow(B)
     k = row.stiffness(row.deflection(THRUST)) / (B.rollers * np.sin(B.cup_angle) ** 2)
-    assert combined_equilibrium(B, THRUST, 1.0).radial == pytest.approx(
+    assert solve_thrust_and_radial_equilibrium(B, THRUST, 1.0).radial == pytest.approx(
         2.0 / (B.rollers * k * np.cos(B.cup_angle) ** 2), rel=1e-5
     )
 
 
 def test_too_much_radial_load_is_refused():
     with pytest.raises(ValueError, match="F_r tan"):
-        combined_equilibrium(B, THRUST, 1.01 * THRUST / np.tan(B.cup_angle))
-    hard = combined_equilibrium(B, THRUST, 0.97 * THRUST / np.tan(B.cup_angle))
+        solve_thrust_and_radial_equilibrium(B, THRUST, 1.01 * THRUST / np.tan(B.cup_angle))
+    hard = solve_thrust_and_radial_equilibrium(B, THRUST, 0.97 * THRUST / np.tan(B.cup_angle))
     assert hard.converged
     assert 1 < np.count_nonzero(hard.loads) < 5
 
@@ -211,7 +211,7 @@ def test_near_the_limit_of_the_radial_load_steps_must_be_cut(rollers, share):
     """One or two rollers carry nearly all and a direction is soft: whole Newton steps leave the law's range here."""
     b = replace(B, rollers=rollers, cup_angle=np.radians(10.0), roller_angle=np.radians(2.0))
     for thrust in (1.0, 1e5):
-        assert combined_equilibrium(b, thrust, share * thrust / np.tan(b.cup_angle)).converged
+        assert solve_thrust_and_radial_equilibrium(b, thrust, share * thrust / np.tan(b.cup_angle)).converged
 
 
 # --- slices
@@ -221,7 +221,7 @@ def test_near_the_limit_of_the_radial_load_steps_must_be_cut(rollers, share):
 def test_plain_roller_is_a_line_contact_for_any_number_of_slices(slices):
     r = slice_roller(B, slices)
     d = float(B.law().approach(1100.0 / B.length))
-    s = slice_state(r, d)
+    s = sliced_roller_state_at_approach(r, d)
     assert s.force == pytest.approx(1100.0, rel=1e-12)
     assert approach_under_force(r, 1100.0) == pytest.approx(d, rel=1e-12)
     row = SlicedRow(B, slices)
@@ -239,7 +239,9 @@ def test_a_roller_on_one_apex_is_loaded_evenly():
 def test_slices_converge_with_second_order():
     """Fully loaded crowned roller: the midpoint rule of a smooth load, so halving the slices cuts the error by four."""
     exact = quad(lambda x: float(B.law().line_load(2e-5 - x**2 / 20.0)), -0.5 * B.length, 0.5 * B.length, epsrel=1e-12)[0]
-    off = [slice_state(slice_roller(B, n, circular_crown(20.0)), 2e-5).force - exact for n in (10, 20, 40)]
+    off = [
+        sliced_roller_state_at_approach(slice_roller(B, n, circular_crown(20.0)), 2e-5).force - exact for n in (10, 20, 40)
+    ]
     assert off[0] / off[1] == pytest.approx(4.0, rel=0.02)
     assert off[1] / off[2] == pytest.approx(4.0, rel=0.01)
     assert abs(off[2]) < 1e-4 * exact
@@ -248,7 +250,7 @@ def test_slices_converge_with_second_order():
 def test_strong_crown_leaves_the_ends_unloaded():
     r = slice_roller(B, 400, circular_crown(0.5))
     d = approach_under_force(r, 1100.0)
-    s = slice_state(r, d)
+    s = sliced_roller_state_at_approach(r, d)
     assert s.force == pytest.approx(1100.0, rel=1e-9)
     loaded = r.places[s.line_loads > 0.0]
     assert loaded.max() == pytest.approx(np.sqrt(0.5 * d), abs=B.length / 400)

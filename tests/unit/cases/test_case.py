@@ -8,7 +8,7 @@ from tests import acme
 from tests.copies import ROOT
 from tests.processes import python
 
-from rollbench.compare.case import CASES, shipped_files
+from rollbench.compare.case import CASES, shipped_toml_files
 from rollbench.compare.scenes import catalogue
 
 CASE = """
@@ -22,7 +22,7 @@ def installed(tmp_path):
     """Installs a package with the text of its module and an entry point, and gives a command that finds it."""
 
     def install(module: str, point: str = "acme_case:CASE", name: str = "acme_case"):
-        acme.write(tmp_path / name, catalogue.scene_text("two-balls"))
+        acme.write(tmp_path / name, catalogue.shipped_scene_text("two-balls"))
         (tmp_path / name / "__init__.py").write_text(module, encoding="utf-8")
         info = tmp_path / f"{name}-1.0.dist-info"
         info.mkdir()
@@ -43,7 +43,7 @@ def test_ours_have_what_they_name():
     files = (
         path for pattern in ("compare/scenes/*.toml", "compare/cases/*/scenes/**/*.toml") for path in ROOT.glob(pattern)
     )
-    assert set(shipped_files("scenes")) == {path.stem for path in files}
+    assert set(shipped_toml_files("scenes")) == {path.stem for path in files}
 
 
 def test_a_case_of_another_package_is_judged_and_shown_with_ours(installed, tmp_path):

@@ -7,7 +7,7 @@ import pytest
 from tests.copies import ROOT
 from tests.processes import ran
 
-from rollbench.compare.commands.doctor import check_requirements
+from rollbench.compare.commands.doctor import oldest_package_versions
 from rollbench.lowfi import jit
 from rollbench.meshes import libraries
 
@@ -92,14 +92,14 @@ def test_commands_where_a_package_is_truly_not_installed(package, installed, tmp
 
 
 def test_every_package_that_may_be_absent_is_of_an_extra_and_is_tried():
-    assert {case[0] for case in CASES} == set(libraries.ONLY_FOR) == set(libraries.EXTRA) <= set(check_requirements())
+    assert {case[0] for case in CASES} == set(libraries.ONLY_FOR) == set(libraries.EXTRA) <= set(oldest_package_versions())
 
 
 def test_kernels_are_interpreted_without_numba(monkeypatch, capsys):
-    monkeypatch.setattr(libraries, "import_fault", lambda name: f"{name} is not installed")
+    monkeypatch.setattr(libraries, "reason_of_failed_import", lambda name: f"{name} is not installed")
     jit._numba_works.cache_clear()
     try:
-        assert jit.kernels(jit.CONTACT, compiled=True) is jit.kernels(jit.CONTACT, compiled=False)
+        assert jit.load_kernel_package(jit.CONTACT, compiled=True) is jit.load_kernel_package(jit.CONTACT, compiled=False)
     finally:
         jit._numba_works.cache_clear()
     assert capsys.readouterr().err.count("numba is not installed: kernels are interpreted") == 1

@@ -16,17 +16,17 @@ from rollbench.compare.studies.run_times import load_times
 def test_a_process_is_launched_as_a_users_without_threads_set(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     code = "import os; print(os.environ.get('OMP_NUM_THREADS'), os.environ['OWN'])"
-    done = run_times.launch_process(["-c", code], {"OWN": "x"})
+    done = run_times.run_timed_python_process(["-c", code], {"OWN": "x"})
     assert done.seconds >= done.first_line > 0.0
     assert done.output == "None x\n"
 
 
 def test_a_command_is_timed_from_an_empty_home_again_and_beside_a_busy_process():
-    found = run_times.time_command("schema --help")
+    found = run_times.time_command_in_empty_home("schema --help")
     assert found.job.job == "schema --help, from an empty home"
     assert found.seconds >= found.first_line > 0.0
     assert min(found.cpu, found.again, found.again_cpu, found.beside, found.beside_cpu) > 0.0
-    failed = run_times.time_command("solve no-such-scene")
+    failed = run_times.time_command_in_empty_home("solve no-such-scene")
     assert failed.seconds is None
     assert failed.job.note.startswith("not measured: rollbench: ")
 
@@ -35,7 +35,7 @@ def test_the_report_shows_commands_as_typed_with_what_they_are_to_reach(tmp_path
     kept = load_times((shipped_store(),))
     found = run_times.CommandTime("solve my.toml", 2.0, 1.9, 2.5, 0.75, 0.7, 3.0, 2.6)
     run_times.save_times(tmp_path, replace(kept, typed=(found,)))
-    (row,) = reference_time.typed_table(load_times([tmp_path])).rows
+    (row,) = reference_time.command_time_table(load_times([tmp_path])).rows
     assert [row[key] for key in ("command", "seconds", "again", "beside_cpu")] == ["solve my.toml", 2.0, 0.75, 2.6]
     assert row["reach"]
 
@@ -43,7 +43,7 @@ def test_the_report_shows_commands_as_typed_with_what_they_are_to_reach(tmp_path
 def test_times_of_typed_commands_are_kept_for_the_report(monkeypatch, tmp_path, command):
     monkeypatch.setattr(reference_time, "measure_run_times", lambda *_, **__: load_times((shipped_store(),)))
     monkeypatch.setattr(reference_time, "COMMANDS", {"schema --help": ""})
-    monkeypatch.setattr(run_times, "time_threads", list)
+    monkeypatch.setattr(run_times, "time_ensemble_with_threads", list)
     command.answer("bench", "--store", tmp_path)
     (kept,) = load_times([tmp_path], run_times.TYPED).typed
     assert (kept.command, kept.note) == ("schema --help", "")
@@ -51,7 +51,7 @@ def test_times_of_typed_commands_are_kept_for_the_report(monkeypatch, tmp_path, 
 
 
 def test_threads_are_compared_with_one():
-    one, two = run_times.time_threads(20, 1)
+    one, two = run_times.time_ensemble_with_threads(20, 1)
     assert one.ratio == 1.0
     assert two.ratio == pytest.approx(one.seconds / two.seconds)
 
@@ -60,11 +60,11 @@ def test_models_are_listed_with_errors_beside_their_run_times(monkeypatch, tmp_p
     kept = load_times((shipped_store(),))
     monkeypatch.setattr(reference_time, "measure_run_times", lambda *_, **__: kept)
     monkeypatch.setattr(reference_time, "COMMANDS", ())
-    monkeypatch.setattr(run_times, "time_threads", list)
+    monkeypatch.setattr(run_times, "time_ensemble_with_threads", list)
     rows = {row["job"]: row for row in command.answer("bench", "lin-case1")}
     study = Study()
-    study.computed[reference_time.measuring_run, print] = kept
-    points = reference_time.time_points("lin-case1", study.reference("lin-case1"), study, print)
+    study.computed[reference_time.run_times_to_show, print] = kept
+    points = reference_time.error_and_time_points("lin-case1", study.reference("lin-case1"), study, print)
     timed = {f"lin-case1: {p.label}": p for p in points if p.cold is not None}
     assert rows.keys() == timed.keys() > set()
     for name, p in timed.items():
@@ -78,6 +78,6 @@ def test_models_are_listed_with_errors_beside_their_run_times(monkeypatch, tmp_p
 
 def test_what_is_not_timed_is_no_job():
     study = Study()
-    study.computed[reference_time.measuring_run, print] = None
-    points = reference_time.time_points("lin-case1", study.reference("lin-case1"), study, print)
+    study.computed[reference_time.run_times_to_show, print] = None
+    points = reference_time.error_and_time_points("lin-case1", study.reference("lin-case1"), study, print)
     assert list(bench.timed_jobs_of_scene("lin-case1", points)) == []

@@ -12,9 +12,9 @@ from unittest.mock import Mock
 import pytest
 from tests.processes import python
 
-from rollbench.compare.cli import COMMANDS, commands
+from rollbench.compare.cli import COMMANDS, app_with_commands
 from rollbench.compare.commands import printed as listing
-from rollbench.compare.scenes.catalogue import scene_text
+from rollbench.compare.scenes.catalogue import shipped_scene_text
 from rollbench.compare.scenes.duty_cycle import KINDS as FRICTION_ONLY
 
 #: Command lines that are refused: exit status 2, nothing on standard output and one line that says why.
@@ -64,7 +64,7 @@ def test_answers_come_first_and_the_last_line_says_where_assumptions_are(command
 
 
 def test_a_scene_without_equilibrium_is_said_and_exits_1(command, tmp_path: Path) -> None:
-    text = scene_text("lin-case1").replace('fix = ["ux", "uy", "rx", "ry", "rz"]', 'fix = ["ux"]')
+    text = shipped_scene_text("lin-case1").replace('fix = ["ux", "uy", "rx", "ry", "rz"]', 'fix = ["ux"]')
     (tmp_path / "free.toml").write_text(text)
     code, out, err = command("solve", tmp_path / "free.toml", "--json")
     assert (code, err) == (1, "")
@@ -125,7 +125,7 @@ def test_help_begins_with_what_one_starts_with(command) -> None:
     assert "rollbench new my.toml --like 40x10" in out
     assert out.index("new ") < out.index("solve ") < out.index("mesh-study ") < out.index("audit ")
     listed = {name for names in COMMANDS.values() for name in names}
-    assert listed <= {*commands()}
+    assert listed <= {*app_with_commands()}
     assert re.search(r"[Dd]efault:? [^.]*refined", " ".join(command.said("compare", "--help").replace("│", " ").split()))
     # paragraphs are wrapped whole, and no empty default is shown
     out = command.said("check", "--help")
@@ -143,7 +143,7 @@ def test_completion_knows_commands_and_options(shell: str, command) -> None:
 
 
 def test_an_interrupt_is_said(command, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(listing, "_shipped_lines", Mock(side_effect=KeyboardInterrupt))
+    monkeypatch.setattr(listing, "_shipped_contents_lines", Mock(side_effect=KeyboardInterrupt))
     code, _, err = command("list")
     assert (code, err) == (130, "rollbench: interrupted; nothing was left half-written\n")
 

@@ -9,12 +9,12 @@ import pytest
 
 from rollbench.compare.commands import compare as output
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.comparison import Loads, compared_models, options_for
-from rollbench.compare.models.model_form import estimate, shipped_points
+from rollbench.compare.models.comparison import Loads, comparison_options, models_by_name
+from rollbench.compare.models.model_form import errors_on_compared_scenes, estimate_model_error
 from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.models.uncertainty import ChoiceEffects, LoadUncertainty
 from rollbench.compare.reference import store
-from rollbench.compare.reference.estimate import GridParts, Reference, reference
+from rollbench.compare.reference.estimate import GridParts, Reference, reference_of_scene
 from rollbench.compare.results import compared as found_by
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.rigidity import axial_force
@@ -38,10 +38,10 @@ def case():
     runs = (SimpleNamespace(level=1, moving=0.0),)
     found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), GridParts(0.2))
     models = [
-        found_by.model_errors(scene, loads(scene, name, f), found)
+        found_by.compare_loads_with_reference(scene, loads(scene, name, f), found)
         for name, f in (("refined", 1.01), ("lin-source-partition", 0.9))
     ]
-    return scene, models, found, found_by.model_errors(scene, exact, None)
+    return scene, models, found, found_by.compare_loads_with_reference(scene, exact, None)
 
 
 def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
@@ -51,15 +51,15 @@ def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
     small[0, 0] = 0.01
     answer = loads(scene, "refined", 1.01)
     answer.load[0, 0] = 0.1
-    one = found_by.model_errors(scene, answer, replace(found, load=small))
-    text = found_by.comparison_verdict(found_by.Compared((one,), one, None, TOTAL), found)
+    one = found_by.compare_loads_with_reference(scene, answer, replace(found, load=small))
+    text = found_by.comparison_verdict_sentence(found_by.SetComparison((one,), one, None, TOTAL), found)
     assert one.error.own_max_percent > 800.0
     assert ", 1.00 % as judged by rollbench check" in text
 
 
 def test_every_contact_is_written_beside_its_reference(case, tmp_path) -> None:
     scene, models, found, _ = case
-    said = output.write_files(scene, models, found, tmp_path)
+    said = output.write_contact_loads(scene, models, found, tmp_path)
     rows = list(csv.DictReader((tmp_path / "lin-case1-compare.csv").read_text().splitlines()))
     assert len(rows) == 2 * scene.ball_count
     assert float(rows[0]["refined_N"]) == pytest.approx(1.01 * float(rows[0]["reference_N"]))
@@ -70,16 +70,18 @@ def test_every_contact_is_written_beside_its_reference(case, tmp_path) -> None:
 
 def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) -> None:
     scene = catalogue.scene("unseen-short-nut")
-    found = reference(scene, (tmp_path, store.shipped_store()))
-    whole = found_by.compared(scene, compared_models(("refined", "condensed")), found, (tmp_path, store.shipped_store()))
+    found = reference_of_scene(scene, (tmp_path, store.shipped_store()))
+    whole = found_by.compare_models_with_reference(
+        scene, models_by_name(("refined", "condensed")), found, (tmp_path, store.shipped_store())
+    )
     refined, condensed = whole.models[:2]
     result = run_model(scene, "refined")
     assert refined.force == pytest.approx(axial_force(result), rel=1e-6)
-    wanted = estimate(scene, result, [p for p in shipped_points() if p.scene != scene.name])
+    wanted = estimate_model_error(scene, result, [p for p in errors_on_compared_scenes() if p.scene != scene.name])
     assert (whole.expected.percent, whole.expected.distance) == pytest.approx((wanted.percent, wanted.distance), rel=1e-9)
-    assert whole.expected.distance > estimate(scene, result).distance, "not expected of itself"
-    assert f"expected error: {whole.expected.percent:.2f} %" in found_by.comparison_verdict(whole, found)
-    assert f"uncertain by {whole.total.percent:.2f} %" in found_by.comparison_verdict(whole, found)
+    assert whole.expected.distance > estimate_model_error(scene, result).distance, "not expected of itself"
+    assert f"expected error: {whole.expected.percent:.2f} %" in found_by.comparison_verdict_sentence(whole, found)
+    assert f"uncertain by {whole.total.percent:.2f} %" in found_by.comparison_verdict_sentence(whole, found)
     assert whole.total.choices.scene == "lin-case3", "not varied on these parts: the choices with the largest effect"
     assert condensed.error.max_percent < 0.5 * refined.error.max_percent
     assert whole.itself.displacement == pytest.approx(condensed.displacement, rel=0.01)
@@ -87,7 +89,7 @@ def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) ->
 
 def test_bodies_that_no_store_has_are_asked_for(tmp_path) -> None:
     scene = catalogue.scene("unseen-four-point")
-    found = reference(scene)
+    found = reference_of_scene(scene)
     assert found is not None
     with pytest.raises(InputError, match=r"model: got .condensed.*level 4"):
-        options_for(MODELS["condensed"], scene, found, (tmp_path,))
+        comparison_options(MODELS["condensed"], scene, found, (tmp_path,))

@@ -14,7 +14,7 @@ from rollbench.reports import offscreen
 
 @pytest.fixture(autouse=True)
 def _drawn_already(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(offscreen, "drawing_fault", lambda: "")
+    monkeypatch.setattr(offscreen, "reason_drawing_fails", lambda: "")
     monkeypatch.setattr(doctor, "gmsh_fault", lambda: "")
     monkeypatch.setattr(doctor, "available_GB", lambda: 16.0)
 
@@ -43,10 +43,10 @@ def test_a_package_that_cannot_be_imported_is_missing(monkeypatch: pytest.Monkey
     (tmp_path / "matplotlib.py").write_text("raise RuntimeError('half installed')")
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.delitem(sys.modules, "matplotlib", raising=False)
-    monkeypatch.setattr(doctor, "check_requirements", lambda: {"matplotlib": "3.9"})
-    libraries.import_fault.cache_clear()
+    monkeypatch.setattr(doctor, "oldest_package_versions", lambda: {"matplotlib": "3.9"})
+    libraries.reason_of_failed_import.cache_clear()
     (check,) = doctor._check_packages()
-    libraries.import_fault.cache_clear()
+    libraries.reason_of_failed_import.cache_clear()
     assert check.state == "missing"
     assert "RuntimeError: half installed" in check.found
     assert "compare, mesh-study, sweep and the curve of solve write tables without figures" in check.cost
@@ -56,7 +56,7 @@ def test_every_requirement_of_the_package_is_looked_at() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
     listed = [*project["dependencies"], *(line for name in set(libraries.EXTRA.values()) for line in extras[name])]
-    assert {line.partition(">=")[0] for line in listed} == set(doctor.check_requirements())
+    assert {line.partition(">=")[0] for line in listed} == set(doctor.oldest_package_versions())
 
 
 def test_memory_is_what_the_system_and_the_control_group_leave(tmp_path) -> None:

@@ -16,18 +16,18 @@ from skfem.quadrature import get_quadrature
 from tests import two_balls
 from tests.fe_meshes import boundary_faces, jacobians, nodal_areas
 
-from rollbench.compare.commands.export import run_export
+from rollbench.compare.commands.export import write_part_mesh
 from rollbench.compare.errors import InputError
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import export as export_command
-from rollbench.compare.studies.crosscheck.study import run_calculix
+from rollbench.compare.studies.crosscheck.study import solve_deck_or_read_result
 from rollbench.compare.studies.export import exported_parts
 from rollbench.hifi.bodies import coarse as submodel
 from rollbench.hifi.elements import forms
 from rollbench.meshes import parts, solid
 from rollbench.meshes.exchange.mesh_files import VTK
-from rollbench.meshes.fem import cells_of, faces_of, mesh_of, nodes_on, points_of
+from rollbench.meshes.fem import build_mesh, node_coordinates, nodes_of_boundary_faces, nodes_of_cells, nodes_on_boundaries
 
 pytestmark = pytest.mark.xdist_group("exported meshes")
 
@@ -76,7 +76,7 @@ def our_cells(mesh: meshio.Mesh) -> tuple[str, np.ndarray]:
 
 def exported(part: str, tmp_path: Path, cache: Path | None, level: int = 1) -> tuple[meshio.Mesh, str, str, np.ndarray]:
     """The file of a part, read again, what was said about it, its element and its cells, none of them turned over."""
-    said = run_export(SCENE, part, "", tmp_path / part, level, cache=cache).parts
+    said = write_part_mesh(SCENE, part, "", tmp_path / part, level, cache=cache).parts
     mesh = meshio.read(tmp_path / f"{part}.vtu")
     name, cells = our_cells(mesh)
     assert jacobians(mesh.points, cells, name).min() > 0.0
@@ -145,7 +145,7 @@ def solids():
 def test_other_programs_read_the_groups_of_a_whole_body(part, form, solids, tmp_path, monkeypatch):
     mesh, file = solids[part], tmp_path / f"a.{form}"
     monkeypatch.setattr(export_command, "part_mesh", lambda *_: mesh)
-    run_export(TWO, part, "", file, 1)
+    write_part_mesh(TWO, part, "", file, 1)
     smooth = {"screw": "bore", "nut": "outside", "ball": "sphere"}[part]
     for program, found in groups(file).items():
         assert set(found) == set(mesh.boundaries), program
@@ -165,7 +165,7 @@ def test_whole_bodies_have_no_holes_and_their_volumes(solids):
         if part == "ball":
             assert volume == pytest.approx(4.0 / 3.0 * np.pi * TWO.balls.radius**3, rel=1e-2)
         if part == "nut":
-            land = solid.solid_dimensions(TWO).land
+            land = solid.dimensions_of_3d_parts(TWO).land
             tube = np.pi * (TWO.nut.outer_diameter**2 / 4.0 - land**2) * TWO.nut.length
             groove = 0.5 * np.pi * (TWO.nut.groove_radius) ** 2 * TWO.nut.length / TWO.track.lead
             groove *= np.hypot(2.0 * np.pi * TWO.track.pitch_radius, TWO.track.lead)
@@ -197,7 +197,7 @@ def test_names_and_formats_of_files(tmp_path: Path, cache: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     said = []
     for form, out in (("", None), ("inp", None), ("", Path("deep/a.msh")), ("msh", Path("b.dat")), ("inp", Path("c"))):
-        said += run_export(SCENE, "patch-SL", form, out, 1, cache=cache).parts
+        said += write_part_mesh(SCENE, "patch-SL", form, out, 1, cache=cache).parts
     found = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*") if p.is_file())
     assert found == ["b.dat", "c.inp", "deep/a.msh", "lin-case1-patch-SL.inp", "lin-case1-patch-SL.vtu"]
     assert Path("b.dat").read_bytes()[:11] == b"$MeshFormat"
@@ -217,19 +217,19 @@ def test_what_cannot_be_exported_is_refused_before_meshing(tmp_path: Path, monke
         ("screw", "", "a.med", r"format: got med; .*pip install 'rollbench\[reference\]'"),
     ):
         with pytest.raises(InputError, match=words):
-            run_export(SCENE, part, form, tmp_path / out, 1)
+            write_part_mesh(SCENE, part, form, tmp_path / out, 1)
     assert os.listdir(tmp_path) == []
 
 
 def test_meshes_and_files_that_fail_are_reported(tmp_path: Path, cache: Path, monkeypatch):
     with pytest.raises(InputError, match="levels: got 9"):
-        run_export(SCENE, "screw", "", tmp_path / "a.vtu", 9)
+        write_part_mesh(SCENE, "screw", "", tmp_path / "a.vtu", 9)
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=r"a\.vtu: file: got "):
-        run_export(SCENE, "patch-SL", "", tmp_path / "file" / "a.vtu", 1, cache=cache)
+        write_part_mesh(SCENE, "patch-SL", "", tmp_path / "file" / "a.vtu", 1, cache=cache)
     monkeypatch.setattr(export_command, "part_mesh", Mock(side_effect=ValueError("a contact patch does not fit")))
     with pytest.raises(InputError, match="lin-case1: screw: a contact patch does not fit"):
-        run_export(SCENE, "screw", "", tmp_path / "a.vtu", 1)
+        write_part_mesh(SCENE, "screw", "", tmp_path / "a.vtu", 1)
 
 
 CCX = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
@@ -238,11 +238,13 @@ STEEL = (210e9, 0.28)
 
 def moved_here(points: np.ndarray, cells: np.ndarray, held: np.ndarray, forces: np.ndarray) -> np.ndarray:
     """Displacements ``(n, 3)`` [m] of our own elements under nodal forces ``(n, 3)`` [N], ``held`` nodes fixed."""
-    mesh, number = mesh_of(points, cells, "P2")
+    mesh, number = build_mesh(points, cells, "P2")
     assert np.array_equal(number, np.arange(len(points)))
     free = np.setdiff1d(np.arange(forces.size), (3 * held[:, None] + np.arange(3)).ravel())
     u = np.zeros(forces.size)
-    u[free] = spsolve(forms.assemble(forms.elasticity(*STEEL), mesh)[free][:, free], forces.ravel()[free])
+    u[free] = spsolve(
+        forms.assemble_constant_form(forms.elasticity_form(*STEEL), mesh)[free][:, free], forces.ravel()[free]
+    )
     return u.reshape(-1, 3)
 
 
@@ -260,7 +262,7 @@ def moved_there(file: Path, held: str, loads: str, printed: str) -> tuple[np.nda
 U
 *END STEP
 """
-    (found,) = run_calculix(text, file.parent).moved.values()
+    (found,) = solve_deck_or_read_result(text, file.parent).moved.values()
     return np.array(list(found)) - 1, np.array(list(found.values()))
 
 
@@ -275,10 +277,15 @@ def test_calculix_solves_an_exported_whole_nut(hold: str, solids, tmp_path: Path
     """
     mesh = coarse_mesh(FLANGED, "nut") if hold == "seat" else solids["nut"]
     monkeypatch.setattr(export_command, "part_mesh", lambda *_: mesh)
-    run_export(TWO, "nut", "", tmp_path / "nut.inp", 1)
+    write_part_mesh(TWO, "nut", "", tmp_path / "nut.inp", 1)
     there = f"{hold.replace(' ', '_')}, 1, 3\n"
     nodes, theirs = moved_there(tmp_path / "nut.inp", there, "*DLOAD\nhigh_end, P, 1e6\n", "high_end")
-    points, cells, end, held = points_of(mesh), cells_of(mesh), faces_of(mesh, "high end"), nodes_on(mesh, hold)
+    points, cells, end, held = (
+        node_coordinates(mesh),
+        nodes_of_cells(mesh),
+        nodes_of_boundary_faces(mesh, "high end"),
+        nodes_on_boundaries(mesh, hold),
+    )
     forces = np.zeros_like(points)
     forces[:, 2] = -1e6 * nodal_areas(points, cells, "P2", end)
     assert set(nodes) == set(np.unique(end))
@@ -302,7 +309,7 @@ class TestResults:
     def test_nut_and_ball_carry_displacement_and_stress(self, tmp_path, cache):
         for part in ("nut", "ball", "patch-NR"):
             out = tmp_path / f"{part}.vtu"
-            run_export(TWO, part, "", out, 1, cache=cache, ball=2)
+            write_part_mesh(TWO, part, "", out, 1, cache=cache, ball=2)
             read = meshio.read(out)
             u, stress = read.point_data["displacement"], read.point_data["von_mises"]
             assert u.shape == (len(read.points), 3)
@@ -318,9 +325,9 @@ class TestResults:
     def test_what_cannot_be_had_is_refused(self, tmp_path):
         for part, ball, form in (("nut", 0, ""), ("nut", 5, ""), ("block-source", 1, ""), ("nut", 1, "inp")):
             with pytest.raises(InputError, match="ball: "):
-                run_export(SCENE, part, form, tmp_path / "a", 1, ball=ball)
+                write_part_mesh(SCENE, part, form, tmp_path / "a", 1, ball=ball)
         with pytest.raises(InputError, match="low end"):
-            run_export(SCENE, "screw", "", tmp_path / "a.vtu", 1, cache=cache, ball=1)
+            write_part_mesh(SCENE, "screw", "", tmp_path / "a.vtu", 1, cache=cache, ball=1)
         assert not (tmp_path / "a.vtu").exists()
 
 
@@ -328,7 +335,7 @@ def test_every_surface_of_an_exported_nut_can_be_integrated_over_as_the_tutorial
     """scikit-fem's own map fails on a flank of this nut. Normals over a closed surface add up to nothing."""
     text = (Path(__file__).parents[3] / "docs" / "tutorials" / "meshes.md").read_text()
     cells = [cell.split("```")[0] for cell in text.split("```{code-cell} ipython3\n")[1:]]
-    run_export(catalogue.scene("two-balls"), "nut", "", tmp_path / "nut.msh", 1)
+    write_part_mesh(catalogue.scene("two-balls"), "nut", "", tmp_path / "nut.msh", 1)
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     for cell in (cell for cell in cells if not cell.startswith("!") and "pyvista" not in cell):

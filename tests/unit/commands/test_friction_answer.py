@@ -8,19 +8,19 @@ import pytest
 from tests.feed_drive import MINE, answer, mine
 from tests.helpers import small_screw
 
-from rollbench.compare.commands.friction import friction_table, run_friction
+from rollbench.compare.commands.friction import friction_terminal_parts, solve_and_report_friction
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.results.rows import friction_rows
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.friction.solve import solve_friction
-from rollbench.compare.studies.friction.whole import Choices
+from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene
+from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.meshes.parts import Friction
 
 
 def test_two_start_left_hand_screw_of_a_file(tmp_path):
     path = tmp_path / "my.toml"
     path.write_text(MINE)
-    found = run_friction(str(path), Choices())
+    found = solve_and_report_friction(str(path), FrictionChoices())
     data = found.data
     assert found.code == 0
     json.dumps(data, allow_nan=False)
@@ -45,7 +45,7 @@ def test_two_start_left_hand_screw_of_a_file(tmp_path):
 
 def test_powers_of_several_sets_on_a_shaft_add_up():
     """What the axial loads of both nuts put in is what the shaft's torque takes out and friction loses."""
-    data = solve_friction("double-nut", Choices(mu=(0.1,))).data
+    data = solve_friction_of_named_scene("double-nut", FrictionChoices(mu=(0.1,))).data
     power, torque = data["energy"], data["torque"]
     speed = data["motion"]["speed_rad_s"]
     assert power["torque_power_W"] == pytest.approx(1e-3 * torque["driving_torque_on_screw_Nmm"] * speed, rel=1e-12)
@@ -100,7 +100,7 @@ def test_shipped_case_and_a_bearing_answer(command):
 def test_terminal_shows_torques_losses_and_what_is_left_out():
     found = answer(mine())
     brief, full = (
-        " ".join("\n".join(part for part in friction_table(found, details=d) if isinstance(part, str)).split())
+        " ".join("\n".join(part for part in friction_terminal_parts(found, details=d) if isinstance(part, str)).split())
         for d in (0, 1)
     )
     torques = ("friction torque", "drag torque", "efficiency against the load", "power lost")
@@ -130,18 +130,18 @@ def test_flanks_without_contact_have_no_angle():
 def test_files_and_names_go_to_the_solver_that_knows_them(tmp_path):
     screw, kind, none = tmp_path / "own.toml", tmp_path / "kind.toml", tmp_path / "none.toml"
     screw.write_text(MINE)
-    kind.write_text(catalogue.scene_text("lin-pair-a"))
+    kind.write_text(catalogue.shipped_scene_text("lin-pair-a"))
     none.write_text('title = "no kind"\n')
-    assert solve_friction(str(screw), Choices("lin")).data["kind"] == "ball screw"
-    assert solve_friction(str(kind), Choices()).data["kind"] == "linear pair"
+    assert solve_friction_of_named_scene(str(screw), FrictionChoices("lin")).data["kind"] == "ball screw"
+    assert solve_friction_of_named_scene(str(kind), FrictionChoices()).data["kind"] == "linear pair"
     with pytest.raises(SceneError, match="track: got nothing"):
-        solve_friction(str(none), Choices())
+        solve_friction_of_named_scene(str(none), FrictionChoices())
     with pytest.raises(InputError, match="did you mean lin-rotary-1"):
-        solve_friction("lin-rotary1", Choices())
-    for choices in (Choices("lin"), Choices(mu=(0.1,)), Choices(member=1)):
+        solve_friction_of_named_scene("lin-rotary1", FrictionChoices())
+    for choices in (FrictionChoices("lin"), FrictionChoices(mu=(0.1,)), FrictionChoices(member=1)):
         with pytest.raises(InputError, match="whole screw or bearing"):
-            run_friction("lin-rotary-1", choices)
-    found = run_friction("lin-rotary-1", Choices())
+            solve_and_report_friction("lin-rotary-1", choices)
+    found = solve_and_report_friction("lin-rotary-1", FrictionChoices())
     assert (found.code, found.data["kind"]) == (0, "bearing ball")
 
 
@@ -151,7 +151,7 @@ def test_member_draws_the_specimen_of_loads_and_friction():
     first, second = (a.data["torque"]["friction_torque_Nmm"] for a in found)
     assert abs(first - second) > 1e-6 * first
     assert [a.data["member"] for a in found] == [0, 1]
-    assert ", specimen 1 of its random errors, " in str(friction_table(found[1])[0])
+    assert ", specimen 1 of its random errors, " in str(friction_terminal_parts(found[1])[0])
     assert answer(mine()).data["member"] is None
     with pytest.raises(InputError, match="no random errors"):
         answer(mine(), member=1)

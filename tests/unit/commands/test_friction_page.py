@@ -18,7 +18,7 @@ SCENE = replace(small_screw(6, 0.6, force=(0.0, 0.0, 400.0)), friction=MU, motio
 def test_the_page_shows_torque_over_turn_coefficient_and_play():
     found = page.friction_section(SCENE, run_model(SCENE, DEFAULT, Options()), Options())
     turn, coefficient, play = found.items[1].panels
-    given = whole.solve_scene(replace(SCENE, time=None), whole.Choices()).data
+    given = whole.solve_friction_of_screw_or_bearing(replace(SCENE, time=None), whole.FrictionChoices()).data
     torque = given["torque"]["friction_torque_Nmm"]
     assert turn.series[0].y[0] == pytest.approx(torque, rel=2e-2)
     assert coefficient.series[0].x[-1] == pytest.approx(0.1)

@@ -10,8 +10,8 @@ from tests.friction_runs import MU, TURN, crowded, setting, sparse
 from tests.helpers import small_screw
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.studies.friction.run import judge_history, run_json, run_lines
-from rollbench.compare.studies.friction.whole import Choices, solve_scene
+from rollbench.compare.studies.friction.run import lines_on_simulation, simulation_with_status, transient_simulation_as_json
+from rollbench.compare.studies.friction.whole import FrictionChoices, solve_friction_of_screw_or_bearing
 from rollbench.lowfi.friction.screw.travel import ErrorEstimate, StepError, simulate
 from rollbench.meshes.parts import Time
 
@@ -24,7 +24,7 @@ def with_time(scene, **time):
 
 @pytest.fixture(scope="module")
 def answer():
-    return solve_scene(with_time(crowded(), angle=1.0, steps=20), Choices("lin"))
+    return solve_friction_of_screw_or_bearing(with_time(crowded(), angle=1.0, steps=20), FrictionChoices("lin"))
 
 
 def test_run_follows_the_instant_and_holds_the_torque_with_its_parts(answer):
@@ -55,7 +55,9 @@ def test_error_of_the_steps_stands_in_every_result(answer):
     assert "error of the steps" in answer.text
     assert "mean absolute error" in error["quantity"]
     # and steps are chosen where none are given
-    found = solve_scene(with_time(sparse(), angle=0.5, output="torque"), Choices("lin")).data["run"]
+    found = solve_friction_of_screw_or_bearing(
+        with_time(sparse(), angle=0.5, output="torque"), FrictionChoices("lin")
+    ).data["run"]
     assert (found["step_error"]["small"], found["steps"]) == (True, found["step_error"]["steps"][-1])
     assert "balls" not in found
 
@@ -64,23 +66,23 @@ def test_an_error_above_the_goal_or_that_nobody_knows_has_not_converged_in_the_s
     history, names = simulate(setting(sparse()), 0.02, 4), ("torque", "mean", "largest", "least", "share")
     for name, size in product(names, (0.005, 0.02, 2.2)):
         found = {key: ErrorEstimate(size if key == name else 0.001) for key in names}
-        run = judge_history(history, StepError(found, (1, 2, 4)), Time(angle=0.2, steps=4))
+        run = simulation_with_status(history, StepError(found, (1, 2, 4)), Time(angle=0.2, steps=4))
         assert run.converged is (size < 0.01)
         if not run.converged:
             assert run.status.startswith("not converged in the step: the error of 4 steps is some ")
             assert run.status.endswith("more than the goal of 1 %: take more steps")
-    run = judge_history(simulate(setting(sparse()), 0.02, 3), None, Time(angle=0.2, steps=3))
+    run = simulation_with_status(simulate(setting(sparse()), 0.02, 3), None, Time(angle=0.2, steps=3))
     assert run.status.startswith("not converged in the step")
-    assert run_json(run)["step_error_unknown"] == "fewer than 4 steps"
+    assert transient_simulation_as_json(run)["step_error_unknown"] == "fewer than 4 steps"
 
 
 def test_a_run_that_failed_says_so():
     scene = replace(small_screw(6, 0.6, force=(0.0, 0.0, 100.0), screw="rigid"), supports=())
     history = simulate(setting(scene), 0.01, 4)
-    run = judge_history(history, None, Time(angle=0.1))
+    run = simulation_with_status(history, None, Time(angle=0.1))
     assert not run.converged
-    assert run_json(run)["converged"] is False
-    assert "contact loads" in run_lines(run)[0][1]
+    assert transient_simulation_as_json(run)["converged"] is False
+    assert "contact loads" in lines_on_simulation(run)[0][1]
 
 
 def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
@@ -92,8 +94,8 @@ def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
 
     tries = []
     full, history = simulate(whole, 0.02, 4), simulate(replace(whole, solve=solve), 0.02, 4)
-    run, degrees = judge_history(history, None, Time(angle=0.2, steps=4)), np.degrees(0.2)
-    data, lines = run_json(run), run_lines(run)
+    run, degrees = simulation_with_status(history, None, Time(angle=0.2, steps=4)), np.degrees(0.2)
+    data, lines = transient_simulation_as_json(run), lines_on_simulation(run)
     assert (data["steps"], data["complete"]) == (3, False)
     assert (data["reached_deg"], data["asked_deg"]) == pytest.approx((0.75 * degrees, degrees))
     assert lines[0][1].startswith(f"stopped at {0.75 * degrees:.6g} deg of {degrees:.6g} deg, in 3 steps")
@@ -104,9 +106,11 @@ def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
 
 def test_zero_friction_runs_without_loss_and_models_that_cannot_run_in_time_are_refused():
     with pytest.raises(InputError, match=r"model: .*lin or refined"):
-        solve_scene(with_time(small_screw(4, 0.5, force=(0.0, 0.0, 300.0)), angle=0.1, steps=4), Choices("mei"))
+        solve_friction_of_screw_or_bearing(
+            with_time(small_screw(4, 0.5, force=(0.0, 0.0, 300.0)), angle=0.1, steps=4), FrictionChoices("mei")
+        )
     scene = replace(with_time(sparse(), angle=0.1, steps=4), friction=replace(MU, screw=0.0, nut=0.0))
-    found = solve_scene(scene, Choices("lin"))
+    found = solve_friction_of_screw_or_bearing(scene, FrictionChoices("lin"))
     assert found.converged
     torque = found.data["run"]["torque"]
     assert (torque["mean_Nmm"], torque["ball_to_ball_most_percent_of_groove"]) == (0.0, None)

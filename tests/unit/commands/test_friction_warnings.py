@@ -7,10 +7,10 @@ import pytest
 from tests.feed_drive import answer
 from tests.helpers import small_screw
 
-from rollbench.compare.commands.friction import friction_table
+from rollbench.compare.commands.friction import friction_terminal_parts
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.friction import solve as friction_answer
-from rollbench.compare.studies.friction.whole import Choices, solve_scene
+from rollbench.compare.studies.friction.whole import FrictionChoices, solve_friction_of_screw_or_bearing
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors, Errors, Friction, Motion
 
@@ -55,7 +55,7 @@ def test_what_is_wrong_with_a_contact_is_told_once_and_as_solve_tells_it():
     static = solve_static(hard).warnings
     for feedback in (False, True):
         scene = replace(hard, friction=replace(hard.friction, feedback=feedback))
-        found = solve_scene(scene, Choices(model="lin")).data["warnings"]
+        found = solve_friction_of_screw_or_bearing(scene, FrictionChoices(model="lin")).data["warnings"]
         for head in ("contact ellipse too large", "contact pressure too high"):
             (once,) = (line for line in found if line.startswith(head))
             (other,) = (line for line in static if line.startswith(head))
@@ -73,7 +73,7 @@ def test_a_scene_that_states_no_play_says_what_play_does():
     assert played["friction_torque_Nmm"] == pytest.approx(stated.data["torque"]["friction_torque_Nmm"], rel=1e-9)
     assert found.warning.startswith("WARNING: no preload and no play are stated")
     assert all(f"{played[key]:.4g} N mm" in found.warning for key in played if key.startswith("friction"))
-    shown = [part for part in friction_table(found) if isinstance(part, str)]
+    shown = [part for part in friction_terminal_parts(found) if isinstance(part, str)]
     assert (shown[2], sum("no preload and no play" in part for part in shown)) == (found.warning, 1)
     assert (stated.data["play"], stated.warning) == (None, "")
     assert answer(replace(scene, errors=Errors(balls=BallErrors(oversize=3e-6)))).data["play"] is None
@@ -90,9 +90,9 @@ STRICT = [
 
 @pytest.mark.parametrize(("name", "old", "new", "said"), STRICT)
 def test_strict_ends_with_1_where_a_line_stands_above_the_answers(name, old, new, said, tmp_path, command, monkeypatch):
-    (tmp_path / "a.toml").write_text(catalogue.scene_text(name).replace(old, new), encoding="utf-8")
-    found = friction_answer.solve_friction(str(tmp_path / "a.toml"), Choices(mu=(0.1,)))
-    monkeypatch.setattr(friction_answer, "solve_friction", lambda *_: found)
+    (tmp_path / "a.toml").write_text(catalogue.shipped_scene_text(name).replace(old, new), encoding="utf-8")
+    found = friction_answer.solve_friction_of_named_scene(str(tmp_path / "a.toml"), FrictionChoices(mu=(0.1,)))
+    monkeypatch.setattr(friction_answer, "solve_friction_of_named_scene", lambda *_: found)
     for strict in (False, True):
         code, data = command.json("friction", name, "--mu", "0.1", "--json", *(["--strict"] if strict else []))
         line = data["warning"] or ""
@@ -102,7 +102,7 @@ def test_strict_ends_with_1_where_a_line_stands_above_the_answers(name, old, new
 
 @pytest.mark.parametrize(("name", "times"), [("lin-case1", 1), ("double-nut", 2)])
 def test_a_coefficient_as_low_as_overall_ones_is_warned_of_by_nut(tmp_path, command, name: str, times: int) -> None:
-    text = re.sub(r"(?m)^coefficient = .*$", "coefficient = 0.005", catalogue.scene_text(name))
+    text = re.sub(r"(?m)^coefficient = .*$", "coefficient = 0.005", catalogue.shipped_scene_text(name))
     (tmp_path / "my.toml").write_text(text, encoding="utf-8")
     data = command.answer("friction", tmp_path / "my.toml", "--model", "lin")
     assert sum("overall coefficients" in w for w in data["warnings"]) == times

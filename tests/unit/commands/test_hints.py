@@ -21,7 +21,7 @@ def test_names_of_files_are_quoted_where_a_shell_needs_it(command, tmp_path) -> 
     assert hinted(command("new", file).out) == ["rollbench", "solve", str(file)]
     written = command("solve", file, "--model", "lin", "--loads-csv", loads).out
     assert hinted(written[written.index("rollbench check") :])[-1] == str(loads)
-    shutil.copy(catalogue.shipped_files("scenes")["two-balls"], tmp_path / "two balls.toml")
+    shutil.copy(catalogue.shipped_toml_files("scenes")["two-balls"], tmp_path / "two balls.toml")
     out = command("compare", tmp_path / "two balls.toml", "--model", "lin", "--store", tmp_path).out
     assert hinted(out[: out.index("\n--verbose")])[:4] == [
         "rollbench",
@@ -35,7 +35,7 @@ def test_names_of_files_are_quoted_where_a_shell_needs_it(command, tmp_path) -> 
 
 def test_a_kind_that_only_friction_solves_is_hinted_by_the_name_that_was_given(tmp_path) -> None:
     file = tmp_path / "my pair.toml"
-    file.write_text(catalogue.scene_text("lin-pair-a"), encoding="utf-8")
+    file.write_text(catalogue.shipped_scene_text("lin-pair-a"), encoding="utf-8")
     with pytest.raises(InputError) as caught:
         catalogue.scene(str(file))
     assert hinted(caught.value.advice) == ["rollbench", "friction", str(file)]

@@ -10,10 +10,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from rollbench.compare.reference.store import DEEPEST, sealed, unsealed
+from rollbench.compare.reference.store import DEEPEST, read_checked_data, run_text_with_checksum
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes import condensed
-from rollbench.meshes.condensed import CondensedBodies, geometry_digest, load_condensed
+from rollbench.meshes.condensed import CondensedBodies, digest_of_geometry, read_condensed_bodies
 
 SCENE = "lin-case1"
 
@@ -26,7 +26,9 @@ def bodies():
     small = np.eye(4) * 1e-10
     line = np.full((4, 3), 1e-11)
     force = np.tile([10.0, 100.0, 300.0], (4, 1))
-    return CondensedBodies(geometry_digest(scene), 1, np.arange(4.0), 0.3, one, one, small, line, force, np.full(4, 1e-7))
+    return CondensedBodies(
+        digest_of_geometry(scene), 1, np.arange(4.0), 0.3, one, one, small, line, force, np.full(4, 1e-7)
+    )
 
 
 def changed(name, value):
@@ -98,14 +100,14 @@ def test_arrays_of_another_kind_are_refused(name, value, path, refused):
 
 def test_good_bodies_are_read_and_damaged_bytes_refused(path, refused):
     """Single flipped bytes all over the file: zlib, headers, directory."""
-    assert np.array_equal(load_condensed(path).screw, bodies().screw)
+    assert np.array_equal(read_condensed_bodies(path).screw, bodies().screw)
     whole = path.read_bytes()
     for place in np.linspace(0, len(whole) - 1, 60).astype(int):
         broken = bytearray(whole)
         broken[place] ^= 0xFF
         path.write_bytes(bytes(broken))
         try:
-            found = load_condensed(path)
+            found = read_condensed_bodies(path)
         except ValueError:
             continue
         assert all(np.array_equal(a, b) for a, b in zip(asdict(found).values(), asdict(bodies()).values(), strict=True))
@@ -149,15 +151,15 @@ def test_devices_and_pipes_without_a_name_are_no_files(command):
 def test_a_stored_run_fits_its_checksum(tmp_path):
     path = tmp_path / "run.json"
     data = {"load": [[1.0, 2.0], [3.0, 4.0]], "scene": "x"}
-    path.write_text(sealed(data), encoding="utf-8")
-    assert unsealed(path) == data
-    changed, nested = sealed(data).replace("3.0", "3.1"), "[" * (DEEPEST + 1) + "]" * (DEEPEST + 1)
+    path.write_text(run_text_with_checksum(data), encoding="utf-8")
+    assert read_checked_data(path) == data
+    changed, nested = run_text_with_checksum(data).replace("3.0", "3.1"), "[" * (DEEPEST + 1) + "]" * (DEEPEST + 1)
     for text, words in ((changed, "checksum"), ('{"load":[[1.0]]}', "checksum"), (nested, "nested")):
         path.write_text(text, encoding="utf-8")
         with pytest.raises(ValueError, match=words):
-            unsealed(path)
+            read_checked_data(path)
     with pytest.raises(ValueError, match="regular"):
-        unsealed(tmp_path)
+        read_checked_data(tmp_path)
 
 
 @pytest.mark.parametrize("key", ["a" + ".a" * 100_000, "\"a\" . 'b' " + ".\t'c'" * 40, "x = { y" + ".y" * 40])
@@ -171,7 +173,7 @@ def test_a_key_of_very_many_parts_is_refused_at_once(key, tmp_path, command):
 
 def test_long_words_and_numbers_are_no_keys():
     text = f"title = '{'a' * 1_000_000}'\nassumed = ['{'-' * 1_000_000}', '{'1.2 ' * 100_000}']\n[a.b.c.d]\ne.f = 1\n"
-    assert set(scene_file.read_toml(text, "x")) == {"title", "assumed", "a"}
+    assert set(scene_file.parse_toml(text, "x")) == {"title", "assumed", "a"}
 
 
 def page(manifest="{}", results="{}"):

@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes import template as like
-from rollbench.compare.scenes.template import template
+from rollbench.compare.scenes.template import commented_template
 
 FIX = 'fix = ["ux", "uy", "rx", "ry", "rz"]'
 
@@ -69,7 +69,7 @@ def test_supports_of_a_rigid_screw_share_what_statics_divides(command, tmp_path:
 
 
 def axis(tmp_path: Path, *changes: tuple[str, str]) -> Path:
-    text = catalogue.scene_text("axis-fixed-fixed")
+    text = catalogue.shipped_scene_text("axis-fixed-fixed")
     for old, new in changes:
         assert old in text
         text = text.replace(old, new, 1)
@@ -116,6 +116,6 @@ def test_shoulders_that_a_shipped_axis_assumes_carry_its_ellipses(command, name:
 
 @pytest.mark.parametrize("kind", ["support-bearings", "angular-contact-bearing"])
 def test_shoulders_of_templates_carry_their_ellipses(command, tmp_path: Path, kind: str) -> None:
-    (tmp_path / "my.toml").write_text(template(kind), encoding="utf-8")
+    (tmp_path / "my.toml").write_text(commented_template(kind), encoding="utf-8")
     found = command.json("solve", tmp_path / "my.toml", "--model", "lin", "--json")[1]
     assert not any("beyond the groove's arc" in words for words in found["warnings"])

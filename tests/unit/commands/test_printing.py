@@ -2,11 +2,11 @@
 
 import pytest
 
-from rollbench.compare.text.printing import Answer, cell, print_answer
+from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output
 
 
 def test_json_is_one_value_without_its_text_and_parts_are_printed_as_they_come(capsys):
-    assert print_answer(Answer(lambda: {"a": 1}, (1 // 0 for _ in (1,)), 3), as_json=True) == 3
+    assert print_command_output(CommandOutput(lambda: {"a": 1}, (1 // 0 for _ in (1,)), 3), as_json=True) == 3
     assert capsys.readouterr().out == '{\n  "a": 1\n}\n'
 
     def parts():
@@ -14,7 +14,7 @@ def test_json_is_one_value_without_its_text_and_parts_are_printed_as_they_come(c
         assert capsys.readouterr().out == "first\n"
         yield "second"
 
-    print_answer(Answer(parts=parts()))
+    print_command_output(CommandOutput(parts=parts()))
     assert capsys.readouterr().out == "second\n"
 
 
@@ -23,4 +23,4 @@ def test_json_is_one_value_without_its_text_and_parts_are_printed_as_they_come(c
     [(-0.001, ".2f", "0.00"), (-0.0, ".4g", "0"), (-0.004, "+.2f", "+0.00"), (-0.006, ".2f", "-0.01"), (-3, "d", "-3")],
 )
 def test_a_number_that_is_rounded_to_zero_has_no_minus(value: float, form: str, text: str) -> None:
-    assert cell(value, form) == text
+    assert format_cell(value, form) == text

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from rollbench.compare.quantities import UNITS, as_json, from_json, quantities, shown
-from rollbench.meshes.quantity import Stated, quantity, record
+from rollbench.compare.quantities import UNITS, fields_from_json, format_by_error, quantities_of_record, record_as_json
+from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 #: Units whose values are kept in them: percent, hours and revolutions are no SI.
 KEPT = ("percent", "million_revolutions", "hours")
@@ -18,39 +18,41 @@ def test_the_factor_of_a_unit_is_that_of_pint(ending):
     assert one.to_base_units().magnitude * UNITS[ending].factor == pytest.approx(1.0)
 
 
-@record
+@result_record
 class Part:
-    force: tuple[float, float] = quantity("forces.x_N", "", Stated("forces.y_N", show=lambda f: f[1]), show=lambda f: f[0])
+    force: tuple[float, float] = quantity_field(
+        "forces.x_N", "", QuantityDescription("forces.y_N", show=lambda f: f[1]), show=lambda f: f[0]
+    )
 
 
-@record
+@result_record
 class Whole:
-    ball: int = quantity("ball")
-    approach: float = quantity("peak_approach_um", "how far both come closer", error="small")
-    tilt: float = quantity("tilt_deg")
-    edge: float = quantity("edge_mm")
-    load: float | None = quantity("load_N", default=None)
-    part: Part = quantity("part", default=Part((1.0, 2.0)))
+    ball: int = quantity_field("ball")
+    approach: float = quantity_field("peak_approach_um", "how far both come closer", error="small")
+    tilt: float = quantity_field("tilt_deg")
+    edge: float = quantity_field("edge_mm")
+    load: float | None = quantity_field("load_N", default=None)
+    part: Part = quantity_field("part", default=Part((1.0, 2.0)))
     inner: int = 0
 
     @property
-    @Stated("half_deg")
+    @QuantityDescription("half_deg")
     def half(self) -> float:
         return 0.5 * self.tilt
 
 
 def test_a_record_is_shown_in_the_units_of_its_keys():
-    found = as_json(Whole(3, 2e-6, math.pi, math.nan))
+    found = record_as_json(Whole(3, 2e-6, math.pi, math.nan))
     part = {"part": {"forces": {"x_N": 1.0, "y_N": 2.0}}}
     numbers = {"ball": 3, "peak_approach_um": 2.0, "tilt_deg": 180.0, "edge_mm": None, "load_N": None, "half_deg": 90.0}
     assert found == numbers | part
-    assert (as_json(None), [*as_json(Whole(3, 0.0, 0.0, 0.0), "part", "edge_mm")][-1]) == (None, "half_deg")
-    column = quantities(Whole)["peak_approach_um"]
+    assert (record_as_json(None), [*record_as_json(Whole(3, 0.0, 0.0, 0.0), "part", "edge_mm")][-1]) == (None, "half_deg")
+    column = quantities_of_record(Whole)["peak_approach_um"]
     assert (column.label, column.unit, column.value(Whole(3, 2e-6, 0.0, 0.0))) == ("peak approach", "um", 2.0)
 
 
 def test_fields_are_read_back_from_json_in_si_units():
-    found = from_json(Whole, {"ball": 3, "peak_approach_um": 2.0, "edge_mm": None})
+    found = fields_from_json(Whole, {"ball": 3, "peak_approach_um": 2.0, "edge_mm": None})
     none = dict.fromkeys(("tilt", "edge", "load", "part"))
     assert found == {"ball": 3, "approach": pytest.approx(2e-6)} | none
 
@@ -66,5 +68,5 @@ SHOWN = [
 
 @pytest.mark.parametrize(("value", "error", "text"), SHOWN)
 def test_people_see_no_digit_beyond_those_of_the_error(value: float, error: float, text: str) -> None:
-    assert shown(value, error) == text
+    assert format_by_error(value, error) == text
     assert abs(float(text) - value) <= max(0.15 * error, abs(value) * 5e-4)

@@ -9,7 +9,7 @@ import pytest
 from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.report import pages as report_first
 from rollbench.compare.report import report
-from rollbench.compare.report.pages import CHECKED, LEVEL, LiveCheck, live_check
+from rollbench.compare.report.pages import CHECKED, LEVEL, RecomputedRunCheck, recompute_shipped_run
 from rollbench.compare.scenes import catalogue
 
 
@@ -32,10 +32,10 @@ def test_the_live_check_compares_a_run_with_the_shipped_one(monkeypatch, factor,
         return [replace(shipped, load=factor * shipped.load)]
 
     monkeypatch.setattr(report_first, "compute_runs", again)
-    found = live_check((shipped_store(),), print)
+    found = recompute_shipped_run((shipped_store(),), print)
     assert found.agrees is agrees
     largest = 100.0 * (factor - 1.0) * shipped.load.max() / shipped.load[shipped.load > 0.0].mean()
     assert found.percent == pytest.approx(largest, abs=1e-9)
     assert ("DOES NOT AGREE" in str(found)) is not agrees
-    assert live_check((tmp_path,), print) is None, "no run is stored"
-    assert not LiveCheck("x", 1, float(np.inf), 1.0).agrees
+    assert recompute_shipped_run((tmp_path,), print) is None, "no run is stored"
+    assert not RecomputedRunCheck("x", 1, float(np.inf), 1.0).agrees

@@ -4,13 +4,17 @@ from unittest.mock import Mock
 
 import pytest
 
-from rollbench.compare.commands.compare import rolling_scenes
+from rollbench.compare.commands.compare import scenes_of_friction_or_none
 from rollbench.compare.errors import InputError
 from rollbench.compare.reference import store
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import runs
-from rollbench.compare.studies.rolling.rows import RollingRow, is_within_limit, quantity_uncertainty
+from rollbench.compare.studies.rolling.rows import (
+    RollingComparisonRow,
+    low_order_error_is_within_limit,
+    quantity_uncertainty,
+)
 from rollbench.compare.studies.rolling.runs import find_or_compute_runs
 from rollbench.hifi.rolling import balls, bodies
 
@@ -67,12 +71,14 @@ def test_a_grid_is_stored_as_soon_as_it_is_done(tmp_path, monkeypatch):
 
 def row(low, reference, bar):
     error = 100.0 * (low - reference) / reference
-    return RollingRow("a", "force 1-2", "N", low, reference, bar, None, None, 0, 0, error, 100.0 * bar / reference, 0, 0)
+    return RollingComparisonRow(
+        "a", "force 1-2", "N", low, reference, bar, None, None, 0, 0, error, 100.0 * bar / reference, 0, 0
+    )
 
 
 def test_the_uncertainty_is_deducted_but_excuses_no_more_than_the_limit():
     cases = ((4.07, 0.0), (4.1, 0.0), (4.1, 0.03), (4.2, 1.0))
-    assert [is_within_limit(row(low, 4.0, bar)) for low, bar in cases] == [True, False, True, False]
+    assert [low_order_error_is_within_limit(row(low, 4.0, bar)) for low, bar in cases] == [True, False, True, False]
 
 
 def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(command, tmp_path, monkeypatch):
@@ -87,8 +93,8 @@ def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(comman
 
 
 def test_the_end_of_a_process_for_want_of_memory_and_whole_screws_among_rolling_balls_are_bad_input(monkeypatch):
-    monkeypatch.setattr(balls, "compute_body_kernels", Mock(side_effect=MemoryError("ended from outside")))
+    monkeypatch.setattr(balls, "cache_kernels_of_scenes", Mock(side_effect=MemoryError("ended from outside")))
     with pytest.raises(InputError, match="memory"):
         runs.compute_run(catalogue.any_scene("lin-rotary-3"), 1)
     with pytest.raises(InputError, match="compare them in separate runs"):
-        rolling_scenes(["lin-case1", "lin-pair-a"], "half-space", {})
+        scenes_of_friction_or_none(["lin-case1", "lin-pair-a"], "half-space", {})

@@ -9,8 +9,8 @@ from tests.load_cases import written
 
 from rollbench.compare.report import scene_page, several, verify
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.cells import typeset_text
-from rollbench.reports.scene_page import read_page, render_page, sha256, without_manifest
+from rollbench.reports.cells import with_typographic_signs
+from rollbench.reports.scene_page import html_without_manifest, read_page_data, render_page, sha256
 
 pytestmark = pytest.mark.xdist_group("scene page")
 
@@ -23,7 +23,7 @@ STORES = (scene_page.shipped_store(),)
 
 @pytest.fixture(scope="module")
 def page():
-    return replace(scene_page.make_page(SCENE, STORES), picture=None)
+    return replace(scene_page.solve_and_make_page(SCENE, STORES), picture=None)
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def html(page) -> str:
 
 def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) -> None:
     assert page.verdict.startswith("The contact with the highest pressure (ball ")
-    assert html.index(typeset_text(page.verdict)) < html.index("<table")
+    assert html.index(with_typographic_signs(page.verdict)) < html.index("<table")
     assert [row["quantity"] for row in page.table.rows][:2] == ["largest contact load", "mean contact load"]
     assert not re.search(r'(src|href)="(?!data:|#)', html)
     assert {part.name for part in page.parts} == {"scene", "loads", "stiffness", "error", "assumptions"}
@@ -42,7 +42,7 @@ def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) 
     shown = re.sub(r"<script.*?</script>|<pre>.*?</pre>", "", html, flags=re.DOTALL)
     assert "µm" in shown
     assert not re.search(r"\bum\b", shown)
-    assert page.scene_text.count(" um") == read_page(html)["scene"].count(" um") > 0
+    assert page.scene_text.count(" um") == read_page_data(html)["scene"].count(" um") > 0
     assert " um" in re.search(r"<pre>.*?</pre>", html, flags=re.DOTALL)[0]
     (table,) = (i for part in page.parts for i in part.items if getattr(i, "name", "") == "contacts")
     loads = [load for ball in page.results["balls"] for load in ball["load_N"].values() if load]
@@ -50,18 +50,18 @@ def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) 
 
 
 def test_manifest_holds_until_something_is_changed(html: str) -> None:
-    blocks = read_page(html)
-    assert blocks["manifest"]["page"] == sha256(without_manifest(html))
+    blocks = read_page_data(html)
+    assert blocks["manifest"]["page"] == sha256(html_without_manifest(html))
     assert all(len(x) == 64 for x in blocks["manifest"]["files"].values())
     assert {row.state for row in verify.check_page_hashes(html, blocks, STORES)} == {"ok"}
     shown = html.replace("The contact with the highest", "The contact with the lowest")
-    assert [row.name for row in verify.check_page_hashes(shown, read_page(shown), STORES) if row.state == "changed"] == [
-        "page"
-    ]
+    assert [
+        row.name for row in verify.check_page_hashes(shown, read_page_data(shown), STORES) if row.state == "changed"
+    ] == ["page"]
     lead = json.dumps(blocks["scene"])[1:40]
     assert lead in html
     other = html.replace(lead, lead[:-2] + "  ", 1)
-    wrong = {row.name for row in verify.check_page_hashes(other, read_page(other), STORES) if row.state == "changed"}
+    wrong = {row.name for row in verify.check_page_hashes(other, read_page_data(other), STORES) if row.state == "changed"}
     assert wrong == {"page", "scene"}
     without = {**blocks, "manifest": {**blocks["manifest"], "files": {"x.json": "0"}}}
     gone = list(verify.check_page_hashes(html, without, ()))
@@ -72,7 +72,7 @@ def test_a_scene_text_cannot_end_its_block(page) -> None:
     evil = replace(page, scene_text='title = "</script><script>alert(1)</script>"', parts=())
     html = render_page(evil)
     assert "<script>alert" not in html
-    assert read_page(html)["scene"] == evil.scene_text
+    assert read_page_data(html)["scene"] == evil.scene_text
 
 
 def test_verify_by_the_command_line(html: str, tmp_path, command) -> None:
@@ -102,20 +102,20 @@ def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, monkeypatch
     (old / "index.html").write_text(html, encoding="utf-8")
 
     def written_later(scenes, out, *_: object):
-        again = scene_page.make_page(*scenes, STORES)
+        again = scene_page.solve_and_make_page(*scenes, STORES)
         later = replace(again, picture=None, provenance={**again.provenance, "date": "later"})
         (out / "index.html").write_text(render_page(later), encoding="utf-8")
         return [later]
 
-    monkeypatch.setattr(verify, "make_pages", written_later)
-    found = verify.run_pages([SCENE], new, tmp_path, old)
+    monkeypatch.setattr(verify, "write_scene_pages", written_later)
+    found = verify.write_and_compare_pages([SCENE], new, tmp_path, old)
     assert (found.code, found.parts[-1]) == (0, "nothing changed")
 
 
 def test_the_page_can_be_turned_and_says_what_its_results_say(html: str) -> None:
     view = json.loads(re.search(r'id="view-data">(.*?)</script>', html, flags=re.DOTALL)[1])
     (one,) = view["cases"][0]["sets"]
-    balls = read_page(html)["results"]["balls"]
+    balls = read_page_data(html)["results"]["balls"]
     assert len(one["places"]) == len(balls)
     sizes = [[sum(x * x for x in force) ** 0.5 for force in row] for row in one["forces"]]
     assert sizes == [pytest.approx([ball["load_N"][side] for side in SIDES], rel=1e-5) for ball in balls]
@@ -127,8 +127,10 @@ def both(tmp_path_factory):
     """A report on two scenes, one of three load cases, and what the terminal is told."""
     folder = tmp_path_factory.mktemp("several")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(several, "make_page", lambda *given: replace(scene_page.make_page(*given), picture=None))
-        said = verify.run_pages([SCENE, written(folder)], folder / "out", folder)
+        patch.setattr(
+            several, "solve_and_make_page", lambda *given: replace(scene_page.solve_and_make_page(*given), picture=None)
+        )
+        said = verify.write_and_compare_pages([SCENE, written(folder)], folder / "out", folder)
     return folder, said
 
 
@@ -142,7 +144,7 @@ def test_scenes_stand_side_by_side_with_the_numbers_of_their_pages(both) -> None
     assert re.findall(r"<th[^>]*>([^<]*)", head)[2:] == ["two-balls", "two, balls", "two, push", "two, loose"]
     cells = {row[0]: row[2:] for row in (re.findall(r"<td[^>]*>([^<]*)", line) for line in lines)}
     files = (folder / "out" / name for name in ("two-balls.html", "two.html"))
-    one, cases = (read_page(path.read_text(encoding="utf-8"))["results"] for path in files)
+    one, cases = (read_page_data(path.read_text(encoding="utf-8"))["results"] for path in files)
     summaries = [one["summary"], *(case["summary"] for case in cases["cases"])]
     for words, group, key in (
         ("loads: max", "loads", "max_N"),
@@ -168,7 +170,7 @@ def test_the_first_page_says_when_another_one_was_changed(both, command) -> None
 def test_a_bad_file_among_several_is_one_line_and_leaves_what_was_there(both, command, monkeypatch) -> None:
     folder, _ = both
     before = {path.name: path.read_bytes() for path in (folder / "out").iterdir()}
-    monkeypatch.setattr(several, "make_page", lambda *_: pytest.fail("work was done"))
+    monkeypatch.setattr(several, "solve_and_make_page", lambda *_: pytest.fail("work was done"))
     assert "missing.toml" in command.refused("report", SCENE, folder / "missing.toml", "--out", folder / "out")
     assert "missing.toml" in command.refused("report", SCENE, folder / "missing.toml", "--out", folder / "none")
     assert "--against" in command.refused("report", SCENE, SCENE, "--against", folder / "out", "--out", folder / "none")

@@ -14,14 +14,14 @@ from tests.processes import COMMAND, ran
 
 from rollbench.compare.commands.solve import dmig_text, matrix_market_text
 from rollbench.compare.errors import InputError, Refusal
-from rollbench.compare.models.answers import all_answers, tangent_stiffness_at
+from rollbench.compare.models.answers import compute_all_results, tangent_stiffness_at
 from rollbench.compare.models.load_cases import Solved
-from rollbench.compare.models.loading import lift_off, preload, solve_scaled
+from rollbench.compare.models.loading import find_lift_off_load, preload_from_unloaded, solve_scaled
 from rollbench.compare.models.registry import MODELS, Options, run_model
-from rollbench.compare.reference.estimate import reference
+from rollbench.compare.reference.estimate import reference_of_scene
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.results.compared import compared
-from rollbench.compare.results.scene_json import answers_json
+from rollbench.compare.results.compared import compare_models_with_reference
+from rollbench.compare.results.scene_json import single_set_results_json
 from rollbench.compare.scenes import catalogue, template
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
 from rollbench.lowfi.statics import elastic, settle
@@ -34,12 +34,12 @@ QUIET = Options(discretisation=False)
 def solved():
     scene = replace(catalogue.scene("lin-case3"), friction=None)
     result = run_model(scene, "lin", QUIET)
-    return scene, result, all_answers(scene, result, "lin", QUIET)
+    return scene, result, compute_all_results(scene, result, "lin", QUIET)
 
 
 def test_the_json_holds_the_numbers_of_the_result(solved) -> None:
     scene, result, found = solved
-    data = json.loads(json.dumps(answers_json(Solved(scene, result, found)), allow_nan=False))
+    data = json.loads(json.dumps(single_set_results_json(Solved(scene, result, found)), allow_nan=False))
     assert data["loads"]["max_N"] == pytest.approx(result.load.max())
     assert data["loads"]["mean_N"] == pytest.approx(result.load[result.load > 0].mean())
     assert data["axial"]["force_N"] == pytest.approx(5000.0)
@@ -55,7 +55,7 @@ def test_the_json_holds_the_numbers_of_the_result(solved) -> None:
 def test_preload_is_what_the_flanks_press_without_load(solved) -> None:
     scene, _, found = solved
     bare = solve_scaled(scene, 0.0, "lin", QUIET)
-    held = preload(scene, bare)
+    held = preload_from_unloaded(scene, bare)
     assert (held, held.loaded) == (found.preload, 4 * scene.ball_count)
     assert held.axial == pytest.approx(approach_per_displacement(scene) * bare.load[:, 0].sum(), rel=0.02)
 
@@ -71,12 +71,12 @@ def test_the_first_contact_is_lost_where_lift_off_says(solved) -> None:
 def test_lift_off_below_the_scenes_load_and_without_preload() -> None:
     scene = replace(catalogue.scene("lin-case3"), errors=Errors(balls=BallErrors(oversize=2e-6)))
     result, bare = run_model(scene, "lin", QUIET), solve_scaled(scene, 0.0, "lin", QUIET)
-    found = lift_off(scene, result, bare, "lin", QUIET)
+    found = find_lift_off_load(scene, result, bare, "lin", QUIET)
     assert 0.0 < found.factor < 1.0
     assert solve_scaled(scene, 0.97 * found.factor, "lin", QUIET).load.min() > 0.0
     assert solve_scaled(scene, 1.03 * found.factor, "lin", QUIET).load.min() == 0.0
     plain = catalogue.scene("lin-case1")
-    assert lift_off(plain, result, solve_scaled(plain, 0.0, "lin", QUIET), "lin", QUIET) is None
+    assert find_lift_off_load(plain, result, solve_scaled(plain, 0.0, "lin", QUIET), "lin", QUIET) is None
 
 
 def test_matrix_files_hold_the_matrix() -> None:
@@ -165,7 +165,7 @@ SOLVERS = [("lin-case3", "lin"), ("bearing-9", "refined"), ("double-nut", "lin")
 def test_what_did_not_converge_prints_no_numbers_as_answers(monkeypatch, command, tmp_path, scene, model) -> None:
     if scene == "double-nut":
         scene = str(tmp_path / "two.toml")
-        text = catalogue.scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
+        text = catalogue.shipped_scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
         Path(scene).write_text(text, encoding="utf-8")
     whole = command.answer("solve", scene, "--model", model)
     monkeypatch.setattr(settle, "MAX_ITERATIONS", 1)
@@ -242,7 +242,7 @@ def test_a_life_is_said_in_hours_and_kilometres_too(tmp_path: Path, command) -> 
 
 
 def test_several_sets_are_warned_of_by_name(tmp_path: Path, command) -> None:
-    text = catalogue.scene_text("double-nut").replace('offset = "-4 um"', 'offset = "-120 um"')
+    text = catalogue.shipped_scene_text("double-nut").replace('offset = "-4 um"', 'offset = "-120 um"')
     (tmp_path / "a.toml").write_text(text, encoding="utf-8")
     code, out, _ = command("solve", tmp_path / "a.toml", "--model", "lin", "--strict")
     assert code == 1
@@ -270,9 +270,9 @@ def test_a_modulus_of_no_solid_is_refused_unless_it_is_meant(tmp_path: Path, com
 def test_compare_counts_displacements_from_where_solve_does() -> None:
     scene = catalogue.scene("lin-case3")
     stores = (shipped_store(),)
-    found = reference(scene, stores)
-    whole = compared(scene, [MODELS["lin"]], found, stores)
-    solved = all_answers(scene, run_model(scene, "lin", QUIET), "lin", QUIET)
+    found = reference_of_scene(scene, stores)
+    whole = compare_models_with_reference(scene, [MODELS["lin"]], found, stores)
+    solved = compute_all_results(scene, run_model(scene, "lin", QUIET), "lin", QUIET)
     (row,) = (b for b in whole.models if b.label == "lin")
     assert row.displacement == pytest.approx(solved.displacement, rel=1e-9)
     assert whole.start != 0.0

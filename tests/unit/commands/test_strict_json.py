@@ -4,7 +4,7 @@ import inspect
 
 import pytest
 
-from rollbench.compare.cli import commands as complete
+from rollbench.compare.cli import app_with_commands as complete
 from rollbench.compare.scenes import catalogue
 
 #: Shipped scenes, the smallest of each kind that `solve` and `friction` take, and of those that only `friction` does.
@@ -41,7 +41,7 @@ def strict(command, *tokens):
 
 def test_no_command_is_forgotten():
     functions = (complete()[name].default_command for name in complete() if not name.startswith("-"))
-    commands = {f.__name__ for f in functions if "as_json" in inspect.signature(f).parameters}
+    commands = {f.__name__ for f in functions if "as_json" in inspect.signature(f).kernel_parameters}
     assert commands == OTHERS.keys() | ELSEWHERE.keys()
 
 
@@ -62,8 +62,8 @@ def test_solve(command, name):
 def test_friction(command, tmp_path, name):
     scene = name
     if name == "lin-screw-run":  # as shipped but for its 200 steps, which take seconds
-        short = catalogue.scene_text(name).replace("steps = 200", "steps = 4")
-        assert short != catalogue.scene_text(name)
+        short = catalogue.shipped_scene_text(name).replace("steps = 200", "steps = 4")
+        assert short != catalogue.shipped_scene_text(name)
         path = tmp_path / f"{name}.toml"
         path.write_text(short, encoding="utf-8")
         scene = str(path)

@@ -13,7 +13,7 @@ from rollbench.compare import cli, errors, files
 from rollbench.compare.report import several, verify
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi import jit
-from rollbench.meshes.files import temporary_name
+from rollbench.meshes.files import temporary_path
 from rollbench.reports.cells import escape_formula
 
 
@@ -64,21 +64,21 @@ def test_kernels_are_not_kept_where_the_cache_cannot_be_written(tmp_path, monkey
     (tmp_path / "file").write_text("")
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path / "file" / "cache"))
-    assert jit.code_folder.__wrapped__() is None
+    assert jit.machine_code_folder.__wrapped__() is None
     assert "are not stored" in capsys.readouterr().err
 
 
 def test_what_a_killed_process_left_is_removed(tmp_path):
     path = tmp_path / "a.json"
-    mine = temporary_name(path)
+    mine = temporary_path(path)
     left = Path(str(mine).replace(f"-{os.getpid()}-", f"-{dead_process()}-"))
-    folder = Path(str(temporary_name(path, "new")).replace(f"-{os.getpid()}-", f"-{dead_process()}-"))
+    folder = Path(str(temporary_path(path, "new")).replace(f"-{os.getpid()}-", f"-{dead_process()}-"))
     folder.mkdir()
     (folder / "x").write_text("half")
     for other in (mine, left, tmp_path / ".a.json.notes.tmp"):
         other.write_text("half")
     files.replace_file(path, "whole")
-    temporary_name(path, "new")
+    temporary_path(path, "new")
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted([mine.name, ".a.json.notes.tmp", "a.json"])
 
 
@@ -100,8 +100,8 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
 
 def test_control_characters_of_a_scene_and_of_a_report_s_files_are_escaped():
     assert verify.HashCheck("x\x1b]0;title", "\x1b", "y").line.isprintable()
-    text = catalogue.scene_text("lin-case1").replace('title = "', 'title = "\\u001b[31m\\u202e', 1)
-    scene = scene_file.scene_of_text(text, "bad\x1bname.toml")
+    text = catalogue.shipped_scene_text("lin-case1").replace('title = "', 'title = "\\u001b[31m\\u202e', 1)
+    scene = scene_file.scene_from_text(text, "bad\x1bname.toml")
     assert scene.title.startswith("\\x1b[31m\\u202e")
     assert scene.name == "bad\\x1bname"
 
@@ -116,10 +116,10 @@ def test_an_output_that_cannot_be_made_is_refused_before_any_work(tmp_path, monk
     (tmp_path / "file").write_text("")
     for bad in (tmp_path, tmp_path / "file" / "x.npz"):
         with pytest.raises(errors.InputError):
-            files.need_writable(bad)
-    files.need_writable(tmp_path / "new" / "x.npz")
+            files.check_writable(bad)
+    files.check_writable(tmp_path / "new" / "x.npz")
     assert list((tmp_path / "new").iterdir()) == []
-    monkeypatch.setattr(several, "make_page", lambda *_: pytest.fail("work was done"))
+    monkeypatch.setattr(several, "solve_and_make_page", lambda *_: pytest.fail("work was done"))
     for words in (["two-balls"], ["--only", "overview"]):
         assert "Not a directory" in command.refused("report", *words, "--out", tmp_path / "file" / "page")
 
@@ -145,7 +145,7 @@ COMPARE = pytest.param(["compare"], marks=pytest.mark.slow)
 @pytest.mark.parametrize("words", [COMPARE, ["solve", "--loads-csv", "b\x1b.csv"]])
 def test_escape_characters_of_names_are_not_printed_raw(words, tmp_path, monkeypatch, command):
     name = "a\x1b[31mred\x07.toml"
-    (tmp_path / name).write_text(catalogue.scene_text("two-balls"), encoding="utf-8")
+    (tmp_path / name).write_text(catalogue.shipped_scene_text("two-balls"), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     for said in (command(*words, name), command("new", "c\x1b.toml", "--like", "40x10")):
         assert "\x1b" not in said.out + said.err

@@ -14,7 +14,7 @@ from scipy.linalg import eigh
 from tests.helpers import small_screw
 
 import rollbench
-from rollbench.compare.scenes.template import text_of
+from rollbench.compare.scenes.template import new_scene_text
 from rollbench.compare.studies.table_files import ROSS_TERMS, modelica_text, ross_text, write_table
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics import elastic
@@ -46,7 +46,7 @@ print("found", json.dumps(found))
 def travel(tmp_path_factory):
     """The folder with the table of a screw of catalogue size over its travel, one place of which is beyond the thread."""
     folder = tmp_path_factory.mktemp("travel")
-    (folder / "my.toml").write_text(text_of("ball screw", "40x10"))
+    (folder / "my.toml").write_text(new_scene_text("ball screw", "40x10"))
     found = rollbench.table(folder / "my.toml", ["nut.position=100:900:3 mm"], quantities=["stiffness", "pressure"])
     write_table(folder / "t.json", found)
     return folder, found
@@ -95,7 +95,7 @@ def test_a_nut_beyond_the_thread_is_a_row_with_its_reason(travel):
 
 def test_a_load_without_equilibrium_is_a_row_with_its_reason(tmp_path, command):
     file = tmp_path / "bearing.toml"
-    file.write_text(text_of("angular-contact bearing"))
+    file.write_text(new_scene_text("angular-contact bearing"))
     out = command.said("table", file, "--over", "load=-1 kN,1 kN", "--out", tmp_path / "t.csv")
     assert "load -1 kN: not held: the load opens bearing" in out
     rows = list(csv.DictReader((tmp_path / "t.csv").read_text().splitlines()))
@@ -117,7 +117,7 @@ def test_text_is_no_wider_than_a_hundred_columns(command):
 
 def test_stiffness_of_one_set_of_several(tmp_path):
     file = tmp_path / "bearing.toml"
-    file.write_text(text_of("angular-contact bearing"))
+    file.write_text(new_scene_text("angular-contact bearing"))
     whole, alone = (rollbench.table(file, quantities=["stiffness"], stiffness_at=at).rows[0] for at in (None, "bearing"))
     (of_set,) = rollbench.solve(file).to_dict()["sets"]
     assert alone.stiffness == pytest.approx(np.array(of_set["stiffness"]), rel=1e-9)

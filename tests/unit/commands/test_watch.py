@@ -41,7 +41,7 @@ def test_a_bar_says_on_a_terminal_what_is_done_and_leaves_nothing(monkeypatch, c
 
 def test_nothing_is_erased_where_no_line_can_be(monkeypatch, capsys):
     monkeypatch.setattr(running.sys.stderr, "isatty", lambda: True)
-    running.on_terminal("meshes [1/2]")
+    running.show_progress_message("meshes [1/2]")
     assert "meshes [1/2]" in capsys.readouterr().err
     monkeypatch.setattr(running.sys.stderr, "isatty", lambda: False)
     running.clear_progress_line()

@@ -7,7 +7,7 @@ from rich.box import HEAVY_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from rollbench.compare.text.printing import aligned_table, split_to_width, wrap_lines
+from rollbench.compare.text.printing import split_to_width, table_of_records, wrap_lines
 
 
 def balls(*, ruled: bool) -> Table:
@@ -50,7 +50,7 @@ def test_a_table_that_fits_stays_as_it_is_and_what_follows_stands_below_the_text
 
 def test_numbers_are_flush_right_and_empty_columns_left_out() -> None:
     rows = [{"name": "a", "order": None, "value": 1.0}, {"name": "longer", "order": None, "value": -12.345678}]
-    lines = [line.rstrip() for line in shown(aligned_table(rows), 80).splitlines()]
+    lines = [line.rstrip() for line in shown(table_of_records(rows), 80).splitlines()]
     assert lines == ["name    value", "a           1", "longer -12.35"]
 
 

@@ -7,31 +7,36 @@ import pytest
 
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.compliance.between import contact_frames
-from rollbench.lowfi.compliance.bodies import end_response, normal_rows, section_response, whole_body
-from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section, smooth_body
-from rollbench.lowfi.compliance.tube import clamped_beam_compliance, motion_rows
-from rollbench.meshes.condensed import geometry_digest, load_condensed
+from rollbench.lowfi.compliance.between import contact_points_and_axes
+from rollbench.lowfi.compliance.bodies import (
+    compliance_between_contacts,
+    nominal_normals_matrix,
+    screw_response_to_end_wrench,
+    screw_response_to_section_wrench,
+)
+from rollbench.lowfi.compliance.parts import LADDER, REFINED, grooved_section, reduce_to_compliance_geometry, smooth_body
+from rollbench.lowfi.compliance.tube import clamped_beam_compliance, contact_motions_by_rigid_motions
+from rollbench.meshes.condensed import digest_of_geometry, read_condensed_bodies
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.section import tube_section
 
 CASE = catalogue.scene("lin-case1")
 LAYOUT = ball_layout(CASE)
 SMOOTH = replace(REFINED, flank=False)
-TUBE = smooth_body(geometry_only(CASE), True, REFINED)
+TUBE = smooth_body(reduce_to_compliance_geometry(CASE), True, REFINED)
 PLAIN = tube_section(2.0 * TUBE.outer, 2.0 * TUBE.bore, TUBE.material)
 
 
 @pytest.fixture(scope="module")
 def response():
     """The smooth stretch loaded at its end; not made where tests are only collected, as every worker does."""
-    return end_response(CASE, LAYOUT, SMOOTH)
+    return screw_response_to_end_wrench(CASE, LAYOUT, SMOOTH)
 
 
 def by_closed_form(width: float) -> np.ndarray:
     """Motions (4 N, 6) of the contacts on a solid bar by tension and bending at its end; patches of a width spread along z
     add the mean of the deflection's curvature over them."""
-    x, axes = contact_frames(CASE, LAYOUT, True)
+    x, axes = contact_points_and_axes(CASE, LAYOUT, True)
     nu = TUBE.material.poissons_ratio
     one = np.zeros(len(x))
     tension = -nu / PLAIN.EA * np.stack([x[:, 0], x[:, 1], one], axis=1)
@@ -45,7 +50,7 @@ def by_closed_form(width: float) -> np.ndarray:
 
 def test_contacts_move_as_saint_venant_says(response):
     found, wanted = response.contacts[:, 2:5], by_closed_form(TUBE.width)
-    inside = np.abs(np.repeat(contact_frames(CASE, LAYOUT, True)[0][:, 2], 2) - CASE.nut.position) < 10e-3
+    inside = np.abs(np.repeat(contact_points_and_axes(CASE, LAYOUT, True)[0][:, 2], 2) - CASE.nut.position) < 10e-3
     for k in range(3):
         size = np.abs(wanted[:, k]).max()
         assert np.abs(found - wanted)[inside, k].max() < 1e-2 * size
@@ -56,8 +61,8 @@ def test_contacts_move_as_saint_venant_says(response):
 def test_a_section_between_contacts_is_felt_below_it_and_not_above(response):
     """A wrench on the section at the nut's centre: the end's motions a radius below it, half at it, none a radius above,
     but for the shift by a moment, part of which acts across in a slice."""
-    at, z = CASE.nut.position, np.repeat(contact_frames(CASE, LAYOUT, True)[0][:, 2], 2)
-    found, wanted = section_response(CASE, LAYOUT, SMOOTH, at), response.contacts.copy()
+    at, z = CASE.nut.position, np.repeat(contact_points_and_axes(CASE, LAYOUT, True)[0][:, 2], 2)
+    found, wanted = screw_response_to_section_wrench(CASE, LAYOUT, SMOOTH, at), response.contacts.copy()
     wanted[:, 0] += (at - response.high) * wanted[:, 4]
     wanted[:, 1] -= (at - response.high) * wanted[:, 3]
     far, size = 1.1 * TUBE.outer, np.abs(wanted).max(axis=0)
@@ -73,25 +78,27 @@ def test_a_section_between_contacts_is_felt_below_it_and_not_above(response):
 def test_contacts_lengthen_a_grooved_screw_as_in_3d():
     """Motions of case 1's screw between its contacts by equal loads on all, less those of a rigid body: 3D (level 4) and
     here within 1 %; without what its grooves strain 4 %."""
-    path = next(shipped_store().glob(f"bodies-{geometry_digest(CASE)[:16]}-level4-*.npz"))
-    bodies, (x, axes) = load_condensed(path), contact_frames(CASE, LAYOUT, True)
-    section, N = grooved_section(geometry_only(CASE), True), LAYOUT.z.size
-    beam = clamped_beam_compliance(motion_rows(x, axes), np.repeat(x[:, 2], 2), (bodies.base, 0.0), "low", section)
+    path = next(shipped_store().glob(f"bodies-{digest_of_geometry(CASE)[:16]}-level4-*.npz"))
+    bodies, (x, axes) = read_condensed_bodies(path), contact_points_and_axes(CASE, LAYOUT, True)
+    section, N = grooved_section(reduce_to_compliance_geometry(CASE), True), LAYOUT.z.size
+    beam = clamped_beam_compliance(
+        contact_motions_by_rigid_motions(x, axes), np.repeat(x[:, 2], 2), (bodies.base, 0.0), "low", section
+    )
     sides = [int(s) for s in bodies.sides if s < 2]
-    rows, ball = normal_rows(CASE, N, sides), np.repeat(np.arange(N), len(sides))
-    rigid = np.linalg.qr(rows @ motion_rows(x, axes, CASE.nut.position))[0]
+    rows, ball = nominal_normals_matrix(CASE, N, sides), np.repeat(np.arange(N), len(sides))
+    rigid = np.linalg.qr(rows @ contact_motions_by_rigid_motions(x, axes, CASE.nut.position))[0]
 
     def by_all(G):
         u = np.where(ball[:, None] != ball, G, 0.0).sum(axis=1)
         return u - rigid @ (rigid.T @ u)
 
     wanted = by_all(bodies.screw)
-    found = by_all(rows @ (whole_body(CASE, LAYOUT, True, REFINED) + beam) @ rows.T)
+    found = by_all(rows @ (compliance_between_contacts(CASE, LAYOUT, True, REFINED) + beam) @ rows.T)
     assert np.linalg.norm(found - wanted) < 0.01 * np.linalg.norm(wanted)
 
 
 def test_torsion_leaves_round_sections_as_they_are(response):
-    x, _ = contact_frames(CASE, LAYOUT, True)
+    x, _ = contact_points_and_axes(CASE, LAYOUT, True)
     turn = float(np.hypot(x[:, 0], x[:, 1]).max() * 0.05 / PLAIN.GJ)
     assert np.abs(response.contacts[:, 5]).max() < 1e-3 * turn
 
@@ -109,5 +116,5 @@ def test_bodies_that_are_no_stretch_of_a_shaft_have_none():
     """A beam alone, a ring on a stiff shaft."""
     ring = catalogue.scene("bearing-9")
     held = replace(ring, solid=replace(ring.solid, screw_held="bore"))
-    assert end_response(CASE, LAYOUT, LADDER["lin"]) is None
-    assert end_response(held, ball_layout(held), REFINED) is None
+    assert screw_response_to_end_wrench(CASE, LAYOUT, LADDER["lin"]) is None
+    assert screw_response_to_end_wrench(held, ball_layout(held), REFINED) is None

@@ -8,26 +8,26 @@ from scipy.special import ive
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.compliance.beyond_hertz import (
-    flank_size_correction,
+    contact_size_correction,
     half_space_compliance,
-    harmonic_expansion,
-    legendre_compliance,
     sphere_self_compliance,
     sphere_self_compliance_slope,
+    sphere_series_coefficients,
+    sphere_series_expansion,
 )
-from rollbench.lowfi.compliance.groove import equal_patch_loads, normal_load, self_motion
-from rollbench.lowfi.compliance.parts import geometry_only, groove_of_body
+from rollbench.lowfi.compliance.groove import equal_patch_loads, nodal_forces_along_flank_normals, self_motion
+from rollbench.lowfi.compliance.parts import half_groove_of_body, reduce_to_compliance_geometry
 
 pytestmark = pytest.mark.xdist_group("flank")
 
 NU = 0.28
-#: alpha and beta of `flank_size_correction`.
+#: alpha and beta of `contact_size_correction`.
 ALPHA, BETA = 2 * (1 - NU) * (1 - 2 * NU), -(1 - 2 * NU) * (3 - 2 * NU)
 
 
 @pytest.fixture(scope="module")
 def flank():
-    return groove_of_body(geometry_only(catalogue.scene("lin-case1")), True)
+    return half_groove_of_body(reduce_to_compliance_geometry(catalogue.scene("lin-case1")), True)
 
 
 def test_curvature_terms_of_cylinder_and_sphere():
@@ -36,11 +36,11 @@ def test_curvature_terms_of_cylinder_and_sphere():
     along = A * ive(1, x) ** 2 / (x**2 * ive(0, x) ** 2 - (x**2 + A) * ive(1, x) ** 2)  # long cylinder, pressure cos k z
     around = (A * x - 1 + 2 * NU) / (x**2 - 1)  # disc in plane strain, pressure cos n theta
     n = x - 0.5
-    sphere = float(legendre_compliance(np.array(n), NU))
+    sphere = float(sphere_series_coefficients(np.array(n), NU))
     for exact, trace, along_k in ((along, 1, 0), (around, 1, 1), (sphere, 2, 1)):
         remainder = (exact - A / x) * x**2
         assert remainder == pytest.approx(ALPHA * trace + BETA * along_k, abs=2e-2)
-    a, b = harmonic_expansion(NU)
+    a, b = sphere_series_expansion(NU)
     assert (a + 2 * b) / 2 == pytest.approx(2 * ALPHA + BETA, rel=1e-12)
 
 
@@ -72,7 +72,7 @@ def test_loads_along_the_normals_move_a_concave_flank_less(flank):
     width = 0.12 * flank.map.ball
     grid = flank.grid()
     line = grid.shape[1] - 1
-    load = normal_load(flank, grid, width, flank.contact()[1])
+    load = nodal_forces_along_flank_normals(flank, grid, width, flank.contact()[1])
     fixed = np.zeros((*grid.shape, 3))
     fixed[:, line, ::2] = np.linalg.norm(load, axis=1)[:, None] * nominal_of(flank)
     change = self_motion(flank, grid, equal_patch_loads(flank, grid, width), width)
@@ -84,8 +84,8 @@ def test_loads_along_the_normals_move_a_concave_flank_less(flank):
 
 def test_a_flat_material_has_no_curvature_terms():
     """Incompressible bodies: 1 - 2 nu = 0, and curvature changes nothing at this order."""
-    scene = geometry_only(catalogue.scene("lin-case1"))
+    scene = reduce_to_compliance_geometry(catalogue.scene("lin-case1"))
     soft = replace(scene, screw=replace(scene.screw, material=replace(scene.screw.material, poissons_ratio=0.4999999)))
-    flank = groove_of_body(soft, True)
-    usual = flank_size_correction(groove_of_body(scene, True), (4e-4, 1e-4))
-    assert abs(flank_size_correction(flank, (4e-4, 1e-4))) < 1e-5 * abs(usual)
+    flank = half_groove_of_body(soft, True)
+    usual = contact_size_correction(half_groove_of_body(scene, True), (4e-4, 1e-4))
+    assert abs(contact_size_correction(flank, (4e-4, 1e-4))) < 1e-5 * abs(usual)

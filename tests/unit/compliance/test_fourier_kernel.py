@@ -10,17 +10,23 @@ from scipy.sparse.linalg import spsolve
 from tests.helpers import relative
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.compliance.between import contact_frames, smooth_compliance
-from rollbench.lowfi.compliance.beyond_hertz import half_space_compliance, harmonic_expansion
-from rollbench.lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, tube_grid
-from rollbench.lowfi.compliance.parts import REFINED, geometry_only, smooth_body
+from rollbench.lowfi.compliance.between import compliance_of_smooth_body, contact_points_and_axes
+from rollbench.lowfi.compliance.beyond_hertz import half_space_compliance, sphere_series_expansion
+from rollbench.lowfi.compliance.fourier import (
+    Body,
+    circumference_integral_factor,
+    end_motions,
+    grid_line_compliance,
+    tube_grid,
+)
+from rollbench.lowfi.compliance.parts import REFINED, reduce_to_compliance_geometry, smooth_body
 from rollbench.lowfi.compliance.tube import (
     Points,
     Tube,
     clamped_beam_compliance,
     contact_compliance,
-    motion_rows,
-    patch_weights,
+    contact_motions_by_rigid_motions,
+    gaussian_weights_on_line,
     points_in_space,
     spring_compliance,
     tube_compliance,
@@ -79,7 +85,7 @@ def plane_ring(n, elements, column, bore=BORE, outer=OUTER):
     held, force = nothing(body, bool), nothing(body)
     held[..., 2] = True
     held[..., 1] = n == 0
-    force[:, column, 0] = (1.0 if column == 0 else -1.0) * factor_c(n) * r[column] * simpson(z)
+    force[:, column, 0] = (1.0 if column == 0 else -1.0) * circumference_integral_factor(n) * r[column] * simpson(z)
     return r, solve(body, n, held, force)[1]
 
 
@@ -183,7 +189,7 @@ def rigid_fields(body):
 def test_rigid_motions_cost_nothing_and_nothing_else_is_free(bore):
     body = tube(2, 3, 20e-3, bore=bore)
     for n in range(4):
-        free = body.axis_free(n)
+        free = body.freedoms_regular_on_axis(n)
         K = body.stiffness(n).toarray()
         for field in rigid_fields(body).get(n, ()):
             q = field.ravel()
@@ -208,12 +214,12 @@ def harmonic_rows(n, points, weights):
 def test_angles_between_contacts_stand_for_both_sets_of_a_harmonic(resultant):
     """Against the sum over both sets of every harmonic, of matrices made again for motions and loads node by node."""
     rng = np.random.default_rng(11)
-    body = replace(smooth_body(geometry_only(catalogue.scene("lin-case1")), True, REFINED), harmonics=4)
+    body = replace(smooth_body(reduce_to_compliance_geometry(catalogue.scene("lin-case1")), True, REFINED), harmonics=4)
     low, high = body.ends
     zone = (0.5 * (low + high) - 10e-3, 0.5 * (low + high) + 10e-3)
     found = tube_compliance(body, zone)
     points = scattered(rng, zone[0] + 2e-3, zone[1] - 2e-3, 5)
-    weights, k = patch_weights(found.z, points.z, body.width), found.z.size
+    weights, k = gaussian_weights_on_line(found.z, points.z, body.width), found.z.size
     expected = np.zeros((10, 10))
     for n, line in enumerate(found.line):
         S = line.whole()[: 3 * k, : 3 * k]
@@ -238,7 +244,7 @@ def own_compliance(width, harmonics=2.6, size=1.0):
 
 def test_half_space_limit():
     """Two widths take out the body; the logarithm of curvature is what is left beside the half space."""
-    a, b = harmonic_expansion(NU)
+    a, b = sphere_series_expansion(NU)
     widths = 1.5e-3, 3e-3
     found = own_compliance(widths[0]) - own_compliance(widths[1])
     space = half_space_compliance(widths[0], STEEL) - half_space_compliance(widths[1], STEEL)
@@ -260,7 +266,7 @@ def test_patch_converges_with_mesh_and_harmonics():
 
 
 def test_held_faces_mirror():
-    body = smooth_body(geometry_only(catalogue.scene("lin-case1")), False, REFINED)
+    body = smooth_body(reduce_to_compliance_geometry(catalogue.scene("lin-case1")), False, REFINED)
     low = replace(body, ends=(0.0, 54e-3), held="low", harmonics=6)
     points = scattered(np.random.default_rng(0), 8e-3, 46e-3, 6)
     turned = Points(points.azimuth, 54e-3 - points.z, points.axes * np.array([1.0, 1.0, -1.0]))
@@ -275,11 +281,13 @@ def test_held_faces_mirror():
 @pytest.mark.parametrize("screw", [False, True], ids=["nut", "screw"])
 def test_compliance_of_a_scene_s_contacts_is_symmetric_and_positive_and_converges(screw):
     scene = catalogue.scene("lin-case1")
-    geometry = geometry_only(scene)
-    x, axes = contact_frames(scene, ball_layout(scene), screw)
+    geometry = reduce_to_compliance_geometry(scene)
+    x, axes = contact_points_and_axes(scene, ball_layout(scene), screw)
 
     def compliance(**changes):
-        return contact_compliance(smooth_compliance(geometry, screw, replace(REFINED, **changes)), points_in_space(x, axes))
+        return contact_compliance(
+            compliance_of_smooth_body(geometry, screw, replace(REFINED, **changes)), points_in_space(x, axes)
+        )
 
     base = compliance()
     assert np.array_equal(base, base.T)
@@ -292,7 +300,7 @@ def test_compliance_of_a_scene_s_contacts_is_symmetric_and_positive_and_converge
 
 
 def test_turning_all_contacts_changes_nothing():
-    body = replace(smooth_body(geometry_only(catalogue.scene("lin-case1")), False, REFINED), harmonics=5)
+    body = replace(smooth_body(reduce_to_compliance_geometry(catalogue.scene("lin-case1")), False, REFINED), harmonics=5)
     found = tube_compliance(body, (body.ends[0], body.ends[1]))
     points = scattered(np.random.default_rng(5), body.ends[0] + 5e-3, body.ends[1] - 5e-3, 4)
     turned, here = (contact_compliance(found, Points(points.azimuth + by, points.z, points.axes)) for by in (1.234, 0.0))
@@ -307,7 +315,7 @@ def test_line_compliance_is_that_of_the_whole_body():
     for held_end, own_springs in ((True, ()), (False, springs)):
         held = nothing(body, bool)
         held[0] = held_end
-        found = line_compliance(body, range(3), held.ravel(), columns - 1, (2, 7), own_springs)
+        found = grid_line_compliance(body, range(3), held.ravel(), columns - 1, (2, 7), own_springs)
         watched = (3 * (np.arange(2, 7) * columns + columns - 1)[:, None] + np.arange(3)).ravel()
         for n, S in enumerate(S.whole() for S in (found if held_end else found[:2])):
             K = body.stiffness(n).toarray()
@@ -336,7 +344,7 @@ def far_apart(width, held):
     axes = axes_of(np.random.default_rng(8), 3)
     found = contact_compliance(tube_compliance(shaft, (0.14, 0.26)), points_in_space(x, axes))
     beam = clamped_beam_compliance(
-        motion_rows(x, axes), np.repeat(z, 2), shaft.ends, "low", tube_section(30e-3, 0.0, STEEL)
+        contact_motions_by_rigid_motions(x, axes), np.repeat(z, 2), shaft.ends, "low", tube_section(30e-3, 0.0, STEEL)
     )
     if held == "section":
         beam = beam + spring_compliance(shaft, x, axes)

@@ -6,18 +6,24 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.shaft.section import helical_stiffness
+from rollbench.hifi.shaft.section import stiffness_of_grooved_shaft
 from rollbench.lowfi.compliance import tube
 from rollbench.lowfi.compliance.fourier import Body, tube_grid
-from rollbench.lowfi.compliance.groove import smooth_radius
-from rollbench.lowfi.compliance.parts import REFINED, geometry_only, groove_of_body, grooved_section, smooth_body
-from rollbench.lowfi.compliance.tube import cell_grid, cell_section, cell_stiffness, groove_line
+from rollbench.lowfi.compliance.groove import equivalent_cylinder_radius
+from rollbench.lowfi.compliance.parts import (
+    REFINED,
+    grooved_section,
+    half_groove_of_body,
+    reduce_to_compliance_geometry,
+    smooth_body,
+)
+from rollbench.lowfi.compliance.tube import cell_grid, cell_section, cell_stiffness, flank_profile_points
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.section import screw_section, tube_section
 
 SCENE = catalogue.scene("lin-case1")
 MAP, STEEL = GrooveMap.of(SCENE), SCENE.screw.material
-LAND, ROOT = 16e-3, float(groove_line(GrooveMap.of(SCENE), 16e-3, True, 17)[0][0])
+LAND, ROOT = 16e-3, float(flank_profile_points(GrooveMap.of(SCENE), 16e-3, True, 17)[0][0])
 KINDS = {"axial": "EA", "torsion": "GJ", "bending": "EI"}
 
 
@@ -47,14 +53,14 @@ def test_plain_cell_is_exact(bore):
 
 @pytest.mark.parametrize("screw", [True, False], ids=["screw", "nut"])
 def test_refinement(screw):
-    flank = groove_of_body(geometry_only(SCENE), screw)
+    flank = half_groove_of_body(reduce_to_compliance_geometry(SCENE), screw)
     meshes = [(4, 3, 4), tube.MESH, (16, 10, 16)]
     found = [constants(cell_grid(flank.map, flank.land, flank.far, screw, mesh)) for mesh in meshes]
     np.testing.assert_allclose(found[0], found[2], rtol=5e-3)
     np.testing.assert_allclose(found[1], found[2], rtol=4e-4)
     assert np.all(found[0] >= found[1])
     assert np.all(found[1] >= found[2])
-    section = grooved_section(geometry_only(SCENE), screw)
+    section = grooved_section(reduce_to_compliance_geometry(SCENE), screw)
     np.testing.assert_allclose(of_section(section), found[1], rtol=1e-12)
 
 
@@ -69,15 +75,15 @@ def test_screw_and_nut_between_root_and_land():
     section = of_screw()
     between(section, (2 * ROOT, 0.0), (2 * LAND, 0.0))
     assert ROOT < section.radii[0] < LAND
-    volume = smooth_radius(groove_of_body(geometry_only(SCENE), True), 2)
+    volume = equivalent_cylinder_radius(half_groove_of_body(reduce_to_compliance_geometry(SCENE), True), 2)
     assert all(ROOT < r < volume for r in section.radii)
     assert of_section(section.section)[0] < screw_section(SCENE).EA
     for name, radius in zip(("EA", "EI", "GJ"), section.radii, strict=True):
         plain = getattr(tube_section(2 * radius, 0.0, STEEL), name)
         assert plain == pytest.approx(getattr(section.section, name), rel=1e-12)
-    flank = groove_of_body(geometry_only(SCENE), False)
+    flank = half_groove_of_body(reduce_to_compliance_geometry(SCENE), False)
     section = cell_section(flank.map, flank.land, flank.far, False, STEEL)
-    root = float(groove_line(flank.map, flank.land, False, 17)[0][0])
+    root = float(flank_profile_points(flank.map, flank.land, False, 17)[0][0])
     between(section, (2 * flank.far, 2 * root), (2 * flank.far, 2 * flank.land))
     assert all(flank.land < r < root for r in section.radii)
 
@@ -107,7 +113,7 @@ def test_impossible_dimensions():
 
 def test_the_helix_changes_half_a_per_cent():
     """The ring groove in place of the helix, against a section on its helix by other elements."""
-    stiffness, EI = helical_stiffness(MAP, LAND, 0.0, STEEL)
+    stiffness, EI = stiffness_of_grooved_shaft(MAP, LAND, 0.0, STEEL)
     yielding = np.linalg.inv(stiffness)
     section = of_screw().section
     wanted = np.array([1.0 / yielding[0, 0], EI, 1.0 / yielding[1, 1]])
@@ -118,7 +124,7 @@ def test_the_helix_changes_half_a_per_cent():
 @pytest.mark.parametrize("name", ["lin-case1", "unseen-40x10", "liu-drawn"])
 def test_the_layer_is_as_stiff_as_the_grooved_section(name):
     """EA and GJ are what its two powers are chosen for, beside a body whose layer may widen; EI follows."""
-    geometry = geometry_only(catalogue.scene(name))
+    geometry = reduce_to_compliance_geometry(catalogue.scene(name))
     layered, grooved = smooth_body(geometry, False, REFINED).section, grooved_section(geometry, False)
     assert of_section(layered) == pytest.approx(of_section(grooved), rel=8e-3)
     plain = smooth_body(geometry, False, replace(REFINED, bore="ring")).section
@@ -129,7 +135,7 @@ def test_a_bearing_s_outer_ring_is_a_tube_of_its_outer_diameter():
     """EA = E pi (R^2 - r^2) and 4 EI / EA = R^2 + r^2 give both radii; the inner one is that of the bore's volume, two arcs
     that meet at the apex, between cylindrical lands."""
     scene = catalogue.scene("bearing-9")
-    section, E = grooved_section(geometry_only(scene), False), scene.nut.material.youngs_modulus
+    section, E = grooved_section(reduce_to_compliance_geometry(scene), False), scene.nut.material.youngs_modulus
     difference, total = section.EA / (np.pi * E), 4.0 * section.EI / section.EA
     outer, inner = np.sqrt(0.5 * (total + difference)), np.sqrt(0.5 * (total - difference))
     assert outer == pytest.approx(scene.nut.outer_diameter / 2.0, rel=1e-9)
@@ -137,5 +143,5 @@ def test_a_bearing_s_outer_ring_is_a_tube_of_its_outer_diameter():
     beside, above = (f(angle) * (radius - scene.balls.radius) for f in (np.sin, np.cos))
     across = np.linspace(0.0, scene.nut.length / 2.0, 20_001) + beside
     arc = scene.track.pitch_radius - above + np.sqrt(np.maximum(radius**2 - across**2, 0.0))
-    bore = np.maximum(arc, groove_of_body(geometry_only(scene), False).land)
+    bore = np.maximum(arc, half_groove_of_body(reduce_to_compliance_geometry(scene), False).land)
     assert inner == pytest.approx(np.sqrt((bore**2).mean()), rel=1e-3)

@@ -11,16 +11,22 @@ from rollbench.compare.scenes.catalogue import scene
 from rollbench.compare.studies.survey import SEED, scene_text
 from rollbench.lowfi.compliance import faces
 from rollbench.lowfi.compliance.between import (
-    groove_and_face_correction,
-    near_face_of_body,
-    nut_beam,
-    smooth_body_correction,
+    groove_and_face_compliance,
+    near_face_compliance_of_body,
+    nut_beam_compliance,
+    smooth_body_compliance_beyond_beam,
 )
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space_compliance
-from rollbench.lowfi.compliance.bodies import clear_kept_bodies
+from rollbench.lowfi.compliance.bodies import clear_compliance_cache
 from rollbench.lowfi.compliance.fourier import Body, Grid, solve_harmonic
 from rollbench.lowfi.compliance.groove import equal_patch_loads, sampled_harmonics, self_motion
-from rollbench.lowfi.compliance.parts import REFINED, geometry_only, groove_of_body, grooved_section, smooth_body
+from rollbench.lowfi.compliance.parts import (
+    REFINED,
+    grooved_section,
+    half_groove_of_body,
+    reduce_to_compliance_geometry,
+    smooth_body,
+)
 from rollbench.meshes.helix import ball_layout
 
 pytestmark = pytest.mark.xdist_group("near face")
@@ -29,8 +35,8 @@ pytestmark = pytest.mark.xdist_group("near face")
 @pytest.fixture(scope="module")
 def case():
     """Geometry of case 1, its nut's flank and smooth body."""
-    parts = geometry_only(scene("lin-case1"))
-    return parts, groove_of_body(parts, False), smooth_body(parts, False, REFINED)
+    parts = reduce_to_compliance_geometry(scene("lin-case1"))
+    return parts, half_groove_of_body(parts, False), smooth_body(parts, False, REFINED)
 
 
 @pytest.mark.parametrize("name", ["lin-case1", "unseen-40x10"])
@@ -38,13 +44,13 @@ def case():
 def test_a_cut_is_a_body_of_its_own(name, held):
     """One factor of the longest body gives the motion of a shorter one, meshed and solved alone: harmonic 3, loads on the
     own groove and on that behind, along the normals and across them."""
-    parts = geometry_only(scene(name))
-    flank, smooth = groove_of_body(parts, False), smooth_body(parts, False, REFINED)
+    parts = reduce_to_compliance_geometry(scene(name))
+    flank, smooth = half_groove_of_body(parts, False), smooth_body(parts, False, REFINED)
     grid, cuts = faces.grooved_grid(flank, faces.FAR.mesh)
     k, n, width = 3, 3, NARROW * flank.map.ball
     loads = faces.flank_patch_loads(flank, grid, cuts, width, 2)
     harmonics = sampled_harmonics(10.0)
-    found = faces.cut_motions(flank, grid, cuts, harmonics, (0.0, np.inf), smooth.held, loads, width)
+    found = faces.patch_motions_for_end_faces(flank, grid, cuts, harmonics, (0.0, np.inf), smooth.held, loads, width)
     short = Grid(grid.r[: cuts[k] + 1], grid.z[: cuts[k] + 1])
     fixed = np.zeros((*short.shape, 3), dtype=bool)
     fixed[[0, -1] if held else 0] = True
@@ -58,11 +64,11 @@ def test_a_cut_is_a_body_of_its_own(name, held):
 def whole(parts):
     """Compliance ``(2, N, 2, N)`` [um/kN] of the nut between contacts of both flanks (left first) along their normals, but
     for what all contacts have in common."""
-    layout, flank = ball_layout(parts), groove_of_body(geometry_only(parts), False)
+    layout, flank = ball_layout(parts), half_groove_of_body(reduce_to_compliance_geometry(parts), False)
     G = (
-        smooth_body_correction(parts, layout, False, REFINED)
-        + nut_beam(parts, layout)
-        + groove_and_face_correction(parts, layout, False, REFINED)
+        smooth_body_compliance_beyond_beam(parts, layout, False, REFINED)
+        + nut_beam_compliance(parts, layout)
+        + groove_and_face_compliance(parts, layout, False, REFINED)
     )
     normal = flank.map.signs[2:] * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
     count = layout.z.size
@@ -80,7 +86,7 @@ def test_a_lip_is_soft_and_a_clamp_is_stiff(case):
     parts, flank, _ = case
     compliance = own(scene("lin-case1"), 1)
     assert compliance[[-1, -2]] - compliance[16] == pytest.approx([1.756, 1.352], rel=0.04)
-    found = near_face_of_body(parts, False, REFINED)
+    found = near_face_compliance_of_body(parts, False, REFINED)
     distance = np.array([2.05, 2.50]) * flank.map.ball + found.beside
     assert (found.face_compliance(True, np.zeros(2), distance)[:, 0, 0, 0, 0] < 0.0).all()
     assert found.face_compliance(False, np.zeros(1), np.array([1.0]))[0] == pytest.approx(np.zeros((2, 2, 2, 2)), abs=1e-20)
@@ -91,7 +97,7 @@ def test_a_lip_tilts_and_the_contact_leaves_it():
     deg on the flank pressed towards it. Without the lip's tilt they were 47.2, 47.0 and 47.0, and the load 3.9 % of the
     mean too small (116.0 N, of which level 1's mesh may have 2 N too much)."""
     result = run_model(
-        scene_file.scene_of_text(scene_text(SEED, 6), "drawn.toml"), "refined", Options(discretisation=False)
+        scene_file.scene_from_text(scene_text(SEED, 6), "drawn.toml"), "refined", Options(discretisation=False)
     )
     assert np.degrees(result.contact_angle[[39, 38, 37], 2]) == pytest.approx([46.205, 46.433, 46.653], abs=0.12)
     assert result.load[39] == pytest.approx([50.18, 117.70, 116.04, 45.61], abs=1.0)
@@ -102,13 +108,15 @@ def test_both_faces_are_told_apart(name):
     """A nut turned end for end has the same compliance, its balls and flanks turned with it; a grooved body is its own
     mirror image."""
     parts = scene(name)
-    grid, cuts = faces.grooved_grid(groove_of_body(geometry_only(parts), False), faces.BESIDE_FACE.mesh)
+    grid, cuts = faces.grooved_grid(
+        half_groove_of_body(reduce_to_compliance_geometry(parts), False), faces.BESIDE_FACE.mesh
+    )
     assert cuts[-1] == len(grid.z) - 1
     assert grid.z[::-1] == pytest.approx(-grid.z, abs=1e-15)
     assert grid.r[::-1] == pytest.approx(grid.r, abs=1e-15)
-    here = groove_and_face_correction(parts, ball_layout(parts), False, REFINED)
+    here = groove_and_face_compliance(parts, ball_layout(parts), False, REFINED)
     other = replace(parts, solid=replace(parts.solid, nut_held="right face"))
-    turned = groove_and_face_correction(other, ball_layout(other), False, REFINED)
+    turned = groove_and_face_compliance(other, ball_layout(other), False, REFINED)
     shape, sign = (2, ball_layout(parts).z.size, 2), np.array([1.0, -1.0])
     back = turned.reshape(*shape, *shape)[::-1, ::-1, :, ::-1, ::-1] * sign * sign[:, None, None, None]
     assert here.reshape(*shape, *shape) == pytest.approx(back, abs=1e-9 * np.abs(here).max())
@@ -118,7 +126,7 @@ def test_the_free_face_is_the_other_one():
     """The nut of case 1 is held at its left face: beyond the smooth body its last right contact gains, its first left one
     loses."""
     layout = ball_layout(scene("lin-case1"))
-    G = groove_and_face_correction(scene("lin-case1"), layout, False, REFINED).reshape(
+    G = groove_and_face_compliance(scene("lin-case1"), layout, False, REFINED).reshape(
         2, layout.z.size, 2, 2, layout.z.size, 2
     )
     left, right = (np.einsum("iaia->i", G[side, :, :, side]) for side in (0, 1))
@@ -130,13 +138,17 @@ def test_short_lands_are_softer():
     """Grooves 1.57 ball radii from mid land to mid land: beyond the beam, 3D own compliance of a middle contact is
     0.96 um/kN above that of a cell of half a lead clamped at its end and outer surface."""
     parts = scene("unseen-40x10")
-    flank, middle = groove_of_body(geometry_only(parts), False), 28
+    flank, middle = half_groove_of_body(reduce_to_compliance_geometry(parts), False), 28
     width = NARROW * flank.map.ball
     cell = self_motion(flank, flank.grid(), equal_patch_loads(flank, flank.grid(), width), width)
-    beam = nut_beam(parts, ball_layout(parts)).reshape(2, -1, 2, 2, ball_layout(parts).z.size, 2)[1, middle, :, 1, middle]
+    beam = nut_beam_compliance(parts, ball_layout(parts)).reshape(2, -1, 2, 2, ball_layout(parts).z.size, 2)[
+        1, middle, :, 1, middle
+    ]
     normal = flank.map.signs[3] * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
     softer = (
-        near_face_of_body(geometry_only(parts), False, REFINED).alone + half_space_compliance(width, flank.material) - cell
+        near_face_compliance_of_body(reduce_to_compliance_geometry(parts), False, REFINED).alone
+        + half_space_compliance(width, flank.material)
+        - cell
     )
     beyond = whole(parts)[1, middle, 1, middle] - 1e9 * normal @ beam @ normal
     assert beyond + softer * 1e9 == pytest.approx(0.96, abs=0.04)
@@ -165,11 +177,11 @@ def test_far_from_a_face_it_does_not_matter_how_the_face_is_held(case):
 def test_beside_a_face_a_contact_is_as_small_as_it_is(monkeypatch):
     """Own compliance of a nut 32x10 held at both faces, its first ball 1.03 radii from one: 3D (free mesh twice as fine as
     level 1, 20 modes) has 1.63 um/kN less than at a middle ball, 1.80 on level 1; a patch of 0.18 radii 1.10."""
-    parts = scene_file.scene_of_text(scene_text(SEED, 2), "drawn.toml")
+    parts = scene_file.scene_from_text(scene_text(SEED, 2), "drawn.toml")
     compliance = own(parts, 0)
     assert compliance[0] - compliance[15] == pytest.approx(-1.63, abs=0.12)
     monkeypatch.setattr(faces, "BESIDE_FACE", faces.BESIDE_FACE._replace(highest=16.0, mesh=(12, 8)))
-    clear_kept_bodies()
+    clear_compliance_cache()
     finer = own(parts, 0)
-    clear_kept_bodies()
+    clear_compliance_cache()
     assert compliance[0] - compliance[15] == pytest.approx(finer[0] - finer[15], abs=0.05)

@@ -10,12 +10,12 @@ from scipy.special import eval_legendre
 
 from rollbench.lowfi.compliance.beyond_hertz import (
     MEAN_LOG,
-    harmonic_expansion,
-    legendre_compliance,
     sphere_compliance,
     sphere_self_compliance,
+    sphere_series_coefficients,
+    sphere_series_expansion,
 )
-from rollbench.lowfi.compliance.fourier import Body, Grid, quadratic_shape_functions, refine_lines
+from rollbench.lowfi.compliance.fourier import Body, Grid, add_mid_nodes, quadratic_shape_functions
 from rollbench.meshes.parts import Material
 
 STEEL, RADIUS = Material(210e9, 0.28), 2.778e-3
@@ -26,7 +26,7 @@ POISSON = (0.0, 0.28, 0.45)
 def summed(cosine, poisson, terms=4000):
     """Sum of (2 n + 1) c_n P_n by second means, which converge where the series does not; their 1/terms extrapolated."""
     n = np.arange(2 * terms)
-    x = (2 * n + 1) * legendre_compliance(n, poisson) * eval_legendre(n, cosine)
+    x = (2 * n + 1) * sphere_series_coefficients(n, poisson) * eval_legendre(n, cosine)
 
     def mean(count):
         return float(x[:count] @ ((1.0 - n[:count] / count) * (1.0 - n[:count] / (count + 1.0))))
@@ -52,13 +52,13 @@ def test_share_of_every_wave():
     found = np.array([UNIT * sphere_compliance(x, RADIUS, STEEL) for x in cosine])
     for k in (0, 1, 2, 3, 7):
         share = (weight * s) @ (found * eval_legendre(k, cosine))
-        assert share == pytest.approx(float(legendre_compliance(np.array(float(k)), 0.28)), abs=2e-6)
+        assert share == pytest.approx(float(sphere_series_coefficients(np.array(float(k)), 0.28)), abs=2e-6)
 
 
 def test_small_angle_is_the_half_space():
     """(1 - nu^2)/(pi E d) at a distance d, and the logarithm of curvature beyond it."""
     nu, E = STEEL.poissons_ratio, STEEL.youngs_modulus
-    a, b = harmonic_expansion(nu)
+    a, b = sphere_series_expansion(nu)
     rest = []
     for angle in (1e-2, 1e-3, 1e-4):
         distance = 2.0 * RADIUS * np.sin(0.5 * angle)
@@ -93,7 +93,7 @@ def test_own_compliance_is_the_mean_over_the_contact(share):
     assert sphere_self_compliance((size, size), RADIUS, STEEL) == pytest.approx(disc_average(size), rel=0.02, abs=0.0)
     first = sphere_self_compliance((1.2 * size, 0.8 * size), RADIUS, STEEL)
     assert first == pytest.approx(sphere_self_compliance((size, size), RADIUS, STEEL), rel=1e-12, abs=0.0)
-    a, b = harmonic_expansion(STEEL.poissons_ratio)
+    a, b = sphere_series_expansion(STEEL.poissons_ratio)
     shift = sphere_self_compliance((size, size), RADIUS, STEEL) - sphere_self_compliance(
         (2 * size, 2 * size), RADIUS, STEEL
     )
@@ -109,8 +109,8 @@ def pressed_sphere(count, size):
     motion over the pressure. A hole of 3 % of the radius is left at the centre.
     """
     share = np.linspace(0.0, 1.0, count + 1)
-    t = refine_lines(np.concatenate([0.5 * np.pi * share**2.5, np.pi - 0.5 * np.pi * share[-2::-1] ** 1.3]))
-    rho = refine_lines(RADIUS * (1.0 - 0.97 * np.linspace(1.0, 0.0, count + 1) ** 2.5))
+    t = add_mid_nodes(np.concatenate([0.5 * np.pi * share**2.5, np.pi - 0.5 * np.pi * share[-2::-1] ** 1.3]))
+    rho = add_mid_nodes(RADIUS * (1.0 - 0.97 * np.linspace(1.0, 0.0, count + 1) ** 2.5))
     r, z = rho * np.sin(t)[::-1, None], rho * np.cos(t)[::-1, None]
     r[0] = r[-1] = 0.0
     body = Body(Grid(r, z), STEEL.youngs_modulus, STEEL.poissons_ratio)
@@ -130,7 +130,7 @@ def pressed_sphere(count, size):
     inward = loaded / total - wave * (3.0 * first / total) / (4.0 * np.pi * RADIUS**2)
     force = np.zeros((*body.grid.shape, 3))
     force[::-1, -1, 0], force[::-1, -1, 2] = -inward * np.sin(t), -inward * np.cos(t)
-    free = body.axis_free(0).reshape(force.shape)
+    free = body.freedoms_regular_on_axis(0).reshape(force.shape)
     free[..., 1] = False
     free[0, 0, 2] = False
     free = free.ravel()

@@ -14,15 +14,15 @@ from rollbench.compare.studies.crosscheck.deck import DeckOptions
 from rollbench.compare.studies.crosscheck.results import (
     LENGTHS,
     BodyMesh,
-    CrossData,
-    CrossRun,
+    CalculixRun,
+    CalculixRunsOfScene,
     agreement_sentence,
-    comparable_runs,
-    contact_rows,
+    compare_contact_loads,
     element_error,
     extrapolate_loads,
     load_results,
-    result_path,
+    path_of_stored_results,
+    runs_with_common_contact_stiffness,
     save_results,
     shipped_results,
 )
@@ -31,11 +31,11 @@ from rollbench.compare.studies.crosscheck.study import (
     CalculixResult,
     deck_digest,
     deck_folder_name,
-    read_cvg,
-    read_dat,
-    run_study,
-    scene_key,
-    studied_scene,
+    digest_of_shipped_scene,
+    read_forces_and_displacements,
+    read_iterations_and_correction,
+    scene_compared_with_calculix,
+    solve_decks_of_scene,
 )
 
 DAT = """
@@ -74,7 +74,7 @@ LIMIT = np.array([[500.0, 0.0, 0.0, 480.0], [250.0, 40.0, 41.0, 260.0]])
 MESH, SOFT, ORDER, LENGTH = 0.05 * LIMIT + 1.0 * (LIMIT > 0.0), -0.004 * LIMIT, 3.0, LENGTHS[10]
 
 
-def a_run(b_over_h: float, growth: float, stiffness: float = 2e17, **changes) -> CrossRun:
+def a_run(b_over_h: float, growth: float, stiffness: float = 2e17, **changes) -> CalculixRun:
     """A run of loads that obey the law of the fit, with contacts of one semi-axis."""
     e = element_error(np.array(1.0 / (b_over_h * LENGTH)), np.array(growth), ORDER)
     found = LIMIT + MESH * e + SOFT * (2e17 / stiffness)
@@ -82,12 +82,12 @@ def a_run(b_over_h: float, growth: float, stiffness: float = 2e17, **changes) ->
     meshes = (BodyMesh("SCREW", count, 40, 0.2), BodyMesh("NUT", 200, 80, 0.1))
     choices, weak, unbalanced = (b_over_h, growth, stiffness, 1e3, False), 0.005, 1e-4
     effort = 12, 1e-3, 60.0, "2026-01-01", "CalculiX 2.20"
-    return replace(CrossRun(*choices, 1e-4, "0" * 16, meshes, found, weak, unbalanced, *effort), **changes)
+    return replace(CalculixRun(*choices, 1e-4, "0" * 16, meshes, found, weak, unbalanced, *effort), **changes)
 
 
 RUNS = tuple(a_run(*mesh) for mesh in ((0.8, 0.6), (1.1, 0.6), (1.5, 0.6), (1.1, 0.8), (1.1, 0.4), (1.1, 0.6, 1e18)))
 RUNS += (a_run(1.5, 0.6, nlgeom=True, load=2.0 * LIMIT),)
-DATA = CrossData("two-balls", "k", "0", "4", RUNS)
+DATA = CalculixRunsOfScene("two-balls", "k", "0", "4", RUNS)
 
 
 def ours(loads: list[np.ndarray]) -> estimate.Reference:
@@ -98,10 +98,10 @@ def ours(loads: list[np.ndarray]) -> estimate.Reference:
 
 
 def test_what_calculix_prints_is_read_and_a_deck_known_by_what_it_says():
-    forces, moved = read_dat(DAT)
+    forces, moved = read_forces_and_displacements(DAT)
     assert forces == {"BALL1_SL": (300.0, -2.01252e-5, 400.0)}
     assert moved == {"BALL1_WEAK": {15095: (1.828532e-3, 8.032547e-4, 2.913913e-3)}}
-    assert read_cvg(CVG) == (2, 1.133e-3)
+    assert read_iterations_and_correction(CVG) == (2, 1.133e-3)
     plain, remark, controls = "*NODE\n1, 2\n", "** remark\n*NODE\n1, 2", "*CONTROLS, X\n4, 8\n*NODE\n1, 2\n"
     assert deck_digest(plain) == deck_digest(remark) == deck_digest(controls) != deck_digest("*NODE\n1, 3\n")
 
@@ -130,7 +130,7 @@ def test_the_error_of_elements_is_that_of_its_derivation():
 FAMILY = ((0.6, 0.8), (0.8, 0.6), (1.2, 0.4), (1.6, 0.3))
 
 
-def manufactured(noise: float) -> tuple[np.ndarray, list[CrossRun]]:
+def manufactured(noise: float) -> tuple[np.ndarray, list[CalculixRun]]:
     """Limits of 64 contacts and runs of another law than the fit's: an error of order 3 at the contacts, one of order 4 of
     the growth and their product, in shares of every contact's own; meshes of one size differ by ``noise`` of their e."""
     rng = np.random.default_rng(7)
@@ -182,19 +182,19 @@ def test_results_are_kept_with_all_that_identifies_them(tmp_path):
         assert replace(one, load=0) == replace(two, load=0)
     assert (again.key, again.gmsh, again.runs[0].nodes) == ("k", "4", 1533)
     assert load_results(tmp_path, "other") is None
-    plain = json.loads(result_path(tmp_path, "two-balls").read_text())
+    plain = json.loads(path_of_stored_results(tmp_path, "two-balls").read_text())
     bad = {**plain["runs"][0], "load": [1.0]}
     for broken in ({**plain, "runs": [{}]}, {**plain, "more": 1}, [], {**plain, "runs": [bad]}):
-        result_path(tmp_path, "two-balls").write_text(json.dumps(broken))
+        path_of_stored_results(tmp_path, "two-balls").write_text(json.dumps(broken))
         with pytest.raises(errors.InputError, match="results that rollbench crosscheck wrote"):
             load_results(tmp_path, "two-balls")
 
 
 def test_rows_compare_limits_in_per_cent_of_the_mean_load():
-    assert [r.nodes for r in comparable_runs(DATA)] == sorted(r.nodes for r in RUNS[:5])
+    assert [r.nodes for r in runs_with_common_contact_stiffness(DATA)] == sorted(r.nodes for r in RUNS[:5])
     off = LIMIT.copy()
     off[1, 1] += 5.0
-    rows = contact_rows(DATA, ours([off, off, off]))
+    rows = compare_contact_loads(DATA, ours([off, off, off]))
     assert len(rows) == 6
     mean = off[off > 0.0].mean()
     worst = next(r for r in rows if (r.ball, r.side) == (2, "SR"))
@@ -211,7 +211,7 @@ def test_rows_compare_limits_in_per_cent_of_the_mean_load():
 @pytest.mark.parametrize("name", STUDIES)
 def test_stored_results_are_those_of_the_shipped_scenes(name):
     data = load_results(shipped_results(), name)
-    assert data.key == scene_key(name)
+    assert data.key == digest_of_shipped_scene(name)
     assert [deck_folder_name(o) for o in STUDIES[name]] == [deck_folder_name(r) for r in data.runs]
     for run in data.runs:
         assert run.correction < 1.0  # of its last increment; the fine halves took a second, small one
@@ -229,13 +229,13 @@ def test_a_study_runs_every_deck(tmp_path, monkeypatch):
         moved = {f"BALL{i}_WEAK": {7: (0.0, 0.0, 0.001)} for i in (1, 2)}
         return CalculixResult({n: forces[n.split("_")[1]] for n in names}, moved, 5, 0.01, 1.0, "2026-01-01", "2.20")
 
-    monkeypatch.setattr(crosscheck_study, "run_calculix", solved)
+    monkeypatch.setattr(crosscheck_study, "solve_deck_or_read_result", solved)
     monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.8)])
-    data = run_study(studied_scene("two-balls"), tmp_path, print)
+    data = solve_decks_of_scene(scene_compared_with_calculix("two-balls"), tmp_path, print)
     np.testing.assert_allclose(data.runs[0].load, [[5.0, 1.0, 1.0, 5.0]] * 2, rtol=1e-6)
     assert (data.runs[0].weak, data.runs[0].unbalanced) == pytest.approx((0.001, 0.0), abs=1e-12)
     assert [m.name for m in data.runs[0].meshes] == ["SCREW", "NUT", "BALL1", "BALL2"]
     monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.8, half=True)])
-    (half,) = run_study(studied_scene("two-balls"), tmp_path, print).runs
+    (half,) = solve_decks_of_scene(scene_compared_with_calculix("two-balls"), tmp_path, print).runs
     np.testing.assert_allclose(half.load, [[10.0, 2.0, 2.0, 10.0]] * 2, rtol=1e-6)  # both halves
     assert (half.half, half.weak) == (True, pytest.approx(0.002))

@@ -18,14 +18,14 @@ from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck
 from rollbench.compare.studies.crosscheck.study import compare_nut_compliance, load_nut, save_nut
 from rollbench.meshes import helix, parts
 from rollbench.meshes.exchange.deck import (
-    Contact,
+    ContactPair,
     Deck,
     DeckBody,
     RigidSection,
-    deck_number,
+    cells_and_numbers_of_faces,
     deck_text,
-    element_faces,
-    outer_faces,
+    number_text,
+    surface_faces,
 )
 
 pytestmark = pytest.mark.xdist_group("deck")
@@ -65,19 +65,19 @@ def stack(stiffness: float = 1e16) -> Deck:
     bodies = []
     for name, z in (("LOW", 0.0), ("HIGH", 1e-3)):
         x = 1e-3 * points + [0.0, 0.0, z]
-        faces = outer_faces(cells)
+        faces = surface_faces(cells)
         top, bottom = (faces[np.all(np.abs(x[faces][:, :, 2] - h) < 1e-9, axis=1)] for h in (z + 1e-3, z))
         ends = {f"{name}_END": np.flatnonzero(np.abs(x[:, 2] - (0.0 if name == "LOW" else 2e-3)) < 1e-9)}
         bodies.append(DeckBody(name, x, cells, soft, ends, {f"{name}_FACE": top if name == "LOW" else bottom}))
     at, held, pressed = np.array([0.0, 0.0, 2e-3]), tuple((k, 0.0) for k in (0, 1, 3, 4, 5)), -10.0 * np.eye(6)[2]
     section = RigidSection("PUSH", "HIGH", "HIGH_END", at, held, pressed, (2,))
-    contact = Contact("HIGH_FACE", "LOW_FACE")
+    contact = ContactPair("HIGH_FACE", "LOW_FACE")
     return Deck(tuple(bodies), (section,), ("LOW_END",), (contact,), stiffness, 1.0, ("a comment",), "two cubes of 1 mm³")
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_numbers_fit_calculix_and_keep_twelve_digits(value):
-    text = deck_number(value)
+    text = number_text(value)
     assert len(text) <= 20
     assert float(text) == pytest.approx(value, rel=1e-12, abs=0.0)
 
@@ -97,7 +97,7 @@ def test_cells_and_faces_are_numbered_as_abaqus_does():
         (row,) = cells[cells[:, 0] == int(cell), 1:]
         np.testing.assert_allclose(place[row[np.array(FACES[int(face) - 1]) - 1]][:, 2], 1.0, atol=1e-12)
     with pytest.raises(ValueError, match="belongs to no cell"):
-        element_faces(stack().bodies[0].cells, np.array([[0, 0, 0]]))
+        cells_and_numbers_of_faces(stack().bodies[0].cells, np.array([[0, 0, 0]]))
 
 
 def test_equations_of_a_section_are_those_of_a_rigid_motion():
@@ -132,28 +132,31 @@ def test_units_and_names():
 @pytest.mark.parametrize("unit", ["mm", "m"])
 def test_calculix_finds_what_a_stack_of_cubes_must_and_tells_where_it_fails(unit, tmp_path):
     length = {"mm": 1e-3, "m": 1.0}[unit]
-    found = study.run_calculix(deck_text(stack(), unit), tmp_path)
+    found = study.solve_deck_or_read_result(deck_text(stack(), unit), tmp_path)
     assert list(found.forces) == ["HIGH_FACE"]
     assert found.forces["HIGH_FACE"] == pytest.approx((0.0, 0.0, 10.0), abs=1e-4)
     ((_, _, sunk),) = found.moved["PUSH_MOVE"].values()
     # two cubes in a row, a contact of 1e16 Pa/m on 1 mm2, beside a spring of 1 N/m
     assert sunk * length == pytest.approx(-10.0 * (2e-3 / (1e9 * 1e-6) + 1.0 / (1e16 * 1e-6)), rel=1e-3)
     assert re.fullmatch(r"\d+\.\d+", found.version)
-    again = study.run_calculix(deck_text(replace(stack(), heading=("another comment",)), unit), tmp_path)
+    again = study.solve_deck_or_read_result(deck_text(replace(stack(), heading=("another comment",)), unit), tmp_path)
     assert again == found  # read, not run again
     with pytest.raises(ValueError, match="CalculiX failed"):
-        study.run_calculix(deck_text(replace(stack(), sections=(), contacts=(), fixed=("NOWHERE",))), tmp_path)
+        study.solve_deck_or_read_result(deck_text(replace(stack(), sections=(), contacts=(), fixed=("NOWHERE",))), tmp_path)
 
 
 @CCX
 def test_two_programs_find_one_compliance_of_the_nut_held_and_on_its_flange(tmp_path):
-    options, scene = DeckOptions(b_over_h=0.5, growth=0.9), export.cut_scene(catalogue.scene("lin-case1"), 16, 16)
+    options, scene = (
+        DeckOptions(b_over_h=0.5, growth=0.9),
+        export.cut_balls_out_of_screw(catalogue.scene("lin-case1"), 16, 16),
+    )
     found = compare_nut_compliance(scene, tmp_path, options)
     assert np.ravel(found.theirs) == pytest.approx(3.3e-9, rel=0.2)  # m/N, one ball
     assert found.difference < 0.1
-    assert "within 0.1 %" in found.sentence()
+    assert "within 0.1 %" in found.sentence_on_agreement()
     wrong = replace(found, ours=(1.002 * np.array(found.ours)).tolist())
-    assert "NOT within 0.1 %" in wrong.sentence()
+    assert "NOT within 0.1 %" in wrong.sentence_on_agreement()
     save_nut(tmp_path, found)
     np.testing.assert_allclose(load_nut(tmp_path).ours, found.ours, rtol=1e-7)
     nut = replace(scene.nut, flange=parts.Flange(64e-3, 5e-3, (26e-3, 30e-3), "right", 4e-3, bonded=True))
@@ -181,7 +184,7 @@ def test_whole_bodies_of_a_scene_as_fine_as_asked_at_the_contacts(meshed):
         r = np.linalg.norm(ball.points - centre, axis=1)
         assert r.max() == pytest.approx(4.005e-3, abs=1e-9)  # really 5 um larger
         assert set(ball.faces) == {f"{name}_{s}" for s in ("SL", "SR", "NL", "NR")}
-        outer = np.unique(outer_faces(ball.cells))
+        outer = np.unique(surface_faces(ball.cells))
         assert np.all(np.abs(r[outer] - 4.005e-3) < 1e-8)
     for side, sign in (("SL", (-1, -1)), ("NR", (1, 1))):
         name = f"{'SCREW' if side[0] == 'S' else 'NUT'}_{side}_1"
@@ -251,7 +254,7 @@ def test_the_real_grooves_are_larger_by_their_error():
 
 def test_a_cut_keeps_its_balls_where_they_were():
     scene = catalogue.scene("lin-case1")
-    cut = export.cut_scene(scene, 15, 17)
+    cut = export.cut_balls_out_of_screw(scene, 15, 17)
     whole, kept = helix.ball_layout(scene), helix.ball_layout(cut)
     np.testing.assert_allclose(kept.centre, whole.centre[14:17], atol=1e-12)
     assert cut.loads[0].force[2] == pytest.approx(5000.0 * 3 / 32)
@@ -263,7 +266,7 @@ def test_a_cut_keeps_its_balls_where_they_were():
         (catalogue.scene("lin-case3-offset"), "supports"),
     ):
         with pytest.raises(InputError, match=key):
-            export.cut_scene(bad, 1, 2)
+            export.cut_balls_out_of_screw(bad, 1, 2)
 
 
 def test_the_command_writes_a_deck(tmp_path, command):

@@ -10,15 +10,15 @@ from tests.friction_oracles import pure_spin_moment
 
 from rollbench.lowfi.friction.contact.laws import (
     Coulomb,
-    Regularised,
+    RegularisedCoulomb,
     Sigmoid,
-    cubic_factor,
+    contacts_from_values,
+    cubic_force_factor,
     dissipated_power,
-    equal_contacts,
+    error_of_linear_force,
     friction_forces,
-    linear_error,
-    linear_factor,
-    rotation_about_point,
+    linear_force_factor,
+    motion_of_rotation_about_point,
 )
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
@@ -76,7 +76,7 @@ def smooth_reference(b, c, d, h=0.0, n=400):
 
 def ours(b, c, d, speed=0.0):
     """(psi, psi_c, psi_d, moment integral) from the friction of a unit contact turning with 1 rad/s."""
-    e = dissipated_power(equal_contacts(1.0, b, 1.0, 1.0), rotation_about_point(1.0, c, d), speed)
+    e = dissipated_power(contacts_from_values(1.0, b, 1.0, 1.0), motion_of_rotation_about_point(1.0, c, d), speed)
     return np.array([e.value[0], e.gradient[0, 1], -e.gradient[0, 0], e.gradient[0, 2]])
 
 
@@ -102,7 +102,7 @@ def test_far_away_against_a_product_rule(b, c, d):
 @pytest.mark.parametrize(("c", "d"), [(0.0, 0.0), (0.5, 0.3), (1.0, 0.0), (1.4, -0.3), (6.0, 3.0)])
 def test_regularised_against_a_product_rule(b, c, d):
     h = 0.35
-    e = dissipated_power(equal_contacts(1.0, b, 1.0, 1.0), rotation_about_point(1.0, c, d), h)
+    e = dissipated_power(contacts_from_values(1.0, b, 1.0, 1.0), motion_of_rotation_about_point(1.0, c, d), h)
     exact = smooth_reference(b, c, d, h)
     assert ours(b, c, d, h)[:3] == pytest.approx(exact[:3], rel=1e-11, abs=1e-12)
     assert ours(b, c, d, h)[3] == pytest.approx(exact[3], rel=1e-9)
@@ -112,7 +112,7 @@ def test_regularised_against_a_product_rule(b, c, d):
 @pytest.mark.parametrize("speed", [0.0, 0.02])
 @pytest.mark.parametrize("motion", [(0.1, 0.2, 1.0), (0.0, 0.5, -0.3), (-2.0, 1.0, 0.7), (0.3, 0.0, 1e-3)])
 def test_derivatives_against_finite_differences(motion, speed):
-    at = equal_contacts(1.3, 0.4, 7.0, 0.2)
+    at = contacts_from_values(1.3, 0.4, 7.0, 0.2)
     m = np.array([motion])
     e = dissipated_power(at, m, speed)
     for j in range(3):
@@ -126,7 +126,7 @@ def test_derivatives_against_finite_differences(motion, speed):
 def test_convex_and_of_degree_one():
     rng = np.random.default_rng(3)
     m = rng.normal(size=(300, 3)) * 10.0 ** rng.uniform(-3, 3, size=(300, 3))
-    at = equal_contacts(1.0, rng.uniform(0.03, 1.0, 300), 1.0, 1.0)
+    at = contacts_from_values(1.0, rng.uniform(0.03, 1.0, 300), 1.0, 1.0)
     e = dissipated_power(at, m)
     size = np.linalg.norm(e.hessian, axis=(1, 2))
     assert np.all(np.linalg.eigvalsh(e.hessian)[:, 0] >= -1e-12 * size)
@@ -139,13 +139,13 @@ def test_convex_and_of_degree_one():
 def test_regularised_lies_at_most_the_speed_above():
     rng = np.random.default_rng(4)
     m = rng.normal(size=(200, 3))
-    at = equal_contacts(1.0, rng.uniform(0.03, 1.0, 200), 5.0, 0.2)
+    at = contacts_from_values(1.0, rng.uniform(0.03, 1.0, 200), 5.0, 0.2)
     exact = dissipated_power(at, m).value
     for speed in (1.0, 1e-2, 1e-5):
         rise = dissipated_power(at, m, speed).value - exact
         assert np.all(rise >= -1e-14)
         assert np.all(rise <= at.strength * speed * (1.0 + 1e-12))
-    still = equal_contacts(1.0, 0.5, 1.0, 0.1), np.zeros((1, 3))
+    still = contacts_from_values(1.0, 0.5, 1.0, 0.1), np.zeros((1, 3))
     assert not dissipated_power(*still).gradient.any()
     assert dissipated_power(*still).value[0] == 0.0
     assert dissipated_power(*still, 0.2).value[0] == pytest.approx(0.02, rel=1e-14)
@@ -153,23 +153,23 @@ def test_regularised_lies_at_most_the_speed_above():
 
 def test_limits_of_pure_spin_and_pure_sliding():
     """Lin 3.32 and 3.33; M -> mu F b^2 / (5 c) for a centre far along x, the second moment of the pressure."""
-    at = equal_contacts(2e-3, [2e-3, 1e-3, 1e-4], 100.0, 0.1)
-    spin = friction_forces(at, rotation_about_point(np.full(3, -3.0), 0.0, 0.0))
+    at = contacts_from_values(2e-3, [2e-3, 1e-3, 1e-4], 100.0, 0.1)
+    spin = friction_forces(at, motion_of_rotation_about_point(np.full(3, -3.0), 0.0, 0.0))
     assert spin.force == pytest.approx(0.0, abs=1e-15)
     assert spin.moment == pytest.approx(pure_spin_moment(at), rel=1e-13)
     assert pure_spin_moment(at)[1] == pytest.approx(0.375 * 10.0 * 2e-3 * ellipe(0.75), rel=1e-14)
     for c in (1e3, -1e9, np.inf):
-        motion = rotation_about_point(np.ones(3), c, 0.0) if np.isfinite(c) else np.tile([0.0, 2.0, 0.0], (3, 1))
+        motion = motion_of_rotation_about_point(np.ones(3), c, 0.0) if np.isfinite(c) else np.tile([0.0, 2.0, 0.0], (3, 1))
         slide = friction_forces(at, motion)
         assert slide.force[:, 1] == pytest.approx(-np.sign(c) * at.strength, rel=1e-11)
         assert np.all(np.abs(slide.moment) <= 10.0 * at.b**2 / 5.0 / min(abs(c), 1e37) * (1.0 + 1e-9))
     for c in (1e4, 1e8, 1e15, 1e30):  # the moment keeps its digits
-        far_away = friction_forces(equal_contacts(1.0, 0.2, 1.0, 1.0), rotation_about_point(1.0, c, 0.0))
+        far_away = friction_forces(contacts_from_values(1.0, 0.2, 1.0, 1.0), motion_of_rotation_about_point(1.0, c, 0.0))
         assert -far_away.moment[0] * c == pytest.approx(0.2**2 / 5.0, rel=2e-8)
 
 
 def test_mirror_and_reversed_motion():
-    at = equal_contacts(1.0, 0.3, 2.0, 0.5)
+    at = contacts_from_values(1.0, 0.3, 2.0, 0.5)
     m = np.array([[0.2, -0.4, 0.9]])
     f, back, mirror = (friction_forces(at, m * sense) for sense in (1.0, -1.0, [-1.0, 1.0, -1.0]))  # mirror: x to -x
     for other, sense in ((back, -1.0), (mirror, [-1.0, 1.0])):
@@ -183,7 +183,7 @@ def test_mirror_and_reversed_motion():
 def test_both_engines_agree():
     rng = np.random.default_rng(5)
     m = rng.normal(size=(40, 3)) * 10.0 ** rng.uniform(-2, 2, size=(40, 3))
-    at = equal_contacts(1.0, rng.uniform(0.03, 1.0, 40), 1.0, 1.0)
+    at = contacts_from_values(1.0, rng.uniform(0.03, 1.0, 40), 1.0, 1.0)
     for speed in (0.0, 0.1):
         slow, quick = dissipated_power(at, m, speed), dissipated_power(at, m, speed, fast=True)
         assert quick.value == pytest.approx(slow.value, rel=1e-13)
@@ -195,16 +195,16 @@ def test_force_inside_is_a_cubic(b):
     """Source's linear law: exact slope, exact cubic term, and the error of any slope over any reach."""
     t = np.array([0.1, 0.4, 0.8, 1.0])
     f = -friction_forces(
-        equal_contacts(2.0, np.full(4, 2.0 * b), 1.0, 1.0), rotation_about_point(np.ones(4), 2.0 * t, 0.0)
+        contacts_from_values(2.0, np.full(4, 2.0 * b), 1.0, 1.0), motion_of_rotation_about_point(np.ones(4), 2.0 * t, 0.0)
     ).force[:, 1]
-    assert f == pytest.approx(linear_factor(b) * t - cubic_factor(b) * t**3, rel=1e-12)
+    assert f == pytest.approx(linear_force_factor(b) * t - cubic_force_factor(b) * t**3, rel=1e-12)
     fine = np.linspace(1e-3, 0.5, 200)
-    g = linear_factor(b) - cubic_factor(b) * fine**2
-    assert linear_error(b, 1.38) == pytest.approx(np.max(np.abs(1.38 / g - 1.0)), rel=1e-5)
+    g = linear_force_factor(b) - cubic_force_factor(b) * fine**2
+    assert error_of_linear_force(b, 1.38) == pytest.approx(np.max(np.abs(1.38 / g - 1.0)), rel=1e-5)
 
 
 def test_sigmoid_as_printed_and_its_faults():
-    at = equal_contacts(1.0, 0.2, 1.0, 0.1)
+    at = contacts_from_values(1.0, 0.2, 1.0, 0.1)
     m = np.array([[0.0, 0.3, 0.02]])
     law, e = Sigmoid(100.0, 10.0), np.exp(100.0 * 0.02 / 10.0)
     factor = 2.0 * e / (e + 1.0) - 1.0  # Lin 3.20
@@ -218,13 +218,13 @@ def test_sigmoid_as_printed_and_its_faults():
 
 def test_interpolated_maps():
     """Linear between the multiples of the step, equal at them; exact again as the step falls."""
-    at = equal_contacts(1.0, 0.2, 1.0, 0.1)
+    at = contacts_from_values(1.0, 0.2, 1.0, 0.1)
     exact = Coulomb().friction
     coarse = Sigmoid(1e9, 1.0, map_spacing=0.08)
-    on = rotation_about_point(2.0, 0.16, 0.0)
+    on = motion_of_rotation_about_point(2.0, 0.16, 0.0)
     assert coarse.friction(at, on).loss == pytest.approx(exact(at, on).loss, rel=1e-12)
-    off = rotation_about_point(-2.0, 0.2, 0.0)
-    ends = [exact(at, rotation_about_point(-2.0, c, 0.0)) for c in (0.16, 0.24)]
+    off = motion_of_rotation_about_point(-2.0, 0.2, 0.0)
+    ends = [exact(at, motion_of_rotation_about_point(-2.0, c, 0.0)) for c in (0.16, 0.24)]
     got = coarse.friction(at, off)
     for name in ("loss", "force", "moment"):
         assert getattr(got, name) == pytest.approx(0.5 * sum(getattr(end, name) for end in ends), rel=1e-12)
@@ -236,11 +236,11 @@ def test_interpolated_maps():
 
 
 def test_regularised_law_tends_to_coulomb():
-    at = equal_contacts(1.0, 0.2, 1.0, 0.1)
+    at = contacts_from_values(1.0, 0.2, 1.0, 0.1)
     m = np.array([[0.1, 0.3, 0.9]])
     exact = Coulomb().friction(at, m)
     for speed, limit in ((1e-2, 1e-2), (1e-6, 1e-6)):
-        f = Regularised(speed).friction(at, m)
+        f = RegularisedCoulomb(speed).friction(at, m)
         assert np.max(np.abs(f.force - exact.force)) < limit
         assert f.loss[0] < exact.loss[0]
         assert f.loss[0] == pytest.approx(-(f.force @ m[0, :2] + f.moment * m[0, 2])[0], rel=1e-10)
@@ -258,4 +258,4 @@ def test_regularised_law_tends_to_coulomb():
 )
 def test_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
-        equal_contacts(*arguments)
+        contacts_from_values(*arguments)

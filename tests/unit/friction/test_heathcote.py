@@ -8,16 +8,21 @@ from scipy.optimize import minimize
 from tests.helpers import small_screw, solved
 
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, contact_axes
-from rollbench.lowfi.friction.whole.losses import ball_path, heathcote_loss_increase, least_power, quadrature
+from rollbench.lowfi.friction.whole.losses import (
+    ball_kinematics,
+    heathcote_loss_increase,
+    hertz_pressure_quadrature,
+    least_dissipated_power,
+)
 from rollbench.lowfi.friction.whole.state import friction_state
-from rollbench.meshes.helix import groove_radii
+from rollbench.meshes.helix import nominal_groove_radii
 from rollbench.meshes.parts import Friction, Motion
 
 MU, TURN = Friction(0.1, 0.1, feedback=False), Motion(10.0)
 
 
 def test_pressure_sums_up_to_one_with_its_second_moment():
-    x, z, mass = quadrature()
+    x, z, mass = hertz_pressure_quadrature()
     assert mass.sum() == pytest.approx(1.0, rel=1e-12)
     assert mass @ x**2 == pytest.approx(0.2, rel=1e-3)
     assert mass @ z**2 == pytest.approx(0.2, rel=1e-3)
@@ -25,7 +30,7 @@ def test_pressure_sums_up_to_one_with_its_second_moment():
 
 def rolling(slender, a=2e-3, curve=7.0):
     """One contact of a body that may slide along the path and must roll."""
-    x, z, _ = quadrature()
+    x, z, _ = hertz_pressure_quadrature()
     rows, added = np.zeros((1, 4, x.size, 2, 4)), np.zeros((1, 4, x.size, 2))
     rows[..., 0, 0] = rows[..., 1, 1] = 1.0
     rows[..., 2] = np.stack([slender * a * z, -a * x], axis=-1)
@@ -40,15 +45,15 @@ def test_pure_rolling_has_two_lines_without_slip(slender):
     exact = 0.2 - t0**3 + 0.6 * t0**5
     strength = np.array([[3.0, 0.0, 0.0, 0.0]])
     rows, added = rolling(slender)
-    found = least_power(rows, added, strength, np.zeros((1, 4)), 7.0 * 4e-6)[0]
+    found = least_dissipated_power(rows, added, strength, np.zeros((1, 4)), 7.0 * 4e-6)[0]
     assert found == pytest.approx(3.0 * 7.0 * 4e-6 * exact, rel=0.02)
 
 
 def curved_power(scene, at, i):
     """Power lost by ball i with curved contacts, a function of its motion q, by quadrature."""
-    path, radii = ball_path(scene, TURN, float(at.ball_radius[i])), groove_radii(scene)
+    path, radii = ball_kinematics(scene, TURN, float(at.ball_radius[i])), nominal_groove_radii(scene)
     maps, drives = path.maps(at.normals[i])
-    x, z, mass = quadrature(16, 24)
+    x, z, mass = hertz_pressure_quadrature(16, 24)
     along = [contact_axes(normal)[0] for normal in at.normals[i]]
 
     def power(q):

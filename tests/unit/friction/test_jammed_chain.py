@@ -7,12 +7,12 @@ import pytest
 from scipy.optimize import minimize
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.compare.studies.friction.solve import solve_friction
-from rollbench.compare.studies.friction.whole import Choices
-from rollbench.lowfi.friction.as_source.chain import linear_balls
+from rollbench.compare.studies.friction.solve import solve_friction_of_named_scene
+from rollbench.compare.studies.friction.whole import FrictionChoices
+from rollbench.lowfi.friction.as_source.chain import balls_of_linear_bearing
 from rollbench.lowfi.friction.contact.laws import dissipated_power
-from rollbench.lowfi.friction.linear.bearing import elastic_loads
-from rollbench.lowfi.friction.linear.chain import find_second_state, prepare_chain, solve_linear_chain
+from rollbench.lowfi.friction.linear.bearing import loads_of_elastic_contacts
+from rollbench.lowfi.friction.linear.chain import find_second_state, prepare_linear_chain, solve_linear_chain
 
 #: Two balls under opposite side forces: deviations [deg] of the contact angles BL, BR, TR, TL, and side force ratios.
 DEVIATIONS, SIDE = ((1.9, -0.8, -0.3, -1.2), (-0.3, 0.9, -3.0, -2.7)), (0.89, -0.89)
@@ -24,7 +24,7 @@ def two_balls(mu_balls):
     """Bearing, contact angles [rad] and loads [N] of both balls."""
     bearing = replace(source_cases.linear_pair_scene().bearing, mu_balls=mu_balls)
     angles = bearing.contact_angle + np.radians(DEVIATIONS)
-    loads, turned = elastic_loads(bearing, angles, 100.0, np.array(SIDE))
+    loads, turned = loads_of_elastic_contacts(bearing, angles, 100.0, np.array(SIDE))
     return bearing, turned, loads
 
 
@@ -33,7 +33,7 @@ def closing(bearing, angles, loads, force):
 
     At a given force the motion of both balls is that of least dissipation, sliding between them included: convex.
     """
-    balls = linear_balls(bearing, angles, loads)
+    balls = balls_of_linear_bearing(bearing, angles, loads)
     pair, v, size = balls.pair, bearing.speed, 1e-5
     maps = np.zeros((8, 3, 6))
     maps[:4, :, :3], maps[4:, :, 3:] = balls.maps / pair.units
@@ -61,7 +61,7 @@ def closing(bearing, angles, loads, force):
 def test_jammed_state_is_found_where_friction_holds_what_makes_it_and_only_there(mu_balls):
     """The pair jams where the closing rate, negative without force, comes back to zero at a force: from 0.035 on."""
     pair = two_balls(mu_balls)
-    chain = prepare_chain(*pair)
+    chain = prepare_linear_chain(*pair)
     found = solve_linear_chain(chain, fast=False)
     assert found.status == "converged"
     assert found.ball_force[0] == 0.0
@@ -107,7 +107,7 @@ friction = {{ coefficient = 0.1, balls = {mu_balls} }}
     ],
 )
 def test_a_typed_chain_says_what_is_known_of_a_jammed_state(mu_balls, said, tmp_path):
-    found = solve_friction(chain_file(tmp_path, mu_balls), Choices())
+    found = solve_friction_of_named_scene(chain_file(tmp_path, mu_balls), FrictionChoices())
     assert found.converged
     assert found.data["pairs"][0]["force_N"] == 0.0
     assert said in found.text

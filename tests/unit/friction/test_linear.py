@@ -9,21 +9,26 @@ from scipy.special import ellipe
 from tests.friction_oracles import ball_velocity, deviation_from_shifts, mismatch, shifts
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.lowfi.friction.contact.laws import dissipated_power, equal_contacts
+from rollbench.lowfi.friction.contact.laws import contacts_from_values, dissipated_power
 from rollbench.lowfi.friction.linear.bearing import (
-    angle_deviations,
-    balanced_loads,
-    ball_force,
-    ball_loss,
+    ball_force_by_formula,
+    ball_to_ball_loss,
+    ball_to_ball_sliding_speed,
+    contact_angle_deviations,
     contact_directions,
-    diagonal_loads,
-    elastic_loads,
-    matching_top_deviations,
-    sliding_speed,
-    spin_loss,
-    velocity_deviation,
+    groove_spin_loss,
+    loads_equal_on_diagonals,
+    loads_in_equilibrium,
+    loads_of_elastic_contacts,
+    relative_velocity_deviation,
+    top_deviations_matching_bottom,
 )
-from rollbench.lowfi.friction.linear.chain import contact_shape, pair_formulas, prepare_chain, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import (
+    contact_friction_constants,
+    pair_results_by_formulas,
+    prepare_linear_chain,
+    solve_linear_chain,
+)
 from rollbench.lowfi.friction.linear.kernel import equations as kernel
 
 BEARING = source_cases.linear_pair_scene().bearing
@@ -33,9 +38,9 @@ BEARING = source_cases.linear_pair_scene().bearing
 @pytest.mark.parametrize("c", [0.0, 0.2, -0.7, 0.999, 1.0001, -3.0, 1e5])
 def test_contact_law_against_the_closed_form(c, conformity):
     """The cubic inside the ellipse against confocal coordinates and Carlson integrals; c: point of no slip over a."""
-    shape = contact_shape(replace(BEARING, conformity=conformity))
+    shape = contact_friction_constants(replace(BEARING, conformity=conformity))
     for w in (1.0, -2.0):
-        d = dissipated_power(equal_contacts(1.0, shape[0], 1.0, 1.0), np.array([[0.0, c * w, w]]))
+        d = dissipated_power(contacts_from_values(1.0, shape[0], 1.0, 1.0), np.array([[0.0, c * w, w]]))
         f, m, *bend = kernel.slide_and_spin_friction(c * w, w, shape)
         assert (c * w * f + w * m, f, m) == pytest.approx((d.value[0], *d.gradient[0, 1:]), rel=1e-9, abs=1e-9)
         assert bend == pytest.approx(d.hessian[0, [1, 1, 2], [1, 2, 2]], rel=1e-6, abs=1e-9)
@@ -104,7 +109,7 @@ def test_velocity_formula_against_brute_force(nominal):
     exact = 2.0 * x[0] - 1.0
     shift = shifts(bearing, turn, loads, k_f=1.4)
     assert deviation_from_shifts(bearing, turn, shift) == pytest.approx(exact, rel=2e-3)
-    assert velocity_deviation(bearing.contact_angle, turn, 60.0, 20.0) == pytest.approx(exact, rel=2e-3)
+    assert relative_velocity_deviation(bearing.contact_angle, turn, 60.0, 20.0) == pytest.approx(exact, rel=2e-3)
     assert mismatch(angles + shift) == pytest.approx(0.0, abs=1e-7)
     rows, right = no_slip_matrix(angles)
     sliding, spin = rows @ x - right, contact_directions(angles) @ x[1:]
@@ -138,11 +143,11 @@ def test_force_formula_against_brute_force(nominal):
 
     roll = 0.5 / np.cos(bearing.contact_angle)
     exact = fsolve(balance, np.array([0.5, roll, 1e-5, roll, 1e-5, 1e-3]), xtol=1e-13)[5]
-    epsilon = velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
+    epsilon = relative_velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
     assert exact > 0.0
-    force = ball_force(bearing, loads[:, :2], epsilon[0] - epsilon[1], k_f=1.4)
+    force = ball_force_by_formula(bearing, loads[:, :2], epsilon[0] - epsilon[1], k_f=1.4)
     assert force == pytest.approx(exact, rel=3e-3)
-    assert ball_force(bearing, loads[:, :2], epsilon[1] - epsilon[0], k_f=1.4) == 0.0
+    assert ball_force_by_formula(bearing, loads[:, :2], epsilon[1] - epsilon[0], k_f=1.4) == 0.0
 
 
 def test_rubbing_speed_and_loss():
@@ -151,14 +156,14 @@ def test_rubbing_speed_and_loss():
     omega = np.array([0.5 * bearing.speed / (bearing.ball_radius * np.cos(0.6)), 0.0, 0.0])
     z = np.array([0.0, 0.0, bearing.ball_radius])
     speed = np.linalg.norm(np.cross(omega, z) - np.cross(omega, -z))
-    assert sliding_speed(bearing) == pytest.approx(speed, rel=1e-12)
-    assert ball_loss(bearing, 3.0) == pytest.approx(0.1 * 3.0 * speed, rel=1e-12)
+    assert ball_to_ball_sliding_speed(bearing) == pytest.approx(speed, rel=1e-12)
+    assert ball_to_ball_loss(bearing, 3.0) == pytest.approx(0.1 * 3.0 * speed, rel=1e-12)
 
 
 def test_spin_loss_is_that_of_the_numerical_model_without_deviations():
-    loads = diagonal_loads(100.0, np.array([0.2]))
-    numerical = solve_linear_chain(prepare_chain(BEARING, np.full((1, 4), BEARING.contact_angle), loads), fast=False)
-    assert spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
+    loads = loads_equal_on_diagonals(100.0, np.array([0.2]))
+    numerical = solve_linear_chain(prepare_linear_chain(BEARING, np.full((1, 4), BEARING.contact_angle), loads), fast=False)
+    assert groove_spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
 
 
 def forces_on_ball(angles, loads):
@@ -167,16 +172,19 @@ def forces_on_ball(angles, loads):
 
 def test_loads_are_in_equilibrium():
     rho = np.array([-0.6, 0.0, 0.3])
-    angles = BEARING.contact_angle + angle_deviations(np.radians([2.0, -3.0, 5.0]))
+    angles = BEARING.contact_angle + contact_angle_deviations(np.radians([2.0, -3.0, 5.0]))
     carriage = 100.0 * np.column_stack([rho, -np.ones(3)])
-    for loads, turned in [(balanced_loads(angles, 100.0, rho), angles), elastic_loads(BEARING, angles, 100.0, rho)]:
+    for loads, turned in [
+        (loads_in_equilibrium(angles, 100.0, rho), angles),
+        loads_of_elastic_contacts(BEARING, angles, 100.0, rho),
+    ]:
         np.testing.assert_allclose(forces_on_ball(turned, loads), 0.0, atol=1e-9)
         on_top = forces_on_ball(turned, loads * [0.0, 0.0, 1.0, 1.0])
         np.testing.assert_allclose(on_top, -carriage, atol=1e-9)
     flat = np.full((3, 4), BEARING.contact_angle)
-    np.testing.assert_allclose(diagonal_loads(100.0, rho), balanced_loads(flat, 100.0, rho), atol=1e-11)
-    loads, turned = elastic_loads(replace(BEARING, young=2.1e17), angles, 100.0, rho)
-    np.testing.assert_allclose(loads, balanced_loads(angles, 100.0, rho), rtol=1e-4, err_msg="a stiff bearing")
+    np.testing.assert_allclose(loads_equal_on_diagonals(100.0, rho), loads_in_equilibrium(flat, 100.0, rho), atol=1e-11)
+    loads, turned = loads_of_elastic_contacts(replace(BEARING, young=2.1e17), angles, 100.0, rho)
+    np.testing.assert_allclose(loads, loads_in_equilibrium(angles, 100.0, rho), rtol=1e-4, err_msg="a stiff bearing")
     np.testing.assert_allclose(turned, angles, atol=1e-5)
 
 
@@ -184,12 +192,12 @@ def test_mated_grooves_take_the_dependence_on_load_away():
     """Rule of 3.3.4.2 on the formula: any bottom groove, any loads."""
     rng = np.random.default_rng(3)
     bottom = rng.uniform(-0.05, 0.05, (20, 2))
-    turn = np.concatenate([bottom, matching_top_deviations(bottom)], axis=1)
+    turn = np.concatenate([bottom, top_deviations_matching_bottom(bottom)], axis=1)
     up, down = rng.uniform(1.0, 100.0, (2, 20))
-    np.testing.assert_allclose(velocity_deviation(0.7, turn, up, down), 0.0, atol=1e-17)
-    np.testing.assert_array_equal(angle_deviations(np.array(0.02), mated=True), [-0.02, 0.02, -0.02, 0.02])
-    assert pair_formulas(BEARING, 0.03, -0.6, 100.0, 1.4, mated=True)[:2] == (0.0, 0.0)
-    assert pair_formulas(BEARING, 0.03, -0.6, 100.0, 1.4)[1] > 1.0
+    np.testing.assert_allclose(relative_velocity_deviation(0.7, turn, up, down), 0.0, atol=1e-17)
+    np.testing.assert_array_equal(contact_angle_deviations(np.array(0.02), mated=True), [-0.02, 0.02, -0.02, 0.02])
+    assert pair_results_by_formulas(BEARING, 0.03, -0.6, 100.0, 1.4, mated=True)[:2] == (0.0, 0.0)
+    assert pair_results_by_formulas(BEARING, 0.03, -0.6, 100.0, 1.4)[1] > 1.0
 
 
 BAD = {"ball_radius": 0.0, "conformity": 0.5, "contact_angle": 1.6, "mu": -0.1, "mu_balls": -0.1, "young": -1.0}
@@ -203,6 +211,6 @@ def test_bad_bearings_are_refused(name, value):
 
 def test_bad_values_are_refused():
     with pytest.raises(ValueError, match="diagonal opens"):
-        diagonal_loads(1.0, np.array(1.1))
+        loads_equal_on_diagonals(1.0, np.array(1.1))
     with pytest.raises(ValueError, match="semi-axes must lie"):
-        contact_shape(replace(BEARING, conformity=0.5 + 1e-7))
+        contact_friction_constants(replace(BEARING, conformity=0.5 + 1e-7))

@@ -12,15 +12,20 @@ from rollbench.lowfi.friction.bearing import (
     INNER,
     RADIAL,
     ball_contacts,
-    bearing_load,
-    contact_maps,
-    inner_torque,
-    motion_problem,
-    solve_ball,
+    ball_motion_problem,
+    contact_kinematics,
+    contact_loads_of_ball,
+    inner_ring_torque,
+    solve_ball_of_bearing,
 )
-from rollbench.lowfi.friction.contact.equilibrium import Problem, balance_by_root, balance_by_sharpening, least_dissipation
-from rollbench.lowfi.friction.contact.laws import dissipated_power, equal_contacts
-from rollbench.lowfi.friction.screw.motion import source_law
+from rollbench.lowfi.friction.contact.equilibrium import (
+    MotionProblem,
+    least_dissipation,
+    motion_by_root,
+    motion_by_sharpened_sigmoids,
+)
+from rollbench.lowfi.friction.contact.laws import contacts_from_values, dissipated_power
+from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
 
 BEARING = source_cases.rotary_scene("I").bearing
 DIAGONAL = np.stack([AXIAL, RADIAL], axis=1) * np.sqrt(0.5)
@@ -31,8 +36,10 @@ def problem_of(forces, bearing=BEARING, angles=ANGLES, free_z=False):
     """Problem of motion with given contact forces (4,), axes of the right Hertz constants."""
     h, f = bearing.constants, np.asarray(forces, dtype=float)
     cube = np.cbrt(np.maximum(f, 1e-6))
-    (maps, drives), n = contact_maps(bearing, angles), 4 if free_z else 3
-    return Problem(equal_contacts(h.C_a * cube, h.C_b * cube, f, bearing.mu), maps[..., :n], drives, np.zeros(n))
+    (maps, drives), n = contact_kinematics(bearing, angles), 4 if free_z else 3
+    return MotionProblem(
+        contacts_from_values(h.C_a * cube, h.C_b * cube, f, bearing.mu), maps[..., :n], drives, np.zeros(n)
+    )
 
 
 TWO, THREE = (140.0, 0.0, 140.0, 0.0), (150.0, 20.0, 160.0, 0.0)
@@ -48,7 +55,7 @@ def rotation(angle):
 def test_maps_are_rigid_body_kinematics():
     """Lin 3.4-3.9 in the fixed frame at an azimuth, differentiated in time by finite differences of positions."""
     b, q, phi, eps = BEARING, np.array([27.4, -136.0, 108.0, 5.0]), 0.7, 1e-7
-    maps, drives = contact_maps(b, ANGLES)
+    maps, drives = contact_kinematics(b, ANGLES)
     centre = np.array([0.0, b.pitch_radius, 0.0])
     for i in range(4):
         n = np.array([AXIAL[i] * np.sin(ANGLES[i]), RADIAL[i] * np.cos(ANGLES[i]), 0.0])
@@ -72,7 +79,7 @@ def test_maps_are_rigid_body_kinematics():
 
 def test_loads_balance_and_are_those_of_least_energy():
     """Against a search over ring and ball that knows only the energy, written for a ring of its own."""
-    load = bearing_load(BEARING, 100.0, 6e-6)
+    load = contact_loads_of_ball(BEARING, 100.0, 6e-6)
     assert load.converged
     n = np.stack([AXIAL * np.sin(load.angle), RADIAL * np.cos(load.angle)], axis=1)
     assert load.force @ n == pytest.approx(0.0, abs=1e-9)
@@ -93,7 +100,7 @@ def test_loads_balance_and_are_those_of_least_energy():
 def test_clearance_opens_the_contacts():
     """Distance of the ball's centre from each groove centre, less r_G - r_B and the play, is the approach C F^(2/3)."""
     b = replace(BEARING, clearance=10e-6)
-    load = bearing_load(b, 100.0, 40e-6)
+    load = contact_loads_of_ball(b, 100.0, 40e-6)
     reach = b.groove_radius - b.ball_radius
     gap = load.ball - np.where(INNER[:, None], np.append(load.inner, 40e-6), 0.0) + reach * DIAGONAL
     approach = np.maximum(np.linalg.norm(gap, axis=1) - reach - 10e-6, 0.0)
@@ -110,7 +117,7 @@ def test_least_dissipation_is_least(forces):
     loss = m.loss
 
     def total(q):
-        return float(np.sum(dissipated_power(p.at, p.motion_at(q), fast=True).value))
+        return float(np.sum(dissipated_power(p.at, p.contact_motions_at(q), fast=True).value))
 
     assert total(m.q) == pytest.approx(loss, rel=1e-9)
     rng = np.random.default_rng(6)
@@ -160,24 +167,24 @@ def test_energy_balance_over_random_scenes():
             groove_radius=12.5e-3 * rng.uniform(0.505, 0.6),
         )
         load_on, u_y = 10.0 ** rng.uniform(-3, 5), rng.uniform(-5e-6, 1e-5)
-        load = bearing_load(b, load_on, u_y)
-        (maps, drives), n = contact_maps(b, load.angle), 3 + k % 2
-        m = least_dissipation(Problem(ball_contacts(b, load), maps[..., :n], drives, np.zeros(n)), fast=True)
+        load = contact_loads_of_ball(b, load_on, u_y)
+        (maps, drives), n = contact_kinematics(b, load.angle), 3 + k % 2
+        m = least_dissipation(MotionProblem(ball_contacts(b, load), maps[..., :n], drives, np.zeros(n)), fast=True)
         assert load.converged
         assert load.left <= 1e-9 * (np.sum(load.force) + abs(load_on))
         assert m.status == "exact"
-        assert inner_torque(b, load, m) * b.screw_speed == pytest.approx(m.loss, rel=1e-8)
+        assert inner_ring_torque(b, load, m) * b.screw_speed == pytest.approx(m.loss, rel=1e-8)
         assert np.all(m.friction.loss >= 0.0)
         rests.add(int(np.sum(m.rest)))
     assert rests >= {0, 1}
 
 
 def test_reversed_and_mirrored_motion():
-    right = solve_ball(BEARING, 100.0, 5e-6)
-    back = solve_ball(replace(BEARING, screw_speed=-BEARING.screw_speed), 100.0, 5e-6)
+    right = solve_ball_of_bearing(BEARING, 100.0, 5e-6)
+    back = solve_ball_of_bearing(replace(BEARING, screw_speed=-BEARING.screw_speed), 100.0, 5e-6)
     assert back.motion.q == pytest.approx(-right.motion.q, rel=1e-9)
     assert back.torque == pytest.approx(-right.torque, rel=1e-10)
-    left = solve_ball(BEARING, -100.0, 5e-6)
+    left = solve_ball_of_bearing(BEARING, -100.0, 5e-6)
     assert left.load.force == pytest.approx(right.load.force[[1, 0, 3, 2]], rel=1e-9)
     assert left.motion.q == pytest.approx(right.motion.q * [1.0, 1.0, -1.0], rel=1e-8)
     assert left.torque == pytest.approx(right.torque, rel=1e-9)
@@ -185,7 +192,7 @@ def test_reversed_and_mirrored_motion():
 
 def test_two_points_rest_at_the_larger_ellipse():
     """Contact forces along one line: only spin remains, all of it at the contact with the smaller moment."""
-    s = solve_ball(BEARING, 100.0, 0.0)
+    s = solve_ball_of_bearing(BEARING, 100.0, 0.0)
     loaded, rest = s.load.force > 0.0, s.motion.rest
     assert (np.sum(loaded), np.sum(rest)) == (2, 1)
     larger = np.argmax(s.at.a * loaded)
@@ -196,7 +203,9 @@ def test_two_points_rest_at_the_larger_ellipse():
 
 
 def test_no_motion_without_drive_and_no_loss_without_friction():
-    still, smooth = (solve_ball(replace(BEARING, **change), 100.0, 5e-6) for change in ({"screw_speed": 0.0}, {"mu": 0.0}))
+    still, smooth = (
+        solve_ball_of_bearing(replace(BEARING, **change), 100.0, 5e-6) for change in ({"screw_speed": 0.0}, {"mu": 0.0})
+    )
     assert (still.motion.status, still.motion.loss, still.torque) == ("at rest", 0.0, 0.0)
     assert smooth.motion.loss == 0.0
 
@@ -204,7 +213,7 @@ def test_no_motion_without_drive_and_no_loss_without_friction():
 def test_a_pushed_body_rests_below_the_limit_and_slides_above():
     """One contact pushed along z: mu F holds; beyond it no motion is quasi-static, and the result says so."""
     maps = np.eye(3)[None]
-    base = Problem(equal_contacts(1e-3, 3e-4, 100.0, 0.1), maps, np.zeros((1, 3)), np.zeros(3))
+    base = MotionProblem(contacts_from_values(1e-3, 3e-4, 100.0, 0.1), maps, np.zeros((1, 3)), np.zeros(3))
     held = least_dissipation(replace(base, push=np.array([0.0, 6.0, 1e-3])))
     assert held.status == "exact"
     assert held.rest[0]
@@ -216,16 +225,16 @@ def test_a_pushed_body_rests_below_the_limit_and_slides_above():
 def test_root_finding_of_the_source():
     """It has the same total loss where it succeeds, and fails from plain starts near two-point contact."""
     printed = replace(BEARING, hertz="as printed")
-    load = bearing_load(printed, 100.0, 5.2e-6)
-    p = motion_problem(printed, load, ball_contacts(printed, load))
-    law = source_law(BEARING, 100.0)
+    load = contact_loads_of_ball(printed, 100.0, 5.2e-6)
+    p = ball_motion_problem(printed, load, ball_contacts(printed, load))
+    law = lin_sigmoid_law(BEARING, 100.0)
     m = least_dissipation(p, fast=True)
-    root = balance_by_sharpening(p, law, m.q, fast=True)
+    root = motion_by_sharpened_sigmoids(p, law, m.q, fast=True)
     assert root.status == "exact"
     assert root.loss == pytest.approx(m.loss, rel=1e-6)
     rng = np.random.default_rng(9)
     starts = [m.q + rng.normal(size=3) * [0.1, 20.0, 20.0] for _ in range(20)]
-    found = [balance_by_root(p, law, s, fast=True).status for s in starts]
+    found = [motion_by_root(p, law, s, fast=True).status for s in starts]
     assert found.count("failed") > 10
 
 

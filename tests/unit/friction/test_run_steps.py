@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from rollbench.lowfi.friction.screw.travel import UNCLEAR, solve_steps, step_error
+from rollbench.lowfi.friction.screw.travel import UNCLEAR, estimate_step_error, simulate_until_accurate
 
 
 @dataclass
@@ -21,7 +21,7 @@ class Fake:
 
 
 def error_of(torques):
-    return step_error([Fake(t) for t in torques])
+    return estimate_step_error([Fake(t) for t in torques])
 
 
 def middles(steps):
@@ -65,11 +65,11 @@ def test_steps_are_doubled_until_the_errors_are_small():
         tried.append(steps)
         return Fake(smooth(steps, 10.0))
 
-    found, error = solve_steps(simulate, None, 8, 1e-3)
+    found, error = simulate_until_accurate(simulate, None, 8, 1e-3)
     assert tried == [8 * 2**k for k in range(len(tried))]
     assert found.per_step.size == tried[-1]
-    assert error.small(1e-3)
-    assert not error_of([smooth(n, 10.0) for n in tried[-4:-1]]).small(1e-3)
+    assert error.is_within(1e-3)
+    assert not error_of([smooth(n, 10.0) for n in tried[-4:-1]]).is_within(1e-3)
 
 
 @pytest.mark.parametrize("steps", [40, 42, 7, 4])
@@ -80,13 +80,13 @@ def test_given_steps_are_solved_with_half_and_a_quarter(steps):
         tried.append(steps)
         return Fake(smooth(steps))
 
-    found, error = solve_steps(simulate, steps, 8, 1e-9)
+    found, error = simulate_until_accurate(simulate, steps, 8, 1e-9)
     assert tried == [steps // 4, steps // 2, steps]
     assert found.per_step.size == steps
     assert error.steps == tuple(tried)
 
 
 def test_a_run_that_ends_early_has_no_error():
-    found, error = solve_steps(lambda _: Fake(np.ones(3), False), None, 8, 0.01)
+    found, error = simulate_until_accurate(lambda _: Fake(np.ones(3), False), None, 8, 0.01)
     assert error is None
     assert not found.good

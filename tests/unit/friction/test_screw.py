@@ -11,18 +11,24 @@ from tests.helpers import SCREW_STATES as STATES
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.cases.lin.evidence.source_cases import (
     groove_of_table_3_6,
-    pair_as_printed,
-    pair_with_inferred_oversize,
+    screw_pair_as_printed,
+    screw_pair_with_inferred_oversize,
 )
 from rollbench.lowfi import jit
-from rollbench.lowfi.friction.bearing import solve_ball
-from rollbench.lowfi.friction.contact.equilibrium import cell_state
+from rollbench.lowfi.friction.bearing import solve_ball_of_bearing
+from rollbench.lowfi.friction.contact.equilibrium import zero_cell_state
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.lowfi.friction.linear.chain import solve_pair as solve_linear_pair
-from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, section_frame
-from rollbench.lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, load_arrays, settle_load, source_law
+from rollbench.lowfi.friction.screw.chain import Chain, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, section_axes
+from rollbench.lowfi.friction.screw.motion import (
+    kernel_load_arrays,
+    lin_sigmoid_law,
+    solve_ball_motion,
+    solve_ball_motion_by_root,
+    solve_screw_contact_loads,
+)
 
 SCREW = groove_of_table_3_6()
 TWO = np.radians(2.0)
@@ -48,8 +54,8 @@ def material_velocity(screw, q, offset, azimuth, h=1e-6):
     """Velocity of a material point of the ball at ``offset`` (x3, y3, z3) from its centre, by central differences."""
     places = []
     for t in (-h, h):
-        turn = section_frame(screw, azimuth + q[0] * t).T @ rotation(q[1:] * t)
-        centre = helical(screw, section_frame(screw, azimuth)[0] * screw.pitch_radius, q[0] * t)
+        turn = section_axes(screw, azimuth + q[0] * t).T @ rotation(q[1:] * t)
+        centre = helical(screw, section_axes(screw, azimuth)[0] * screw.pitch_radius, q[0] * t)
         places.append(centre + turn @ offset)
     return (places[1] - places[0]) / (2.0 * h)
 
@@ -61,7 +67,7 @@ def test_maps_against_finite_differences_of_the_rigid_motions() -> None:
     normals = screw.normals(angle)
     maps, drives = screw.maps(normals)
     seen = drives + maps @ q
-    turn = section_frame(screw, 0.3)
+    turn = section_axes(screw, 0.3)
     for i in range(4):
         y = -normals[i]
         x, z = np.cross(y, [0.0, 1.0, 0.0]), np.array([0.0, 1.0, 0.0])
@@ -84,7 +90,7 @@ def test_pair_geometry_against_finite_differences() -> None:
     line = ends[1] - ends[0]
     assert np.linalg.norm(line) == pytest.approx(2.0 * SCREW.ball_radius, rel=1e-13)
     line /= np.linalg.norm(line)
-    frames = [section_frame(SCREW, s * 0.5 * pair.spacing) for s in (-1, 1)]
+    frames = [section_axes(SCREW, s * 0.5 * pair.spacing) for s in (-1, 1)]
     q = [np.array([2.0, -3.0, 0.7, 8.0]), np.array([1.5, 1.0, -2.0, 7.0])]
     v = [
         material_velocity(SCREW, q[k], frames[k] @ (s * SCREW.ball_radius * line), s * -0.5 * pair.spacing)
@@ -108,14 +114,14 @@ def test_contact_spacing_of_3_72_is_exact_for_zero_lead_only() -> None:
 
 def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     """Against a search that knows the energy only, and its gradient against differences."""
-    pair = replace(pair_with_inferred_oversize(TWO), free="rz", force=(3.0, 50.0))
+    pair = replace(screw_pair_with_inferred_oversize(TWO), free="rz", force=(3.0, 50.0))
     cell = replace(pair.cell(), push=np.array([[1.0, -2.0], [0.5, 3.0]]))
-    scale, arrays = 1e-6, load_arrays(cell)
-    state = cell_state(arrays)
+    scale, arrays = 1e-6, kernel_load_arrays(cell)
+    state = zero_cell_state(arrays)
 
     def energy_at(p, u):
         return (
-            jit.kernels(jit.CONTACT, compiled=True).contact_energy(arrays, p, u, state)
+            jit.load_kernel_package(jit.CONTACT, compiled=True).contact_energy(arrays, p, u, state)
             - np.sum(cell.push * p)
             - cell.force @ u
         )
@@ -123,7 +129,7 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     def energy(x):
         return energy_at(scale * x[:4].reshape(2, 2), scale * x[4:]) / (50.0 * scale)
 
-    found = settle_load(cell)
+    found = solve_screw_contact_loads(cell)
     assert found.converged
     best = minimize(energy, np.zeros(6), method="BFGS", options={"gtol": 1e-9})
     x = np.append(found.ball.ravel(), found.inner) / scale
@@ -141,18 +147,18 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
 @pytest.mark.parametrize("oversize", [-1e-5, 0.0, 1.7e-6])
 @pytest.mark.parametrize("force", [1e-3, 1.0, 1e3])
 def test_loads_from_random_starts(oversize: float, force: float, rng: np.random.Generator) -> None:
-    cell = replace(pair_as_printed(TWO), oversize=oversize, force=(force,)).cell()
-    reference = settle_load(cell)
+    cell = replace(screw_pair_as_printed(TWO), oversize=oversize, force=(force,)).cell()
+    reference = solve_screw_contact_loads(cell)
     assert reference.converged
     for _ in range(5):
-        again = settle_load(cell, (rng.normal(size=(2, 2)) * 1e-5, rng.normal(size=1) * 1e-5))
+        again = solve_screw_contact_loads(cell, (rng.normal(size=(2, 2)) * 1e-5, rng.normal(size=1) * 1e-5))
         assert again.converged
         assert again.force == pytest.approx(reference.force, rel=1e-6, abs=1e-8 * force)
 
 
 def test_two_contacts_of_a_stiff_screw_follow_from_statics() -> None:
     stiff = replace(SCREW, young=1e18)
-    found = settle_load(ball_cell(stiff, np.zeros(4), 0.0, "z", np.array([25.0])))
+    found = solve_screw_contact_loads(ball_cell(stiff, np.zeros(4), 0.0, "z", np.array([25.0])))
     along = 25.0 / (np.sin(SCREW.contact_angle) * np.cos(SCREW.lead_angle))
     assert found.force[0] == pytest.approx([along, 0.0, 0.0, along], rel=1e-4)
     assert found.angle[0, [0, 3]] == pytest.approx([SCREW.contact_angle] * 2, rel=1e-4)
@@ -161,15 +167,15 @@ def test_two_contacts_of_a_stiff_screw_follow_from_statics() -> None:
 @pytest.mark.parametrize("name", STATES)
 def test_input_power_is_dissipation_in_any_frame_reversed_and_mirrored(name: str) -> None:
     force, angle = STATES[name]
-    one = ball_motion(SCREW, force, angle)
+    one = solve_ball_motion(SCREW, force, angle)
     assert one.motion.status == "exact"
     assert one.input_power == pytest.approx(one.motion.loss, rel=1e-10)
-    moved = ball_motion(replace(SCREW, nut_speed=SCREW.nut_speed + 3.7, screw_speed=3.7), force, angle)
+    moved = solve_ball_motion(replace(SCREW, nut_speed=SCREW.nut_speed + 3.7, screw_speed=3.7), force, angle)
     assert moved.motion.loss == pytest.approx(one.motion.loss, rel=1e-10)
     assert moved.input_power == pytest.approx(one.input_power, rel=1e-9)
     assert moved.motion.q[0] == pytest.approx(one.motion.q[0] + 3.7, rel=1e-9)
-    back = ball_motion(replace(SCREW, nut_speed=-SCREW.nut_speed), force, angle).motion
-    mirror = ball_motion(replace(SCREW, lead=-SCREW.lead), force[FLIP], angle[FLIP]).motion
+    back = solve_ball_motion(replace(SCREW, nut_speed=-SCREW.nut_speed), force, angle).motion
+    mirror = solve_ball_motion(replace(SCREW, lead=-SCREW.lead), force[FLIP], angle[FLIP]).motion
     for other, senses in ((back, -1.0), (mirror, [1.0, -1.0, -1.0, 1.0])):
         assert other.loss == pytest.approx(one.motion.loss, rel=1e-10)
         assert other.q == pytest.approx(one.motion.q * senses, rel=1e-7, abs=1e-7)
@@ -177,15 +183,15 @@ def test_input_power_is_dissipation_in_any_frame_reversed_and_mirrored(name: str
 
 def test_root_of_the_sources_law(rng: np.random.Generator) -> None:
     """In four-point contact it spends what the least dissipation does; near two-point contact many starts fail."""
-    one = ball_motion(SCREW, *STATES["four"])
+    one = solve_ball_motion(SCREW, *STATES["four"])
     for sharpness, off in ((100.0, 1e-3), (1e4, 1e-9)):
-        root = ball_motion_by_root(one, source_law(SCREW, sharpness), one.motion.q)
+        root = solve_ball_motion_by_root(one, lin_sigmoid_law(SCREW, sharpness), one.motion.q)
         assert root.status == "exact"
         assert root.loss == pytest.approx(one.motion.loss, rel=off)
-    assert source_law(SCREW, 100.0).reference == pytest.approx(2.0 * np.pi * 0.98193 * np.sqrt(0.5), rel=1e-4)
-    two = ball_motion(SCREW, *STATES["two"])
+    assert lin_sigmoid_law(SCREW, 100.0).reference == pytest.approx(2.0 * np.pi * 0.98193 * np.sqrt(0.5), rel=1e-4)
+    two = solve_ball_motion(SCREW, *STATES["two"])
     starts = [two.motion.q * (1.0 + 0.3 * rng.normal(size=4)) for _ in range(20)]
-    failed = sum(ball_motion_by_root(two, source_law(SCREW, 1e3), s).status == "failed" for s in starts)
+    failed = sum(solve_ball_motion_by_root(two, lin_sigmoid_law(SCREW, 1e3), s).status == "failed" for s in starts)
     assert failed > 4
 
 
@@ -193,10 +199,10 @@ def test_root_of_the_sources_law(rng: np.random.Generator) -> None:
 def test_zero_lead_is_the_rotary_bearing(u_y: float) -> None:
     """Its x, y, z (axis, radius, path) are z3, x3, y3 here; its inner ring is the screw."""
     ring = source_cases.rotary_scene("I").bearing
-    s = solve_ball(ring, 100.0, u_y, fast=True)
+    s = solve_ball_of_bearing(ring, 100.0, u_y, fast=True)
     screw = ScrewGroove(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)
     order = [0, 1, 3, 2]  # IL, IR, OL, OR
-    one = ball_motion(screw, s.load.force[order], s.load.angle[order])
+    one = solve_ball_motion(screw, s.load.force[order], s.load.angle[order])
     assert one.at.a[s.load.force[order] > 0.0] == pytest.approx(s.at.a[order][s.load.force[order] > 0.0], rel=1e-9)
     assert one.motion.loss == pytest.approx(s.motion.loss, rel=1e-9)
     assert one.motion.q[[0, 3, 1]] == pytest.approx(s.motion.q, rel=1e-7)
@@ -213,7 +219,9 @@ def test_long_radius_is_the_linear_bearing() -> None:
     groove = line.ball_radius, line.conformity * 2.0 * line.ball_radius, radius, 0.0, line.contact_angle
     screw = ScrewGroove(*groove, line.young, line.poisson, line.mu, line.speed / radius, mu_balls=line.mu_balls)
     normals = screw.normals(angles[:, order])
-    pairs = [solve_chain(Chain(screw, loads[:, order], normals, np.array([slack, np.inf]))) for slack in (np.inf, 0.0)]
+    pairs = [
+        solve_motion_of_chain(Chain(screw, loads[:, order], normals, np.array([slack, np.inf]))) for slack in (np.inf, 0.0)
+    ]
     assert pairs[1].ball_force[0] == pytest.approx(found.force, rel=1e-4)
     assert pairs[0].loss == pytest.approx(found.free.loss, rel=1e-4)
     assert pairs[1].loss == pytest.approx(found.touching.loss, rel=1e-4)

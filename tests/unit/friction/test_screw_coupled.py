@@ -8,11 +8,17 @@ from tests.friction_oracles import ball_cell, coupled_ball
 
 from rollbench.compare.cases.lin.evidence.source_cases import (
     groove_of_table_3_6,
-    pair_as_printed,
-    pair_with_inferred_oversize,
+    screw_pair_as_printed,
+    screw_pair_with_inferred_oversize,
 )
-from rollbench.lowfi.friction.screw.chain import PATIENCE, CoupledChain, Guess, coupled_chain, solve_joint
-from rollbench.lowfi.friction.screw.motion import forces_of_friction, hold_screw, settle_load
+from rollbench.lowfi.friction.screw.chain import (
+    PATIENCE,
+    CoupledChainSolution,
+    IterationStart,
+    solve_coupled_chain,
+    solve_loads_and_motion,
+)
+from rollbench.lowfi.friction.screw.motion import friction_on_balls_and_screw, solve_screw_contact_loads, with_fixed_screw
 from rollbench.lowfi.friction.screw.run import BOTH, Pair, solve_pair
 
 #: One of the cases below: the way with the first regularising speed ends in a fold.
@@ -29,7 +35,7 @@ WEDGED = (
 )
 
 
-def out_of_balance(pair: Pair, state: CoupledChain) -> float:
+def out_of_balance(pair: Pair, state: CoupledChainSolution) -> float:
     """Largest force out of balance of a ball across its path, over the sum of contact forces: from forces alone."""
     n = pair.groove.normals(state.load.angle)
     force = state.motion.wrench[..., :3].sum(axis=1) + state.motion.ball_push
@@ -53,19 +59,19 @@ def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
 
 
 @pytest.mark.parametrize("coupling", ["ball", "ball and screw"])
-@pytest.mark.parametrize("make", [pair_as_printed, pair_with_inferred_oversize])
+@pytest.mark.parametrize("make", [screw_pair_as_printed, screw_pair_with_inferred_oversize])
 def test_one_system_gives_what_rounds_give(make, coupling: str) -> None:
     """Two ways that share the laws only: rounds and Newton's method on everything at once."""
     pair = replace(make(np.radians(2.0)), coupling=coupling)
     rounds = solve_pair(pair).touching
     assert rounds.rounds < PATIENCE
     cell = pair.cell()
-    bare = settle_load(cell)
-    held = hold_screw(cell, bare) if coupling == "ball" else cell
-    found = solve_joint(held, np.array([0.0, np.inf]), (bare.ball, bare.inner[: held.force.size]))
+    bare = solve_screw_contact_loads(cell)
+    held = with_fixed_screw(cell, bare) if coupling == "ball" else cell
+    found = solve_loads_and_motion(held, np.array([0.0, np.inf]), (bare.ball, bare.inner[: held.force.size]))
     assert found.done
     friction, pushed = rounds.motion.wrench, rounds.motion.ball_push[:, [0, 2]]
-    push, drag = forces_of_friction(held, friction, pushed, coupling)  # type: ignore[arg-type]
+    push, drag = friction_on_balls_and_screw(held, friction, pushed, coupling)  # type: ignore[arg-type]
     scale = float(rounds.load.force.sum())
     assert found.push == pytest.approx(push, abs=1e-8 * scale)
     assert found.drag == pytest.approx(drag, abs=1e-8 * scale)
@@ -96,15 +102,15 @@ def test_a_floating_ball_may_wedge_itself() -> None:
     With 1 um of clearance under 0.01 N the second ball has play; pushed aside once, it stays wedged, at 18 times the
     load of the first. Both states are in balance.
     """
-    pair = replace(pair_as_printed(np.radians(2.0)), oversize=-1e-6, force=(0.01,))
+    pair = replace(screw_pair_as_printed(np.radians(2.0)), oversize=-1e-6, force=(0.01,))
     floats = solve_pair(pair).free
     load = floats.load.force.sum(axis=1)
     assert load[1] < 1e-9 * load[0]
     found, rng, cell = [], np.random.default_rng(1), pair.cell()
     for _ in range(40):
         push = np.array([[0.0, 0.0], 0.01 * rng.normal(size=2)])
-        guess = Guess(push, np.zeros(1), floats.motion.q, np.zeros(2))
-        found.append(coupled_chain(cell, np.full(2, np.inf), "ball", None, 100, guess))
+        guess = IterationStart(push, np.zeros(1), floats.motion.q, np.zeros(2))
+        found.append(solve_coupled_chain(cell, np.full(2, np.inf), "ball", None, 100, guess))
     wedged = [s for s in found if s.load.force[1].sum() > 0.1]
     assert wedged
     assert all(s.converged and out_of_balance(pair, s) < 1e-8 for s in found)
@@ -115,7 +121,7 @@ def test_a_floating_ball_may_wedge_itself() -> None:
 def test_a_contact_past_the_apex_keeps_its_sign():
     groove = replace(groove_of_table_3_6(), contact_angle=0.02)
     cell = ball_cell(groove, np.zeros(4), 2e-6, "z", np.array([200.0]))
-    found = settle_load(cell)
+    found = solve_screw_contact_loads(cell)
     normal = groove.normals(found.angle)
     assert found.converged
     assert found.angle[0].min() < 0.0

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.lin.evidence.source_cases import pair_as_printed, pair_with_inferred_oversize
-from rollbench.lowfi.friction.screw.chain import Chain, solve_chain, solve_joint
-from rollbench.lowfi.friction.screw.motion import hold_screw, settle_load
+from rollbench.compare.cases.lin.evidence.source_cases import screw_pair_as_printed, screw_pair_with_inferred_oversize
+from rollbench.lowfi.friction.screw.chain import Chain, solve_loads_and_motion, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads, with_fixed_screw
 
 TWO = np.radians(2.0)
 SLACK = np.array([0.0, np.inf])
@@ -16,10 +16,10 @@ SLACK = np.array([0.0, np.inf])
 @pytest.mark.parametrize("free", ["", "z", "rz"])
 @pytest.mark.parametrize("oversize", [-3e-6, 0.0, 1.7e-6])
 def test_both_engines_settle_alike(free: str, oversize: float) -> None:
-    pair = replace(pair_with_inferred_oversize(TWO), oversize=oversize, free=free, force=(3.0, 50.0)[2 - len(free) :])
+    pair = replace(screw_pair_with_inferred_oversize(TWO), oversize=oversize, free=free, force=(3.0, 50.0)[2 - len(free) :])
     push = np.zeros((2, 2)) if oversize < 0.0 else np.array([[1.0, -2.0], [0.5, 3.0]])
     cell = replace(pair.cell(), push=push)
-    fast, slow = settle_load(cell), settle_load(cell, fast=False)
+    fast, slow = solve_screw_contact_loads(cell), solve_screw_contact_loads(cell, fast=False)
     assert fast.converged
     assert slow.converged
     assert fast.steps == slow.steps
@@ -27,13 +27,13 @@ def test_both_engines_settle_alike(free: str, oversize: float) -> None:
     assert fast.angle == pytest.approx(slow.angle, rel=1e-13)
 
 
-@pytest.mark.parametrize("make", [pair_as_printed, pair_with_inferred_oversize])
+@pytest.mark.parametrize("make", [screw_pair_as_printed, screw_pair_with_inferred_oversize])
 def test_both_engines_move_alike(make) -> None:
     """Motion, ball-to-ball force and losses, from the same loads."""
     cell = make(TWO).cell()
-    load = settle_load(cell)
+    load = solve_screw_contact_loads(cell)
     chain = Chain(cell.groove, load.force, cell.groove.normals(load.angle), SLACK)
-    fast, slow = solve_chain(chain), solve_chain(chain, fast=False)
+    fast, slow = solve_motion_of_chain(chain), solve_motion_of_chain(chain, fast=False)
     assert fast.converged
     assert slow.converged
     assert fast.steps == slow.steps
@@ -45,10 +45,10 @@ def test_both_engines_move_alike(make) -> None:
 
 
 def test_both_engines_solve_the_joint_system_alike() -> None:
-    cell = pair_as_printed(TWO).cell()
-    load = settle_load(cell)
-    held = hold_screw(cell, load)
-    fast, slow = (solve_joint(held, SLACK, (load.ball, np.zeros(0)), fast=f) for f in (True, False))
+    cell = screw_pair_as_printed(TWO).cell()
+    load = solve_screw_contact_loads(cell)
+    held = with_fixed_screw(cell, load)
+    fast, slow = (solve_loads_and_motion(held, SLACK, (load.ball, np.zeros(0)), fast=f) for f in (True, False))
     assert fast.done
     assert slow.done
     assert fast.push == pytest.approx(slow.push, rel=1e-9, abs=1e-12)

@@ -9,14 +9,20 @@ from tests.helpers import SCREW_STATES as STATES
 
 from rollbench.compare.cases.lin.evidence.source_cases import (
     groove_of_table_3_6,
-    pair_as_printed,
-    pair_with_inferred_oversize,
+    screw_pair_as_printed,
+    screw_pair_with_inferred_oversize,
 )
 from rollbench.lowfi.friction.contact.laws import dissipated_power
-from rollbench.lowfi.friction.screw.chain import BalanceSearch, Chain, solve_chain
+from rollbench.lowfi.friction.screw.chain import BalanceSearch, Chain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
-from rollbench.lowfi.friction.screw.motion import ball_motion, screw_contacts, settle_load
-from rollbench.lowfi.friction.screw.run import BOTH, implied_load, oversize_map, sliding_speed, solve_pair
+from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, solve_ball_motion, solve_screw_contact_loads
+from rollbench.lowfi.friction.screw.run import (
+    BOTH,
+    load_implied_by_ball_force,
+    pair_sliding_speed,
+    results_over_oversize_and_force,
+    solve_pair,
+)
 
 SCREW = groove_of_table_3_6()
 TWO = np.radians(2.0)
@@ -28,7 +34,7 @@ def open_chain(screw, force, angle) -> Chain:
     return Chain(screw, force, screw.normals(angle), np.append(np.zeros(len(force) - 1), np.inf))
 
 
-@pytest.mark.parametrize("make", [pair_as_printed, pair_with_inferred_oversize])
+@pytest.mark.parametrize("make", [screw_pair_as_printed, screw_pair_with_inferred_oversize])
 @pytest.mark.parametrize("coupling", ["none", "ball", "ball and screw"])
 def test_pair_in_equilibrium(make, coupling: str) -> None:
     """All balls with ball-to-ball force and friction; energy; complementarity."""
@@ -67,9 +73,9 @@ def test_radial_part_of_the_ball_force_keeps_its_sign() -> None:
 @pytest.mark.compiles(18)
 def test_swapped_balls() -> None:
     """Half a turn about x3 swaps the balls, left and right, and reverses the motion and the axial force."""
-    one = solve_pair(pair_with_inferred_oversize(TWO))
+    one = solve_pair(screw_pair_with_inferred_oversize(TWO))
     turned = replace(
-        pair_with_inferred_oversize(TWO),
+        screw_pair_with_inferred_oversize(TWO),
         groove=replace(SCREW, nut_speed=-SCREW.nut_speed),
         theta=(TWO, 0.0),
         force=(-50.0,),
@@ -82,23 +88,23 @@ def test_swapped_balls() -> None:
 
 
 def test_reversed_motion_parts_the_pair() -> None:
-    pair = replace(pair_with_inferred_oversize(TWO), groove=replace(SCREW, nut_speed=-SCREW.nut_speed))
+    pair = replace(screw_pair_with_inferred_oversize(TWO), groove=replace(SCREW, nut_speed=-SCREW.nut_speed))
     r = solve_pair(pair)
     assert r.force == 0.0
     assert r.touching.motion.q[1, 0] > r.touching.motion.q[0, 0]
     assert r.touching.motion.loss == pytest.approx(r.free.motion.loss, rel=1e-9)
-    same = solve_pair(replace(pair_with_inferred_oversize(0.0), coupling="none"))
+    same = solve_pair(replace(screw_pair_with_inferred_oversize(0.0), coupling="none"))
     assert same.force == pytest.approx(0.0, abs=1e-6)
 
 
 def test_pair_does_not_depend_on_the_start(rng: np.random.Generator) -> None:
-    cell = pair_with_inferred_oversize(TWO).cell()
-    load = settle_load(cell)
+    cell = screw_pair_with_inferred_oversize(TWO).cell()
+    load = solve_screw_contact_loads(cell)
     chain = open_chain(SCREW, load.force, load.angle)
-    one = solve_chain(chain)
+    one = solve_motion_of_chain(chain)
     for _ in range(5):
         start = one.q * (1.0 + 0.5 * rng.normal(size=one.q.shape)), rng.uniform(0.0, 5.0, size=2)
-        again = solve_chain(chain, start)
+        again = solve_motion_of_chain(chain, start)
         assert again.converged
         assert again.ball_force == pytest.approx(one.ball_force, rel=1e-8)
 
@@ -109,9 +115,9 @@ def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
     force = np.tile(STATES["four"][0], (3, 1))
     angle = STATES["four"][1] + np.array([0.0, 0.02, 0.03])[:, None] * np.array(BOTH)
     chain = open_chain(screw, force, angle)
-    r = solve_chain(chain)
+    r = solve_motion_of_chain(chain)
     assert np.all(r.ball_loss == 0.0)
-    s, at = BalanceSearch(chain), screw_contacts(screw, force)
+    s, at = BalanceSearch(chain), contact_ellipses_of_screw(screw, force)
     maps, drives = screw.maps(chain.normals)
 
     def seen(x):
@@ -138,7 +144,7 @@ def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
 def test_chains_converge(count: int, load: float) -> None:
     force = load * np.tile(STATES["four"][0], (count, 1))
     theta = np.radians(5.0) * np.sin(np.arange(count))
-    r = solve_chain(open_chain(SCREW, force, STATES["four"][1] + theta[:, None] * np.array(BOTH)))
+    r = solve_motion_of_chain(open_chain(SCREW, force, STATES["four"][1] + theta[:, None] * np.array(BOTH)))
     assert r.converged
     assert r.violation < 1e-10 * SCREW.speed
     assert np.all(r.ball_force >= 0.0)
@@ -149,10 +155,10 @@ def test_chains_converge(count: int, load: float) -> None:
 
 @pytest.mark.parametrize("mu", [0.0, 0.001, 0.5])
 def test_friction_coefficients(mu: float) -> None:
-    r = solve_pair(replace(pair_with_inferred_oversize(TWO), groove=replace(SCREW, mu=mu)))
+    r = solve_pair(replace(screw_pair_with_inferred_oversize(TWO), groove=replace(SCREW, mu=mu)))
     assert r.converged
     assert r.free.motion.loss == pytest.approx(
-        mu / 0.1 * solve_pair(pair_with_inferred_oversize(TWO)).free.motion.loss, rel=1e-8
+        mu / 0.1 * solve_pair(screw_pair_with_inferred_oversize(TWO)).free.motion.loss, rel=1e-8
     )
     assert np.isnan(r.friction_increase) == (mu == 0.0)
 
@@ -163,17 +169,19 @@ def test_two_point_chain_with_unloaded_balls_converges() -> None:
     force = np.tile(STATES["two"][0], (count, 1)) * (1.0 + 0.5 * np.sin(np.arange(count)))[:, None]
     force[[10, 11, 12, 20, 21]] = 0.0
     angle = np.full((count, 4), np.pi / 4) + 0.01 * np.cos(np.arange(count))[:, None]
-    r = solve_chain(open_chain(SCREW, force, angle))
+    r = solve_motion_of_chain(open_chain(SCREW, force, angle))
     assert r.converged
     assert r.input_power == pytest.approx(r.loss, rel=1e-8)
 
 
 def test_map_of_the_assumptions() -> None:
-    m = oversize_map(pair_with_inferred_oversize(TWO), np.array([1.0, 1.7, 2.5]) * 1e-6, np.array([0.0, 50.0]))
+    m = results_over_oversize_and_force(
+        screw_pair_with_inferred_oversize(TWO), np.array([1.0, 1.7, 2.5]) * 1e-6, np.array([0.0, 50.0])
+    )
     assert m.converged.all()
     assert np.all(np.diff(m.force, axis=0) > 0.0)
     assert np.all(np.diff(m.increase, axis=0)[:, 0] < 0.0)
-    assert m.force[1, 1] == pytest.approx(solve_pair(pair_with_inferred_oversize(TWO)).force, rel=1e-9)
+    assert m.force[1, 1] == pytest.approx(solve_pair(screw_pair_with_inferred_oversize(TWO)).force, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -191,8 +199,8 @@ def test_bad_input(change, match) -> None:
 
 
 def test_the_load_that_a_force_and_its_losses_imply_is_the_one_whose_losses_they_are() -> None:
-    pair = pair_with_inferred_oversize(TWO)
+    pair = screw_pair_with_inferred_oversize(TWO)
     force, load = 3.0, 120.0
-    each = ball_motion(pair.groove, np.full(4, load / 4.0), np.full(4, pair.groove.contact_angle)).motion.loss
-    increase = 0.5 * pair.groove.mu * force * sliding_speed(pair) / each
-    assert implied_load(pair, force, increase) == pytest.approx(load, rel=1e-8)
+    each = solve_ball_motion(pair.groove, np.full(4, load / 4.0), np.full(4, pair.groove.contact_angle)).motion.loss
+    increase = 0.5 * pair.groove.mu * force * pair_sliding_speed(pair) / each
+    assert load_implied_by_ball_force(pair, force, increase) == pytest.approx(load, rel=1e-8)

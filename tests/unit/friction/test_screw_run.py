@@ -7,17 +7,22 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from rollbench.compare.cases.lin.evidence.source_cases import run_of_section_3_4_4
-from rollbench.lowfi.friction.screw.motion import ball_motion
-from rollbench.lowfi.friction.screw.run import cell_at_instant, deviation, simulate_equal_steps, summarise
-from rollbench.lowfi.friction.screw.travel import History
+from rollbench.compare.cases.lin.evidence.source_cases import simulation_inputs_of_section_3_4_4
+from rollbench.lowfi.friction.screw.motion import solve_ball_motion
+from rollbench.lowfi.friction.screw.run import (
+    balls_at_instant,
+    contact_angle_deviation,
+    simulate_equal_steps,
+    summarise_history,
+)
+from rollbench.lowfi.friction.screw.travel import TravelHistory
 
 pytestmark = pytest.mark.xdist_group("whole run of the source")
 
 
 @cache
-def result(**changes) -> History:
-    return simulate_equal_steps(run_of_section_3_4_4(**changes))
+def result(**changes) -> TravelHistory:
+    return simulate_equal_steps(simulation_inputs_of_section_3_4_4(**changes))
 
 
 CASES = {
@@ -55,16 +60,16 @@ def test_without_deviation_nothing_touches() -> None:
 
 def test_free_balls_follow_their_speeds() -> None:
     """While nothing touches, each ball's azimuth is the integral of its own speed over theta: separate quadrature."""
-    run = run_of_section_3_4_4(amplitude=np.radians(0.5), steps=400, duration=0.4)
+    run = simulation_inputs_of_section_3_4_4(amplitude=np.radians(0.5), steps=400, duration=0.4)
     r = simulate_equal_steps(run)
     assert not r.contact.any()
     turned, loads = np.radians(np.linspace(-0.5, 0.5, 9)), np.median(r.load.reshape(-1, 4), axis=0)
     angles = run.groove.contact_angle + turned[:, None] * np.array(run.pattern)
-    speed = CubicSpline(turned, [ball_motion(run.groove, loads, angle).motion.q[0] for angle in angles])
+    speed = CubicSpline(turned, [solve_ball_motion(run.groove, loads, angle).motion.q[0] for angle in angles])
     azimuth, h = r.azimuth[0].copy(), run.duration / run.steps
     for _ in range(run.steps - 1):
-        half = azimuth + 0.5 * h * speed(deviation(run, azimuth))
-        azimuth += h * speed(deviation(run, half))
+        half = azimuth + 0.5 * h * speed(contact_angle_deviation(run, azimuth))
+        azimuth += h * speed(contact_angle_deviation(run, half))
     assert np.diff(r.azimuth[-1]) == pytest.approx(np.diff(azimuth), abs=3e-5)
     assert np.abs(r.spacing[-1] - r.spacing[0]).max() > 1e-3  # what the tolerance has to tell apart
 
@@ -77,14 +82,14 @@ def test_finer_steps_converge() -> None:
 
 
 def test_recirculation_folds_balls_into_the_nut() -> None:
-    run = run_of_section_3_4_4(tube=0.4)
+    run = simulation_inputs_of_section_3_4_4(tube=0.4)
     azimuth = np.array([-7.0, -6.0, 0.0, 6.0, 6.4, 6.9])
     there, loaded = run.place(azimuth, 0.0)
     assert there == pytest.approx([-7.0 + run.ring, -6.0, 0.0, 6.0, 6.4, -6.9 + 2.0 * 6.9 - run.ring], abs=1e-12)
     assert list(loaded) == [True, True, True, True, False, True]
     later, _ = run.place(azimuth + 1.0, 1.0)
     assert later == pytest.approx(there + 1.0)
-    cell = cell_at_instant(run, there, loaded, 0.0)
+    cell = balls_at_instant(run, there, loaded, 0.0)
     assert cell.interference[4].max() < -1e-4
 
 
@@ -106,7 +111,7 @@ def test_axial_force_is_carried() -> None:
 
 def test_reversed_motion_and_mirrored_pattern() -> None:
     """Half a turn about x swaps left and right, order and direction: the same torque."""
-    run = run_of_section_3_4_4(steps=40, duration=0.4)
+    run = simulation_inputs_of_section_3_4_4(steps=40, duration=0.4)
     one = simulate_equal_steps(run)
     g = run.groove
     back = replace(run, groove=replace(g, nut_speed=-g.nut_speed), force=(-1500.0,), amplitude=-run.amplitude)
@@ -119,11 +124,11 @@ def test_reversed_motion_and_mirrored_pattern() -> None:
 @pytest.mark.parametrize(("change", "match"), [({"count": 38}, "38 balls"), ({"steps": 0}, "steps")])
 def test_bad_input(change: dict[str, int], match: str) -> None:
     with pytest.raises(ValueError, match=match):
-        run_of_section_3_4_4(**change)
+        simulation_inputs_of_section_3_4_4(**change)
 
 
 def test_summary() -> None:
-    s = summarise(result())
+    s = summarise_history(result())
     assert s.groups == 4
     assert 0.0 < s.at < s.none_at
 

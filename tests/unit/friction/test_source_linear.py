@@ -7,14 +7,19 @@ import pytest
 
 from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.as_source.chain import (
-    linear_balls,
-    linear_law,
-    linear_pair_by_root,
-    solve_by_root,
-    solve_linear_by_root,
+    balls_of_linear_bearing,
+    linear_bearing_friction_law,
+    solve_chain_by_root,
+    solve_linear_bearing_by_root,
+    solve_linear_pair_by_root,
 )
-from rollbench.lowfi.friction.linear.bearing import angle_deviations, balanced_loads
-from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads, prepare_chain, solve_linear_chain, solve_pair
+from rollbench.lowfi.friction.linear.bearing import contact_angle_deviations, loads_in_equilibrium
+from rollbench.lowfi.friction.linear.chain import (
+    pair_angles_and_loads,
+    prepare_linear_chain,
+    solve_linear_chain,
+    solve_pair,
+)
 
 BEARING = replace(source_cases.linear_pair_scene().bearing, mu_balls=0.08)
 CASE = (np.radians(2.0), -0.6, 100.0)
@@ -22,14 +27,14 @@ CASE = (np.radians(2.0), -0.6, 100.0)
 
 def state(theta, rho):
     """Contact angles and loads of balls with the given deviations [deg] and side force ratios."""
-    angles = BEARING.contact_angle + angle_deviations(np.radians(theta))
-    return angles, balanced_loads(angles, 100.0, np.asarray(rho))
+    angles = BEARING.contact_angle + contact_angle_deviations(np.radians(theta))
+    return angles, loads_in_equilibrium(angles, 100.0, np.asarray(rho))
 
 
 @pytest.mark.parametrize("sharpness", [None, 100.0])
 def test_pair_is_ours(sharpness):
     ours = solve_pair(BEARING, *CASE)
-    found = linear_pair_by_root(BEARING, *CASE, law=linear_law(BEARING, sharpness))
+    found = solve_linear_pair_by_root(BEARING, *CASE, law=linear_bearing_friction_law(BEARING, sharpness))
     assert found.status == "exact"
     assert found.ball_force[0] == pytest.approx(ours.force, rel=1e-9)
     np.testing.assert_allclose(found.free[:, 0], ours.free.velocity, rtol=1e-10)
@@ -44,14 +49,20 @@ def test_answer_goes_to_ours_as_the_sigmoid_sharpens():
     ours = solve_pair(BEARING, *CASE).force
     for k in (6.0, 9.0, 12.0, 15.0):
         lacking = 1.0 - np.tanh(0.5 * k)
-        off = abs(linear_pair_by_root(BEARING, *CASE, law=linear_law(BEARING, k)).ball_force[0] / ours - 1.0)
+        off = abs(
+            solve_linear_pair_by_root(BEARING, *CASE, law=linear_bearing_friction_law(BEARING, k)).ball_force[0] / ours
+            - 1.0
+        )
         assert 0.2 * lacking < off < 3.0 * lacking
 
 
 def test_chain_is_ours_where_the_rule_for_contact_holds():
     """Each ball faster than the next: all touch."""
     angles, loads = state([2.5, 2.0, 1.0, 1.5, 2.5], [-0.5, -0.3, 0.1, 0.3, 0.5])
-    ours, found = solve_linear_chain(prepare_chain(BEARING, angles, loads)), solve_linear_by_root(BEARING, angles, loads)
+    ours, found = (
+        solve_linear_chain(prepare_linear_chain(BEARING, angles, loads)),
+        solve_linear_bearing_by_root(BEARING, angles, loads),
+    )
     assert found.status == "exact"
     assert np.all(ours.ball_force > 0.0)
     np.testing.assert_allclose(found.ball_force, ours.ball_force, rtol=1e-8)
@@ -61,11 +72,11 @@ def test_chain_is_ours_where_the_rule_for_contact_holds():
 
 def test_balls_that_part_or_are_out_of_reach_stay_apart():
     angles, loads = state([2.0, 2.0], [0.6, -0.6])
-    parting = solve_linear_by_root(BEARING, angles, loads)
+    parting = solve_linear_bearing_by_root(BEARING, angles, loads)
     assert parting.status == "exact"
     assert parting.q[1, 0] > parting.q[0, 0]
     assert parting.ball_force[0] == 0.0
-    far = solve_linear_by_root(BEARING, angles[::-1], loads[::-1], False)
+    far = solve_linear_bearing_by_root(BEARING, angles[::-1], loads[::-1], False)
     assert far.ball_force[0] == 0.0
     np.testing.assert_array_equal(far.q, far.free)
 
@@ -73,7 +84,10 @@ def test_balls_that_part_or_are_out_of_reach_stay_apart():
 def test_rule_for_contact_lets_balls_overlap():
     """The first is slower than the second, but not than the second held up by the third: 3.31 does not see that."""
     angles, loads = state([2.0, 2.5, 2.0], [-0.1, -0.2, 0.6])
-    ours, found = solve_linear_chain(prepare_chain(BEARING, angles, loads)), solve_linear_by_root(BEARING, angles, loads)
+    ours, found = (
+        solve_linear_chain(prepare_linear_chain(BEARING, angles, loads)),
+        solve_linear_bearing_by_root(BEARING, angles, loads),
+    )
     assert found.free[0, 0] < found.free[1, 0]
     assert found.q[0, 0] > found.q[1, 0] * (1.0 + 1e-4)
     assert found.status == "overlapping"
@@ -85,15 +99,15 @@ def test_rule_for_contact_lets_balls_overlap():
 def test_failure_is_a_status():
     """All but two contacts unloaded, one rests under Coulomb's law: there is no root to find."""
     state_2p = pair_angles_and_loads(BEARING, np.radians(2.0), -1.0 + 1e-6, 100.0, loads="elastic")
-    assert solve_linear_by_root(BEARING, *state_2p).status == "failed"
+    assert solve_linear_bearing_by_root(BEARING, *state_2p).status == "failed"
 
 
 def test_start_does_not_change_a_root():
-    balls, reach = linear_balls(BEARING, *state([2.0, 2.0], [-0.6, 0.6])), np.array([True])
-    first = solve_by_root(balls, linear_law(BEARING), reach)
+    balls, reach = balls_of_linear_bearing(BEARING, *state([2.0, 2.0], [-0.6, 0.6])), np.array([True])
+    first = solve_chain_by_root(balls, linear_bearing_friction_law(BEARING), reach)
     close = first.q, first.ball_force
     for start, touching in ((first.free, None), (None, close), (first.free, close)):
-        again = solve_by_root(balls, linear_law(BEARING), reach, start, touching)
+        again = solve_chain_by_root(balls, linear_bearing_friction_law(BEARING), reach, start, touching)
         assert again.status == "exact"
         assert again.calls < first.calls - 3
         np.testing.assert_allclose(again.ball_force, first.ball_force, rtol=1e-9)

@@ -7,19 +7,19 @@ import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import (
     groove_of_table_3_6,
-    pair_as_printed,
-    pair_with_inferred_oversize,
-    run_of_section_3_4_4,
+    screw_pair_as_printed,
+    screw_pair_with_inferred_oversize,
+    simulation_inputs_of_section_3_4_4,
 )
 from rollbench.lowfi.friction.as_source.screw import (
     BallPositions,
-    loads_by_root,
-    screw_pair_by_root,
+    lin_state_of_result,
     simulate_by_root,
-    start_from_result,
+    solve_contact_loads_by_root,
+    solve_screw_pair_by_root,
     starting_positions,
 )
-from rollbench.lowfi.friction.screw.motion import settle_load, source_law
+from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law, solve_screw_contact_loads
 from rollbench.lowfi.friction.screw.run import Run, simulate_equal_steps, solve_pair
 
 TWO = np.radians(2.0)
@@ -27,18 +27,22 @@ TWO = np.radians(2.0)
 
 def few_balls(count=6, steps=40) -> Run:
     """A screw with few balls that fill its turns as 3.4.4 does."""
-    base = run_of_section_3_4_4()
+    base = simulation_inputs_of_section_3_4_4()
     turns = count * base.groove.pair.spacing / (2.0 * np.pi * 0.978)
     return replace(base, count=count, turns=turns, force=(1500.0 * count / 37,), steps=steps, duration=0.01 * steps)
 
 
 @pytest.mark.parametrize(
     "pair",
-    [pair_with_inferred_oversize(TWO), pair_as_printed(TWO), replace(pair_as_printed(TWO), free="zr", force=(30.0, 20.0))],
+    [
+        screw_pair_with_inferred_oversize(TWO),
+        screw_pair_as_printed(TWO),
+        replace(screw_pair_as_printed(TWO), free="zr", force=(30.0, 20.0)),
+    ],
 )
 def test_loads_are_ours(pair):
     cell = pair.cell()
-    ours, found = settle_load(cell), loads_by_root(cell)
+    ours, found = solve_screw_contact_loads(cell), solve_contact_loads_by_root(cell)
     assert found.converged
     np.testing.assert_allclose(found.force, ours.force, atol=1e-8 * ours.force.max())
     loaded = ours.force > 1e-3 * ours.force.max()
@@ -46,16 +50,16 @@ def test_loads_are_ours(pair):
 
 
 def test_loads_that_are_not_found_are_not_converged():
-    cell = pair_as_printed(TWO).cell()
+    cell = screw_pair_as_printed(TWO).cell()
     away = starting_positions(cell)
     lost = BallPositions(away.ball, away.gamma, -away.screw)  # off the flanks: nothing has stiffness
-    assert not loads_by_root(cell, lost).converged
+    assert not solve_contact_loads_by_root(cell, lost).converged
 
 
 @pytest.mark.parametrize("theta", [1.0, 3.0])
 def test_pair_at_given_loads_is_ours(theta):
-    pair = pair_with_inferred_oversize(np.radians(theta))
-    ours, found = solve_pair(pair), screw_pair_by_root(pair)
+    pair = screw_pair_with_inferred_oversize(np.radians(theta))
+    ours, found = solve_pair(pair), solve_screw_pair_by_root(pair)
     assert found.motion.status == "exact"
     assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-8)
     np.testing.assert_allclose(found.motion.free, ours.free.motion.q, atol=1e-8)
@@ -65,19 +69,19 @@ def test_pair_at_given_loads_is_ours(theta):
 
 def test_pair_goes_to_ours_as_the_sigmoid_sharpens():
     """Contacts spin with about four times the reference: friction lacks 1 - tanh(2 k_S), the force about as much."""
-    ours = solve_pair(pair_with_inferred_oversize(TWO)).force
+    ours = solve_pair(screw_pair_with_inferred_oversize(TWO)).force
     for k in (1.0, 1.5, 2.0, 3.0):
-        law, lacking = source_law(groove_of_table_3_6(), k), 1.0 - np.tanh(2.0 * k)
-        off = abs(screw_pair_by_root(pair_with_inferred_oversize(TWO), law).motion.ball_force[0] / ours - 1.0)
+        law, lacking = lin_sigmoid_law(groove_of_table_3_6(), k), 1.0 - np.tanh(2.0 * k)
+        off = abs(solve_screw_pair_by_root(screw_pair_with_inferred_oversize(TWO), law).motion.ball_force[0] / ours - 1.0)
         assert 0.5 * lacking < off < 1.5 * lacking
 
 
 @pytest.mark.parametrize("theta", [1.0, 2.0, 3.0])
 def test_coupled_pair_has_ours_as_a_root(theta):
     """Ten equations a ball and one of contact hold where loads and friction agree by our own way (3.71, 3.75-3.77)."""
-    pair = pair_as_printed(np.radians(theta))
+    pair = screw_pair_as_printed(np.radians(theta))
     ours = solve_pair(pair)
-    found = screw_pair_by_root(pair, None, start_from_result(ours, False), start_from_result(ours, True))
+    found = solve_screw_pair_by_root(pair, None, lin_state_of_result(ours, False), lin_state_of_result(ours, True))
     assert found.motion.status == "exact"
     assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-7)
     np.testing.assert_allclose(found.force, ours.touching.load.force, atol=1e-6)
@@ -105,4 +109,4 @@ def test_run_is_ours_until_balls_meet_and_near_it_after():
     np.testing.assert_allclose(found.ball_force[same].argmax(axis=1), ours.ball_force[same].argmax(axis=1))
     np.testing.assert_allclose(found.ball_torque[same], ours.ball_torque[same], rtol=5e-3)
     assert same.size > 2
-    assert 0.0 < found.overlap < 0.05 * run.groove.pair.spacing
+    assert 0.0 < found.largest_overlap < 0.05 * run.groove.pair.spacing

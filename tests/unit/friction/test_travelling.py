@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.lowfi.compliance.between import contact_frames
-from rollbench.lowfi.compliance.bodies import whole_body
+from rollbench.lowfi.compliance.between import contact_points_and_axes
+from rollbench.lowfi.compliance.bodies import compliance_between_contacts
 from rollbench.lowfi.compliance.parts import REFINED
 from rollbench.lowfi.friction.whole.run import APART, WINDOW, TravellingCompliance
 from rollbench.lowfi.statics.nominal import elastic_loads
-from rollbench.meshes.errors import specimen
-from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
+from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.helix import ball_layout, ball_layout_at_positions, lead_per_radian
 
 SCENE = small_screw(6, 1.2, force=(0.0, 0.0, 400.0))
 
@@ -18,7 +18,7 @@ SCENE = small_screw(6, 1.2, force=(0.0, 0.0, 400.0))
 def moved(by, scene=SCENE, apart=0.0):
     start, track = ball_layout(scene), scene.track
     turned = by + apart * np.linspace(-1.0, 1.0, start.z.size)
-    return layout_at(track, start.azimuth + turned, start.z + reduced_lead(track) * turned)
+    return ball_layout_at_positions(track, start.azimuth + turned, start.z + lead_per_radian(track) * turned)
 
 
 @pytest.mark.parametrize("screw", [True, False])
@@ -26,16 +26,18 @@ def test_between_the_places_of_a_window_the_compliance_is_that_of_the_place(scre
     travelling = TravellingCompliance(WINDOW)
     travelling(SCENE, moved(0.0), screw, REFINED, (0, 1))
     calls = []
-    monkeypatch.setattr("rollbench.lowfi.friction.whole.run.whole_body", lambda *a: calls.append(a) or whole_body(*a))
+    monkeypatch.setattr(
+        "rollbench.lowfi.friction.whole.run.whole_body", lambda *a: calls.append(a) or compliance_between_contacts(*a)
+    )
     for share in (0.2, 0.5, 0.9):
         place = moved(share * WINDOW)
-        exact = whole_body(SCENE, place, screw, REFINED, (0, 1))
+        exact = compliance_between_contacts(SCENE, place, screw, REFINED, (0, 1))
         assert travelling(SCENE, place, screw, REFINED, (0, 1)) == pytest.approx(exact, abs=2e-4 * np.abs(exact).max())
     assert not calls
     beyond = moved(1.5 * WINDOW)
     found = travelling(SCENE, beyond, screw, REFINED, (0, 1))
     assert len(calls) == 3
-    assert np.array_equal(found, whole_body(SCENE, beyond, screw, REFINED, (0, 1)))
+    assert np.array_equal(found, compliance_between_contacts(SCENE, beyond, screw, REFINED, (0, 1)))
 
 
 def test_balls_that_leave_each_other_begin_a_window_of_their_own():
@@ -47,8 +49,8 @@ def test_balls_that_leave_each_other_begin_a_window_of_their_own():
 
 def test_a_window_ends_before_a_ball_passes_the_nuts_face():
     """The nut's end stands less than a window beyond the last ball."""
-    last = float(contact_frames(SCENE, ball_layout(SCENE), False)[0][:, 2].max())
-    room = (SCENE.nut.position + 0.5 * SCENE.nut.length - last) / reduced_lead(SCENE.track)
+    last = float(contact_points_and_axes(SCENE, ball_layout(SCENE), False)[0][:, 2].max())
+    room = (SCENE.nut.position + 0.5 * SCENE.nut.length - last) / lead_per_radian(SCENE.track)
     place = moved(room - 0.3 * WINDOW)
     travelling = TravellingCompliance(WINDOW)
     travelling(SCENE, place, False, REFINED, (0, 1))
@@ -59,7 +61,7 @@ def test_a_window_ends_before_a_ball_passes_the_nuts_face():
 def test_loads_of_balls_that_travel_are_those_of_balls_that_stay():
     scene = small_screw(3, 0.7, force=(0.0, 0.0, 60.0))
     layout = ball_layout(scene)
-    drawn = specimen(scene, layout)
+    drawn = draw_specimen(scene, layout)
     still, moving = (
         elastic_loads(scene, drawn, layout),
         elastic_loads(scene, drawn, layout, whole=TravellingCompliance(WINDOW)),

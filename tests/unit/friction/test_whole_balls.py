@@ -11,11 +11,11 @@ from tests.whole_screws import AXIAL, MU, scene_of, single, state
 from rollbench.compare.cases.lin.evidence.source_cases import four_point_bearing, groove_of_table_3_6
 from rollbench.lowfi.friction.bearing import solve_bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.motion import ball_motion
+from rollbench.lowfi.friction.screw.motion import solve_ball_motion
 from rollbench.lowfi.friction.whole.contacts import contacts_of_result
 from rollbench.lowfi.friction.whole.losses import CAUSES, ball_friction
 from rollbench.lowfi.statics.contacts import drawn_hertz
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, Motion, Support
 
@@ -65,7 +65,7 @@ def test_four_point_ring_is_that_of_the_bearing_pairs(angle):
 @pytest.mark.parametrize("force", [FOUR, (0.0, 60.0, 60.0, 0.0), (40.0, 90.0, 130.0, 0.0)])
 def test_ball_of_a_helix_moves_as_in_the_screw_s_kernels(lead, force):
     groove, angle = replace(HELIX, lead=lead), HELIX.contact_angle + TURNED
-    expected, at = ball_motion(groove, np.array(force), angle, fast=False), single(force, angle, groove)
+    expected, at = solve_ball_motion(groove, np.array(force), angle, fast=False), single(force, angle, groove)
     found = ball_friction(scene_of(groove), at, MU, Motion(7.0, "nut"))
     assert found.power == pytest.approx(expected.motion.loss, rel=1e-10)
     assert np.allclose([found.orbit[0], *found.rotation[0]], expected.motion.q, rtol=1e-10, atol=1e-10)
@@ -115,7 +115,7 @@ def test_ellipses_are_those_that_the_scene_s_ingredients_name():
     for kind, h in (("error-free", exact), ("as printed", printed)):
         assert np.allclose(found[kind][0], h.C_a, rtol=1e-12)
         assert np.allclose(found[kind][1], h.C_b, rtol=1e-12)
-    drawn = drawn_hertz(base, specimen(base, ball_layout(base)))
+    drawn = drawn_hertz(base, draw_specimen(base, ball_layout(base)))
     assert np.allclose(found["nominal"][0], drawn.C_a, rtol=1e-12)
     growth = found["nominal"][0] / found["error-free"][0]
     assert growth.min() > 1.001, "larger balls conform more closely to the groove"
@@ -127,5 +127,5 @@ def test_contacts_take_the_specimen_that_was_solved():
     scene = replace(base, errors=replace(base.errors, balls=replace(base.errors.balls, sigma=0.5e-6)))
     result = solved(scene, member=3)
     at = contacts_of_result(scene, result, 3)
-    assert np.array_equal(at.ball_radius, specimen(scene, ball_layout(scene), 3).ball_radius)
+    assert np.array_equal(at.ball_radius, draw_specimen(scene, ball_layout(scene), 3).ball_radius)
     assert not np.array_equal(at.ball_radius, contacts_of_result(scene, result, 0).ball_radius)

@@ -11,9 +11,9 @@ from tests.whole_screws import SCENES, TURN, scene_of, single, state
 
 from rollbench.compare.cases.lin.evidence.source_cases import groove_of_table_3_6
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.friction.whole.feedback import ball_seats, feed_back
+from rollbench.lowfi.friction.whole.feedback import positions_in_grooves, solve_friction_equilibrium
 from rollbench.lowfi.friction.whole.losses import ball_friction
-from rollbench.lowfi.friction.whole.torque import axial_force_and_moment, sum_friction
+from rollbench.lowfi.friction.whole.torque import axial_forces_and_moments, sum_friction_over_contacts
 from rollbench.meshes.parts import Friction, Motion
 
 
@@ -26,7 +26,7 @@ def coupled(mu, load):
     found = ball_friction(scene, at, Friction(mu, mu), Motion(5.0))
     total = found.wrench(at.normals)
     total[..., :3] -= at.force[..., None] * at.normals
-    axial, moment = axial_force_and_moment(at, total)
+    axial, moment = axial_forces_and_moments(at, total)
     return found.power, float(axial[0, :2].sum()), float(moment[0, :2].sum()), scene, at
 
 
@@ -40,7 +40,7 @@ def test_torque_by_virtual_work_is_exact_with_feedback_and_of_first_order_withou
             ball_cell(replace(groove_of_table_3_6(), mu=0.0), np.zeros(4), 2e-6, "z", np.array([load])), "none"
         )
         at = single(bare.load.force[0], bare.load.angle[0], groove_of_table_3_6())
-        first = sum_friction(scene, at, ball_friction(scene, at, Friction(mu, mu), Motion(5.0)), Motion(5.0))
+        first = sum_friction_over_contacts(scene, at, ball_friction(scene, at, Friction(mu, mu), Motion(5.0)), Motion(5.0))
         assert first.load == pytest.approx(load, rel=1e-8)
         left.append(abs(first.on_screw - moment))
     assert left[0] > 0.0
@@ -54,8 +54,8 @@ def fed(groove, load, oversize, mu, drive):
     at, scene = single(bare.load.force[0], bare.load.angle[0], groove), scene_of(groove)
     turned = replace(at, angle=np.full((1, 4), groove.contact_angle))
     centre = -groove.reach * turned.normals[..., [0, 2]]
-    place = ball_seats(at, groove.constants.C[None, :], np.full((1, 4), groove.reach - oversize), centre)
-    return scene, feed_back(scene, at, place, Friction(mu, mu), drive)
+    place = positions_in_grooves(at, groove.constants.C[None, :], np.full((1, 4), groove.reach - oversize), centre)
+    return scene, solve_friction_equilibrium(scene, at, place, Friction(mu, mu), drive)
 
 
 @pytest.mark.parametrize("mu", [0.02, 0.1, 0.2])
@@ -70,7 +70,7 @@ def test_feedback_on_a_ball_is_that_of_the_coupled_solver(mu, oversize, load):
     assert found.change <= 1e-5
     assert np.allclose(found.at.force[0], expected.load.force[0], rtol=0.0, atol=2e-4 * load)
     assert found.friction.power == pytest.approx(expected.motion.motion.loss, rel=2e-4)
-    t = sum_friction(scene, found.at, found.friction, Motion(5.0), coupled=True)
+    t = sum_friction_over_contacts(scene, found.at, found.friction, Motion(5.0), coupled=True)
     assert t.load == pytest.approx(load, rel=1e-5)
     assert t.input_power == pytest.approx(t.power, rel=1e-8)
 

@@ -11,18 +11,18 @@ from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
 from tests.helpers import mirrored, small_screw, solved
 from tests.whole_screws import contacts_in, scene_of
 
-from rollbench.compare.cases.lin.evidence.source_cases import run_of_section_3_4_4
-from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
-from rollbench.lowfi.friction.screw.motion import settle_load
-from rollbench.lowfi.friction.screw.run import cell_at_instant
+from rollbench.compare.cases.lin.evidence.source_cases import simulation_inputs_of_section_3_4_4
+from rollbench.lowfi.friction.screw.chain import Chain, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads
+from rollbench.lowfi.friction.screw.run import balls_at_instant
 from rollbench.lowfi.friction.screw.travel import simulate
-from rollbench.lowfi.friction.whole.circuit import balls_of, chain_motion, grooves_of
+from rollbench.lowfi.friction.whole.circuit import balls_in_circuits, grooves_of_scene, solve_motion_on_track
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.nominal import beam_loads, elastic_loads
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.errors import draw_errors, specimen
-from rollbench.meshes.helix import ball_layout, reduced_lead
+from rollbench.meshes.errors import draw_errors, draw_specimen
+from rollbench.meshes.helix import ball_layout, lead_per_radian
 from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Load, Motion, SideErrors
 
 pytestmark = pytest.mark.xdist_group("run in time")
@@ -54,10 +54,10 @@ def test_energy_load_and_order_at_every_instant(name, motion, friction):
     assert np.all(h.torque > 0.0)
     assert friction.feedback or np.abs(h.imbalance).max() < 1e-8
     assert h.axial == pytest.approx(np.full(h.time.size, scene.loads[0].force[2]), rel=1e-4 if friction.feedback else 1e-9)
-    turning, along = h.advance
+    turning, along = h.turning_and_axial_speed
     assert turning == pytest.approx(10.0 if motion is TURN else 3.0, rel=1e-12)
     if scene.track.lead != 0.0:
-        assert along / turning == pytest.approx(reduced_lead(scene.track), rel=1e-12)
+        assert along / turning == pytest.approx(lead_per_radian(scene.track), rel=1e-12)
         assert np.abs(h.axial * along).min() > 4.0 * np.abs(h.torque * turning).max()
     losses = h.torque * abs(turning)
     np.testing.assert_allclose(h.on_screw * turning, losses - h.axial * along, atol=1e-8 * losses.min(), rtol=0.0)
@@ -164,16 +164,16 @@ def test_sizes_belong_to_balls_and_errors_to_places():
 @pytest.mark.parametrize("clearance", [0.0, 1e-3])
 def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
     """The situation of Lin 3.4.4 at one instant: 37 balls, both grooves alike, neighbours that may touch."""
-    case = run_of_section_3_4_4()
+    case = simulation_inputs_of_section_3_4_4()
     g, azimuth = case.groove, case.ring * (np.arange(37) + 0.5) / 37 - np.pi * case.turns
     loads, slack = (
-        settle_load(cell_at_instant(case, azimuth, np.ones(37, dtype=bool), 0.0)),
+        solve_screw_contact_loads(balls_at_instant(case, azimuth, np.ones(37, dtype=bool), 0.0)),
         np.append(np.full(36, clearance), np.inf),
     )
-    expected = solve_chain(Chain(g, loads.force, g.normals(loads.angle), slack))
+    expected = solve_motion_of_chain(Chain(g, loads.force, g.normals(loads.angle), slack))
     scene, at = scene_of(g, azimuth), contacts_in(g, loads.force, loads.angle, azimuth)
     friction, drive = Friction(g.mu, g.mu, feedback=False), Motion(g.nut_speed, "nut")
-    found = chain_motion(scene, at, slack, friction, drive, grooves_of(scene, friction, drive))
+    found = solve_motion_on_track(scene, at, slack, friction, drive, grooves_of_scene(scene, friction, drive))
     assert expected.ball_force.max() > 0.1
     assert found.ball_force == pytest.approx(expected.ball_force, rel=1e-8, abs=1e-10 * expected.ball_force.max())
     assert found.q == pytest.approx(expected.q, rel=1e-9, abs=1e-9)
@@ -196,7 +196,7 @@ def test_loads_again_are_those_of_a_single_solution():
     scene = small_screw(6, 0.8, force=(20.0, 0.0, 400.0), oversize=2e-6)
     layout = ball_layout(scene)
     for loads, once in ((beam_loads, solve_static), (elastic_loads, solve_elastic)):
-        found, expected = loads(scene, specimen(scene, layout), layout), once(scene)
+        found, expected = loads(scene, draw_specimen(scene, layout), layout), once(scene)
         assert found.load == pytest.approx(expected.load, rel=1e-9, abs=1e-6)
         assert np.allclose(found.contact_angle, expected.contact_angle, rtol=1e-9, equal_nan=True)
 
@@ -206,7 +206,7 @@ def test_what_is_refused():
     drawn = draw_errors(scene)
     large = replace(drawn, ball_radius=drawn.ball_radius + 20e-6)
     with pytest.raises(ValueError, match="overlap"):
-        balls_of(scene, MU, TURN, large)
+        balls_in_circuits(scene, MU, TURN, large)
 
 
 def test_a_run_ends_where_loads_are_not_found():

@@ -8,7 +8,7 @@ from tests.helpers import mirrored, small_screw, solved
 from tests.whole_screws import AXIAL, MU, SCENES, TURN, state, two_starts
 
 from rollbench.lowfi.friction.whole.contacts import contacts_of_result
-from rollbench.lowfi.friction.whole.losses import ball_friction, ball_path
+from rollbench.lowfi.friction.whole.losses import ball_friction, ball_kinematics
 from rollbench.meshes.parts import Friction, Motion
 
 
@@ -35,7 +35,7 @@ def test_forward_and_backward_frame_the_ideal_torque():
     ideal = 800.0 * 20e-3 / (2.0 * np.pi)
     assert (t.forward - t.friction, t.backward + t.friction) == pytest.approx((ideal, ideal), rel=1e-9)
     assert t.efficiency == pytest.approx((ideal / t.forward, 2.0 - t.forward / ideal), rel=1e-12)
-    assert not t.locking
+    assert not t.is_self_locking
     assert t.on_screw == pytest.approx(-t.backward, rel=1e-12), "+z load, right hand, turning forward: the load drives"
     assert state(small_screw(force=AXIAL), motion=Motion(-10.0)).torque.on_screw == pytest.approx(-t.forward, rel=1e-12)
 
@@ -43,7 +43,7 @@ def test_forward_and_backward_frame_the_ideal_torque():
 def test_small_lead_and_preload_lock_the_screw():
     scene = small_screw(6, 0.9, lead=8e-3, oversize=8e-6, force=(0.0, 0.0, 30.0))
     t = state(scene, Friction(0.2, 0.2, feedback=False)).torque
-    assert t.locking
+    assert t.is_self_locking
     assert t.backward < 0.0
     assert t.efficiency[0] < 0.5
 
@@ -101,7 +101,7 @@ def test_a_larger_ball_orbits_by_its_own_radius():
     scene = replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, listed=((3, 2e-6),))))
     small, _, large, _ = contacts_of_result(scene, solved(scene)).ball_radius
     assert large - small == pytest.approx(2e-6, rel=1e-6)
-    assert ball_path(scene, TURN, large).nominal_orbit < ball_path(scene, TURN, small).nominal_orbit
+    assert ball_kinematics(scene, TURN, large).nominal_orbit < ball_kinematics(scene, TURN, small).nominal_orbit
 
 
 def test_closing_speeds_are_differences_of_orbits_along_each_start():

@@ -10,10 +10,10 @@ from tests.load_cases import TEXT as WITH_STORED
 import rollbench
 from rollbench.compare.gate import user
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.reference.store import load_run, save
-from rollbench.compare.reference.tasks import groups, plain, settings_of
+from rollbench.compare.reference.store import load_run, save_run
+from rollbench.compare.reference.tasks import group_by_geometry, mesh_settings, settings_with_tuples
 from rollbench.compare.scenes import scene_file
-from rollbench.lowfi.rating.life import equivalent_contact_loads, life
+from rollbench.lowfi.rating.life import basic_rating_life, equivalent_contact_loads
 
 #: No case has a shipped run: the balls are larger by 0.1 um than those of the shipped scene.
 TEXT = WITH_STORED.replace('name = "balls"', 'name = "rest"').replace('oversize = "5 um"', 'oversize = "5.1 um"')
@@ -24,9 +24,9 @@ def keep(store, text: str, **off: float) -> dict[str, np.ndarray]:
     store.mkdir()
     shipped, out = load_run(SHIPPED, 1), {}
     for case in scene_file.parse_scene(text, "two.toml").cases:
-        settings = plain(asdict(settings_of([case.scene], 1, "")))
+        settings = settings_with_tuples(asdict(mesh_settings([case.scene], 1, "")))
         found = run_model(case.scene, "lin", Options(discretisation=False)).load * off.get(case.name, 1.0)
-        save(store, case.scene, replace(shipped, scene=case.scene.name, load=found, settings=settings))
+        save_run(store, case.scene, replace(shipped, scene=case.scene.name, load=found, settings=settings))
         out[case.name] = found
     return out
 
@@ -41,7 +41,9 @@ def verdicts(found: dict) -> dict[str, str]:
 
 def test_the_gate_takes_the_worst_case_and_names_it(command, tmp_path) -> None:
     cases = [case.scene for case in scene_file.parse_scene(TEXT, "two.toml").cases]
-    assert [[scene.name for scene in group] for group in groups(cases)] == [["two-rest", "two-push", "two-loose"]]
+    assert [[scene.name for scene in group] for group in group_by_geometry(cases)] == [
+        ["two-rest", "two-push", "two-loose"]
+    ]
     keep(tmp_path / "store", TEXT, push=0.7)
     code, found = checked(command, tmp_path / "store", written(tmp_path, TEXT), "--junit", tmp_path / "out.xml")
     assert verdicts(found) == {"rest": "pass", "push": "fail", "loose": "pass"}
@@ -82,7 +84,7 @@ def test_compare_sets_the_life_over_the_cycle_beside_that_of_the_reference(comma
     assert {(one["scene"], one["case"]): one["share"] for one in found["cases"]} == shares
     (whole,) = found["summary"]
     assert whole["largest_error_case"] == "push"
-    by_reference = life(SHIPPED, equivalent_contact_loads([loads["rest"], loads["push"]], [0.75, 0.25]))
+    by_reference = basic_rating_life(SHIPPED, equivalent_contact_loads([loads["rest"], loads["push"]], [0.75, 0.25]))
     assert whole["life_million_revolutions"]["3D reference"] == pytest.approx(by_reference.revolutions, rel=1e-6)
     assert whole["life_error_percent"] < -1.0
     assert {row["case"] for row in found["rows"]} == {"rest", "push", "loose"}

@@ -7,12 +7,12 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate import judged as judging
-from rollbench.compare.gate.judged import GivenValue, read_values
+from rollbench.compare.gate.judged import GivenValue, read_given_values
 from rollbench.compare.gate.user import check_scenes, gate_request
-from rollbench.compare.gate.verdict import LARGEST, Verdict, not_judged
+from rollbench.compare.gate.verdict import LARGEST, Verdict, quantities_without_verdict
 from rollbench.compare.models import loading, uncertainty
 from rollbench.compare.models.comparison import stored_references
-from rollbench.compare.models.loads_file import column, read_loads
+from rollbench.compare.models.loads_file import parse_heading, read_loads
 from rollbench.compare.reference import jobs, store, tasks
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import SIDES
@@ -52,7 +52,7 @@ HEADS = {
 
 @pytest.mark.parametrize("name", HEADS)
 def test_headings_say_quantity_and_unit(name: str) -> None:
-    found = {head: column(head) for head in HEADS[name]}
+    found = {head: parse_heading(head) for head in HEADS[name]}
     assert {of.name for of in found.values()} == {name}
     assert {head: of.factor for head, of in found.items()} == pytest.approx(HEADS[name], rel=1e-14)
 
@@ -117,7 +117,7 @@ def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path) -
     assert stiff.pair == ("rigidity_N_per_um", pytest.approx(230.0), pytest.approx(5e-3 / place, rel=1e-4))
     assert (stiff.limit, life.limit, life.word) == (10.0, 21.0, "fail")
     assert "formula from the reference's loads" in life.detail
-    assert not_judged([moved, there, stiff, life]) == ["contact angle", "approach", "pressure", "torque"]
+    assert quantities_without_verdict([moved, there, stiff, life]) == ["contact angle", "approach", "pressure", "torque"]
 
 
 def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
@@ -137,11 +137,11 @@ def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.Monk
 
 def test_a_rigidity_curve_is_judged_load_by_load(tmp_path) -> None:
     """At another load the reference is that of the scene with its loads in proportion, here stored by the test."""
-    half, run = loading.scaled(GIVEN, 0.5), stored().best
+    half, run = loading.scale_loads(GIVEN, 0.5), stored().best
     line = run.centreline * np.array([1.0, 0.5, 0.5, 0.55])
-    settings = asdict(tasks.settings_of([half], run.level, ""))
+    settings = asdict(tasks.mesh_settings([half], run.level, ""))
     (tmp_path / "store").mkdir()
-    store.save(tmp_path / "store", half, replace(run, load=0.5 * run.load, centreline=line, settings=settings))
+    store.save_run(tmp_path / "store", half, replace(run, load=0.5 * run.load, centreline=line, settings=settings))
     file = values(tmp_path / "v.csv", "rigidity,226,N/um,5 kN", "rigidity,206,N/um,2.5 kN", "rigidity,180,N/um,1 kN")
     whole, less, least = judged(values=file, store=tmp_path / "store")
     assert (whole.word, less.quantity) == ("pass", "rigidity at 2.5 kN")
@@ -160,9 +160,9 @@ def test_a_model_is_judged_on_what_is_given_a_limit() -> None:
 def test_faulty_limits() -> None:
     for text in ("rigidity", "rigidity=x", "rigidity=-1", "rigidity=nan", "load=3", "=1"):
         with pytest.raises(InputError, match="limits: got"):
-            judging.parse_limits([text])
+            judging.parse_error_limits([text])
     with pytest.raises(InputError, match="each once"):
-        judging.parse_limits(["life=1", "life=2"])
+        judging.parse_error_limits(["life=1", "life=2"])
 
 
 def test_faulty_values_are_refused_by_line(tmp_path) -> None:
@@ -174,14 +174,14 @@ def test_faulty_values_are_refused_by_line(tmp_path) -> None:
     }
     for key, row in ((key, row) for key, rows in faulty.items() for row in rows):
         with pytest.raises(InputError) as caught:
-            read_values(values(tmp_path / "v.csv", row))
+            read_given_values(values(tmp_path / "v.csv", row))
         assert caught.value.key == key, row
 
 
 def test_values_of_several_loads_and_decimal_commas(tmp_path) -> None:
     text = "quantity;value;unit;where;who\nrigidity;210,5;N/um;2,5 kN\nlife;3;million revolutions\n"
     (tmp_path / "v.csv").write_text(text)
-    found, unknown = read_values(tmp_path / "v.csv")
+    found, unknown = read_given_values(tmp_path / "v.csv")
     assert found == [GivenValue(judging.RIGIDITY, 210.5e6, 2500.0, None, "2,5 kN"), GivenValue(judging.LIFE, 3.0)]
     assert unknown == ('"who"',)
 

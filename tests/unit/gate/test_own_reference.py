@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.user import read_reference, uncertainty_warning
+from rollbench.compare.gate.user import read_reference_file, uncertainty_warning
 from rollbench.compare.reference import estimate, store
-from rollbench.compare.report.scene_page import make_page
+from rollbench.compare.report.scene_page import solve_and_make_page
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import SIDES
 
@@ -20,7 +20,7 @@ GIVEN = catalogue.scene(SCENE)
 
 def written(path, *notes: str, factor: float = 1.0, column: str = "", each: float = 0.0):
     """The stored reference's own loads, that of ball 2 SR times a factor."""
-    load = estimate.reference(GIVEN).load.copy()
+    load = estimate.reference_of_scene(GIVEN).load.copy()
     load[1, 1] *= factor
     heads = "ball,flank,newton" + (f",{column}" if column else "")
     rows = [f"{b + 1},{s},{load[b, k]:.9g}{f',{each}' if column else ''}" for b in range(2) for k, s in enumerate(SIDES)]
@@ -48,7 +48,7 @@ def test_ones_own_reference_flips_a_verdict(command, tmp_path) -> None:
 
 
 def test_uncertainty_by_column_by_note_or_zero(tmp_path) -> None:
-    mean = estimate.reference(GIVEN).mean
+    mean = estimate.reference_of_scene(GIVEN).mean
     file = tmp_path / "a.csv"
     for notes, column, each, expected in (
         ((), "", 0.0, 0.0),
@@ -56,10 +56,10 @@ def test_uncertainty_by_column_by_note_or_zero(tmp_path) -> None:
         (("# uncertainty: 0.5 %",), "", 0.0, 0.005 * mean),
         ((), "uncertainty_kN", 0.003, 3.0),
     ):
-        found, unknown = read_reference(written(file, *notes, column=column, each=each), GIVEN)
+        found, unknown = read_reference_file(written(file, *notes, column=column, each=each), GIVEN)
         np.testing.assert_allclose(found.uncertainty, expected, rtol=1e-12)
         assert (unknown, found.label, found.levels) == ((), "a.csv", ())
-    found, _ = read_reference(written(file, column="uncertainty_percent", each=2.0), GIVEN)
+    found, _ = read_reference_file(written(file, column="uncertainty_percent", each=2.0), GIVEN)
     np.testing.assert_allclose(found.uncertainty, 0.02 * found.load)
     assert uncertainty_warning(found, 2.1) == ""
     assert "2 % at ball" in uncertainty_warning(found, 1.9)
@@ -80,7 +80,7 @@ def test_faulty_references_are_refused(tmp_path, notes, given, change, words) ->
     file = written(tmp_path / "a.csv", *notes, **given)
     file.write_text(re.sub(*change, file.read_text(encoding="utf-8")), encoding="utf-8")
     with pytest.raises(InputError, match=words):
-        read_reference(file, GIVEN)
+        read_reference_file(file, GIVEN)
 
 
 REFUSED = [
@@ -117,7 +117,9 @@ def test_compare_sets_models_and_ours_beside_it(command, tmp_path) -> None:
 
 
 def test_the_page_of_a_scene_shows_both(tmp_path) -> None:
-    page = make_page(SCENE, (store.shipped_store(),), written(tmp_path / "bench.csv", "# uncertainty: 30 %", factor=1.2))
+    page = solve_and_make_page(
+        SCENE, (store.shipped_store(),), written(tmp_path / "bench.csv", "# uncertainty: 30 %", factor=1.2)
+    )
     assert "against bench.csv, uncertain by 30 % of the mean load, loads differ by up to" in page.verdict
     assert "exceeds the error limit" in page.warnings[0]
     assert page.provenance["reference"].startswith("bench.csv, SHA-256 ")
@@ -125,5 +127,5 @@ def test_the_page_of_a_scene_shows_both(tmp_path) -> None:
     series = figure.panels[1].series
     assert [one.label for one in series] == ["refined", "bench.csv", "3D reference"]
     bench = series[1]
-    assert bench.bars[1][1] - bench.bars[0][1] == pytest.approx(0.6 * estimate.reference(GIVEN).mean, rel=0.2)
+    assert bench.bars[1][1] - bench.bars[0][1] == pytest.approx(0.6 * estimate.reference_of_scene(GIVEN).mean, rel=0.2)
     assert {"bench.csv", "3D reference"} <= {column.label for column in table.columns}

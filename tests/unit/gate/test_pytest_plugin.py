@@ -9,12 +9,12 @@ from importlib import import_module
 import pytest
 from tests.copies import ROOT
 
-from rollbench.compare.scenes.catalogue import scene_text
+from rollbench.compare.scenes.catalogue import shipped_scene_text
 from rollbench.fixture import Rollbench
 
 
 def test_a_scene_that_passes_and_one_that_does_not(tmp_path) -> None:
-    (tmp_path / "two-balls.toml").write_text(scene_text("two-balls"), encoding="utf-8")
+    (tmp_path / "two-balls.toml").write_text(shipped_scene_text("two-balls"), encoding="utf-8")
     here = Rollbench(tmp_path)
     (verdict,) = here.check("two-balls.toml", max_error=7, compute=False)
     assert verdict.word == "pass"

@@ -8,12 +8,12 @@ import pytest
 from tests.load_cases import case
 
 import rollbench
-from rollbench.compare.reference.tasks import groups
+from rollbench.compare.reference.tasks import group_by_geometry
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.scenes.catalogue import scene_text
-from rollbench.lowfi.rating.life import equivalent_contact_loads, life
+from rollbench.compare.scenes.catalogue import shipped_scene_text
+from rollbench.lowfi.rating.life import basic_rating_life, equivalent_contact_loads
 
-PARTS = scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.0")
+PARTS = shipped_scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.0")
 PARTS = PARTS.replace('length = "48 mm"', 'length = "30 mm"')
 CASES = case("rapid", "300 N", share=0.7) + case("cutting", share=0.3) + case("warm", share=0, oversize="1 um")
 NUTS, NAMES = ["nut 1", "nut 2"], ["rapid", "cutting", "warm"]
@@ -50,7 +50,7 @@ def test_every_case_is_the_scene_under_its_loads_and_every_set_has_its_life(comm
     each = [np.array([list(b["load_N"].values()) for b in one["balls"]]) for one in found["cases"]]
     for k, of_set in enumerate(whole["sets"]):
         loads = [load[8 * k : 8 * k + 8] for load in each]
-        expected = life(parts[k].parts, equivalent_contact_loads(loads, [0.7, 0.3, 0.0]))
+        expected = basic_rating_life(parts[k].parts, equivalent_contact_loads(loads, [0.7, 0.3, 0.0]))
         assert (of_set["name"], of_set["standard_life"]["standard"]) == (NUTS[k], "ISO 3408-5")
         assert of_set["life"]["L10_million_revolutions"] == expected.revolutions
         assert abs(of_set["life_difference_percent"]) < 20.0, "the axial force of a nut is that of its contacts"
@@ -62,13 +62,19 @@ def test_every_case_is_the_scene_under_its_loads_and_every_set_has_its_life(comm
 
 
 def test_loads_on_housings_are_those_of_the_case_and_cases_share_their_bodies_but_for_loads_elsewhere() -> None:
-    text = scene_text("axis-fixed-fixed") + '\n[[cases]]\nname = "a"\nshare = 1\n[[cases.housings]]\nname = "carriage"\n'
+    text = (
+        shipped_scene_text("axis-fixed-fixed")
+        + '\n[[cases]]\nname = "a"\nshare = 1\n[[cases.housings]]\nname = "carriage"\n'
+    )
     cycle = scene_file.parse_scene(text + 'force = ["0 N", "0 N", "500 N"]\n', "a.toml")
     forces = [scene.housings[0].force[2] for scene in (cycle.parts, cycle.cases[0].scene)]
     assert forces == [3000.0, 500.0]
     text = PARTS + CASES + '[[cases.loads]]\nat = "100 mm"\nforce = ["0 N", "0 N", "9 N"]\n'
     cases = [one.scene for one in scene_file.parse_scene(text, "dn.toml").cases]
-    assert [[scene.name for scene in group] for group in groups(cases)] == [["dn-rapid", "dn-cutting"], ["dn-warm"]]
+    assert [[scene.name for scene in group] for group in group_by_geometry(cases)] == [
+        ["dn-rapid", "dn-cutting"],
+        ["dn-warm"],
+    ]
 
 
 def test_one_reference_and_one_file_of_loads_are_read_by_case_and_set(command, tmp_path: Path) -> None:

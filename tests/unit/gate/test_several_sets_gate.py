@@ -5,7 +5,7 @@ import pytest
 
 from rollbench.compare.models import comparison as references
 from rollbench.compare.reference.store import load_run, shipped_store
-from rollbench.compare.reference.tasks import balls_of
+from rollbench.compare.reference.tasks import ball_slices_by_set
 from rollbench.compare.scenes import catalogue
 
 pytestmark = pytest.mark.xdist_group("several sets against 3D")
@@ -32,7 +32,7 @@ def test_references_of_sets_are_parts_of_one_run():
     sets = references.stored_references(scene, (shipped_store(),), (1,))
     assert max(run.balance, run.screw_balance) < 1e-9
     assert [one.of.name for one in sets] == NUTS
-    for one, place in zip(sets, balls_of(scene), strict=True):
+    for one, place in zip(sets, ball_slices_by_set(scene), strict=True):
         np.testing.assert_array_equal(one.found.load, run.load[place])
     along = np.where(run.load > 0.0, run.load * np.sin(np.radians(run.angle)), 0.0).sum(axis=0)
     lead = np.cos(np.arctan(0.01 / (2 * np.pi * 0.0166)))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.judged import read_values
-from rollbench.compare.gate.user import read_reference
+from rollbench.compare.gate.judged import read_given_values
+from rollbench.compare.gate.user import read_reference_file
 from rollbench.compare.models.loads_file import read_loads
 from rollbench.compare.scenes import catalogue
 
@@ -28,8 +28,8 @@ READERS = {
     "kilonewtons": ("ball,flank,load_kN", "{ball},{side},0,489517", lambda file: read_loads(file, 2)),
     "shorter": ("ball,flank,newton,note", "{ball},{side},489,517,x", lambda file: read_loads(file, 2)),
     "filled up": ("ball,flank,newton,,", "{ball},{side},489,517,", lambda file: read_loads(file, 2)),
-    "reference": ("ball,flank,newton", "{ball},{side},489,517", lambda file: read_reference(file, TWO)),
-    "values": ("quantity,value,unit", "rigidity,540,5,N/um", read_values),
+    "reference": ("ball,flank,newton", "{ball},{side},489,517", lambda file: read_reference_file(file, TWO)),
+    "values": ("quantity,value,unit", "rigidity,540,5,N/um", read_given_values),
 }
 
 
@@ -82,13 +82,13 @@ def test_a_row_without_the_word_of_its_case_is_not_left_out(tmp_path) -> None:
     file = written(tmp_path, "ball,flank,newton,case", "{ball},{side},489.5,up")
     file.write_text(file.read_text(encoding="utf-8") + "2,NR,100\n", encoding="utf-8")
     with pytest.raises(InputError, match="case"):
-        read_loads(file, 2, only={"case": ("up",)})
+        read_loads(file, 2, row_filter={"case": ("up",)})
 
 
 def test_a_quantity_that_two_columns_give_is_refused(tmp_path) -> None:
     (tmp_path / "a.csv").write_text("quantity,value,unit,value\nrigidity,540,N/um,450\n", encoding="utf-8")
     with pytest.raises(InputError, match="one column value"):
-        read_values(tmp_path / "a.csv")
+        read_given_values(tmp_path / "a.csv")
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,7 @@ def test_a_quantity_that_two_columns_give_is_refused(tmp_path) -> None:
 def test_a_decimal_comma_in_a_value_is_named(tmp_path, row: str) -> None:
     (tmp_path / "a.csv").write_text(f"quantity,value,unit,where\n{row}\n", encoding="utf-8")
     with pytest.raises(InputError, match="decimal comma"):
-        read_values(tmp_path / "a.csv")
+        read_given_values(tmp_path / "a.csv")
 
 
 ROW = "{ball},{side},489.5"
@@ -120,14 +120,14 @@ def test_other_encodings_are_named(tmp_path, encoding: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         read_loads(file, 2)
     scene = tmp_path / "a.toml"
-    scene.write_bytes(catalogue.scene_text("two-balls").replace("Two", "µ").encode(encoding))
+    scene.write_bytes(catalogue.shipped_scene_text("two-balls").replace("Two", "µ").encode(encoding))
     with pytest.raises(InputError, match=words):
         catalogue.any_scene(str(scene))
 
 
 @pytest.mark.parametrize(("old", "new"), [('"6 um"', '"6,5 um"'), ("poissons_ratio = 0.28", "poissons_ratio = 0,28")])
 def test_a_decimal_comma_in_a_scene_is_named(tmp_path, old: str, new: str) -> None:
-    (tmp_path / "a.toml").write_text(catalogue.scene_text("two-balls").replace(old, new), encoding="utf-16")
+    (tmp_path / "a.toml").write_text(catalogue.shipped_scene_text("two-balls").replace(old, new), encoding="utf-16")
     with pytest.raises(InputError, match="decimal comma"):
         catalogue.any_scene(str(tmp_path / "a.toml"))
 

@@ -10,7 +10,7 @@ import pytest
 
 from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.gate import user
-from rollbench.compare.gate.publish import HEADINGS, Outcome, junit_xml, markdown_text, publish, verdicts_csv
+from rollbench.compare.gate.publish import HEADINGS, Outcome, junit_xml, markdown_text, verdicts_csv, write_verdicts
 from rollbench.compare.gate.user import GateRequest, check_scenes, gate_request, limits_for_scene
 from rollbench.compare.models import loads_file
 from rollbench.compare.models.registry import Options, run_model
@@ -28,7 +28,7 @@ def check(scenes: list, what: GateRequest):
 @pytest.mark.parametrize(("factor", "code", "word"), [(1.02, 0, "PASS"), (1.07, 3, "UNDECIDED"), (1.2, 1, "FAIL")])
 def test_loads_of_another_program(command, tmp_path, factor: float, code: int, word: str) -> None:
     """The stored reference's own loads of the two balls, that of ball 2 SR (uncertain by 0.34 %) times a factor."""
-    load, file = estimate.reference(TWO).load.copy(), tmp_path / "mesys.csv"
+    load, file = estimate.reference_of_scene(TWO).load.copy(), tmp_path / "mesys.csv"
     load[1, 1] *= factor
     lines = [f"{b + 1},{s},{load[b, k]:.6g}" for b in range(2) for k, s in enumerate(SIDES)]
     file.write_text("\n".join(["ball,flank,newton", *lines]) + "\n", encoding="utf-8")
@@ -42,7 +42,7 @@ def test_loads_of_another_program(command, tmp_path, factor: float, code: int, w
 
 def test_json_of_a_model_and_of_a_scene_without_reference(command, tmp_path) -> None:
     mine = tmp_path / "mine.toml"
-    mine.write_text(catalogue.scene_text("two-balls").replace('"6 um"', '"6.1 um"'), encoding="utf-8")
+    mine.write_text(catalogue.shipped_scene_text("two-balls").replace('"6 um"', '"6.1 um"'), encoding="utf-8")
     code, data = command.json("check", "two-balls", str(mine), "--stored", str(tmp_path), "--json")
     assert (code, data["verdict"], data["passed"]) == (4, "not covered", False)
     first, second = data["verdicts"]
@@ -65,10 +65,10 @@ def test_a_renamed_copy_has_the_stored_reference(name: str) -> None:
 
 
 def test_a_scene_may_set_its_own_limits() -> None:
-    text = catalogue.scene_text("two-balls") + "\n[gate]\nmax_error = 0.4\nrms_error = 1\n"
-    scene = scene_file.scene_of_text(text, "two-balls.toml")
+    text = catalogue.shipped_scene_text("two-balls") + "\n[gate]\nmax_error = 0.4\nrms_error = 1\n"
+    scene = scene_file.scene_from_text(text, "two-balls.toml")
     assert scene == TWO, "limits are no part of what is solved and stored"
-    assert store.key_of(scene, "", {}, (0, 3)) == store.key_of(TWO, "", {}, (0, 3))
+    assert store.content_key_of_run(scene, "", {}, (0, 3)) == store.content_key_of_run(TWO, "", {}, (0, 3))
     stated, given = limits_for_scene(scene, None), limits_for_scene(scene, 9.0)
     assert (stated.largest, stated.rms, given.largest) == (0.4, 1.0, 9.0)
     assert limits_for_scene(TWO, None).largest == 7.0
@@ -84,9 +84,9 @@ def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(mo
         raise Refusal("mine", "3D reference", "no room for the contact", "deepen the groove")
 
     monkeypatch.setattr(user, "ensure", refused)
-    text = catalogue.scene_text("two-balls").replace('"6 um"', '"6.1 um"')
+    text = catalogue.shipped_scene_text("two-balls").replace('"6 um"', '"6.1 um"')
     first, second = check(
-        [scene_file.scene_of_text(text, "mine.toml"), TWO], GateRequest((tmp_path, gate_request().stores[1]))
+        [scene_file.scene_from_text(text, "mine.toml"), TWO], GateRequest((tmp_path, gate_request().stores[1]))
     )
     assert planned == [(["mine"], [1, 2])], "the stored reference of the other is not computed again"
     assert (first.word, "no room for the contact" in first.detail) == ("not covered", True)
@@ -167,9 +167,9 @@ def test_markdown_and_csv(tmp_path) -> None:
     summary.write_text("before\n", encoding="utf-8")
     files = {"markdown_file": tmp_path / "a.md", "junit_file": tmp_path / "a.xml", "csv_file": tmp_path / "a.csv"}
     environment = {"GITHUB_STEP_SUMMARY": str(summary)}
-    assert set(publish(ROWS, **files, environment=environment)) == {*files.values(), summary}
+    assert set(write_verdicts(ROWS, **files, environment=environment)) == {*files.values(), summary}
     assert summary.read_text(encoding="utf-8") == "before\n" + text
-    assert publish(ROWS, csv_file=other, environment=environment) == [other]
+    assert write_verdicts(ROWS, csv_file=other, environment=environment) == [other]
 
 
 def solved_loads(command, folder) -> list[dict[str, str]]:

@@ -12,11 +12,11 @@ from scipy.optimize import nnls
 
 from rollbench.hifi.contact.balls import (
     SolverState,
-    block_of_dense_matrix,
-    coupled_compliance,
-    press_ball,
-    solve_balls,
-    uncoupled_compliance,
+    ball_block_from_dense_matrix,
+    compliance_of_coupled_balls,
+    compliance_of_single_ball,
+    solve_contacts_of_all_balls,
+    solve_contacts_of_one_ball,
 )
 
 #: Compliance [m/N] and gaps [m] of a real contact's size.
@@ -53,7 +53,7 @@ def brute_force(matrix, gap, directions, load):
 def patches(rng, sizes=(7, 5, 9), ranks=(2, 3, 2)):
     """A random coupled compliance."""
     modes = [rng.normal(size=(n, r)) for n, r in zip(sizes, ranks, strict=True)]
-    return coupled_compliance([spd(rng, n) for n in sizes], modes, spd(rng, sum(ranks), 5.0) / 3.0)
+    return compliance_of_coupled_balls([spd(rng, n) for n in sizes], modes, spd(rng, sum(ranks), 5.0) / 3.0)
 
 
 def pressed(seed):
@@ -66,11 +66,11 @@ def pressed(seed):
 def dense(C):
     """The whole matrix of a compliance."""
     U = block_diag(*C.modes)
-    return block_diag(*(block.dense() for block in C.blocks)) + U @ C.coupling @ U.T
+    return block_diag(*(block.dense_compliance_matrix() for block in C.blocks)) + U @ C.coupling @ U.T
 
 
 def solved(C, gap, directions, load):
-    return solve_balls(C, gap, sparse.csr_matrix(directions), np.asarray(load, dtype=float))[0]
+    return solve_contacts_of_all_balls(C, gap, sparse.csr_matrix(directions), np.asarray(load, dtype=float))[0]
 
 
 @pytest.mark.parametrize("seed", range(25))
@@ -82,10 +82,10 @@ def test_one_ball_agrees_with_nonnegative_least_squares(seed, spread):
     matrix, gap = spd(rng, n, spread), GAP * rng.normal(size=n)
     factor = np.linalg.cholesky(matrix)
     expected, _ = nnls(factor.T, -np.linalg.solve(factor, gap), maxiter=100 * n)
-    found = press_ball(block_of_dense_matrix(matrix), gap, rng.random(n) < 0.5)
+    found = solve_contacts_of_one_ball(ball_block_from_dense_matrix(matrix), gap, rng.random(n) < 0.5)
     np.testing.assert_allclose(found.forces, expected, atol=1e-7 * max(expected.max(initial=0.0), 1.0))
     assert found.energy == pytest.approx(-energy(matrix, gap, found.forces), rel=1e-9)
-    again = press_ball(block_of_dense_matrix(matrix), gap, found)
+    again = solve_contacts_of_one_ball(ball_block_from_dense_matrix(matrix), gap, found)
     np.testing.assert_allclose(again.forces, found.forces, rtol=1e-9, atol=1e-9 * max(expected.max(initial=0.0), 1.0))
 
 
@@ -97,7 +97,7 @@ def test_with_free_bodies_agrees_with_brute_force(seed):
     directions = rng.normal(size=(n, k))
     load = 100.0 * directions.T @ np.maximum(rng.normal(size=n), 0.05)  # can be held
     expected = brute_force(matrix, gap, directions, load)
-    found = solved(uncoupled_compliance(matrix), gap, directions, load)
+    found = solved(compliance_of_single_ball(matrix), gap, directions, load)
     assert found.converged, found.status
     np.testing.assert_allclose(found.forces, expected, atol=1e-6 * expected.max())
     assert found.equilibrium < 1e-10
@@ -112,7 +112,7 @@ def test_coupling_at_low_rank_equals_the_dense_matrix(seed):
     gap, directions = GAP * rng.normal(size=n), np.abs(rng.normal(size=(n, 3)))
     directions[:7, 2] = 0.0  # a motion that one patch does not feel
     load = 100.0 * directions.T @ rng.uniform(0.5, 1.0, n)
-    a, b = (solved(C, gap, directions, load) for C in (low, uncoupled_compliance(dense(low))))
+    a, b = (solved(C, gap, directions, load) for C in (low, compliance_of_single_ball(dense(low))))
     assert {a.status, b.status} == {"converged"}
     assert 0 < (a.forces > 0.0).sum() < n
     np.testing.assert_allclose(a.gaps, gap + dense(low) @ a.forces - directions @ a.motions, rtol=0.0, atol=1e-9 * GAP)
@@ -123,7 +123,7 @@ def test_coupling_at_low_rank_equals_the_dense_matrix(seed):
 def test_body_out_of_touch_is_moved_until_its_load_is_carried():
     gap = GAP * np.array([1.0, 1.0, 2.0, 0.7])
     directions = np.array([[1.0], [1.0], [1.0], [-1.0]])  # a ball with play between two sides
-    found = solved(uncoupled_compliance(1e-2 * SOFT * np.eye(4)), gap, directions, np.array([200.0]))
+    found = solved(compliance_of_single_ball(1e-2 * SOFT * np.eye(4)), gap, directions, np.array([200.0]))
     assert found.converged
     np.testing.assert_allclose(found.forces, [100.0, 100.0, 0.0, 0.0], atol=1e-6)
     assert found.motions[0] == pytest.approx(1.01 * GAP, rel=1e-9)
@@ -131,13 +131,13 @@ def test_body_out_of_touch_is_moved_until_its_load_is_carried():
 
 def test_answer_does_not_depend_on_where_it_starts():
     _, low, gap, N, f = pressed(11)
-    cold, state = solve_balls(low, gap, N, f)
-    warm, _ = solve_balls(low, gap, N, f, start=state)
-    other, _ = solve_balls(low, gap, N, f, start=SolverState(0.3 * state.w, 2.0 * state.y))
+    cold, state = solve_contacts_of_all_balls(low, gap, N, f)
+    warm, _ = solve_contacts_of_all_balls(low, gap, N, f, start=state)
+    other, _ = solve_contacts_of_all_balls(low, gap, N, f, start=SolverState(0.3 * state.w, 2.0 * state.y))
     assert cold.converged
     assert warm.iterations == 1
     touching = [np.ones(len(block), dtype=bool) for block in low.blocks]
-    guessed, _ = solve_balls(low, gap, N, f, touching=touching)
+    guessed, _ = solve_contacts_of_all_balls(low, gap, N, f, touching=touching)
     for found in (warm, other, guessed):
         np.testing.assert_allclose(found.forces, cold.forces, atol=1e-8 * cold.forces.max())
 
@@ -148,11 +148,11 @@ def test_answer_does_not_depend_on_where_it_starts():
     ids=["pulled away", "tipped over its edge"],
 )
 def test_scenes_that_cannot_be_held_do_not_converge(directions, load):
-    found = solved(uncoupled_compliance(SOFT * np.eye(3)), np.zeros(3), directions, load)
+    found = solved(compliance_of_single_ball(SOFT * np.eye(3)), np.zeros(3), directions, load)
     assert not found.converged
     assert found.status.startswith(("not converged", "stalled"))
 
 
 def test_bad_couplings_are_refused():
     with pytest.raises(ValueError, match="coupling is not symmetric"):
-        coupled_compliance([np.eye(2)], [np.ones((2, 2))], np.array([[1.0, 1.0], [0.0, 1.0]]))
+        compliance_of_coupled_balls([np.eye(2)], [np.ones((2, 2))], np.array([[1.0, 1.0], [0.0, 1.0]]))

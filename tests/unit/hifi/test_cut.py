@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.elements.rigid import transport
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
 from rollbench.hifi.shaft import section as cell
-from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube_section, uniform_cantilever
+from rollbench.hifi.shaft.beam import ShaftSection, end_flexibility_of_cantilever, round_section, tube_section
 from rollbench.hifi.shaft.mounting import Stretch, mount_stretch, subtract_cut_ends
 from rollbench.hifi.shaft.section import (
     HALF_TURN,
     fit_cut_flexibility,
     groove_azimuth,
-    helical_stiffness,
     lower_cut_flexibility,
     rotate_flexibility,
+    stiffness_of_grooved_shaft,
     upper_cut_flexibility,
 )
 from rollbench.meshes.groove_map import GrooveMap
@@ -59,8 +59,17 @@ def between(m, near, far, a, b):
     x, w = np.polynomial.legendre.leggauss(60)
     out = np.zeros((6, 6))
     for z, weight in zip(near + reach * (x + 1) / 2, reach * w / 2, strict=True):
-        out += weight * transport(a - z) @ rotate_flexibility(swaying(), groove_azimuth(m, z)) @ transport(b - z).T
-    out += transport(a - near) @ lower_cut_flexibility(cut_end(), m, near) @ transport(b - near).T
+        out += (
+            weight
+            * rigid_motion_transfer_matrix(a - z)
+            @ rotate_flexibility(swaying(), groove_azimuth(m, z))
+            @ rigid_motion_transfer_matrix(b - z).T
+        )
+    out += (
+        rigid_motion_transfer_matrix(a - near)
+        @ lower_cut_flexibility(cut_end(), m, near)
+        @ rigid_motion_transfer_matrix(b - near).T
+    )
     return out + upper_cut_flexibility(cut_end(), m, far) * (a == far and b == far)
 
 
@@ -72,7 +81,7 @@ def shaft(m, length):
 def known(m, leads=(2, 4, 2.25), beam=0.0 * MEAN):
     """E of the swaying shaft: found from so many lengths; beam: what is added to each metre."""
     lengths = [k * LEAD for k in leads]
-    return fit_cut_flexibility(m, [(x, shaft(m, x) + uniform_cantilever(x, beam)) for x in lengths], MEAN)
+    return fit_cut_flexibility(m, [(x, shaft(m, x) + end_flexibility_of_cantilever(x, beam)) for x in lengths], MEAN)
 
 
 @pytest.mark.parametrize("hand", HANDS)
@@ -80,9 +89,9 @@ def test_shafts_of_any_length_are_a_beam_and_two_cuts(hand):
     m = HANDS[hand]
     E = known(m)
     for length in (1.8 * LEAD, 2.5 * LEAD, 5.1 * LEAD):
-        T, half = transport(length), length / 2
+        T, half = rigid_motion_transfer_matrix(length), length / 2
         ends = T @ lower_cut_flexibility(E, m, m.z0 - half) @ T.T + upper_cut_flexibility(E, m, m.z0 + half)
-        wanted = shaft(m, length) - uniform_cantilever(length, MEAN)
+        wanted = shaft(m, length) - end_flexibility_of_cantilever(length, MEAN)
         np.testing.assert_allclose(ends / SIZE, wanted / SIZE, atol=1e-11)
         assert np.abs(wanted[3:, 2]).max() > 1e-10  # an axial force bends
 
@@ -91,7 +100,7 @@ def stretch(m, low, high):
     """The swaying shaft as the 3D stretch of a screw; every contact has the six motions of its section as modes."""
     places = [0.37, 0.4, 0.42, high, 0.4]
     F = np.block([[between(m, low, high, a, b) for b in places] for a in places])
-    B = np.concatenate([transport(z - low) for z in places])
+    B = np.concatenate([rigid_motion_transfer_matrix(z - low) for z in places])
     return Stretch(F, B, low, (high,), (0.4,), (low, high), 18)
 
 
@@ -121,8 +130,8 @@ def meshed():
             known[key] = cell.meshed_shaft_flexibility(m, 16e-3, bore, steel, 8e-3, length)
         return known[key]
 
-    section = helical_stiffness(m, 16e-3, bore, steel)
-    found = cell.homogenise(m, bore, steel, section, [once(length) for length in cell.shaft_lengths(m)])
+    section = stiffness_of_grooved_shaft(m, 16e-3, bore, steel)
+    found = cell.compute_equivalent_beam(m, bore, steel, section, [once(length) for length in cell.shaft_lengths(m)])
     return found, lambda length: once(length)[1], known
 
 
@@ -163,9 +172,9 @@ def test_a_meshed_shaft_is_beam_and_cuts(meshed):
     uniform = np.diag([1 / found.section.kGA] * 2 + [mesh[2, 2]] + [0.5 * (mesh[3, 3] + mesh[4, 4])] * 2 + [mesh[5, 5]])
     uniform[2, 5] = uniform[5, 2] = mesh[2, 5]
     length = 2.5 * 20e-3
-    T = transport(length)
+    T = rigid_motion_transfer_matrix(length)
     F = flexibility(length) / SIZE
-    stake = F - uniform_cantilever(length, uniform) / SIZE
+    stake = F - end_flexibility_of_cantilever(length, uniform) / SIZE
     left = (
         stake
         - (

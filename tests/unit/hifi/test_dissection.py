@@ -8,7 +8,7 @@ import scipy.sparse as sp
 from tests.fe_meshes import cube, freedoms, stiffness
 
 from rollbench.hifi import linear_algebra
-from rollbench.hifi.linear_algebra import symbolic_factor
+from rollbench.hifi.linear_algebra import find_elimination_order
 
 
 def grid(n: int) -> sp.csc_matrix:
@@ -42,7 +42,7 @@ def filled(K: sp.csc_matrix, order: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("matrix", [grid(5), body(), apart()], ids=["grid", "body", "apart"])
 def test_the_supernodes_hold_the_factor_and_little_more(matrix, leaf, monkeypatch):
     monkeypatch.setattr(linear_algebra, "LEAF", leaf)
-    nodes = symbolic_factor(matrix)
+    nodes = find_elimination_order(matrix)
     n = matrix.shape[0]
     np.testing.assert_array_equal(np.sort(nodes.order), np.arange(n))
     assert np.all(np.ptp(nodes.order.reshape(-1, 3) // 3, axis=1) == 0)  # whole nodes
@@ -79,7 +79,7 @@ def test_term_during_the_ordering_ends_as_elsewhere(monkeypatch) -> None:
     before = signal.signal(signal.SIGTERM, ended)
     try:
         with pytest.raises(KeyboardInterrupt):
-            symbolic_factor(grid(5))
+            find_elimination_order(grid(5))
     finally:
         signal.signal(signal.SIGTERM, before)
         assert signal.SIGTERM not in signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})

@@ -6,23 +6,23 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.compare.reference.computing import BEYOND, with_larger_patches
-from rollbench.compare.reference.tasks import settings_of
+from rollbench.compare.reference.computing import BEYOND, settings_with_larger_patches
+from rollbench.compare.reference.tasks import mesh_settings
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.survey import SEED, scene_text
-from rollbench.hifi.meshing.part_meshes import choose_patch_lines, choose_socket_size, contact_reach_along
-from rollbench.hifi.meshing.settings import expected_contacts, hertz_units
+from rollbench.hifi.meshing.part_meshes import choose_patch_lines, choose_socket_size, reach_of_ellipses_along_groove
+from rollbench.hifi.meshing.settings import estimate_contacts_of_scene, hertz_contacts_under_unit_force
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 CASE = catalogue.scene("lin-case1")
 
 
 def prepared(scene=CASE, **changes):
     """What `enlarged` reads of a set-up."""
-    parts = {"map": GrooveMap.of(scene), "layout": ball_layout(scene), "dims": solid_dimensions(scene)}
-    return SimpleNamespace(scene=scene, **parts, sides=(0, 3), settings=replace(settings_of([scene], 1), **changes))
+    parts = {"map": GrooveMap.of(scene), "layout": ball_layout(scene), "dims": dimensions_of_3d_parts(scene)}
+    return SimpleNamespace(scene=scene, **parts, sides=(0, 3), settings=replace(mesh_settings([scene], 1), **changes))
 
 
 def zone(settings, setup=None):
@@ -37,16 +37,16 @@ def zone(settings, setup=None):
 
 def found(factor):
     """The expected loads times a factor, at the nominal angles."""
-    load = factor * expected_contacts(CASE).load
+    load = factor * estimate_contacts_of_scene(CASE).load
     return load, np.where(load > 0.0, np.radians(45.0), np.nan)
 
 
 @pytest.mark.parametrize("factor", [1.0, 3.0])
 def test_patches_grow_to_the_loads_found(factor):
     setup = prepared()
-    larger, words = with_larger_patches(setup, [found(factor)], 2)
+    larger, words = settings_with_larger_patches(setup, [found(factor)], 2)
     assert larger is not None
-    needs = factor ** (1.0 / 3.0) * expected_contacts(CASE).across.max()
+    needs = factor ** (1.0 / 3.0) * estimate_contacts_of_scene(CASE).across.max()
     assert larger.reach[0] >= max(BEYOND * setup.settings.reach[0], needs) * (1.0 - 1e-12)
     assert max(after / before for after, before in zip(zone(larger), zone(setup.settings), strict=True)) > 1.0
     assert f"need {1e3 * needs:.3g} mm across" in words
@@ -55,19 +55,19 @@ def test_patches_grow_to_the_loads_found(factor):
 
 def test_a_patch_is_as_long_as_a_contact_that_its_lead_sets_askew():
     """A random screw 16x16: by its ellipse's semi-axes a contact is within the patch, askew by the lead it is not."""
-    drawn = scene_file.scene_of_text(scene_text(SEED, 85), "drawn.toml")
+    drawn = scene_file.scene_from_text(scene_text(SEED, 85), "drawn.toml")
     setup = prepared(drawn)
     load = np.tile([31.35, 0.0, 0.0, 31.35], (drawn.ball_count, 1))
     run = load, np.where(load > 0.0, np.radians(48.6), np.nan)
-    unit, m = hertz_units(drawn)[0], setup.map
+    unit, m = hertz_contacts_under_unit_force(drawn)[0], setup.map
     across, along = (np.cbrt(31.35) * x for x in (unit.semi_x, unit.semi_y))
     lead = float(np.hypot(across * np.cos(m.beta) * np.sin(m.alpha), along))
-    larger, words = with_larger_patches(setup, [run], 2)
+    larger, words = settings_with_larger_patches(setup, [run], 2)
     assert along < zone(setup.settings, setup)[1] < lead
     assert "skew contacts" in words
     assert lead < larger.reach[1] < 1.5 * lead
     assert larger.reach[1] < zone(larger, setup)[1]
-    assert "skew contacts" not in with_larger_patches(setup, [run], 5)[1], "that many steps would do"
+    assert "skew contacts" not in settings_with_larger_patches(setup, [run], 5)[1], "that many steps would do"
 
 
 @pytest.mark.parametrize("angle", [40.0, 45.0])
@@ -75,11 +75,11 @@ def test_on_a_ring_nothing_is_askew(angle):
     ring = GrooveMap.of(catalogue.scene("bearing-9"))
     beta, b = np.array([np.radians(angle)]), np.array([1e-5])
     r = float(ring.R - ring.ball * np.cos(ring.beta))
-    assert contact_reach_along(ring, 0, beta, np.array([1e-4]), b) == pytest.approx(1e-5 * ring.R / r, rel=0.02)
+    assert reach_of_ellipses_along_groove(ring, 0, beta, np.array([1e-4]), b) == pytest.approx(1e-5 * ring.R / r, rel=0.02)
 
 
 def test_patches_that_fill_the_flank_are_not_built_again():
-    larger, words = with_larger_patches(prepared(reach=(1.568e-3, 0.2e-3)), [found(1.0)], 2)
+    larger, words = settings_with_larger_patches(prepared(reach=(1.568e-3, 0.2e-3)), [found(1.0)], 2)
     assert larger is None
     assert "mm across" in words
     assert "a larger one is refused: no room for the contact ellipse" in words
@@ -88,7 +88,7 @@ def test_patches_that_fill_the_flank_are_not_built_again():
 
 def test_patches_grow_to_the_edge_where_a_whole_step_is_refused():
     setup = prepared(reach=(1.45e-3, 0.2e-3))
-    larger, _ = with_larger_patches(setup, [found(1.0)], 2)
+    larger, _ = settings_with_larger_patches(setup, [found(1.0)], 2)
     assert larger is not None
     assert zone(setup.settings)[0] < zone(larger)[0]
     assert 1.54e-3 < larger.reach[0] < 1.58e-3

@@ -6,22 +6,22 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.compare.models.study import with_groove
+from rollbench.compare.models.study import with_conformity
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.meshing.part_meshes import choose_socket_size
 from rollbench.hifi.meshing.settings import (
     ExpectedContacts,
     Settings,
-    expected_contacts,
-    hertz_units,
+    estimate_contacts_of_scene,
+    hertz_contacts_under_unit_force,
     nut_shift_for_axial_force,
     round_up_lengths,
 )
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import BallErrors, Errors, FourierTerm, Load, SideErrors, Support
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 CASE = catalogue.scene("lin-case1")
 RING = catalogue.scene("bearing-9")
@@ -34,7 +34,7 @@ def axial_ring(force: float):
 def test_ring_under_axial_load_is_the_closed_form():
     """Equal loads Q = F / (z sin a); cos a falls as both arcs and approaches in series grow beyond the arcs alone."""
     force, z = 3000.0, 9
-    found, units = expected_contacts(axial_ring(force)), hertz_units(RING)
+    found, units = estimate_contacts_of_scene(axial_ring(force)), hertz_contacts_under_unit_force(RING)
     arms = [part.groove_radius - RING.balls.radius for part in (RING.screw, RING.nut)]
     angle = beta = RING.track.contact_angle
     for _ in range(200):
@@ -53,7 +53,7 @@ def test_ring_under_axial_load_is_the_closed_form():
 @pytest.mark.parametrize("force", [200.0, 3000.0])
 def test_a_nut_closes_all_balls_as_far_as_their_forces_sum_up_to_the_axial_one(force):
     """A shift x of the nut closes each ball's two contacts by x sin a, of whose forces the sine is along the axis."""
-    sin, units = np.sin(RING.track.contact_angle), hertz_units(RING)
+    sin, units = np.sin(RING.track.contact_angle), hertz_contacts_under_unit_force(RING)
     load = (nut_shift_for_axial_force(RING, force) * sin / (units[0].approach + units[3].approach)) ** 1.5
     assert RING.ball_count * load * sin == pytest.approx(force, rel=1e-12)
 
@@ -69,8 +69,8 @@ def test_preload_alone_is_the_closed_form():
     """A ball larger by e in its four contacts: the approaches of both arcs close e each on a rigid ring."""
     e = 5e-6
     scene = replace(axial_ring(0.0), errors=Errors(balls=BallErrors(oversize=e)))
-    found = expected_contacts(scene)
-    units = hertz_units(scene)
+    found = estimate_contacts_of_scene(scene)
+    units = hertz_contacts_under_unit_force(scene)
     load = (2.0 * e / (units[0].approach + units[2].approach)) ** 1.5  # both approaches of a diagonal close 2 e
     np.testing.assert_allclose(found.load, load, rtol=2e-3)
     assert found.sides() == (0, 1, 2, 3)
@@ -79,12 +79,12 @@ def test_preload_alone_is_the_closed_form():
 @pytest.mark.parametrize(("name", "sums"), [("lin-case1", 14198.0), ("lin-case3", 33439.0), ("lin-case3-offset", 33679.0)])
 def test_near_the_reference(name, sums):
     """Within 3 % of the sum of loads of the finest 3D runs."""
-    assert expected_contacts(catalogue.scene(name)).load.sum() == pytest.approx(sums, rel=0.03)
+    assert estimate_contacts_of_scene(catalogue.scene(name)).load.sum() == pytest.approx(sums, rel=0.03)
 
 
 def test_hand_and_direction_do_not_matter():
     as_is, left, other = (
-        expected_contacts(replace(CASE, **changes))
+        estimate_contacts_of_scene(replace(CASE, **changes))
         for changes in ({}, {"track": replace(CASE.track, hand="left")}, {"loads": (Load(0.0, (0.0, 0.0, -5000.0)),)})
     )
     assert left.reach() == pytest.approx(as_is.reach(), rel=1e-3)
@@ -94,7 +94,7 @@ def test_hand_and_direction_do_not_matter():
 
 def test_prescribed_displacements_are_seen():
     pushed = [(*CASE.supports, Support(at, (("ux", 1e-3), ("uy", 0.0)))) for at in (0.8, 0.5)]
-    as_is, bent, near = (expected_contacts(replace(CASE, supports=s)) for s in (CASE.supports, *pushed))
+    as_is, bent, near = (estimate_contacts_of_scene(replace(CASE, supports=s)) for s in (CASE.supports, *pushed))
     assert as_is.load.max() < bent.load.max() < near.load.max()
     assert near.reach()[0] > 1.3 * as_is.reach()[0]
 
@@ -109,19 +109,19 @@ def test_prescribed_displacements_are_seen():
     ],
 )
 def test_errors_are_seen(errors):
-    changed = expected_contacts(replace(CASE, errors=errors)).load
-    assert np.abs(changed - expected_contacts(CASE).load).max() > 2.0
+    changed = estimate_contacts_of_scene(replace(CASE, errors=errors)).load
+    assert np.abs(changed - estimate_contacts_of_scene(CASE).load).max() > 2.0
 
 
 def test_a_smaller_conformity_moves_contacts_farther():
-    wide, close = (expected_contacts(with_groove(CASE, c)) for c in (0.58, 0.52))
+    wide, close = (estimate_contacts_of_scene(with_conformity(CASE, c)) for c in (0.58, 0.52))
     assert np.abs(close.shift).max() > 2.5 * np.abs(wide.shift).max()
     assert close.across.max() > 1.6 * wide.across.max()
 
 
 @pytest.mark.parametrize("name", ["lin-random", "lin-combined", "lin-pitch-4p1", "unseen-four-point", "unseen-63x20"])
 def test_shipped_scenes_are_found_in_balance(name):
-    found = expected_contacts(catalogue.scene(name))
+    found = estimate_contacts_of_scene(catalogue.scene(name))
     assert isinstance(found, ExpectedContacts)
     assert found.load.max() > 0.0
     assert np.all((found.gap < 0.0) == (found.load > 0.0))
@@ -130,11 +130,11 @@ def test_shipped_scenes_are_found_in_balance(name):
 def test_a_screw_that_nothing_holds_is_refused():
     free = replace(CASE, supports=())
     with pytest.raises(ValueError, match=r"no equilibrium.*support the screw"):
-        expected_contacts(free)
+        estimate_contacts_of_scene(free)
 
 
 def test_forces_balance_the_load_and_axes_are_rounded_up():
-    found = expected_contacts(CASE)
+    found = estimate_contacts_of_scene(CASE)
     total = (found.load[:, 3] * np.sin(found.angle[:, 3])).sum() * np.cos(lead_angle(CASE.track))
     assert total == pytest.approx(5000.0, rel=1e-4)
     semi = found.semi()
@@ -146,7 +146,7 @@ def test_forces_balance_the_load_and_axes_are_rounded_up():
 
 def test_sockets_take_cuts_and_reach_from_the_settings():
     case = small_screw(4)
-    m, layout, dims = GrooveMap.of(case), ball_layout(case), solid_dimensions(case)
+    m, layout, dims = GrooveMap.of(case), ball_layout(case), dimensions_of_3d_parts(case)
     size = choose_socket_size(case, m, layout, (0, 3), dims, Settings(reach=(0.9e-3, 0.1e-3), cuts=(4, 3, 4)))
     assert size.cuts == (4, 3, 4)
     assert size.gamma > 0.3

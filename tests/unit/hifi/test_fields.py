@@ -11,13 +11,13 @@ from tests.helpers import relative, small_screw
 from rollbench.hifi import fields as recovered
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.elements.forms import mean_weights
+from rollbench.hifi.elements.forms import normalise_rows_of_weights
 from rollbench.hifi.meshing.part_meshes import mesh_parts
-from rollbench.hifi.meshing.settings import Settings, expected_contacts, round_up_lengths
+from rollbench.hifi.meshing.settings import Settings, estimate_contacts_of_scene, round_up_lengths
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache
-from rollbench.meshes.fem import mesh_of, points_of
+from rollbench.meshes.fem import build_mesh, node_coordinates
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Material, Solid
 
@@ -32,7 +32,7 @@ def case(_one_submodel, tmp_path_factory):
     across a short semi-axis, as on level 1, is 10 to 17 % too large by where the contact falls between them."""
     scene = small_screw(2, 0.2, force=(0.0, 0.0, 330.0), load_at=0.0)
     scene = replace(scene, nut=replace(scene.nut, length=16e-3), solid=Solid(shaft=6e-3, shaft_diameter=30e-3))
-    expected = expected_contacts(scene)
+    expected = estimate_contacts_of_scene(scene)
     semi, reach = round_up_lengths(expected.semi()), round_up_lengths(expected.reach())
     sizes = {"fine": 4e-3, "coarse": 10e-3, "ball_fine": 1e-3, "ball_coarse": 1.6e-3}
     own = {"own_cuts": (2, 2, 2), "own_sizes": (2.4e-3, 10e-3), "own_ball_sizes": (1.2e-3, 2e-3)}
@@ -42,13 +42,13 @@ def case(_one_submodel, tmp_path_factory):
     meshes = mesh_parts(scene, setup.map, setup.layout, setup.dims, SIDES, settings, cache)
     result = solve_reference(setup, scene)
     assert result.contact.converged
-    forces = recovered.contact_forces(setup, result)
+    forces = recovered.pressure_function_forces_by_flank(setup, result)
     u = {
         0: recovered.screw_displacement(setup, meshes.screw, forces),
         3: recovered.nut_displacement(setup, meshes.nut, forces),
     }
     fields = {s: recovered.groove_patch_field(setup, meshes, u[s], 0, s, forces) for s in SIDES}
-    return setup, meshes, result, forces, u, fields, recovered.ball_fields(setup, meshes, 0, forces)
+    return setup, meshes, result, forces, u, fields, recovered.stress_fields_of_ball(setup, meshes, 0, forces)
 
 
 class TestStress:
@@ -60,8 +60,8 @@ class TestStress:
         steel = Material(210e9, 0.28)
         lam, mu = 210e9 * 0.28 / (1.28 * 0.44), 210e9 / 2.56
         exact = 2.0 * mu * strain + lam * np.trace(strain) * np.eye(3)
-        mesh, _ = mesh_of(points, cells, kind)
-        found = recovered.nodal_stress(mesh, points_of(mesh) @ slope.T, steel)
+        mesh, _ = build_mesh(points, cells, kind)
+        found = recovered.nodal_stress(mesh, node_coordinates(mesh) @ slope.T, steel)
         assert relative(found, exact[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]) < 1e-10
 
     def test_von_mises(self):
@@ -91,7 +91,7 @@ class TestRecovered:
         mesh, steel = recovered.mesh_groove_patch(setup, meshes, side), setup.scene.screw.material
         fine = condense_patch(mesh, patch.normals, steel.youngs_modulus, steel.poissons_ratio)
         nodal = np.einsum("ck,ck->c", fields[side].displacement[mesh.contact], patch.normals)
-        found = mean_weights(mesh.weights) @ nodal
+        found = normalise_rows_of_weights(mesh.weights) @ nodal
         c, s = np.cos(setup.layout.azimuth[0]), np.sin(setup.layout.azimuth[0])
         trace = u[side][body.socket_nodes[0]] @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         assert relative(found, fine.A @ forces[side][0] + fine.H @ trace.ravel()) < 1e-7
@@ -112,7 +112,7 @@ class TestRecovered:
             mesh, normals = recovered.mesh_ball_patch(setup, meshes, s), setup.patches[s].ball.normals
             fine = condense_patch(mesh, normals, steel.youngs_modulus, steel.poissons_ratio)
             nodal = np.einsum("ck,ck->c", ball[s].displacement[mesh.contact], normals)
-            found.append(mean_weights(mesh.weights) @ nodal)
+            found.append(normalise_rows_of_weights(mesh.weights) @ nodal)
             patches.append(fine.A @ forces[s][0])
         assert relative(np.concatenate(found), np.concatenate(patches) + body) < 2e-3
 
@@ -128,7 +128,7 @@ class TestRecovered:
 
     def test_stress_fades_away_from_the_contact(self, case):
         setup, meshes, _, _, u, fields, _ = case
-        coarse = recovered.coarse_field(setup, meshes.screw, u[0], 0, setup.scene.screw.material, 6e-3)
+        coarse = recovered.stress_field_near_ball(setup, meshes.screw, u[0], 0, setup.scene.screw.material, 6e-3)
         assert 0.0 < coarse.von_mises.max() < 0.2 * fields[0].von_mises.max()
 
 
@@ -155,9 +155,9 @@ class TestPressure:
     def test_curvatures_are_those_of_the_grid_on_the_screw(self):
         scene = small_screw()
         m = GrooveMap.of(scene)
-        across, along = m.relative_radii(0, m.beta)
+        across, along = m.relative_curvature_radii(0, m.beta)
         assert across == pytest.approx(1.0 / (1.0 / 2.778e-3 - 1.0 / 3.254e-3))
-        assert along < scene.balls.radius < m.relative_radii(3, m.beta)[1]
+        assert along < scene.balls.radius < m.relative_curvature_radii(3, m.beta)[1]
 
     def test_ball_pressed_on_two_sides_as_in_the_whole_model(self, case):
         """On cells that grow faster outside the contact zone, of fewer modes."""

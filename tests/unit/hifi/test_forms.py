@@ -7,20 +7,27 @@ from skfem import BilinearForm, Functional, MeshTet1
 from skfem.helpers import ddot, dot, eye, grad, sym_grad, trace
 from tests.fe_meshes import KINDS, boundary_faces, cube, distorted, force, space
 
-from rollbench.hifi.bodies.coarse import rigid_loads
+from rollbench.hifi.bodies.coarse import nodal_forces_like_rigid_motions
 from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import (
     CurvedMap,
-    assemble,
-    elasticity,
+    assemble_constant_form,
+    elasticity_form,
     face_basis,
     form_coefficients,
-    hooke,
+    isotropic_stress_law,
     nodal_areas,
     stiffness_quadrature,
 )
-from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.meshes.fem import freedoms_on, mesh_of, nodes_on, points_of, tensor_grid, with_points
+from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
+from rollbench.meshes.fem import (
+    build_mesh,
+    freedoms_on_boundaries,
+    mesh_rectangular_grid,
+    node_coordinates,
+    nodes_on_boundaries,
+    with_node_coordinates,
+)
 
 E, NU = 210e9, 0.28
 LAM, MU = E * NU / (1.0 + NU) / (1.0 - 2.0 * NU), E / 2.0 / (1.0 + NU)
@@ -34,40 +41,40 @@ def straight(kind):
     points, cells = cube(kind, 2)
     faces = boundary_faces(cells, kind)
     on = {f"{k} {x}": np.all(np.abs(points[faces][:, :, k] - x) < 1e-12, axis=1) for k in range(3) for x in (0, 1)}
-    return mesh_of(points, cells, kind, {"all": faces} | {name: faces[rows] for name, rows in on.items()})[0]
+    return build_mesh(points, cells, kind, {"all": faces} | {name: faces[rows] for name, rows in on.items()})[0]
 
 
 @pytest.fixture(params=KINDS)
 def curved(request):
     mesh = straight(request.param)
-    return with_points(mesh, distorted(points_of(mesh)))
+    return with_node_coordinates(mesh, distorted(node_coordinates(mesh)))
 
 
 def test_fast_assembly_is_scikit_fems_own_and_elasticity_hookes_law(curved, monkeypatch):
     """Of any form in the gradients, its coefficients without a symmetry; the stiffness is symmetric and sorted, also in
     chunks of cells."""
     c = np.random.default_rng(0).standard_normal((3, 3, 3, 3))
-    form = elasticity(E, NU)
-    K = assemble(form, curved)
+    form = elasticity_form(E, NU)
+    K = assemble_constant_form(form, curved)
 
     def energy(u, v, _):
         strain = sym_grad(u)
         return ddot(LAM * eye(trace(strain), 3) + 2.0 * MU * strain, sym_grad(v))
 
     unlike = BilinearForm(lambda u, v, _: np.einsum("ikjl,ik...,jl...->...", c, grad(u), grad(v)))
-    for ours, theirs in ((K, form), (K, BilinearForm(energy)), (assemble(unlike, curved), unlike)):
+    for ours, theirs in ((K, form), (K, BilinearForm(energy)), (assemble_constant_form(unlike, curved), unlike)):
         expected = theirs.assemble(space(curved))
         assert abs(ours - expected).max() < 1e-12 * abs(expected).max()
     assert K.shape == (curved.doflocs.size,) * 2
     assert abs(K - K.T).max() < 1e-15 * abs(K).max()
     assert K.copy().has_sorted_indices
     monkeypatch.setattr(forms, "CHUNK_BYTES", 1.0)
-    assert abs(K - assemble(form, curved)).max() < 1e-14 * abs(K).max()
+    assert abs(K - assemble_constant_form(form, curved)).max() < 1e-14 * abs(K).max()
 
 
 def test_forms_that_the_fast_assembly_cannot_evaluate_are_refused(curved):
     with pytest.raises(ValueError, match="gradients alone"):
-        assemble(BilinearForm(lambda u, v, _: dot(u, v)), curved)
+        assemble_constant_form(BilinearForm(lambda u, v, _: dot(u, v)), curved)
     with pytest.raises(AttributeError):
         form_coefficients(BilinearForm(lambda u, v, w: w.x[0] * ddot(grad(u), grad(v))))
 
@@ -81,7 +88,9 @@ def test_curved_map_is_scikit_fems(curved):
         np.testing.assert_allclose(ours.detDF(X, tind) / theirs.detDF(X, tind), 1.0, rtol=1e-12)
     with pytest.raises(ValueError, match="known only on faces"):
         ours.invF(ours.F(X, cells), cells)
-    far = with_points(curved, 2e-5 * points_of(curved) + 16e-3)  # where scikit-fem's own tolerance is below round-off
+    far = with_node_coordinates(
+        curved, 2e-5 * node_coordinates(curved) + 16e-3
+    )  # where scikit-fem's own tolerance is below round-off
     assert nodal_areas(far, "all").sum() == pytest.approx(4e-10 * nodal_areas(curved, "all").sum(), rel=1e-9)
 
 
@@ -97,8 +106,11 @@ def test_quadrature_has_positive_weights_and_its_degree():
 
 
 def test_rigid_motions_strain_nothing_and_nothing_else_does(curved):
-    points = points_of(curved)
-    K, modes = assemble(elasticity(E, NU), curved), rigid_modes(points, points.mean(axis=0))
+    points = node_coordinates(curved)
+    K, modes = (
+        assemble_constant_form(elasticity_form(E, NU), curved),
+        nodal_displacements_of_rigid_motions(points, points.mean(axis=0)),
+    )
     assert np.linalg.matrix_rank(modes) == 6
     assert abs(K @ modes).max() < 1e-13 * abs(K).max()
     basis = space(curved)
@@ -109,16 +121,16 @@ def test_rigid_motions_strain_nothing_and_nothing_else_does(curved):
 
 
 def test_patch_test_on_curved_cells(curved):
-    exact = (points_of(curved) @ LINEAR.T).ravel()
-    K = assemble(elasticity(E, NU), curved).tocsr()
-    held = freedoms_on(curved, "all")
+    exact = (node_coordinates(curved) @ LINEAR.T).ravel()
+    K = assemble_constant_form(elasticity_form(E, NU), curved).tocsr()
+    held = freedoms_on_boundaries(curved, "all")
     loose = np.setdiff1d(np.arange(len(exact)), held)
     u = exact.copy()
     u[loose] = spsolve(K[loose][:, loose].tocsc(), -K[loose][:, held] @ u[held])
     np.testing.assert_allclose(u, exact, atol=1e-12 * abs(exact).max())
     strain = sym_grad(space(curved).interpolate(u))
     np.testing.assert_allclose(strain, np.broadcast_to(STRAIN[:, :, None, None], strain.shape), atol=1e-14)
-    stress = hooke(E, NU)(strain)
+    stress = isotropic_stress_law(E, NU)(strain)
     np.testing.assert_allclose(stress, np.broadcast_to(STRESS[:, :, None, None], stress.shape), rtol=1e-9)
 
 
@@ -126,7 +138,7 @@ def test_patch_test_on_curved_cells(curved):
 def test_traction_of_a_constant_stress_is_the_nodal_force(kind):
     """K u = int N sigma n dA for a linear displacement: volume and face integrals agree on flat faces."""
     mesh = straight(kind)
-    reaction = assemble(elasticity(E, NU), mesh) @ (points_of(mesh) @ LINEAR.T).ravel()
+    reaction = assemble_constant_form(elasticity_form(E, NU), mesh) @ (node_coordinates(mesh) @ LINEAR.T).ravel()
     vector, sides = space(mesh).elem, [(k, x) for k in range(3) for x in (0, 1)]
     total = sum(force((2 * x - 1) * STRESS[k]).assemble(face_basis(mesh, f"{k} {x}", element=vector)) for k, x in sides)
     np.testing.assert_allclose(total, reaction, atol=1e-12 * abs(reaction).max())
@@ -139,20 +151,22 @@ def test_loads_and_areas_have_the_right_resultants(curved):
     volume = force(np.array([1.0, 0.0, 0.0])).assemble(basis).reshape(-1, 3)[:, 0].sum()
     around = Functional(lambda w: dot(w.x, w.n) / 3.0).assemble(surface)
     assert volume == pytest.approx(around, rel=1e-6)
-    moment = rigid_modes(points_of(curved)).T @ force(lambda x: np.stack([-x[1], x[0], 0.0 * x[2]])).assemble(basis)
+    moment = nodal_displacements_of_rigid_motions(node_coordinates(curved)).T @ force(
+        lambda x: np.stack([-x[1], x[0], 0.0 * x[2]])
+    ).assemble(basis)
     inertia = Functional(lambda w: w.x[0] ** 2 + w.x[1] ** 2).assemble(basis)
     assert moment[5] == pytest.approx(inertia, rel=1e-12)
     areas = nodal_areas(curved, "all")
     found = force(np.array([0.0, 2.0, 0.0])).assemble(surface).reshape(-1, 3)[:, 1]
     np.testing.assert_allclose(found, 2.0 * areas, atol=1e-15)
     assert areas.sum() == pytest.approx(6.0, rel=0.1)
-    assert np.abs(np.delete(areas, nodes_on(curved, "all"))).max(initial=0.0) < 1e-15
+    assert np.abs(np.delete(areas, nodes_on_boundaries(curved, "all"))).max(initial=0.0) < 1e-15
 
     def motion(k):
-        return lambda x: rigid_modes(x.reshape(3, -1).T)[:, k].reshape(-1, 3).T.reshape(x.shape)
+        return lambda x: nodal_displacements_of_rigid_motions(x.reshape(3, -1).T)[:, k].reshape(-1, 3).T.reshape(x.shape)
 
     wanted = np.array([force(motion(k)).assemble(space(curved)) for k in range(6)])
-    np.testing.assert_allclose(rigid_loads(curved), wanted, atol=1e-14 * np.abs(wanted).max())
+    np.testing.assert_allclose(nodal_forces_like_rigid_motions(curved), wanted, atol=1e-14 * np.abs(wanted).max())
 
 
 @pytest.mark.parametrize("kind", ["P2", "Q2"])
@@ -162,7 +176,7 @@ def test_area_of_a_sphere_converges_with_the_fourth_power(kind):
         points, cells = cube(kind, m)
         x = 2.0 * points - 1.0
         ball = x * (np.abs(x).max(axis=1) / np.maximum(np.linalg.norm(x, axis=1), 1e-30))[:, None]
-        mesh, _ = mesh_of(ball, cells, kind, {"all": boundary_faces(cells, kind)})
+        mesh, _ = build_mesh(ball, cells, kind, {"all": boundary_faces(cells, kind)})
         errors.append(abs(nodal_areas(mesh, "all").sum() / (4.0 * np.pi) - 1.0))
     assert errors[0] < 1.5e-3
     assert np.log2(errors[0] / errors[1]) > 3.7
@@ -176,9 +190,11 @@ def with_contact(mesh):
 def contact(kind):
     """A curved block whose top is the contact, and the contact's nodes."""
     if kind == "Q2":
-        grid = tensor_grid(np.array([0.0, 0.3, 1.0]), np.array([0.0, 0.5, 1.1]), np.array([0.0, 1.0]), "Q2")
+        grid = mesh_rectangular_grid(np.array([0.0, 0.3, 1.0]), np.array([0.0, 0.5, 1.1]), np.array([0.0, 1.0]), "Q2")
     else:
         grid = MeshTet1.init_tensor(*3 * [np.linspace(0.0, 1.0, 3)]).oriented()
     mesh = with_contact(grid)
-    x, nodes = points_of(mesh), nodes_on(mesh, "contact")
-    return with_points(mesh, x + 0.1 * np.column_stack([x[:, 1] ** 2, np.sin(x[:, 0]), np.cos(x[:, 0] + x[:, 1])])), nodes
+    x, nodes = node_coordinates(mesh), nodes_on_boundaries(mesh, "contact")
+    return with_node_coordinates(
+        mesh, x + 0.1 * np.column_stack([x[:, 1] ** 2, np.sin(x[:, 0]), np.cos(x[:, 0] + x[:, 1])])
+    ), nodes

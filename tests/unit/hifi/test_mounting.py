@@ -7,9 +7,15 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.elements.rigid import transport
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
 from rollbench.hifi.shaft.beam import Frame, beam_stiffness, round_section
-from rollbench.hifi.shaft.mounting import Stretch, beam_stretch, correct_beam_stiffness, free_motions, mount_stretch
+from rollbench.hifi.shaft.mounting import (
+    Stretch,
+    correct_beam_stiffness,
+    find_unconstrained_motions,
+    mount_stretch,
+    replace_stretch_by_beam,
+)
 from rollbench.hifi.shaft.section import lower_cut_flexibility, upper_cut_flexibility
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Load, Support
@@ -24,7 +30,7 @@ LOW, HIGH = 0.35, 0.45
 def stretch(ports=(HIGH,), observers=(0.4,)):
     """A stretch that is itself a beam; every contact has the six motions of its section as modes."""
     empty = Stretch(np.zeros((0, 0)), np.zeros((0, 6)), LOW, ports, observers, (LOW, HIGH), 0)
-    return beam_stretch(np.broadcast_to(np.eye(6), (4, 6, 6)), STATIONS, empty, SECTION)
+    return replace_stretch_by_beam(np.broadcast_to(np.eye(6), (4, 6, 6)), STATIONS, empty, SECTION)
 
 
 def whole_beam(scene, stations):
@@ -104,9 +110,9 @@ def test_an_unheld_screw_moves_rigidly_and_its_loads_do_work():
     arm = 0.8 - found.origin
     wrench = np.array([0.0, 4.0, 9.0, -4.0 * arm, 0.0, 0.0])
     np.testing.assert_allclose(found.work, found.motions.T @ wrench, atol=1e-12)
-    held = [transport(0.0 - found.origin)[5]]
+    held = [rigid_motion_transfer_matrix(0.0 - found.origin)[5]]
     np.testing.assert_allclose(held @ found.motions, 0.0, atol=1e-15)
-    assert np.linalg.matrix_rank(free_motions(Frame.from_scene(scene), 0.0)) == 5
+    assert np.linalg.matrix_rank(find_unconstrained_motions(Frame.from_scene(scene), 0.0)) == 5
 
 
 def test_a_ring_on_a_stiff_shaft_follows_its_bore():
@@ -126,7 +132,7 @@ def test_a_mesh_that_is_too_stiff_is_made_as_stiff_as_its_section(ends):
     stiff = replace(SECTION, EA=1.02 * SECTION.EA, EI=1.013 * SECTION.EI, GJ=1.008 * SECTION.GJ)
 
     def with_cuts(section):
-        beam = beam_stretch(rows, STATIONS, stretch(), section)
+        beam = replace_stretch_by_beam(rows, STATIONS, stretch(), section)
         F = beam.F + beam.B @ lower_cut_flexibility(cut, m, LOW) @ beam.B.T
         end = slice(beam.modes, beam.modes + 6)
         F[end, end] += upper_cut_flexibility(cut, m, HIGH)

@@ -7,13 +7,13 @@ import pytest
 from tests.two_balls import SMALL
 from tests.unit.statics.test_one_arc import bearing
 
-from rollbench.compare.reference.tasks import needed_sides
+from rollbench.compare.reference.tasks import flanks_to_mesh
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Support
-from rollbench.meshes.sockets import flank_limits
+from rollbench.meshes.sockets import section_angles_of_flank
 
 BALL = {"ball_fine": 1.2e-3, "ball_coarse": 2.4e-3, "ball_modes": 24}
 COARSE = replace(SMALL, b_over_h=1.0, semi=(0.9e-3, 0.2e-3), reach=(1.1e-3, 0.2e-3), modes=16, **BALL)
@@ -29,7 +29,7 @@ def test_loads_are_those_of_elastic_rings() -> None:
         balls=replace(scene.balls, azimuths=(-0.4, 0.5)),
         supports=(Support(0.008, (("ux", 10e-6), ("uy", 0.0), ("uz", 30e-6), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))),),
     )
-    sides = needed_sides(scene)
+    sides = flanks_to_mesh(scene)
     assert sides == (0, 3)
     found, low = solve_reference(prepare(scene, sides, COARSE), scene), solve_elastic(scene)
     assert found.status == "converged"
@@ -65,10 +65,10 @@ def test_the_section_of_one_arc_is_even_about_its_own_middle(way: str) -> None:
     scene = bearing(15.0, 1.0, 0.0)
     scene = replace(scene, track=replace(scene.track, arcs=way))
     m = GrooveMap.of(scene)
-    for side in m.arc_sides:
+    for side in m.flanks_of_single_arc:
         land = scene.screw.outer_diameter / 2.0 if side < 2 else 2.0 * m.R - scene.screw.outer_diameter / 2.0
-        low, high = flank_limits(m, side, land)
+        low, high = section_angles_of_flank(m, side, land)
         assert low == -high
-        z = [float(m.section_point(side, np.array(g), m.radius[side])[1]) for g in (low, high)]
+        z = [float(m.polar_to_section(side, np.array(g), m.radius[side])[1]) for g in (low, high)]
         assert np.mean(z) == pytest.approx(m.centre[side, 1], abs=1e-12)
         assert abs(m.centre[side, 1]) == pytest.approx((m.radius[side] - m.ball) * np.sin(m.beta))

@@ -11,12 +11,17 @@ from tests.fe_meshes import boundary, stiffness, strain_stress
 from tests.helpers import relative
 from tests.patch_meshes import NU, E, condensed, flat, holed_cube, patch, places, socket, tets
 
-from rollbench.hifi.bodies.coarse import Socket, assemble_body_stiffness, freedoms_of_nodes, mesh_of_order
-from rollbench.hifi.bodies.patch import build_tet_patch, condense_patch, patch_displacements, tie_matrix
-from rollbench.hifi.elements.forms import mean_weights
-from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.meshes.fem import points_of
-from rollbench.meshes.tet_patch import SUB_TRIANGLES, build_tets, source_box
+from rollbench.hifi.bodies.coarse import Socket, assemble_body_stiffness, convert_mesh_order, freedoms_of_nodes
+from rollbench.hifi.bodies.patch import (
+    condense_patch,
+    fit_tetrahedral_patch,
+    nodal_displacements_of_patch,
+    socket_interpolation_matrix,
+)
+from rollbench.hifi.elements.forms import normalise_rows_of_weights
+from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
+from rollbench.meshes.fem import node_coordinates
+from rollbench.meshes.tet_patch import SUB_TRIANGLES, mesh_patch_with_tetrahedra, patch_as_in_thesis
 
 pytestmark = pytest.mark.xdist_group("condensed patches")
 KINDS = ["Q2", "P1"]
@@ -26,12 +31,12 @@ KINDS = ["Q2", "P1"]
 def test_tie_reproduces_the_socket_s_functions_and_takes_no_point_off_it(linear):
     s = socket()
     with pytest.raises(ValueError, match="lies on no triangle"):
-        tie_matrix(np.array([[0.5, 0.5, 0.5]]), s, linear=linear)
-    np.testing.assert_allclose(tie_matrix(s.xi, s, linear=linear).toarray(), np.eye(len(s.xi)), atol=1e-12)
+        socket_interpolation_matrix(np.array([[0.5, 0.5, 0.5]]), s, linear=linear)
+    np.testing.assert_allclose(socket_interpolation_matrix(s.xi, s, linear=linear).toarray(), np.eye(len(s.xi)), atol=1e-12)
     rng = np.random.default_rng(0)
     weights = rng.dirichlet(np.ones(3), len(s.triangles))
     points = np.einsum("tk,tkd->td", weights, s.xi[s.triangles[:, :3]])
-    T = tie_matrix(points, s, linear=linear)
+    T = socket_interpolation_matrix(points, s, linear=linear)
     np.testing.assert_allclose(T @ s.xi, points, atol=1e-13)
     np.testing.assert_allclose(T @ np.ones(len(s.xi)), 1.0, atol=1e-13)
     bent = s.xi[:, :1] * s.xi[:, 1:2] + s.xi**2
@@ -40,7 +45,9 @@ def test_tie_reproduces_the_socket_s_functions_and_takes_no_point_off_it(linear)
         return
     middles = s.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
     expected = bent[middles].mean(axis=1)
-    np.testing.assert_allclose(tie_matrix(s.xi[middles].mean(axis=1), s, linear=True) @ bent, expected, atol=1e-13)
+    np.testing.assert_allclose(
+        socket_interpolation_matrix(s.xi[middles].mean(axis=1), s, linear=True) @ bent, expected, atol=1e-13
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -59,14 +66,16 @@ def test_rigid_motions_strain_nothing(kind, where):
     mesh, normals, c = condensed(kind, where)
     middle = mesh.points.mean(axis=0)
     unit = np.repeat([1.0, 1e-3], 3)
-    motions = rigid_modes(places(0)[where][0](socket().xi), middle) / unit
+    motions = nodal_displacements_of_rigid_motions(places(0)[where][0](socket().xi), middle) / unit
     scale = np.abs(c.S).max() * np.abs(motions).max()
     assert np.abs(c.S @ motions).max() < 1e-12 * scale
-    at_contact = rigid_modes(mesh.points[mesh.contact], middle) / unit
+    at_contact = nodal_displacements_of_rigid_motions(mesh.points[mesh.contact], middle) / unit
     expected = np.einsum("ci,cim->cm", normals, at_contact.reshape(-1, 3, 6))
-    np.testing.assert_allclose(c.H @ motions, mean_weights(mesh.weights) @ expected, atol=1e-11)
-    u = patch_displacements(mesh, normals, E, NU, np.zeros(len(normals)), motions[:, 4])
-    np.testing.assert_allclose(u.ravel(), rigid_modes(mesh.points, middle)[:, 4] / 1e-3, atol=1e-11)
+    np.testing.assert_allclose(c.H @ motions, normalise_rows_of_weights(mesh.weights) @ expected, atol=1e-11)
+    u = nodal_displacements_of_patch(mesh, normals, E, NU, np.zeros(len(normals)), motions[:, 4])
+    np.testing.assert_allclose(
+        u.ravel(), nodal_displacements_of_rigid_motions(mesh.points, middle)[:, 4] / 1e-3, atol=1e-11
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -88,7 +97,7 @@ def test_condensed_is_the_full_system_and_definite(kind):
     C = sp.kron(place, sp.identity(3)).tocsc()
     K = (C.T @ stiffness(mesh.points, mesh.cells, mesh.kind, E, NU) @ C).tocsc()
     load = np.zeros((n, 3))
-    mean = mean_weights(mesh.weights)
+    mean = normalise_rows_of_weights(mesh.weights)
     load[mesh.contact] = (mean.T @ f)[:, None] * normals
     right = C.T @ load.ravel()
     i = 3 * loose.size
@@ -98,7 +107,7 @@ def test_condensed_is_the_full_system_and_definite(kind):
     assert relative(c.A @ f + c.H @ q, mean @ (u[mesh.contact] * normals).sum(axis=1)) < 1e-10
     reaction = (K @ whole)[i:]
     assert relative(c.S @ q - c.H.T @ f, reaction) < 1e-10
-    assert relative(patch_displacements(mesh, normals, E, NU, f, q), u) < 1e-10
+    assert relative(nodal_displacements_of_patch(mesh, normals, E, NU, f, q), u) < 1e-10
     assert f @ c.A @ f + q @ c.S @ q == pytest.approx(whole @ K @ whole, rel=1e-10)
 
 
@@ -109,17 +118,17 @@ SLOPE = 1e-3 * np.array([[1.0, 0.3, -0.2], [0.5, -0.7, 0.4], [0.2, -0.4, -NU / (
 @cache
 def in_the_cube(*, conforming=True):
     """First-order patch in the block of the holed cube; the zone is loaded along z."""
-    box = source_box((0.25, 0.25), 0.5, (0.5, 0.4), 0.05, 0.2)
-    mesh = build_tet_patch(build_tets(box, socket() if conforming else None), flat, socket())
+    box = patch_as_in_thesis((0.25, 0.25), 0.5, (0.5, 0.4), 0.05, 0.2)
+    mesh = fit_tetrahedral_patch(mesh_patch_with_tetrahedra(box, socket() if conforming else None), flat, socket())
     return mesh, condense_patch(mesh, np.tile([0.0, 0.0, 1.0], (len(mesh.contact), 1)), 1.0, NU)
 
 
 def test_constant_strain_through_a_first_order_patch():
     """Body and patch of first order conform: a linear field on the cube's surface goes through both unchanged."""
     body, nodes, target = holed_cube()
-    points = points_of(body)
+    points = node_coordinates(body)
     mesh, c = in_the_cube()
-    K = assemble_body_stiffness(mesh_of_order(body, "P1"), [Socket(nodes, np.eye(3), 0)], {0: c}, 1.0, NU)
+    K = assemble_body_stiffness(convert_mesh_order(body, "P1"), [Socket(nodes, np.eye(3), 0)], {0: c}, 1.0, NU)
     exact = points @ SLOPE.T
     held = freedoms_of_nodes(np.setdiff1d(boundary(points), nodes))
     loose = np.setdiff1d(np.arange(K.shape[0]), held)
@@ -128,8 +137,8 @@ def test_constant_strain_through_a_first_order_patch():
     assert relative(u.reshape(-1, 3), exact) < 1e-11
     q = u[freedoms_of_nodes(nodes)]
     moved = (mesh.points[mesh.contact] @ SLOPE.T)[:, 2]
-    assert relative(c.H @ q, mean_weights(mesh.weights) @ moved) < 1e-11
-    whole = patch_displacements(mesh, c.normals, 1.0, NU, np.zeros(len(c.A)), q)
+    assert relative(c.H @ q, normalise_rows_of_weights(mesh.weights) @ moved) < 1e-11
+    whole = nodal_displacements_of_patch(mesh, c.normals, 1.0, NU, np.zeros(len(c.A)), q)
     assert relative(whole, mesh.points @ SLOPE.T) < 1e-11
     # each side's reaction is that of the constant stress on the socket's own first-order triangles
     strain, stress = strain_stress(mesh.points, mesh.cells, "P1", whole.ravel(), 1.0, NU)
@@ -150,4 +159,4 @@ def test_map_that_turns_cells_inside_out_is_refused():
         return np.column_stack([np.abs(xi[:, 0]), xi[:, 2], -xi[:, 1]])
 
     with pytest.raises(ValueError, match="inside out"):
-        build_tet_patch(tets(0.16e-3), folded, socket())
+        fit_tetrahedral_patch(tets(0.16e-3), folded, socket())

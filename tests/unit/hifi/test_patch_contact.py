@@ -7,9 +7,9 @@ import pytest
 from tests.fe_meshes import jacobians, volume
 from tests.patch_meshes import MAP, NU, SEMI, WIDTH, ZONE, E, condensed, lines, patch, places, socket, tets
 
-from rollbench.hifi.bodies.patch import build_patch, build_tet_patch, patch_displacements
+from rollbench.hifi.bodies.patch import fit_tetrahedral_patch, mesh_hexahedral_patch, nodal_displacements_of_patch
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import mean_weights
+from rollbench.hifi.elements.forms import normalise_rows_of_weights
 
 pytestmark = pytest.mark.xdist_group("condensed patches")
 
@@ -19,7 +19,7 @@ def indentation(kind, where, fine=None, b_over_h=None):
     if kind == "Q2":
         grid = lines(b_over_h, 3.0)
         place, centre = places(0)[where]
-        mesh = build_patch(grid, ZONE, place, socket())
+        mesh = mesh_hexahedral_patch(grid, ZONE, place, socket())
         axes = [np.union1d(x, 0.5 * (x[1:] + x[:-1])) for x in (grid.across, grid.along)]
         axes = [x[np.abs(x) < half + 1e-9] for x, half in zip(axes, ZONE, strict=True)]
         local = np.stack(np.meshgrid(axes[0], 0.0, axes[1], indexing="ij"), -1).reshape(-1, 3)
@@ -31,8 +31,8 @@ def indentation(kind, where, fine=None, b_over_h=None):
     a, b = SEMI
     f = np.sqrt(np.maximum(1.0 - (local[:, 0] * WIDTH[0] / a) ** 2 - (local[:, 2] * WIDTH[1] / b) ** 2, 0.0)) * mesh.areas
     f *= 225.0 / f.sum()
-    u = patch_displacements(mesh, normals, E, NU, f, np.zeros(3 * mesh.tie.shape[1]))
-    return 1e6 * float(f @ mean_weights(mesh.weights) @ (u[mesh.contact] * normals).sum(axis=1)) / 225.0
+    u = nodal_displacements_of_patch(mesh, normals, E, NU, f, np.zeros(3 * mesh.tie.shape[1]))
+    return 1e6 * float(f @ normalise_rows_of_weights(mesh.weights) @ (u[mesh.contact] * normals).sum(axis=1)) / 225.0
 
 
 @pytest.mark.parametrize("where", ["groove", "ball"])
@@ -78,7 +78,7 @@ def test_contact_nodes_of_ball_and_groove_coincide(side):
     """On rays from the ball's centre, also where the two sockets are triangulated differently."""
     groove = patch("P1", "groove", side)[1]
     local = tets(0.16e-3, "turned")
-    mesh = build_tet_patch(local, places(side)["ball"][0], socket(turned=True))
+    mesh = fit_tetrahedral_patch(local, places(side)["ball"][0], socket(turned=True))
     ball = mesh.points[mesh.contact]
     np.testing.assert_allclose(ball / np.linalg.norm(ball, axis=1)[:, None], groove, atol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(ball, axis=1), MAP.ball, rtol=1e-14)

@@ -13,14 +13,14 @@ from tests.two_balls import SMALL
 from rollbench.hifi import condensation, condensed, coupling, reference
 from rollbench.hifi.bodies import grid_wave
 from rollbench.hifi.bodies.coarse import freedoms_of_nodes, isostatic_freedoms
-from rollbench.hifi.bodies.patch import pressure_mean_rows
-from rollbench.hifi.contact.balls import SolverState, solve_balls, uncoupled_compliance
-from rollbench.hifi.elements.forms import assemble, elasticity, mean_weights
-from rollbench.hifi.linear_algebra import compliance
+from rollbench.hifi.bodies.patch import mean_normal_displacement_matrix
+from rollbench.hifi.contact.balls import SolverState, compliance_of_single_ball, solve_contacts_of_all_balls
+from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, normalise_rows_of_weights
+from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.meshing import part_meshes
-from rollbench.hifi.meshing.part_meshes import ball_socket_and_map, rotated_sockets
+from rollbench.hifi.meshing.part_meshes import ball_socket_and_map, sockets_at_contact_azimuths
 from rollbench.meshes import ball_body
-from rollbench.meshes.sockets import local_points
+from rollbench.meshes.sockets import points_in_reference_socket
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
 
@@ -31,14 +31,14 @@ def whole(body, patches, material, held):
     patches: (mesh, rows of the hats, socket's nodes, rotation); held: the body's freedoms by those that are free.
     """
     E, nu = material.youngs_modulus, material.poissons_ratio
-    blocks, columns, loads = [assemble(elasticity(E, nu), body)], [], []
+    blocks, columns, loads = [assemble_constant_form(elasticity_form(E, nu), body)], [], []
     size = body.doflocs.size
     inner_of = [np.setdiff1d(np.arange(len(p.points)), p.interface) for p, *_ in patches]
     total = size + 3 * sum(len(i) for i in inner_of)
     columns.append(sp.hstack([sp.identity(size), sp.csr_matrix((size, total - size))]))
     start = size
     for (mesh, hats, nodes, R), inner in zip(patches, inner_of, strict=True):
-        blocks.append(assemble(elasticity(E, nu), mesh.mesh))
+        blocks.append(assemble_constant_form(elasticity_form(E, nu), mesh.mesh))
         C = sp.lil_matrix((3 * len(mesh.points), total))
         C[freedoms_of_nodes(inner), start + np.arange(3 * len(inner))] = 1.0
         turn = sp.kron(sp.identity(len(nodes)), R.T)  # the body moves in space, the patch in its own frame
@@ -52,30 +52,36 @@ def whole(body, patches, material, held):
     C = sp.vstack(columns).tocsr()
     K = (C.T @ sp.block_diag(blocks) @ C).tocsc()
     T = sp.block_diag([held, sp.identity(total - size)]).tocsc()
-    return compliance((T.T @ K @ T).tocsc(), sp.vstack(loads) @ T)
+    return symmetric_compliance_of_loads((T.T @ K @ T).tocsc(), sp.vstack(loads) @ T)
 
 
 def patch(small, meshes, side, *, ball=False):
     """The patch that is condensed with its socket, and the rows of the finer one's hats on it."""
     body = meshes.ball if ball else meshes.screw if side < 2 else meshes.nut
-    in_groove = partial(local_points, small.map, meshes.size, side)
+    in_groove = partial(points_in_reference_socket, small.map, meshes.size, side)
     place = ball_socket_and_map(small.map, meshes.size, side, meshes.zone)[1] if ball else in_groove
     mesh = part_meshes.mesh_patch(meshes, body.sockets[side], place, SMALL)
-    carrier = part_meshes.mesh_carrier_patch(meshes, body.sockets[side], place, SMALL)
+    carrier = part_meshes.mesh_load_transfer_patch(meshes, body.sockets[side], place, SMALL)
     centre = np.zeros(3) if ball else np.array([small.map.R, 0.0, 0.0])
     normals = (-1.0 if ball else 1.0) * part_meshes.patch_normals(mesh, centre)
-    return carrier, pressure_mean_rows(mesh, normals, carrier)
+    return carrier, mean_normal_displacement_matrix(mesh, normals, carrier)
 
 
 def bodies(small, meshes):
     """Compliance of screw, nut and ball at their hats, each from one whole mesh."""
     out, scene, high = {}, small.scene, small.dims.ends(small.scene)[1]
     for name, side, mesh, material, held in (
-        ("screw", 0, meshes.screw, scene.screw.material, condensation.screw_transform(meshes.screw, small.dims, high)),
-        ("nut", 3, meshes.nut, scene.nut.material, condensation.nut_transform(meshes.nut, small.dims)),
+        (
+            "screw",
+            0,
+            meshes.screw,
+            scene.screw.material,
+            condensation.expansion_of_free_screw_freedoms(meshes.screw, small.dims, high),
+        ),
+        ("nut", 3, meshes.nut, scene.nut.material, condensation.expansion_of_free_nut_freedoms(meshes.nut, small.dims)),
     ):
         groove, hats = patch(small, meshes, side)
-        parts = [(groove, hats, s.nodes, s.rotation) for s in rotated_sockets(mesh, sockets_of(scene, (side,)))]
+        parts = [(groove, hats, s.nodes, s.rotation) for s in sockets_at_contact_azimuths(mesh, sockets_of(scene, (side,)))]
         out[name] = whole(mesh.mesh, parts, material, held)
     parts = [(*patch(small, meshes, s, ball=True), meshes.ball.socket_nodes[s], np.eye(3)) for s in (0, 3)]
     held, size = (
@@ -114,7 +120,7 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     mounted = coupling.mount_screw(small, small.scene)
     m = small.screw.stretch.modes
     placed_set = coupling.PlacedSet(small, small.scene, sides)
-    C, rows = coupling.assemble_compliance((placed_set,), mounted)
+    C, rows = coupling.assemble_contact_compliance((placed_set,), mounted)
     pick = np.flatnonzero(rows < m)
     # the beam to the support is not meshed: its share of the screw's compliance comes on top
     beam = np.zeros((C.coupling.shape[0],) * 2)
@@ -130,7 +136,7 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
         dense[np.ix_(rows_of_body, rows_of_body)] += found[name]
     normals = np.concatenate([small.patches[s].groove.points - [small.map.R, 0, 0] for s in sides])
     length = np.linalg.norm(normals, axis=1)
-    mean = sp.block_diag([mean_weights(small.patches[s].groove.weights) for s in sides])
+    mean = sp.block_diag([normalise_rows_of_weights(small.patches[s].groove.weights) for s in sides])
     gap = np.tile(mean @ (length - small.map.ball), 2)
     directions = np.broadcast_to(normals / length[:, None], (2, sum(n), 3))
     by_screw = coupling.rigid_body_normal_motion(placed_set, directions, mounted.origin, screw=True).reshape(-1, 6)
@@ -142,8 +148,10 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     start = SolverState(np.zeros(0), frozen.contact.motions * 1.01)
     by_loads = np.zeros(rows.size)
     by_loads[pick] = mounted.loads[rows[pick]]
-    at_rest = coupling.normal_motion_of_nodes(C, by_loads)
-    other, _ = solve_balls(uncoupled_compliance(dense), gap + at_rest, N, f, start=start, tolerance=1e-12)
+    at_rest = coupling.normal_motion_by_modes(C, by_loads)
+    other, _ = solve_contacts_of_all_balls(
+        compliance_of_single_ball(dense), gap + at_rest, N, f, start=start, tolerance=1e-12
+    )
     assert other.converged
     assert frozen.status == "converged"
     largest = frozen.contact.forces.max()
@@ -155,13 +163,13 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
 
     Cells are wider here than the ellipse is thick.
     """
-    forces = {s: condensed.sampled_forces(small, s) for s in small.sides}
+    forces = {s: condensed.sampled_contact_forces(small, s) for s in small.sides}
     spreads = {s: condensed.hertz_nodal_forces(small, s, float(np.median(f))) for s, f in forces.items()}
     for s, f in spreads.items():
         groove = small.patches[s].groove
-        nodal = mean_weights(groove.weights).T @ f
-        assert nodal @ (groove.normals @ ball_body.directions(small.map, s)[0]) == pytest.approx(1.0, rel=1e-12)
-    found = condensed.condensed_bodies(small, 1)
+        nodal = normalise_rows_of_weights(groove.weights).T @ f
+        assert nodal @ (groove.normals @ ball_body.contact_frame_vectors(small.map, s)[0]) == pytest.approx(1.0, rel=1e-12)
+    found = condensed.collect_condensed_bodies(small, 1)
     middle = np.array([float(np.median(f)) for f in forces.values()])
     again = {s: condensed.hertz_nodal_forces(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
     np.testing.assert_allclose(
@@ -171,10 +179,10 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
         loads = forces[s]
         assert found.force[k] == pytest.approx(loads, rel=1e-12)
         assert found.scatter(s) < 0.02  # cells are wider than the ellipse is thick: 1 % here, 0.1 % on level 1
-        approach = condensed.patch_approaches(small, s, loads)
+        approach = condensed.mean_approaches_of_patch_contact(small, s, loads)
         assert np.all(np.diff(approach) > 0.0)
         # Hertz's 2/3, less what the held sockets take away
         assert 0.59 < np.log(approach[-1] / approach[0]) / np.log(loads[-1] / loads[0]) < 2 / 3
         with monkeypatch.context() as patch:
             patch.setattr(grid_wave, "MEAN", (12, 10))
-            assert condensed.patch_approaches(small, s, loads) == pytest.approx(approach, rel=8e-3)
+            assert condensed.mean_approaches_of_patch_contact(small, s, loads) == pytest.approx(approach, rel=8e-3)

@@ -10,20 +10,26 @@ from rollbench.hifi.contact.roller import (
     LEVELS,
     RollerError,
     condense_roller,
-    press_roller,
+    press_roller_between_races,
     race_compliance,
     roller_compliance,
 )
 from rollbench.hifi.elements.forms import cell_basis as space
-from rollbench.hifi.elements.forms import contact_weights, elasticity, nodal_areas, nodal_share_form
+from rollbench.hifi.elements.forms import elasticity_form, nodal_areas, nodal_share_form, pressure_weights_of_nodes
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Material
-from rollbench.meshes.roller_body import Zone, raceway_point_map, roller_point_map, section_mesh, swept_body
+from rollbench.meshes.roller_body import (
+    RollerContactZone,
+    build_swept_body,
+    mesh_section,
+    raceway_point_map,
+    roller_point_map,
+)
 
 E, NU = 207e9, 0.3
 #: Radius and half length of a roller, depth of a ring [m]; half-width of a contact.
 R, HALF, DEPTH, B = 4e-3, 15e-3, 5e-3, 0.06e-3
-ZONE = Zone(1.6 * B, 6, 0.9)
+ZONE = RollerContactZone(1.6 * B, 6, 0.9)
 #: Nearly parallel cones.
 ANGLE = np.radians(0.2)
 MIDDLE = R / np.sin(ANGLE)
@@ -31,21 +37,23 @@ LINES = MIDDLE + HALF * np.array([-1.0, -0.5, -0.2, 0.2, 0.5, 1.0])
 
 
 def cylinder():
-    flat = section_mesh(ZONE, R, R, round=True)
-    return swept_body(flat, ZONE, LINES, (LINES[0], LINES[-1]), roller_point_map(R, ANGLE, np.zeros_like), round=True)
+    flat = mesh_section(ZONE, R, R, round=True)
+    return build_swept_body(flat, ZONE, LINES, (LINES[0], LINES[-1]), roller_point_map(R, ANGLE, np.zeros_like), round=True)
 
 
 def slab(count):
     """Return a race so far from the apex that it is nearly flat, and its half width."""
     angle = np.radians(30.0)
     width = MIDDLE * np.sin(angle) * np.sin(np.pi / count)
-    flat = section_mesh(ZONE, width, DEPTH, round=False)
-    return swept_body(flat, ZONE, LINES, (LINES[0], LINES[-1]), raceway_point_map(MIDDLE, angle, 1.0), mirrored=True), width
+    flat = mesh_section(ZONE, width, DEPTH, round=False)
+    return build_swept_body(
+        flat, ZONE, LINES, (LINES[0], LINES[-1]), raceway_point_map(MIDDLE, angle, 1.0), mirrored=True
+    ), width
 
 
 def middle_approach(body, matrix, load):
     """Displacement into a body of the middle of its contact line under Hertz's pressure of a load per length, b = B."""
-    areas = np.asarray(contact_weights(body.mesh, body.contact.ravel()).sum(axis=1)).reshape(body.contact.shape)
+    areas = np.asarray(pressure_weights_of_nodes(body.mesh, body.contact.ravel()).sum(axis=1)).reshape(body.contact.shape)
     shape = np.sqrt(np.maximum(1.0 - (body.across / B) ** 2, 0.0)) * np.ones(body.contact.shape)
     forces = areas * shape
     forces *= 0.5 * load * 2.0 * HALF / forces.sum()
@@ -66,7 +74,7 @@ def test_meshes_have_the_volumes_of_their_bodies():
 def test_half_a_roller_is_compressed_as_in_closed_form():
     """Johnson (1985), 5.57, and 2 nu^2 q/(pi E) for free ends: plane strain's axial force 2 nu q R is taken off."""
     body, q = cylinder(), 1e5
-    S = roller_compliance(body, elasticity(E, NU), even=True)
+    S = roller_compliance(body, elasticity_form(E, NU), even=True)
     exact = q * (1.0 - NU**2) / (np.pi * E) * (2.0 * np.log(4.0 * R / B) - 1.0) + 2.0 * NU**2 * q / (np.pi * E)
     assert middle_approach(body, S, q) == pytest.approx(exact, rel=0.01)
 
@@ -75,7 +83,7 @@ def test_race_sinks_as_a_layer_on_a_rigid_base():
     """Plane strain of a layer, bonded below, its sides planes of symmetry: a series of cosines in closed form."""
     q, count = 1e5, 2000
     body, width = slab(count)
-    C = race_compliance(body, elasticity(E, NU), np.pi / count)
+    C = race_compliance(body, elasticity_form(E, NU), np.pi / count)
     mean = q / (2.0 * width) * DEPTH * (1.0 + NU) * (1.0 - 2.0 * NU) / ((1.0 - NU) * E)
     k = np.pi * np.arange(1, 40_000) / width
     kd = np.minimum(k * DEPTH, 300.0)
@@ -92,7 +100,7 @@ LOAD = 1250.0
 @pytest.fixture(scope="module")
 def pressed():
     bodies = condense_roller(ROW, LEVELS[1], LOAD)
-    return bodies, {share: press_roller(bodies, share * LOAD) for share in (1.0, 0.5, 0.25)}
+    return bodies, {share: press_roller_between_races(bodies, share * LOAD) for share in (1.0, 0.5, 0.25)}
 
 
 @pytest.mark.slow
@@ -121,7 +129,7 @@ def test_approach_over_line_load_has_the_slope_of_two_line_contacts(pressed):
 @pytest.mark.slow
 def test_stiffness_is_the_slope_of_load_over_approach(pressed):
     bodies, states = pressed
-    low, high = press_roller(bodies, 0.7 * LOAD), states[1.0]
+    low, high = press_roller_between_races(bodies, 0.7 * LOAD), states[1.0]
     secant = (high.load - low.load) / (high.approach - low.approach)
     assert low.stiffness < secant < high.stiffness
 
@@ -129,7 +137,7 @@ def test_stiffness_is_the_slope_of_load_over_approach(pressed):
 @pytest.mark.slow
 def test_coarser_meshes_agree(pressed):
     """Approach and stiffness of a mesh coarser than all that are used are within 1 % of the coarsest of these."""
-    coarse, fine = press_roller(condense_roller(ROW, 4, LOAD), LOAD), pressed[1][1.0]
+    coarse, fine = press_roller_between_races(condense_roller(ROW, 4, LOAD), LOAD), pressed[1][1.0]
     assert coarse.approach == pytest.approx(fine.approach, rel=0.01)
     assert coarse.stiffness == pytest.approx(fine.stiffness, rel=0.01)
 

@@ -12,23 +12,28 @@ from rollbench.hifi.rolling import bodies, verification
 from rollbench.hifi.rolling.balls import (
     NEARLY_RIGID,
     Choices,
-    compute_body_kernels,
-    finite_body_kernel,
+    cache_kernels_of_scenes,
+    compute_motion_from_rest,
+    finite_body_kernel_at_contact,
     loaded_contacts,
-    run_from_rest,
     solve_rolling,
 )
-from rollbench.hifi.rolling.bodies import BallPath, free_response, half_space_response, traction_loads
+from rollbench.hifi.rolling.bodies import (
+    BallPath,
+    compliance_of_free_body,
+    compliance_of_half_space_block,
+    nodal_forces_of_tractions,
+)
 from rollbench.hifi.rolling.contact_bodies import Groove, Zone, mesh_grooved_bar, mesh_half_space, mesh_whole_ball
 from rollbench.hifi.rolling.patch import SmoothKernel, cell_grid, monomials, rectangle_influence
 from rollbench.hifi.rolling.scenes import relative_radius_along
 from rollbench.hifi.rolling.verification import (
     compare_ball_friction_with_point,
     compare_with_mindlin,
-    solve_by_static_reference,
-    solve_normal_contact_at_rest,
+    solve_normal_contact_by_patches,
+    solve_normal_contact_by_rolling_model,
 )
-from rollbench.meshes.fem import points_of
+from rollbench.meshes.fem import node_coordinates
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
 
@@ -50,7 +55,7 @@ def coarse_pieces():
 
 def half_space_kernel(zone, size, degree):
     body = mesh_half_space(size, zone)
-    return half_space_response(body, traction_loads(body, zone, degree, ROUND), E, NU)
+    return compliance_of_half_space_block(body, nodal_forces_of_tractions(body, zone, degree, ROUND), E, NU)
 
 
 def test_a_block_with_its_cut_moved_becomes_a_half_space():
@@ -78,9 +83,9 @@ def test_a_block_with_its_cut_moved_becomes_a_half_space():
 def test_loads_have_the_resultants_of_their_tractions_and_a_motion_of_the_whole_ball_does_no_work_on_its_answers():
     """The constant traction's forces sum to one along its own direction, the linear ones' to nothing."""
     body = mesh_whole_ball(R, ZONE)
-    sums = traction_loads(body, ZONE, 1, ROUND).toarray().reshape(3, 3, -1, 3).sum(axis=2)
+    sums = nodal_forces_of_tractions(body, ZONE, 1, ROUND).toarray().reshape(3, 3, -1, 3).sum(axis=2)
     assert sums == pytest.approx(np.einsum("k,dx->dkx", [1.0, 0.0, 0.0], np.eye(3)), abs=1e-9)
-    M = free_response(body, traction_loads(body, ZONE, 1, (100.0, 90.0)), E, NU)
+    M = compliance_of_free_body(body, nodal_forces_of_tractions(body, ZONE, 1, (100.0, 90.0)), E, NU)
     assert pytest.approx(M.T, rel=1e-9, abs=1e-14 * np.abs(M).max()) == M  # reciprocity
     assert np.linalg.eigvalsh(M).min() > -1e-9 * np.abs(M).max()
 
@@ -89,13 +94,13 @@ def test_loads_have_the_resultants_of_their_tractions_and_a_motion_of_the_whole_
 def test_bodies_made_by_two_processes_are_those_made_here(monkeypatch):
     scene = linear_pair()
     touches = [t for _, _, t in loaded_contacts(scene)]
-    here = [finite_body_kernel(scene, t, COARSE).M for t in touches]
+    here = [finite_body_kernel_at_contact(scene, t, COARSE).M for t in touches]
     bodies.clear_kernel_cache()
-    spent = [compute_body_kernels((scene, scene), COARSE, k) for k in (1, 2, 2)]
+    spent = [cache_kernels_of_scenes((scene, scene), COARSE, k) for k in (1, 2, 2)]
     assert spent[0] == spent[2] == 0.0 < spent[1]  # one process makes them later, where they are needed
     monkeypatch.setattr(bodies, "mesh_whole_ball", None)  # nothing is meshed any more
     monkeypatch.setattr(bodies, "mesh_grooved_bar", None)
-    there = np.array([finite_body_kernel(scene, t, COARSE).M for t in touches])
+    there = np.array([finite_body_kernel_at_contact(scene, t, COARSE).M for t in touches])
     assert there == pytest.approx(np.array(here), rel=0.0, abs=1e-12 * np.abs(here).max())
 
 
@@ -105,7 +110,7 @@ def ring():
     of tensor grids have them."""
     angle, curve = 0.8, (7.0 * R, 0.0)
     at = bodies.ContactPosition(R, (relative_radius_along(R, curve[0], 0.0, np.cos(angle)), RADII[1]), angle, curve)
-    zone, rest = at.zone(128.0, E, NU, COARSE), (at.bends, E, NU, 1)
+    zone, rest = at.zone(128.0, E, NU, COARSE), (at.shared_surface_curvatures, E, NU, 1)
     patches = bodies.patch_kernels(BallPath(*curve), (R, at.arc), angle, zone, *rest, outer=True)
     grids = (
         bodies.bar_kernel(Groove(R, at.arc, angle, 1.4, at.bend), 5.0 * R, zone, *rest),
@@ -140,8 +145,8 @@ def test_without_motion_rolling_presses_as_the_static_reference_does():
     """The static reference on four cells, which leaves it a tenth of the peak; finer ones are in the verification table."""
     at = ring()[0]
     here, there = (
-        solve_normal_contact_at_rest(at, 100.0, E, NU, (16, 20), COARSE),
-        solve_by_static_reference(at, 100.0, E, NU, (4, 4)),
+        solve_normal_contact_by_rolling_model(at, 100.0, E, NU, (16, 20), COARSE),
+        solve_normal_contact_by_patches(at, 100.0, E, NU, (4, 4)),
     )
     assert here.approach == pytest.approx(there.approach, rel=5e-3)
     assert here.semi == pytest.approx(there.semi, rel=0.04)
@@ -149,7 +154,7 @@ def test_without_motion_rolling_presses_as_the_static_reference_does():
     bare = hertz(100.0, *at.radii, E, NU)
     assert abs(bare.approach / there.approach - 1.0) > 0.015  # half spaces
     with pytest.raises(ValueError, match="straight track"):
-        solve_by_static_reference(replace(at, curve=None), 100.0, E, NU, (4, 4))
+        solve_normal_contact_by_patches(replace(at, curve=None), 100.0, E, NU, (4, 4))
 
 
 def test_finite_balls_pushed_sideways_shift_by_what_their_bodies_do_besides(monkeypatch):
@@ -185,7 +190,7 @@ def test_a_bent_bar_is_a_ring_and_zones_and_bars_that_do_not_fit_are_refused():
     """Curvature of its surface along the track at the contact, concave and convex."""
     for bend in (20.0, -20.0):
         body = mesh_grooved_bar(Groove(R, 1.12 * R, 0.8, 1.4, bend), 2.0 * R, ZONE)
-        p = points_of(body.mesh)[body.contact]
+        p = node_coordinates(body.mesh)[body.contact]
         x, z = p[np.abs(p[:, 1]) < 1e-9][:, [0, 2]].T
         assert z == pytest.approx(-0.5 * bend * x**2, rel=1e-3, abs=1e-12)
     with pytest.raises(ValueError, match="does not fit"):
@@ -213,9 +218,9 @@ def test_rolling_on_finite_bodies_balances_and_loses_what_is_put_in():
 def test_steps_from_rest_stay_within_the_zone_of_finite_bodies():
     """Short steps give the force and losses of half spaces but for what bodies do; long ones are refused."""
     scene, finite = linear_pair(), Choices((6, 6), bodies=COARSE)
-    short = [run_from_rest(scene, 2e-4, 2, 0.0, c) for c in (finite, Choices((6, 6)))]
+    short = [compute_motion_from_rest(scene, 2e-4, 2, 0.0, c) for c in (finite, Choices((6, 6)))]
     assert short[0].converged
     assert short[0].loss == pytest.approx(short[1].loss, rel=0.03)
     assert short[0].loss != pytest.approx(short[1].loss, rel=1e-5)
     with pytest.raises(ValueError, match="beyond the zone"):
-        run_from_rest(scene, 0.1, 10, 0.0, finite)
+        compute_motion_from_rest(scene, 0.1, 10, 0.0, finite)

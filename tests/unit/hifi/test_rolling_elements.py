@@ -6,7 +6,7 @@ from scipy.integrate import dblquad
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from rollbench.hifi.rolling.patch import cell_grid, hertz_patch, rectangle_influence, solve_normal_contact
+from rollbench.hifi.rolling.patch import cell_grid, rectangle_influence, solve_elastic_contact_on_grid, solve_normal_contact
 
 E, NU = 210e9, 0.28
 #: Johnson (1985): displacements (row) by unit point forces (column) at (x, y), shear modulus g, ratio n.
@@ -50,7 +50,7 @@ def hertz(load, radii, modulus):
 @pytest.mark.parametrize("radii", [(2.778e-3, 2.778e-3), (5e-3, 4e-2), (4e-2, 5e-3)])
 def test_pressure_of_a_sphere_and_of_an_ellipse_is_hertz(radii):
     """Cells are longer along the ellipse's longer axis."""
-    patch = hertz_patch(225.0, radii, E, NU, (24, 24) if radii[0] == radii[1] else (28, 20))
+    patch = solve_elastic_contact_on_grid(225.0, radii, E, NU, (24, 24) if radii[0] == radii[1] else (28, 20))
     assert patch.load == pytest.approx(225.0, rel=1e-12)
     approach, pressure = hertz(225.0, radii, 0.5 * E / (1.0 - NU**2))
     assert patch.approach == pytest.approx(approach, rel=2e-3)
@@ -67,10 +67,13 @@ def test_pressure_and_gap_are_complementary():
 
 
 def test_a_similar_contact_is_the_unit_one_scaled():
-    unit = hertz_patch(1.0, (5e-3, 4e-2), E, NU, (10, 10))
-    unit.transport  # noqa: B018 - computed once
-    direct = hertz_patch(64.0, (5e-3, 4e-2), E, NU, (10, 10))
+    unit = solve_elastic_contact_on_grid(1.0, (5e-3, 4e-2), E, NU, (10, 10))
+    unit.transport_rate_matrix  # noqa: B018 - computed once
+    direct = solve_elastic_contact_on_grid(64.0, (5e-3, 4e-2), E, NU, (10, 10))
     scaled = unit.scaled(4.0, 64.0)
     assert scaled.normal == pytest.approx(direct.normal, rel=1e-9)
     assert scaled.approach == pytest.approx(direct.approach, rel=1e-9)
-    assert np.abs(scaled.transport - direct.transport).max() < 1e-9 * np.abs(direct.transport).max()
+    assert (
+        np.abs(scaled.transport_rate_matrix - direct.transport_rate_matrix).max()
+        < 1e-9 * np.abs(direct.transport_rate_matrix).max()
+    )

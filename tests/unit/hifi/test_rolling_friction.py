@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from rollbench.hifi.rolling import friction
-from rollbench.hifi.rolling.patch import hertz_patch
-from rollbench.hifi.rolling.verification import Creep, solve_for_given_slip, solve_steady_rolling
+from rollbench.hifi.rolling.patch import solve_elastic_contact_on_grid
+from rollbench.hifi.rolling.verification import Creep, solve_friction_for_rigid_slip, solve_steady_rolling_for_creepages
 
-PATCH = hertz_patch(100.0, (5e-3, 46.667e-3), 210e9, 0.28, (16, 16))
+PATCH = solve_elastic_contact_on_grid(100.0, (5e-3, 46.667e-3), 210e9, 0.28, (16, 16))
 MU = 0.1
 CREEPS = {
     "stick and slip": Creep(1e-4, 2e-4, 0.0),
@@ -22,7 +22,7 @@ CREEPS = {
 def test_coulomb_holds_in_every_cell_to_round_off_and_the_power_put_in_is_lost(name):
     """Dissipated, or lost by the differences along the flow."""
     creep = CREEPS[name]
-    found = solve_steady_rolling(PATCH, creep, MU)
+    found = solve_steady_rolling_for_creepages(PATCH, creep, MU)
     power = -float(found.friction.forces[0] @ creep.slip(PATCH.at))
     assert found.loss >= -1e-9 * power
     assert found.upwind >= 0.0
@@ -39,19 +39,19 @@ def test_coulomb_holds_in_every_cell_to_round_off_and_the_power_put_in_is_lost(n
 
 
 def test_differences_lose_energy_only_and_the_answer_does_not_depend_on_the_path(monkeypatch):
-    assert np.linalg.eigvalsh(PATCH.transport + PATCH.transport.T)[0] > 0.0
+    assert np.linalg.eigvalsh(PATCH.transport_rate_matrix + PATCH.transport_rate_matrix.T)[0] > 0.0
     creep = CREEPS["spin pole inside"]
-    straight = solve_steady_rolling(PATCH, creep, MU)
+    straight = solve_steady_rolling_for_creepages(PATCH, creep, MU)
     monkeypatch.setattr(friction, "PATH", tuple(3.0**-k for k in range(8)))
     monkeypatch.setattr(friction, "SOFT", 0.004)
-    other = solve_steady_rolling(PATCH, creep, MU)
+    other = solve_steady_rolling_for_creepages(PATCH, creep, MU)
     assert other.friction.forces[0] == pytest.approx(straight.friction.forces[0], abs=1e-9 * MU * PATCH.normal.max())
 
 
 def test_mirrored_motion_gives_mirrored_forces():
     one, two = (
-        solve_steady_rolling(PATCH, Creep(1e-3, 4e-4, 8.0), MU),
-        solve_steady_rolling(PATCH, Creep(1e-3, -4e-4, -8.0), MU),
+        solve_steady_rolling_for_creepages(PATCH, Creep(1e-3, 4e-4, 8.0), MU),
+        solve_steady_rolling_for_creepages(PATCH, Creep(1e-3, -4e-4, -8.0), MU),
     )
     assert two.force == pytest.approx(one.force * [1.0, -1.0], rel=1e-9)
     assert two.moment == pytest.approx(-one.moment, rel=1e-9)
@@ -60,6 +60,6 @@ def test_mirrored_motion_gives_mirrored_forces():
 def test_a_search_that_is_cut_short_says_so(monkeypatch):
     monkeypatch.setattr(friction, "MOST", 1)
     monkeypatch.setattr(friction, "PATH", (1.0,))
-    _, found = solve_for_given_slip(PATCH, PATCH.transport, CREEPS["spin"].slip(PATCH.at), MU)
+    _, found = solve_friction_for_rigid_slip(PATCH, PATCH.transport_rate_matrix, CREEPS["spin"].slip(PATCH.at), MU)
     assert not found.converged
     assert "not converged" in found.status

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 from tests.rolling_scenes import linear_pair
 
-from rollbench.hifi.rolling.balls import Choices, run_from_rest, solve_rolling
-from rollbench.hifi.rolling.patch import hertz_patch
+from rollbench.hifi.rolling.balls import Choices, compute_motion_from_rest, solve_rolling
+from rollbench.hifi.rolling.patch import solve_elastic_contact_on_grid
 from rollbench.hifi.rolling.scenes import StaticProblem, solve_static_problem
-from rollbench.hifi.rolling.verification import Creep, push_and_roll, solve_steady_rolling_as_contact
+from rollbench.hifi.rolling.verification import Creep, simulate_rolling_onset, solve_steady_rolling_like_kalker
 
 GRID = Choices((8, 8))
 
 
 def test_balls_meet_and_end_in_steady_rolling_whatever_the_steps():
     scene = linear_pair()
-    run, steady = run_from_rest(scene, 0.1, 20, 1e-6, GRID), solve_rolling(scene, GRID)
+    run, steady = compute_motion_from_rest(scene, 0.1, 20, 1e-6, GRID), solve_rolling(scene, GRID)
     assert run.converged
     assert run.force[0, 0] == 0.0
     assert run.gap[0, 0] > 0.0
@@ -23,14 +23,14 @@ def test_balls_meet_and_end_in_steady_rolling_whatever_the_steps():
     assert run.speed[0, 0] > run.speed[0, 1]
     assert run.speed[-1, 0] == pytest.approx(run.speed[-1, 1], rel=1e-9)
     assert run.force[-1, 0] == pytest.approx(steady.force[0], rel=0.02)
-    ends = [run_from_rest(scene, 0.1, n, 1e-6, GRID).force[-1, 0] for n in (10, 30)]
+    ends = [compute_motion_from_rest(scene, 0.1, n, 1e-6, GRID).force[-1, 0] for n in (10, 30)]
     assert ends[0] == pytest.approx(ends[1], rel=0.02)
 
 
 @pytest.mark.parametrize("steps", [10, 50])
 def test_power_put_in_is_dissipated_or_stored(steps):
     """In every step, that in which the balls meet too; what is stored at the end is lost by the steps."""
-    run = run_from_rest(linear_pair(), 0.1, steps, 1e-6, GRID)
+    run = compute_motion_from_rest(linear_pair(), 0.1, steps, 1e-6, GRID)
     assert run.loss + run.stored == pytest.approx(run.power, rel=1e-9)
     assert 0.0 <= run.stored[-1] < 0.03 * run.power[-1]
 
@@ -38,7 +38,7 @@ def test_power_put_in_is_dissipated_or_stored(steps):
 @pytest.mark.parametrize("bad", [(0.0, 10, 0.0), (0.1, 0, 0.0), (0.1, 10, -1e-6)])
 def test_steps_that_make_no_sense_are_refused(bad):
     with pytest.raises(ValueError, match="duration"):
-        run_from_rest(linear_pair(), *bad, GRID)
+        compute_motion_from_rest(linear_pair(), *bad, GRID)
 
 
 def cell_of(n, inner, motions, pull, push):
@@ -67,9 +67,9 @@ def test_a_cell_that_nothing_holds_does_not_converge():
 def test_a_pushed_ball_rolls_on_towards_the_creepage_of_steady_rolling() -> None:
     """Found without time, at the same force: by two contact lengths it is there."""
     load, share, mu = 0.4705, 0.657, 0.4
-    patch = hertz_patch(load, (0.17, 0.17), 2.56e6, 0.28, (11, 11))
-    found = push_and_roll(patch, mu, share, 22)
-    steady = solve_steady_rolling_as_contact(patch, Creep(found[-1].motion, 0.0, 0.0), mu)
+    patch = solve_elastic_contact_on_grid(load, (0.17, 0.17), 2.56e6, 0.28, (11, 11))
+    found = simulate_rolling_onset(patch, mu, share, 22)
+    steady = solve_steady_rolling_like_kalker(patch, Creep(found[-1].motion, 0.0, 0.0), mu)
     assert steady.force[0] == pytest.approx(-share * mu * load, rel=2e-3)
     assert found[1].motion < 0.7 * found[-1].motion
     assert max(one.motion for one in found[1:]) > 1.05 * found[-1].motion

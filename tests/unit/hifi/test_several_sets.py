@@ -6,12 +6,17 @@ import numpy as np
 import pytest
 from tests.two_balls import SMALL
 
-from rollbench.compare.reference.tasks import balls_of
+from rollbench.compare.reference.tasks import ball_slices_by_set
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.meshing.settings import Settings, expected_by_set, expected_contacts, round_up_lengths
+from rollbench.hifi.meshing.settings import (
+    Settings,
+    estimate_contacts_of_each_set,
+    estimate_contacts_of_scene,
+    round_up_lengths,
+)
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
-from rollbench.hifi.several_sets import meshed_bodies, solve_sets
+from rollbench.hifi.several_sets import describe_bodies_of_each_set, solve_sets
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet, diagonal_stiffness
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import FREEDOMS, Load, Support
@@ -59,7 +64,9 @@ def prepared(_one_submodel, tmp_path_factory):
 
     def set_ups(assembly):
         setups = []
-        for of_set, found in zip(meshed_bodies(assembly), expected_by_set(assembly), strict=True):
+        for of_set, found in zip(
+            describe_bodies_of_each_set(assembly), estimate_contacts_of_each_set(assembly), strict=True
+        ):
             sides = tuple(sorted({s for side in found.sides() for s in (side, 3 - side)}))
             if (of_set.bodies, sides) not in kept:
                 sizes = replace(COARSE, semi=round_up_lengths(found.semi()), reach=round_up_lengths(found.reach()))
@@ -73,7 +80,7 @@ def prepared(_one_submodel, tmp_path_factory):
 @pytest.mark.slow
 def test_each_set_carries_what_it_carries_alone(prepared):
     """Held between the nuts, the shaft is two shafts: each nut has the loads of a scene of one set under its own force."""
-    first, _ = meshed_bodies(PAIR)
+    first, _ = describe_bodies_of_each_set(PAIR)
     middle = first.shift + first.bodies.screw.length
     held = replace(PAIR, supports=(Support(middle, BUT_UZ),), loads=(Load(middle, (0.0, 0.0, 300.0)),))
     setups = prepared(PAIR)
@@ -82,7 +89,9 @@ def test_each_set_carries_what_it_carries_alone(prepared):
     assert max(found.balance, found.along_groove, found.screw_balance) < 1e-9
     assert found.unknowns == sum(setup.unknowns for setup in setups)
     assert sum(wrench[2] for wrench in found.on_shaft) == pytest.approx(-300.0, rel=1e-9)
-    for of_set, setup, balls, wrench in zip(meshed_bodies(held), setups, balls_of(held), found.on_shaft, strict=True):
+    for of_set, setup, balls, wrench in zip(
+        describe_bodies_of_each_set(held), setups, ball_slices_by_set(held), found.on_shaft, strict=True
+    ):
         at = middle - of_set.shift
         pull = (Load(at, (0.0, 0.0, -wrench[2])),)
         one = solve_reference(setup, replace(of_set.parts, supports=(Support(at, BUT_UZ),), loads=pull))
@@ -91,7 +100,7 @@ def test_each_set_carries_what_it_carries_alone(prepared):
 
 @pytest.mark.slow
 def test_an_assembly_of_one_set_is_the_scene_of_it(prepared):
-    (setup,), (of_set,) = prepared(ALONE), meshed_bodies(ALONE)
+    (setup,), (of_set,) = prepared(ALONE), describe_bodies_of_each_set(ALONE)
     supports, loads = (Support(0.16 - of_set.shift, BUT_UZ),), (Load(0.16 - of_set.shift, (0.0, 0.0, 300.0)),)
     wanted = solve_reference(setup, replace(of_set.parts, supports=supports, loads=loads))
     found = solve_sets(ALONE, [setup])
@@ -151,7 +160,7 @@ def test_half_a_turn_about_a_diameter_changes_nothing_but_names(prepared):
 
 def test_equal_nuts_have_equal_bodies():
     beyond = Support(0.35, (("ux", 0.0),))  # the shaft goes on beyond the second, as beyond the first
-    first, second = meshed_bodies(replace(PAIR, supports=(*PAIR.supports, beyond)))
+    first, second = describe_bodies_of_each_set(replace(PAIR, supports=(*PAIR.supports, beyond)))
     assert first.bodies == second.bodies
     assert second.shift - first.shift == pytest.approx(0.048)
     assert first.bodies.screw.length == pytest.approx(0.032 + 2 * 0.008)  # half the way to one another, on both sides
@@ -159,9 +168,9 @@ def test_equal_nuts_have_equal_bodies():
 
 def test_expected_contacts_of_one_set_are_those_of_its_scene():
     alone = replace(ALONE.sets[0].parts, supports=ALONE.supports, loads=ALONE.loads)
-    (found,), wanted = expected_by_set(ALONE), expected_contacts(alone)
+    (found,), wanted = estimate_contacts_of_each_set(ALONE), estimate_contacts_of_scene(alone)
     np.testing.assert_array_equal(found.load, wanted.load)
-    pressed = expected_by_set(replace(PAIR, loads=()))
+    pressed = estimate_contacts_of_each_set(replace(PAIR, loads=()))
     assert [e.sides() for e in pressed] == [(0, 3), (1, 2)]
 
 
@@ -176,4 +185,4 @@ def test_expected_contacts_of_one_set_are_those_of_its_scene():
 )
 def test_what_has_no_3d_body_is_refused(change, why):
     with pytest.raises(ValueError, match=why):
-        meshed_bodies(replace(PAIR, **change))
+        describe_bodies_of_each_set(replace(PAIR, **change))

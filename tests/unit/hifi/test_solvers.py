@@ -6,7 +6,12 @@ import scipy.sparse as sp
 from tests.fe_meshes import cube, distorted, freedoms, stiffness
 
 from rollbench.hifi import linear_algebra
-from rollbench.hifi.linear_algebra import FactorError, compliance, factor, gram_of_inverse
+from rollbench.hifi.linear_algebra import (
+    FactorError,
+    factorise_positive_definite,
+    product_with_inverse,
+    symmetric_compliance_of_loads,
+)
 
 pytestmark = pytest.mark.xdist_group("solvers")
 
@@ -34,7 +39,7 @@ def shifted(K):
 def test_solution_is_the_dense_one_and_matrices_that_are_not_positive_definite_are_refused(held):
     K = held
     rhs = np.random.default_rng(0).standard_normal((K.shape[0], 3))
-    solve = factor(K)
+    solve = factorise_positive_definite(K)
     x = solve(rhs)
     assert np.linalg.norm(K @ x - rhs) < 1e-13 * np.linalg.norm(rhs)
     np.testing.assert_allclose(x, np.linalg.solve(K.toarray(), rhs), atol=1e-8 * abs(x).max())
@@ -45,7 +50,7 @@ def test_solution_is_the_dense_one_and_matrices_that_are_not_positive_definite_a
         (sp.block_diag([K, sp.csc_matrix((3, 3))]), f"diagonal entry {K.shape[0]} is 0"),
     ):
         with pytest.raises(FactorError, match=why):
-            factor(bad)
+            factorise_positive_definite(bad)
 
 
 @pytest.mark.parametrize("small", [0, 3_000])
@@ -56,21 +61,21 @@ def test_gram_is_dense_algebra(held, small, columns, monkeypatch):
     exact = B.T @ np.linalg.solve(held.toarray(), B.toarray())
     with monkeypatch.context() as patch:
         if small == 0:
-            patch.setattr(linear_algebra, "factor", None)  # front by front no factor is held
-        np.testing.assert_allclose(gram_of_inverse(held, B), exact, atol=1e-12 * abs(exact).max())
+            patch.setattr(linear_algebra, "factorise_positive_definite", None)  # front by front no factor is held
+        np.testing.assert_allclose(product_with_inverse(held, B), exact, atol=1e-12 * abs(exact).max())
     with pytest.raises(FactorError, match="not positive definite"):
-        gram_of_inverse(shifted(held), B)
+        product_with_inverse(shifted(held), B)
 
 
 @pytest.mark.parametrize("count", [3, 12])
 def test_compliance_is_dense_algebra_and_needs_a_held_body(held, count):
     rows = sp.random(count, held.shape[0], 0.05, random_state=2, format="csr")
     exact = rows @ np.linalg.solve(held.toarray(), rows.toarray().T)
-    np.testing.assert_allclose(compliance(held, rows), exact, atol=1e-12 * abs(exact).max())
-    assert compliance(held, rows[:0]).shape == (0, 0)
+    np.testing.assert_allclose(symmetric_compliance_of_loads(held, rows), exact, atol=1e-12 * abs(exact).max())
+    assert symmetric_compliance_of_loads(held, rows[:0]).shape == (0, 0)
     free = stiffness(*cube("P1", 3), "P1", 210e9, 0.3)
     with pytest.raises(FactorError, match=r"singular|not positive definite"):
-        compliance(free, sp.random(count, free.shape[0], 0.05, random_state=2, format="csr"))
+        symmetric_compliance_of_loads(free, sp.random(count, free.shape[0], 0.05, random_state=2, format="csr"))
 
 
 def body(count, held=0.1):
@@ -96,24 +101,24 @@ def _streamed(monkeypatch):
 def test_round_off_on_one_side_of_the_diagonal_goes_nowhere_else(seed):
     """Entries of products C^T K C cancel to zero on one side and to round-off on the other, where they have no row."""
     K, B = body(6), loads(648, 40)
-    expected = gram_of_inverse(K, B)
+    expected = product_with_inverse(K, B)
     row, column = np.random.default_rng(seed).integers(648, size=(2, 4))
     one_sided = sp.csc_matrix((np.full(4, 1e-17), (row, column)), shape=K.shape)
-    np.testing.assert_allclose(gram_of_inverse(K + one_sided, B), expected, atol=1e-12 * np.abs(expected).max())
+    np.testing.assert_allclose(product_with_inverse(K + one_sided, B), expected, atol=1e-12 * np.abs(expected).max())
 
 
 @pytest.mark.usefixtures("_streamed")
 @pytest.mark.parametrize("held", [0.0, -0.5])
 def test_a_body_that_is_not_held_is_refused(held):
     with pytest.raises(FactorError):
-        gram_of_inverse(body(5, held), loads(375, 10))
+        product_with_inverse(body(5, held), loads(375, 10))
 
 
 @pytest.mark.usefixtures("_streamed")
 def test_a_known_answer_that_is_missed_is_said_and_a_factor_serves(monkeypatch):
     K, B = body(5), loads(375, 12)
-    expected = gram_of_inverse(K, B)
-    real = linear_algebra.gram_by_fronts
-    monkeypatch.setattr(linear_algebra, "gram_by_fronts", lambda *a: 1.001 * real(*a))
+    expected = product_with_inverse(K, B)
+    real = linear_algebra.inverse_product_by_fronts
+    monkeypatch.setattr(linear_algebra, "inverse_product_by_fronts", lambda *a: 1.001 * real(*a))
     with pytest.warns(RuntimeWarning, match="misses a known solution by 0.001"):
-        np.testing.assert_allclose(gram_of_inverse(K, B), expected, atol=1e-12 * np.abs(expected).max())
+        np.testing.assert_allclose(product_with_inverse(K, B), expected, atol=1e-12 * np.abs(expected).max())

@@ -13,14 +13,14 @@ from rollbench.hifi.bodies.coarse import (
     BodyPiece,
     Socket,
     assemble_body_stiffness,
-    coarse_compliance,
-    fine_compliance,
+    contact_compliance_in_fine_piece,
     freedoms_of_nodes,
-    reduce_to_modes,
+    mode_compliance_in_coarse_piece,
+    reduce_socket_transfer_to_modes,
 )
-from rollbench.hifi.bodies.patch import PatchLines, build_patch, condense_patch, pressure_mean_rows
-from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.meshes.fem import points_of, with_points
+from rollbench.hifi.bodies.patch import PatchLines, condense_patch, mean_normal_displacement_matrix, mesh_hexahedral_patch
+from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
+from rollbench.meshes.fem import node_coordinates, with_node_coordinates
 
 pytestmark = pytest.mark.xdist_group("submodel")
 
@@ -39,7 +39,9 @@ def holed(*held):
 def patch(cells=4, zone=0.5):
     """Patch of cells x cells / 2 x cells hexahedra, and directions of its forces, not quite upright."""
     line = np.linspace(-1.0, 1.0, cells + 1)
-    mesh = build_patch(PatchLines(line, np.linspace(0.0, 1.0, cells // 2 + 1), line), (zone, zone), flat, socket())
+    mesh = mesh_hexahedral_patch(
+        PatchLines(line, np.linspace(0.0, 1.0, cells // 2 + 1), line), (zone, zone), flat, socket()
+    )
     arms = mesh.points[mesh.contact] - [0.5, 0.4, 0.0]
     return mesh, arms / np.linalg.norm(arms, axis=1)[:, None]
 
@@ -51,7 +53,7 @@ def condensed():
 
 def turned(piece):
     """The piece in another frame: its nodes turned, its patch left in its own frame."""
-    return replace(piece, mesh=with_points(piece.mesh, points_of(piece.mesh) @ TURN.T), rotation=TURN)
+    return replace(piece, mesh=with_node_coordinates(piece.mesh, node_coordinates(piece.mesh) @ TURN.T), rotation=TURN)
 
 
 @pytest.mark.parametrize("rotated", [False, True])
@@ -60,11 +62,11 @@ def test_of_a_held_piece_is_that_of_patch_and_body_condensed(rotated):
     not the patch's."""
     piece, c = holed("floor"), condensed()
     K = assemble_body_stiffness(piece.mesh, [Socket(piece.socket, np.eye(3), 0)], {0: c}, E, NU).toarray()
-    free = np.flatnonzero(np.repeat(points_of(piece.mesh)[:, 2] > 1e-9, 3))
+    free = np.flatnonzero(np.repeat(node_coordinates(piece.mesh)[:, 2] > 1e-9, 3))
     H = np.zeros((len(c.A), len(K)))
     H[:, freedoms_of_nodes(piece.socket)] = c.H
     wanted = c.A + H[:, free] @ np.linalg.solve(K[np.ix_(free, free)], H[:, free].T)
-    found = fine_compliance(turned(piece) if rotated else piece, *patch(), E, NU)
+    found = contact_compliance_in_fine_piece(turned(piece) if rotated else piece, *patch(), E, NU)
     assert relative(found, wanted) < 1e-9
 
 
@@ -73,14 +75,14 @@ def test_modes_answer_as_the_whole_piece(rotated):
     """With all modes kept, A + V G V^T of the coarse piece is its C_fine; held or free."""
     for held in (("floor",), ()):
         piece = turned(holed(*held)) if rotated else holed(*held)
-        V, rows = reduce_to_modes(condensed(), 10**6)
-        G = coarse_compliance(piece, condensed(), rows, E, NU)
-        fine = fine_compliance(piece, *patch(), E, NU)
+        V, rows = reduce_socket_transfer_to_modes(condensed(), 10**6)
+        G = mode_compliance_in_coarse_piece(piece, condensed(), rows, E, NU)
+        fine = contact_compliance_in_fine_piece(piece, *patch(), E, NU)
         inside = fine - V @ G @ V.T
         wanted = condensed().A
         if not held:  # the patch's own mass is not the coarse piece's; rigid motions of the patch tell which forces balance
             mesh, normals = patch()
-            rigid = pressure_mean_rows(mesh, normals) @ rigid_modes(mesh.points)
+            rigid = mean_normal_displacement_matrix(mesh, normals) @ nodal_displacements_of_rigid_motions(mesh.points)
             null = np.linalg.svd(rigid.T)[2][6:]
             inside, wanted = null @ inside @ null.T, null @ wanted @ null.T
         assert relative(inside, wanted) < 1e-9
@@ -90,18 +92,26 @@ def test_a_free_piece_is_answered_by_inertia_relief(monkeypatch):
     """Any six freedoms may keep the matrix from being singular: the motions under any force, which a rigid field of body
     forces balances, stay the same up to a rigid motion, as nothing is left that the six would have to hold."""
     piece, (mesh, normals) = holed(), patch()
-    rows = reduce_to_modes(condensed(), 12)[1]
+    rows = reduce_socket_transfer_to_modes(condensed(), 12)[1]
 
     def both():
         """Motions of hats and of modes without rigid ones, under all forces."""
-        at_socket = rigid_modes(points_of(piece.mesh)[piece.socket])
-        rigid = (pressure_mean_rows(mesh, normals) @ rigid_modes(mesh.points), rows @ at_socket)
-        answers = (fine_compliance(piece, mesh, normals, E, NU), coarse_compliance(piece, condensed(), rows, E, NU))
+        at_socket = nodal_displacements_of_rigid_motions(node_coordinates(piece.mesh)[piece.socket])
+        rigid = (
+            mean_normal_displacement_matrix(mesh, normals) @ nodal_displacements_of_rigid_motions(mesh.points),
+            rows @ at_socket,
+        )
+        answers = (
+            contact_compliance_in_fine_piece(piece, mesh, normals, E, NU),
+            mode_compliance_in_coarse_piece(piece, condensed(), rows, E, NU),
+        )
         # orthogonal to the six rigid motions
         return [np.linalg.svd(R)[0][:, 6:].T @ F for F, R in zip(answers, rigid, strict=True)]
 
     found = both()
-    corners = [int(np.abs(points_of(piece.mesh) - x).sum(axis=1).argmin()) for x in ([0, 0, 0], [1, 0, 0], [0, 1, 0])]
+    corners = [
+        int(np.abs(node_coordinates(piece.mesh) - x).sum(axis=1).argmin()) for x in ([0, 0, 0], [1, 0, 0], [0, 1, 0])
+    ]
     other = freedoms_of_nodes(np.array(corners))[[0, 1, 2, 4, 5, 8]]
     monkeypatch.setattr(coarse, "isostatic_freedoms", lambda *_: other)
     for again, before in zip(both(), found, strict=True):

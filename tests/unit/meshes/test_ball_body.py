@@ -8,8 +8,15 @@ from tests.fe_meshes import outer_faces, volume_of
 from tests.helpers import small_screw
 
 from rollbench.meshes import fem, groove_map
-from rollbench.meshes.ball_body import BallSocket, ball_depth, ball_points, build_ball, directions, rays
-from rollbench.meshes.sockets import SocketSize, local_points
+from rollbench.meshes.ball_body import (
+    BallSocket,
+    ball_socket_depth,
+    contact_frame_vectors,
+    mesh_ball_with_sockets,
+    points_in_ball_socket,
+    rays_from_ball_centre,
+)
+from rollbench.meshes.sockets import SocketSize, points_in_reference_socket
 
 FOUR = (0, 1, 2, 3)
 MAP = groove_map.GrooveMap.of(small_screw(2))
@@ -24,23 +31,25 @@ def test_rays_of_a_ball_pass_through_the_groove(side):
     m = groove_map.GrooveMap.of(small_screw(2, hand="left"))
     (socket,) = ball_sockets((side,))
     xi = np.random.default_rng(0).uniform([-1, 0, -socket.exact], [1, 1, socket.exact], (50, 3))
-    x = ball_points(m, socket, xi)
-    groove = local_points(m, socket.groove, side, xi * [1.0, 0.0, 1.0]) - [m.R, 0.0, 0.0]
+    x = points_in_ball_socket(m, socket, xi)
+    groove = points_in_reference_socket(m, socket.groove, side, xi * [1.0, 0.0, 1.0]) - [m.R, 0.0, 0.0]
     assert np.abs(np.cross(x, groove)).max() < 1e-12 * m.ball**2
-    np.testing.assert_allclose(np.linalg.norm(ball_points(m, socket, xi * [1.0, 0.0, 1.0]), axis=1), m.ball, rtol=1e-12)
-    bottom = ball_points(m, socket, xi * [1.0, 0.0, 1.0] + [0.0, 1.0, 0.0])
-    np.testing.assert_allclose(bottom @ directions(m, side)[0], m.ball - socket.depth, rtol=1e-12)
-    top = ball_points(m, socket, np.zeros((1, 3)))[0]
-    np.testing.assert_allclose(top, m.ball * directions(m, side)[0], atol=1e-17)
+    np.testing.assert_allclose(
+        np.linalg.norm(points_in_ball_socket(m, socket, xi * [1.0, 0.0, 1.0]), axis=1), m.ball, rtol=1e-12
+    )
+    bottom = points_in_ball_socket(m, socket, xi * [1.0, 0.0, 1.0] + [0.0, 1.0, 0.0])
+    np.testing.assert_allclose(bottom @ contact_frame_vectors(m, side)[0], m.ball - socket.depth, rtol=1e-12)
+    top = points_in_ball_socket(m, socket, np.zeros((1, 3)))[0]
+    np.testing.assert_allclose(top, m.ball * contact_frame_vectors(m, side)[0], atol=1e-17)
 
 
 def test_wide_ball_sockets_are_deeper():
     m, usual = MAP, SocketSize(0.3, 1.2e-3, 0.075)
-    assert ball_depth(m, usual, 0) == pytest.approx(0.9e-3)
+    assert ball_socket_depth(m, usual, 0) == pytest.approx(0.9e-3)
     wide = replace(usual, gamma=0.6)
-    depth = ball_depth(m, wide, 0)
+    depth = ball_socket_depth(m, wide, 0)
     corners = np.array([[a, d, b] for a in (-1.0, 1.0) for d in (0.0, 1.0) for b in (-1.0, 1.0)])
-    x = ball_points(m, BallSocket(0, wide, depth), corners).reshape(2, 2, 2, 3)
+    x = points_in_ball_socket(m, BallSocket(0, wide, depth), corners).reshape(2, 2, 2, 3)
     assert depth > 0.9e-3
     assert np.linalg.norm(x[:, 0] - x[:, 1], axis=-1).min() == pytest.approx(0.12 * m.ball, rel=1e-6)
 
@@ -49,7 +58,7 @@ def socket_volume(m, socket):
     """Volume of a ball's socket, from the areas of its cells on the unit sphere."""
     line = np.linspace(-1.0, 1.0, 201)
     a, b = np.meshgrid(line, line, indexing="ij")
-    ray = rays(m, socket, np.stack([a, 0.0 * a, b], -1).reshape(-1, 3)).reshape(201, 201, 3)
+    ray = rays_from_ball_centre(m, socket, np.stack([a, 0.0 * a, b], -1).reshape(-1, 3)).reshape(201, 201, 3)
     unit = ray / np.linalg.norm(ray, axis=2)[..., None]
     angle = 0.5 * np.linalg.norm(np.cross(unit[1:, 1:] - unit[:-1, :-1], unit[1:, :-1] - unit[:-1, 1:]), axis=2)
     inner = ((m.ball - socket.depth) * np.linalg.norm(ray, axis=2)[1:, 1:]) ** 3
@@ -63,7 +72,7 @@ BALLS = [(12.0, (0, 3)), (25.0, FOUR), (45.0, (1, 2)), (45.0, (2,)), (45.0, FOUR
 def test_ball(beta, sides):
     m = groove_map.GrooveMap.of(small_screw(2, beta=np.radians(beta)))
     sockets = ball_sockets(sides)
-    mesh = build_ball(m, sockets, 0.55e-3, 1.2e-3)
+    mesh = mesh_ball_with_sockets(m, sockets, 0.55e-3, 1.2e-3)
     assert fem.scaled_jacobians(mesh.mesh).min() > 0.02
     assert mesh.quality.smallest > 0.04
     faces, count = outer_faces(mesh.cells)
@@ -76,7 +85,7 @@ def test_ball(beta, sides):
     lost = 0.0
     for socket in sockets:
         nodes, standard = mesh.socket_nodes[socket.side], mesh.sockets[socket.side]
-        np.testing.assert_allclose(mesh.points[nodes], ball_points(m, socket, standard.xi), atol=1e-15)
+        np.testing.assert_allclose(mesh.points[nodes], points_in_ball_socket(m, socket, standard.xi), atol=1e-15)
         assert {tuple(sorted(nodes[t].tolist())) for t in standard.triangles[:, :3]} <= rows
         lost += socket_volume(m, socket)
     assert volume_of(mesh) == pytest.approx(4.0 / 3.0 * np.pi * m.ball**3 - lost, rel=3e-3)
@@ -95,4 +104,4 @@ UNFIT = [
 @pytest.mark.parametrize(("sockets", "match"), UNFIT)
 def test_ball_sockets_that_do_not_fit_are_refused(sockets, match):
     with pytest.raises(ValueError, match=match):
-        build_ball(groove_map.GrooveMap.of(small_screw(2, beta=np.radians(44.9))), sockets, 0.5e-3, 1e-3)
+        mesh_ball_with_sockets(groove_map.GrooveMap.of(small_screw(2, beta=np.radians(44.9))), sockets, 0.5e-3, 1e-3)

@@ -17,8 +17,8 @@ import scipy.sparse as sp
 from skfem import MeshTet, MeshTet2
 
 from rollbench.meshes import cache as module
-from rollbench.meshes.cache import Cache, content_key
-from rollbench.meshes.files import private_folder
+from rollbench.meshes.cache import Cache, key_of_result
+from rollbench.meshes.files import create_private_folder
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ SPARSE = sp.random(30, 20, 0.2, random_state=1, format="csr")
 @pytest.fixture
 def _named_sources(monkeypatch):
     """Sources of a package are told by its name."""
-    monkeypatch.setattr(module, "sources_digest", lambda name: f"code of {name}")
+    monkeypatch.setattr(module, "digest_of_sources", lambda name: f"code of {name}")
 
 
 def never(build):
@@ -109,21 +109,21 @@ def test_a_mesh_comes_back_with_its_names_and_another_class_is_refused(tmp_path:
 def test_key_covers_builder_class_versions_and_sources(monkeypatch):
     steel = Inner("steel", np.eye(3))
     equal = Inner("steel", np.eye(3))
-    assert content_key(record, (steel, steel), Record) == content_key(record, (steel, equal), Record), (
+    assert key_of_result(record, (steel, steel), Record) == key_of_result(record, (steel, equal), Record), (
         "one part or two like ones"
     )
-    key = content_key(record, (RECIPE,), Record)
-    assert content_key(record, (RECIPE,), Record) == key
-    assert content_key(numbers, (RECIPE,), Record) != key, "two builders with the same arguments"
-    assert content_key(record, (RECIPE, None), Record) != key
-    assert content_key(record, (RECIPE,), Inner) != key
-    assert content_key(record, ({"a": 1, "b": 3.0},), Record) == content_key(record, ({"b": 3, "a": 1},), Record)
+    key = key_of_result(record, (RECIPE,), Record)
+    assert key_of_result(record, (RECIPE,), Record) == key
+    assert key_of_result(numbers, (RECIPE,), Record) != key, "two builders with the same arguments"
+    assert key_of_result(record, (RECIPE, None), Record) != key
+    assert key_of_result(record, (RECIPE,), Inner) != key
+    assert key_of_result(record, ({"a": 1, "b": 3.0},), Record) == key_of_result(record, ({"b": 3, "a": 1},), Record)
     told = {"_installed_version": ("gmsh", "scikit-fem", "rollbench"), "sources_digest": ("rollbench.meshes", "tests")}
     real = {of: getattr(module, of) for of in told}
     for of, package in [(of, package) for of, packages in told.items() for package in packages]:
         with monkeypatch.context() as patch:
             patch.setattr(module, of, lambda name, p=package, real=real[of]: "0.0" if name == p else real(name))
-            assert content_key(record, (RECIPE,), Record) != key
+            assert key_of_result(record, (RECIPE,), Record) != key
 
 
 def test_a_builder_without_a_name_of_its_own_is_refused(tmp_path: Path):
@@ -139,16 +139,16 @@ def test_sources_of_a_package_are_digested(monkeypatch, tmp_path: Path):
     def digest(name: str, text: str, time: float = 1.0) -> str:
         (tmp_path / "grown" / name).write_text(text)
         os.utime(tmp_path / "grown" / name, (time, time))
-        module.sources_digest.cache_clear()
-        return module.sources_digest("grown")
+        module.digest_of_sources.cache_clear()
+        return module.digest_of_sources("grown")
 
     first = digest("__init__.py", "x = 1")
     assert digest("__init__.py", "x = 1", 2.0) == first
     assert len({first, digest("__init__.py", "x = 2"), digest("more.py", "x = 2"), digest("more.py", "")}) == 4
     later = module._BEGAN + 1.0  # changed while running: shared with nobody
     assert digest("more.py", "", later) != digest("more.py", "", later)
-    assert module.sources_digest("builtins") == ""
-    module.sources_digest.cache_clear()
+    assert module.digest_of_sources("builtins") == ""
+    module.digest_of_sources.cache_clear()
 
 
 def test_a_killed_writer_leaves_nothing_that_is_read(tmp_path: Path, monkeypatch):
@@ -229,10 +229,10 @@ def test_a_folder_of_another_user_is_not_used_but_one_that_all_share_may_be_the_
         answers(Cache(root))
     assert "belongs to another user" in capsys.readouterr().err
     tmp_path.chmod(0o1777)
-    assert private_folder(tmp_path, "mine").stat().st_mode & 0o777 == 0o700
+    assert create_private_folder(tmp_path, "mine").stat().st_mode & 0o777 == 0o700
     (tmp_path / "link").symlink_to(tmp_path)
     with pytest.raises(PermissionError):
-        private_folder(tmp_path, "link")
+        create_private_folder(tmp_path, "link")
 
 
 def described(tree: str) -> bytes:

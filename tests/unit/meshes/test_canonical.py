@@ -10,12 +10,26 @@ import pytest
 import scipy.sparse as sp
 from tests.keyed_records import built, changed, default, example, keyed_records, names, other
 
-from rollbench.compare.reference.store import KEY, UNSAID, bodies_key, files_of, key_of, shipped_store
+from rollbench.compare.reference.store import (
+    KEY,
+    UNSAID,
+    content_key_of_bodies,
+    content_key_of_run,
+    run_files_of_scene,
+    shipped_store,
+)
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import Status
 from rollbench.meshes import record_keys as module
 from rollbench.meshes.parts import Errors, Scene
-from rollbench.meshes.record_keys import FROZEN, Fields, canonical, digest, keyed, usual
+from rollbench.meshes.record_keys import (
+    FROZEN,
+    RecordFields,
+    canonical_text,
+    digest_of_values,
+    frozen_default,
+    register_frozen_defaults,
+)
 
 pytestmark = pytest.mark.every_run  # records of studies are among those of one solve
 RECORDS = keyed_records()
@@ -26,7 +40,7 @@ FROZEN_THEN = tomllib.loads(Path(__file__).with_name("frozen_defaults.toml").rea
 
 @pytest.mark.parametrize("name", sorted(FROZEN_THEN))
 def test_frozen_defaults_stay(name: str) -> None:
-    """A default that is changed is written `usual(FORMER, now=NEW)`: the former one stays frozen."""
+    """A default that is changed is written `frozen_default(FORMER, now=NEW)`: the former one stays frozen."""
     frozen = module._frozen_default_texts(RECORDS[name])
     assert {field: frozen.get(field) for field in FROZEN_THEN[name]} == FROZEN_THEN[name]
 
@@ -38,16 +52,16 @@ def test_a_field_with_a_default_that_is_not_frozen_fails_at_import() -> None:
         added: float = 0.25
 
     with pytest.raises(TypeError, match=r"Forgotten\.added: its default is not frozen: write usual"):
-        keyed(Forgotten)
+        register_frozen_defaults(Forgotten)
 
 
 def test_a_default_that_is_changed_later_changes_the_form_of_what_relies_on_it() -> None:
-    @keyed
+    @register_frozen_defaults
     @dataclasses.dataclass(frozen=True)
     class Later:
-        sign: float = usual(1.0, now=-1.0)
+        sign: float = frozen_default(1.0, now=-1.0)
 
-    assert (canonical(Later()), canonical(Later(1.0))) == ("Later(sign=-1)", "Later()")
+    assert (canonical_text(Later()), canonical_text(Later(1.0))) == ("Later(sign=-1)", "Later()")
 
 
 @pytest.mark.parametrize("name", sorted(RECORDS))
@@ -75,24 +89,24 @@ def as_class(value: object, record: type) -> object:
 @pytest.mark.parametrize("name", sorted(RECORDS))
 def test_a_new_field_changes_no_key_of_records_runs_and_bodies(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     scene, cell = catalogue.scene("lin-case3-offset"), {"cell": 1.0}
-    before = {key: canonical(example(record)) for key, record in RECORDS.items()}
-    keys = key_of(scene, "land", cell, (0, 3)), bodies_key(scene, cell, (0, 3))
+    before = {key: canonical_text(example(record)) for key, record in RECORDS.items()}
+    keys = content_key_of_run(scene, "land", cell, (0, 3)), content_key_of_bodies(scene, cell, (0, 3))
     later = with_field(RECORDS[name], "added", 0.25)
     monkeypatch.setitem(FROZEN, name, FROZEN.get(name, {}) | {"added": 0.25})
     monkeypatch.setattr(module, "_frozen_default_texts", module._frozen_default_texts.__wrapped__)
     for key, record in RECORDS.items():
         changed_record = as_class(example(record), later)
-        assert canonical(changed_record) == before[key], key
+        assert canonical_text(changed_record) == before[key], key
         if key == name:
-            assert canonical(changed(changed_record, added=0.5)) != before[key]
+            assert canonical_text(changed(changed_record, added=0.5)) != before[key]
     after, settings = as_class(scene, later), cell | ({"added": 0.25} if name == "Settings" else {})
-    assert (key_of(after, "land", settings, (0, 3)), bodies_key(after, settings, (0, 3))) == keys
+    assert (content_key_of_run(after, "land", settings, (0, 3)), content_key_of_bodies(after, settings, (0, 3))) == keys
 
 
 @pytest.mark.parametrize(("name", "field"), FIELDS)
 def test_another_value_of_any_field_changes_the_form(name: str, field: str) -> None:
     record, hints = example(RECORDS[name]), typing.get_type_hints(RECORDS[name])
-    assert canonical(changed(record, **{field: other(getattr(record, field), hints[field])})) != canonical(record)
+    assert canonical_text(changed(record, **{field: other(getattr(record, field), hints[field])})) != canonical_text(record)
 
 
 @pytest.mark.parametrize(("name", "field"), [x for x in FIELDS if x[1] in FROZEN.get(x[0], {})])
@@ -100,7 +114,7 @@ def test_another_default_of_any_field_changes_the_form_of_what_relies_on_it(name
     record = RECORDS[name]
     later = with_field(record, field, other(default(record, field), typing.get_type_hints(record)[field]))
     given = {key: getattr(example(record), key) for key in names(record) if key not in FROZEN.get(name, {})}
-    assert canonical(built(later, **given)) != canonical(built(record, **given))
+    assert canonical_text(built(later, **given)) != canonical_text(built(record, **given))
 
 
 @pytest.mark.parametrize("field", [f for f in names(Scene) if f not in UNSAID])
@@ -110,7 +124,9 @@ def test_any_field_that_static_loads_depend_on_changes_the_key_of_a_run(
     monkeypatch.setattr("rollbench.compare.reference.store.solid_dimensions", lambda _: example(RECORDS["Dimensions"]))
     scene = catalogue.scene("lin-case3-offset")
     value = other(getattr(scene, field), typing.get_type_hints(Scene)[field])
-    assert key_of(dataclasses.replace(scene, **{field: value}), "", {}, (0, 3)) != key_of(scene, "", {}, (0, 3))
+    assert content_key_of_run(dataclasses.replace(scene, **{field: value}), "", {}, (0, 3)) != content_key_of_run(
+        scene, "", {}, (0, 3)
+    )
 
 
 def test_every_shipped_run_is_found_by_todays_key() -> None:
@@ -119,29 +135,29 @@ def test_every_shipped_run_is_found_by_todays_key() -> None:
     for name in catalogue.scene_names():
         for path in store.glob(f"{name}-level[1-9]-{KEY}.json"):
             level = int(path.stem.removeprefix(f"{name}-level")[0])
-            assert path in files_of(store, catalogue.shipped(name), level), path.name
+            assert path in run_files_of_scene(store, catalogue.shipped_scene(name), level), path.name
             found += 1
     assert found > 60
 
 
 def test_equal_numbers_have_one_text() -> None:
     for same in ((3, 3.0, np.float64(3.0), np.int32(3), np.float32(3.0)), (10**20, 1e20), (0.1, np.float64(0.1)), (0, 0.0)):
-        assert len(set(map(canonical, same))) == 1
+        assert len(set(map(canonical_text, same))) == 1
     numbers = [0, -0.0, 1, True, False, 0.1, 0.1 + 1e-17 * 2, np.float32(0.1), 5e-324, 1e308, np.nan, np.inf, -np.inf]
     others = ["1", "nan", "None", None, (), [], {}, (1,), [1], (1, 1), np.array([1.0]), np.array([1]), np.array([[1.0]])]
     apart = [*numbers, *others]
-    assert len(set(map(canonical, apart))) == len(apart)
-    assert canonical(float("nan")) == canonical(-float("nan"))
+    assert len(set(map(canonical_text, apart))) == len(apart)
+    assert canonical_text(float("nan")) == canonical_text(-float("nan"))
 
 
 def test_containers_and_arrays_count_by_content() -> None:
-    assert canonical({"a": 1, (1, 2): 3}) == canonical({(1, 2): 3.0, "a": 1})
+    assert canonical_text({"a": 1, (1, 2): 3}) == canonical_text({(1, 2): 3.0, "a": 1})
     square = np.arange(6.0).reshape(2, 3)
-    assert canonical(square) == canonical(np.asfortranarray(square)) != canonical(square.T)
+    assert canonical_text(square) == canonical_text(np.asfortranarray(square)) != canonical_text(square.T)
     rows, columns, more = sp.csr_matrix(square), sp.csc_matrix(square), sp.csr_matrix(square + 1.0)
-    assert canonical(rows) not in (canonical(columns), canonical(more))
-    assert canonical(Fields(Errors, {"seed": 0})) == canonical(Errors()) == "Errors()"
-    assert canonical(Errors(lead_offset=2e-6)) == "Errors(lead_offset=2e-06)"
+    assert canonical_text(rows) not in (canonical_text(columns), canonical_text(more))
+    assert canonical_text(RecordFields(Errors, {"seed": 0})) == canonical_text(Errors()) == "Errors()"
+    assert canonical_text(Errors(lead_offset=2e-6)) == "Errors(lead_offset=2e-06)"
 
 
 FORMLESS = [object(), Path("a"), {1}, len, np.array([None]), 1j, np.ma.array([1.0])]
@@ -151,15 +167,15 @@ FORMLESS = [object(), Path("a"), {1}, len, np.array([None]), 1j, np.ma.array([1.
 def test_what_has_no_form_is_refused(value: object) -> None:
     for inside in (value, (value,), {"a": value}):
         with pytest.raises(TypeError, match="no canonical form"):
-            canonical(inside)
+            canonical_text(inside)
 
 
 def test_digests_hold_the_version_of_the_form(monkeypatch: pytest.MonkeyPatch) -> None:
-    before = digest(1, "a")
-    assert before != digest((1, "a"))
+    before = digest_of_values(1, "a")
+    assert before != digest_of_values((1, "a"))
     monkeypatch.setattr(module, "FORM", module.FORM + 1)
-    assert digest(1, "a") != before
+    assert digest_of_values(1, "a") != before
 
 
 def test_a_status_is_written_as_its_sentence() -> None:
-    assert canonical(Status("not held", "why")) == canonical("not held: why")
+    assert canonical_text(Status("not held", "why")) == canonical_text("not held: why")

@@ -11,8 +11,8 @@ import skfem
 from tests.fe_meshes import KINDS, boundary_faces, cube, jacobians, one, order_of, space
 
 from rollbench.meshes import shell
-from rollbench.meshes.exchange.mesh_files import FORMATS, is_reduced, mesh_format, write_mesh
-from rollbench.meshes.fem import cells_of, faces_of, mesh_of, points_of
+from rollbench.meshes.exchange.mesh_files import FORMATS, loses_nodes_in_format, mesh_format, write_mesh
+from rollbench.meshes.fem import build_mesh, node_coordinates, nodes_of_boundary_faces, nodes_of_cells
 
 GMSH_TYPES = {"P1": 4, "P2": 11, "Q1": 5, "Q2": 12}
 EDGES = {
@@ -35,7 +35,7 @@ def example(name: str) -> skfem.Mesh:
     faces = boundary_faces(cells, name)
     x, _, z = points[faces].transpose(2, 0, 1)
     sides = {"low end": faces[np.all(z < 1e-12, axis=1)], "side": faces[np.all(x > 1.0 - 1e-12, axis=1)]}
-    return mesh_of(points + np.array([0.1, 0.2, 0.3]), cells, name, sides)[0]
+    return build_mesh(points + np.array([0.1, 0.2, 0.3]), cells, name, sides)[0]
 
 
 def curved(gmsh, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -89,12 +89,12 @@ def volume_cells(mesh: meshio.Mesh) -> meshio.CellBlock:
 def test_curved_cells_of_gmsh_keep_shape_and_order(gmsh, name, tmp_path: Path):
     points, cells = curved(gmsh, name)
     assert jacobians(points, cells, name).min() > 0.1
-    mesh, _ = mesh_of(points, cells, name)
+    mesh, _ = build_mesh(points, cells, name)
     assert one(space(mesh)) == pytest.approx(0.75 * np.pi, rel=0.05 if order_of(name) == 1 else 1e-3)
-    np.testing.assert_allclose(points_of(mesh)[cells_of(mesh)], points[cells], atol=1e-15)
+    np.testing.assert_allclose(node_coordinates(mesh)[nodes_of_cells(mesh)], points[cells], atol=1e-15)
     gmsh.write(str(tmp_path / "theirs.msh"))
     theirs = meshio.read(tmp_path / "theirs.msh")
-    write_mesh(tmp_path / "ours.vtu", mesh, {"x": points_of(mesh)})
+    write_mesh(tmp_path / "ours.vtu", mesh, {"x": node_coordinates(mesh)})
     ours = meshio.read(tmp_path / "ours.vtu")
     (block,) = ours.cells
     reference = np.vstack([b.data for b in theirs.cells if b.type == block.type])
@@ -112,9 +112,9 @@ def test_cells_are_where_they_were(form, name, tmp_path: Path):
     again = meshio.read(path)
     block = volume_cells(again)
     ordered(again.points, block.data, turned=form == "med")
-    cells = cells_of(mesh)
-    assert block.data.shape == (len(cells), 20 if is_reduced(mesh, form) else cells.shape[1])
-    ours = points_of(mesh)[cells[:, : {"P": 4, "Q": 8}[name[0]]]]
+    cells = nodes_of_cells(mesh)
+    assert block.data.shape == (len(cells), 20 if loses_nodes_in_format(mesh, form) else cells.shape[1])
+    ours = node_coordinates(mesh)[cells[:, : {"P": 4, "Q": 8}[name[0]]]]
     theirs = again.points[block.data[:, : ours.shape[1]]]
     np.testing.assert_allclose(theirs.mean(axis=1), ours.mean(axis=1), atol=1e-12)
     used = np.unique(np.concatenate([b.data.ravel() for b in again.cells]))
@@ -127,8 +127,8 @@ def test_cells_are_where_they_were(form, name, tmp_path: Path):
 @pytest.mark.parametrize("form", ["msh", "med"])
 def test_gmsh_reads_cells_groups_and_fields(gmsh, form, name, tmp_path: Path):
     mesh = example(name)
-    points, cells = points_of(mesh), cells_of(mesh)
-    count = 20 if is_reduced(mesh, form) else cells.shape[1]
+    points, cells = node_coordinates(mesh), nodes_of_cells(mesh)
+    count = 20 if loses_nodes_in_format(mesh, form) else cells.shape[1]
     write_mesh(tmp_path / f"c.{form}", mesh, {"u": points}, region="body")
     gmsh.merge(str(tmp_path / f"c.{form}"))
     tags, xyz, _ = gmsh.model.mesh.getNodes()
@@ -149,7 +149,7 @@ def test_gmsh_reads_cells_groups_and_fields(gmsh, form, name, tmp_path: Path):
     np.testing.assert_allclose(np.array(values), place[np.asarray(at, dtype=int)], atol=1e-14)
     for side in mesh.boundaries:
         entities = gmsh.model.getEntitiesForPhysicalGroup(*groups[side])
-        ours = points[faces_of(mesh, side)[:, : 8 if count == 20 else None]]
+        ours = points[nodes_of_boundary_faces(mesh, side)[:, : 8 if count == 20 else None]]
         corners = place[np.concatenate([gmsh.model.mesh.getElements(2, e)[2][0] for e in entities]).astype(int)]
         theirs = corners.reshape(ours.shape)
         order = [np.lexsort(x.mean(axis=1).round(9).T) for x in (theirs, ours)]
@@ -168,7 +168,7 @@ def test_gmsh_reads_cells_groups_and_fields(gmsh, form, name, tmp_path: Path):
 @pytest.mark.parametrize("name", ["P2", "Q2"])
 def test_fields_and_groups_in_vtu(name, tmp_path: Path):
     mesh = example(name)
-    points = points_of(mesh)
+    points = node_coordinates(mesh)
     write_mesh(tmp_path / "c.vtu", mesh, {"u": points, "s": np.ones((len(points), 6))}, region="body")
     again = meshio.read(tmp_path / "c.vtu")
     np.testing.assert_array_equal(again.point_data["u"], again.points)
@@ -202,13 +202,13 @@ def test_abaqus_keeps_to_its_lines_sets_and_surfaces(name, tmp_path: Path):
     for block, side in zip(blocks, mesh.boundaries, strict=True):
         found = [line.split(", S") for line in block.split("\n")[1:-1]]
         corners = np.array([[cells[int(e) - 1, k - 1] for k in sides[int(s) - 1]] for e, s in found])
-        ours = points_of(mesh)[faces_of(mesh, side)[:, : len(sides[0])]].mean(axis=1)
+        ours = node_coordinates(mesh)[nodes_of_boundary_faces(mesh, side)[:, : len(sides[0])]].mean(axis=1)
         np.testing.assert_allclose(again.points[corners].mean(axis=1), ours, atol=1e-12)
 
 
 def test_med_keeps_groups_of_nodes(tmp_path: Path):
     mesh = example("Q2")
-    points = points_of(mesh)
+    points = node_coordinates(mesh)
     write_mesh(tmp_path / "c.med", mesh, {"t": np.arange(len(points)), "u": points}, region="body")
     again = meshio.read(tmp_path / "c.med")
     assert {name: values.dtype for name, values in again.point_data.items() if name in "tu"} == {"t": float, "u": float}
@@ -216,7 +216,7 @@ def test_med_keeps_groups_of_nodes(tmp_path: Path):
     for name, where in {"low end": again.points[:, 2] < 0.3 + 1e-12, "side": again.points[:, 0] > 1.1 - 1e-12}.items():
         families = [number for number, names in again.point_tags.items() if name in names]
         np.testing.assert_array_equal(np.isin(again.point_data["point_tags"], families), where)
-    kept = np.isin(np.arange(len(points)), cells_of(mesh)[:, :20])
+    kept = np.isin(np.arange(len(points)), nodes_of_cells(mesh)[:, :20])
     np.testing.assert_array_equal(again.point_data["t"], np.flatnonzero(kept))
     assert again.cell_tags[-1] == ["body"]
     (quads,) = (block for block in again.cells if block.dim == 2)
@@ -225,7 +225,7 @@ def test_med_keeps_groups_of_nodes(tmp_path: Path):
         inside = np.isin(tags, [number for number, names in again.cell_tags.items() if name in names])
         where = np.all(np.abs(again.points[quads.data][:, :, corner[0]] - corner[1]) < 1e-12, axis=1)
         np.testing.assert_array_equal(inside, where)
-        assert inside.sum() == len(faces_of(mesh, name))
+        assert inside.sum() == len(nodes_of_boundary_faces(mesh, name))
 
 
 def test_a_face_of_two_boundaries_is_one_face_of_both_groups_of_med(tmp_path: Path):
@@ -242,7 +242,7 @@ def test_a_face_of_two_boundaries_is_one_face_of_both_groups_of_med(tmp_path: Pa
 
 def test_formats_go_by_the_suffix_unless_given(tmp_path: Path, monkeypatch):
     mesh = example("P1")
-    write_mesh(tmp_path / "mesh.dat", mesh, form="msh")
+    write_mesh(tmp_path / "mesh.dat", mesh, file_format="msh")
     assert (tmp_path / "mesh.dat").read_bytes().startswith(b"$MeshFormat")
     assert mesh_format(Path("a.VTU")) == "vtu"
     for name, options, why in (
@@ -250,7 +250,7 @@ def test_formats_go_by_the_suffix_unless_given(tmp_path: Path, monkeypatch):
         ("a.vtu", {"form": "stl"}, "format 'stl'"),
         ("a.vtu", {"fields": {"p": np.zeros(3)}}, "field 'p' has 3 values"),
         ("a.msh", {"fields": {"s": np.ones((mesh.nvertices, 6))}}, "field 's' has 6 components"),
-        ("a.inp", {"fields": {"u": points_of(mesh)}}, "cannot contain fields"),
+        ("a.inp", {"fields": {"u": node_coordinates(mesh)}}, "cannot contain fields"),
     ):
         with pytest.raises(ValueError, match=why):
             write_mesh(tmp_path / name, mesh, **options)

@@ -7,16 +7,16 @@ import pytest
 from tests.fe_meshes import area_of, outer_faces, volume_of
 
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.condensation import nut_transform
-from rollbench.hifi.elements.forms import assemble, elasticity
-from rollbench.hifi.linear_algebra import factor
-from rollbench.meshes.exchange.whole_bodies import Refinement, whole_body
-from rollbench.meshes.fem import nodes_on, points_of
-from rollbench.meshes.groove import BodySpec, outer_surfaces
+from rollbench.hifi.condensation import expansion_of_free_nut_freedoms
+from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
+from rollbench.hifi.linear_algebra import factorise_positive_definite
+from rollbench.meshes.exchange.whole_bodies import Refinement, mesh_whole_body
+from rollbench.meshes.fem import node_coordinates, nodes_on_boundaries
+from rollbench.meshes.groove import BodySpec, outer_surfaces_of_flanged_nut
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Flange
 from rollbench.meshes.sockets import SocketSize
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.solid import dimensions_of_3d_parts
 
 CASE = catalogue.scene("lin-case1")
 LAND, WALL, ENDS = 17e-3, 24e-3, (388e-3, 412e-3)
@@ -28,7 +28,7 @@ WHOLE_FACE = ["rim", "seat", "outside"], [(33e-3, 0.388), (33e-3, 0.394), (24e-3
 
 def body(flange: Flange | None):  # type: ignore[no-untyped-def]
     spec = BodySpec(LAND, WALL, *ENDS, False, (), SocketSize(1.0, 1.0, 1.0), 4e-3, 8e-3, flange=flange)
-    return whole_body(GrooveMap.of(CASE), spec, Refinement(np.array([[0.0, 0.0, 0.4]]), 4e-3, 1.0, 8e-3))
+    return mesh_whole_body(GrooveMap.of(CASE), spec, Refinement(np.array([[0.0, 0.0, 0.4]]), 4e-3, 1.0, 8e-3))
 
 
 @pytest.fixture(scope="module")
@@ -58,14 +58,14 @@ def test_surfaces_of_a_flange_are_named_and_whole(side, plain: float) -> None:
 def test_single_bolts_hold_less_than_the_annulus() -> None:
     """The nut pulled along its axis by its lands: fewer bolts, more give; the annulus is stiffer than any number."""
     mesh, given = body(replace(FLANGE, seat=(24e-3, 33e-3))), []
-    lands = nodes_on(mesh.mesh, "land")
-    K = assemble(elasticity(210e9, 0.28), mesh.mesh)
+    lands = nodes_on_boundaries(mesh.mesh, "land")
+    K = assemble_constant_form(elasticity_form(210e9, 0.28), mesh.mesh)
     pull = np.zeros(K.shape[0])
     pull[3 * lands + 2] = 1.0 / lands.size
     for bolts in (0, 24, 6, 3):
         nut = replace(CASE.nut, flange=replace(FLANGE, seat=(24e-3, 33e-3), bolts=bolts))
-        T = nut_transform(mesh, solid_dimensions(replace(CASE, nut=nut)))  # type: ignore[arg-type]
-        given.append(float(pull @ (T @ factor((T.T @ K @ T).tocsc())(T.T @ pull))))
+        T = expansion_of_free_nut_freedoms(mesh, dimensions_of_3d_parts(replace(CASE, nut=nut)))  # type: ignore[arg-type]
+        given.append(float(pull @ (T @ factorise_positive_definite((T.T @ K @ T).tocsc())(T.T @ pull))))
     assert given == sorted(given)
     assert 1.2 * given[0] < given[1] < 1.5 * given[2]
     assert 1.5 * given[0] < given[2] < 3.0 * given[0]
@@ -74,7 +74,9 @@ def test_single_bolts_hold_less_than_the_annulus() -> None:
 def test_a_sliver_of_a_flange_is_not_meshed() -> None:
     """Circles closer than the deviation of their edges crossed, and gmsh did not come to an end."""
     thin = Flange(66e-3, 6e-3, (24.01e-3, 32.99e-3), "left", 0.01e-3)
-    assert outer_surfaces(thin, WALL, ENDS, 0.1e-3) == WHOLE_FACE
-    assert set(outer_surfaces(thin, WALL, ENDS)[0]) == {"rim", "flange", "seat", "centring", "outside"}
+    assert outer_surfaces_of_flanged_nut(thin, WALL, ENDS, 0.1e-3) == WHOLE_FACE
+    assert set(outer_surfaces_of_flanged_nut(thin, WALL, ENDS)[0]) == {"rim", "flange", "seat", "centring", "outside"}
     nut = body(replace(FLANGE, seat=(24e-3, FLANGE.diameter / 2.0 - 15e-6)))
-    assert np.hypot(*points_of(nut.mesh)[nodes_on(nut.mesh, "seat")][:, :2].T).max() == pytest.approx(FLANGE.diameter / 2.0)
+    assert np.hypot(*node_coordinates(nut.mesh)[nodes_on_boundaries(nut.mesh, "seat")][:, :2].T).max() == pytest.approx(
+        FLANGE.diameter / 2.0
+    )

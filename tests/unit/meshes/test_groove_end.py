@@ -7,13 +7,13 @@ import pytest
 from tests.fe_meshes import one, space
 from tests.helpers import small_screw, sockets_of
 
-from rollbench.meshes.fem import nodes_on
+from rollbench.meshes.fem import nodes_on_boundaries
 from rollbench.meshes.groove import BodySpec, Groove, GrooveEnds
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import build_body
+from rollbench.meshes.grooved_body import mesh_grooved_body
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.sockets import SocketSize, groove_lines, socket_points
-from rollbench.meshes.solid import RUN_OUT, WHOLE, solid_dimensions
+from rollbench.meshes.sockets import SocketSize, helix_constants_of_grooves, points_in_socket
+from rollbench.meshes.solid import RUN_OUT, WHOLE, dimensions_of_3d_parts
 
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)
 
@@ -34,7 +34,7 @@ def test_the_groove_is_whole_at_every_ball_and_ends_beyond_the_outermost(hand, s
     ends = GrooveEnds.of(m, spec.sockets, SIZE)
     ball = 2.0 * m.ball / np.hypot(m.R, m.rg)
     reached = 0
-    for line in groove_lines(m):
+    for line in helix_constants_of_grooves(m):
         turns = [(z - line) / m.rg for phi, z, _ in spec.sockets]  # total azimuth of a ball on this line
         on = np.array([t for t, (phi, *_) in zip(turns, spec.sockets, strict=True) if abs(np.sin((t - phi) / 2)) < 1e-9])
         reached += on.size
@@ -53,19 +53,19 @@ def test_a_nut_whose_groove_ends_is_sound(hand):
     """Sockets where they are without ends, flanks exact where the groove is whole and on the land's cylinder where it is
     filled; the volume is that of the tube without the channel of varying depth."""
     m, spec = map_and_spec(small_screw(5, hand=hand, phase=0.3), (2,))
-    body, through = build_body(m, spec), build_body(m, replace(spec, ends=False))
+    body, through = mesh_grooved_body(m, spec), mesh_grooved_body(m, replace(spec, ends=False))
     assert body.quality.smallest > 0.01
     assert body.deviation < 1e-12
     for nodes, socket in zip(body.socket_nodes, spec.sockets, strict=True):
-        found = socket_points(m, SIZE, socket, body.sockets[socket[2]].xi)
+        found = points_in_socket(m, SIZE, socket, body.sockets[socket[2]].xi)
         assert np.abs(body.points[nodes] - found).max() < 1e-12 * m.R
     groove = Groove.of(m, spec)
-    (line,) = groove_lines(m)
+    (line,) = helix_constants_of_grooves(m)
     filled = 0.0
     phi = np.linspace(-30.0, 30.0, 6001) + (m.z0 - line) / m.rg
     inside = np.abs(line + m.rg * phi - m.z0) < 25e-3
     for side in groove.sides:
-        points = body.points[nodes_on(body.mesh, f"flank {SIDES[side]}")]
+        points = body.points[nodes_on_boundaries(body.mesh, f"flank {SIDES[side]}")]
         r = np.hypot(*points[:, :2].T)
         assert (np.abs(r - groove.land) < 1e-12).mean() > 0.1
         assert r.max() - groove.land > 1e-3
@@ -85,6 +85,6 @@ def test_a_nut_whose_groove_ends_is_sound(hand):
 def test_the_groove_of_a_ring_does_not_end():
     ring = small_screw(5, lead=0.0)
     with pytest.raises(ValueError, match="nut_groove"):
-        solid_dimensions(replace(ring, solid=replace(ring.solid, nut_groove="loaded")))
+        dimensions_of_3d_parts(replace(ring, solid=replace(ring.solid, nut_groove="loaded")))
     with pytest.raises(ValueError, match="ring"):
         GrooveEnds.of(GrooveMap.of(ring), (), SIZE)

@@ -8,13 +8,13 @@ from tests.fe_meshes import area_of, outer_faces, volume_of
 from tests.helpers import STEEL, body_specs, small_screw, sockets_of
 
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.meshes.fem import nodes_on, scaled_jacobians
+from rollbench.meshes.fem import nodes_on_boundaries, scaled_jacobians
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import build_body
+from rollbench.meshes.grooved_body import mesh_grooved_body
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Balls, Nut, Screw, Track
-from rollbench.meshes.sockets import SocketSize, local_points, socket_points
+from rollbench.meshes.sockets import SocketSize, points_in_reference_socket, points_in_socket
 
 pytestmark = pytest.mark.xdist_group("grooved bodies")
 
@@ -40,7 +40,7 @@ def on_surfaces(m, spec, points):
         pitch = 2.0 * np.pi * abs(m.rg) / m.starts
         zeta = zeta - pitch * np.round(zeta / pitch)
     sides = (0, 1) if spec.outer else (2, 3)
-    found += [np.abs(m.polar(side, *m.roll(r, zeta))[1] - m.radius[side]) for side in sides]
+    found += [np.abs(m.section_to_polar(side, *m.roll(r, zeta))[1] - m.radius[side]) for side in sides]
     return np.min(found, axis=0)
 
 
@@ -64,13 +64,13 @@ def check_body(m, spec, mesh):
     inner = {tuple(row) for row in rows[np.isin(rows, mesh.socket_nodes).all(axis=1)].tolist()}
     for nodes, socket in zip(mesh.socket_nodes, spec.sockets, strict=True):
         standard = mesh.sockets[socket[2]]
-        expected = socket_points(m, spec.size, socket, standard.xi)
+        expected = points_in_socket(m, spec.size, socket, standard.xi)
         assert np.abs(mesh.points[nodes] - expected).max() < 1e-12 * m.R
         assert {tuple(sorted(nodes[t].tolist())) for t in standard.triangles[:, :3]} <= inner
     for nodes, place in (
-        (nodes_on(mesh.mesh, "low end"), mesh.points[:, 2] - spec.z_low),
-        (nodes_on(mesh.mesh, "high end"), mesh.points[:, 2] - spec.z_high),
-        (nodes_on(mesh.mesh, outside(spec)), np.hypot(*mesh.points[:, :2].T) - spec.r_out),
+        (nodes_on_boundaries(mesh.mesh, "low end"), mesh.points[:, 2] - spec.z_low),
+        (nodes_on_boundaries(mesh.mesh, "high end"), mesh.points[:, 2] - spec.z_high),
+        (nodes_on_boundaries(mesh.mesh, outside(spec)), np.hypot(*mesh.points[:, :2].T) - spec.r_out),
     ):
         assert set(nodes) == set(np.unique(faces)) & set(np.flatnonzero(np.abs(place) < 1e-12))
 
@@ -81,7 +81,7 @@ def body(request):
     outer = request.param == "screw"
     case, sides = (small_screw(6), (0,)) if outer else (small_screw(5, hand="left", phase=0.3), (2, 3))
     m, spec = GrooveMap.of(case), spec_of(case, sides, outer)
-    return m, spec, build_body(m, spec)
+    return m, spec, mesh_grooved_body(m, spec)
 
 
 @pytest.mark.parametrize("lead", [0.0, 5e-3, 20e-3])
@@ -90,10 +90,10 @@ def test_unrolled_points_are_the_section_frames_points_and_roll_brings_them_back
     case = small_screw(4, lead=lead, hand=hand)
     m, layout = GrooveMap.of(case), ball_layout(case)
     x3, z3 = np.meshgrid(np.linspace(-4e-3, 4e-3, 17), np.linspace(-4e-3, 4e-3, 17))
-    r, zeta, psi = m.unroll(x3, z3)
+    r, zeta, psi = m.section_to_unrolled(x3, z3)
     np.testing.assert_allclose(m.roll(r, zeta), (x3, z3), atol=1e-16)
     x3, z3 = np.array([-2e-3, 1e-3, 3e-3]), np.array([2.5e-3, -1e-3, 0.4e-3])
-    r, zeta, psi = m.unroll(x3, z3)
+    r, zeta, psi = m.section_to_unrolled(x3, z3)
     for k in range(4):
         expected = layout.centre[k] + x3[:, None] * layout.radial[k] + z3[:, None] * layout.binormal[k]
         up = np.array([0.0, 0.0, layout.z[k] - m.rg * layout.azimuth[k]])
@@ -122,7 +122,7 @@ def test_volume_without_sockets(outer):
     sides = (0, 1) if outer else (2, 3)
     channel = 2.0 * np.pi * channel_section(m, spec.r_in, spec.r_out, sides)
     expected = np.pi * (spec.r_out**2 - spec.r_in**2) * 20e-3 - channel
-    found = volume_of(build_body(m, spec))
+    found = volume_of(mesh_grooved_body(m, spec))
     assert abs(found - expected) < 0.004 * channel
 
 
@@ -134,12 +134,12 @@ def test_bodies_are_sound_and_their_surfaces_flat_round_and_complete(body):
     smooth, r = ("bore", spec.r_in) if spec.outer else ("outside", spec.r_out)
 
     def area(name):
-        return area_of(mesh.points, faces[np.isin(faces, nodes_on(mesh.mesh, name)).all(axis=1)])
+        return area_of(mesh.points, faces[np.isin(faces, nodes_on_boundaries(mesh.mesh, name)).all(axis=1)])
 
     assert area(smooth) == pytest.approx(2.0 * np.pi * r * (spec.z_high - spec.z_low), rel=0.03)
     whole = np.pi * (spec.r_out**2 - spec.r_in**2)
     for end, z in (("low end", spec.z_low), ("high end", spec.z_high)):
-        assert np.abs(mesh.points[nodes_on(mesh.mesh, end), 2] - z).max() < 1e-9
+        assert np.abs(mesh.points[nodes_on_boundaries(mesh.mesh, end), 2] - z).max() < 1e-9
         assert 0.9 * whole < area(end) < 1.001 * whole
 
 
@@ -156,7 +156,7 @@ UNFIT = [
 def test_sockets_grooves_and_turns_that_do_not_fit_are_refused(lead, change, match):
     case = small_screw(6, lead=lead)
     with pytest.raises(ValueError, match=match):
-        build_body(GrooveMap.of(case), replace(spec_of(case, (0,), True), **change))
+        mesh_grooved_body(GrooveMap.of(case), replace(spec_of(case, (0,), True), **change))
 
 
 def even(count, turns):
@@ -218,13 +218,13 @@ def test_any_scene(kind):
     case = make()
     m, spec = GrooveMap.of(case), body_specs(case, sides, fine=4e-3, beyond=6e-3)[name]
     assert len(spec.sockets) == case.ball_count * sum((s < 2) == spec.outer for s in sides)
-    check_body(m, spec, build_body(m, spec))
+    check_body(m, spec, mesh_grooved_body(m, spec))
 
 
 def test_screw_without_a_hole():
     case = small_screw(2)
     spec = body_specs(case, (0,), fine=2.2e-3, beyond=0.0, hole=0.0)["screw"]
-    mesh = build_body(GrooveMap.of(case), spec)
+    mesh = mesh_grooved_body(GrooveMap.of(case), spec)
     check_body(GrooveMap.of(case), spec, mesh)
     assert np.hypot(*mesh.points[:, :2].T).min() < 2e-3
 
@@ -232,10 +232,10 @@ def test_screw_without_a_hole():
 @pytest.mark.parametrize("body", ["screw"], indirect=True)
 def test_meshes_are_the_same_every_time(body):
     m, spec, first = body
-    second = build_body(m, spec)
+    second = mesh_grooved_body(m, spec)
     for name in ("points", "cells", "socket_nodes"):
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
-    np.testing.assert_array_equal(*(nodes_on(one.mesh, "low end") for one in (first, second)))
+    np.testing.assert_array_equal(*(nodes_on_boundaries(one.mesh, "low end") for one in (first, second)))
 
 
 def test_finer_sizes_give_more_cells_and_shorter_edges():
@@ -243,7 +243,7 @@ def test_finer_sizes_give_more_cells_and_shorter_edges():
     counts = []
     for fine, coarse in ((3.2e-3, 12e-3), (1.6e-3, 6e-3)):
         spec = body_specs(case, (3,), fine=fine, coarse=coarse)["nut"]
-        mesh = build_body(GrooveMap.of(case), spec)
+        mesh = mesh_grooved_body(GrooveMap.of(case), spec)
         near = np.isin(mesh.cells, mesh.socket_nodes).any(axis=1)
         a, b = mesh.points[mesh.cells[near, 0]], mesh.points[mesh.cells[near, 1]]
         counts.append((len(mesh.cells), float(np.linalg.norm(a - b, axis=1).mean())))
@@ -260,7 +260,10 @@ def test_volume_with_sockets(body):
     xi = np.stack([a.ravel(), b.ravel(), c.ravel()], 1)
     lost = 0.0
     for _, _, side in spec.sockets:
-        rows = [local_points(m, SIZE, side, xi + d) - local_points(m, SIZE, side, xi - d) for d in 1e-5 * np.eye(3)]
+        rows = [
+            points_in_reference_socket(m, SIZE, side, xi + d) - points_in_reference_socket(m, SIZE, side, xi - d)
+            for d in 1e-5 * np.eye(3)
+        ]
         lost += float(w @ np.abs(np.linalg.det(np.stack(rows, -1) / 2e-5)))
     sides = (0, 1) if spec.outer else (2, 3)
     channels = 2.0 * 2.0 * np.pi * channel_section(m, spec.r_in, spec.r_out, sides)

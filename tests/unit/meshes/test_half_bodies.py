@@ -8,8 +8,8 @@ from tests.fe_meshes import volume as volume_of_cells
 
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.exchange import whole_bodies
-from rollbench.meshes.exchange.whole_bodies import HalfRing
-from rollbench.meshes.fem import arc_deviation
+from rollbench.meshes.exchange.whole_bodies import HalfRingSurface
+from rollbench.meshes.fem import largest_arc_deviation
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
@@ -31,7 +31,7 @@ def ring(outer: bool) -> tuple[BodySpec, whole_bodies.Refinement]:
     radii = (
         (SCENE.screw.bore / 2.0, SCENE.screw.outer_diameter / 2.0) if outer else (21.6e-3, SCENE.nut.outer_diameter / 2.0)
     )
-    near = whole_bodies.groove_points(MAP, (0.0, SCENE.nut.position, 0 if outer else 2), FLAT)
+    near = whole_bodies.points_on_groove(MAP, (0.0, SCENE.nut.position, 0 if outer else 2), FLAT)
     size = whole_bodies.Refinement(near, 5e-4, 0.8, 5e-3)
     return BodySpec(*radii, 0.0, 14e-3, outer, (), SocketSize(1.0, MAP.ball, 1.0), size.fine, size.coarse), size
 
@@ -39,14 +39,14 @@ def ring(outer: bool) -> tuple[BodySpec, whole_bodies.Refinement]:
 @pytest.mark.parametrize("outer", [True, False])
 def test_a_half_ring_is_half_of_the_ring(outer):
     spec, size = ring(outer)
-    half = whole_bodies.half_body(MAP, spec, size)
-    assert 2.0 * volume(half) == pytest.approx(volume(whole_bodies.whole_body(MAP, spec, size)), rel=3e-4)
+    half = whole_bodies.mesh_half_ring(MAP, spec, size)
+    assert 2.0 * volume(half) == pytest.approx(volume(whole_bodies.mesh_whole_body(MAP, spec, size)), rel=3e-4)
     assert np.ptp(half.points[half.named["cut"]][:, 1]) < 1e-15
     assert half.points[:, 1].min() > -1e-15
     for side in (0, 1) if outer else (2, 3):
         x = half.points[half.named[f"flank {SIDES[side]}"]]
         section = np.hypot(x[:, 0], x[:, 1]) - MAP.R, x[:, 2] - MAP.z0
-        assert arc_deviation(*section, MAP.centre[side], float(MAP.radius[side])) < 1e-9
+        assert largest_arc_deviation(*section, MAP.centre[side], float(MAP.radius[side])) < 1e-9
     behind = half.points[half.named["bore" if outer else "outside"]]
     np.testing.assert_allclose(np.hypot(behind[:, 0], behind[:, 1]), spec.r_in if outer else spec.r_out, rtol=1e-9)
     assert {"land", "low end", "high end"} <= set(half.named)
@@ -54,10 +54,10 @@ def test_a_half_ring_is_half_of_the_ring(outer):
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_half_ball_is_half_of_the_ball(sign):
-    size = whole_bodies.Refinement(whole_bodies.sphere_points(MAP, 0, MAP.ball, FLAT), 2e-4, 0.8, 2e-3)
-    half = whole_bodies.half_ball(MAP.ball, size, sign)
+    size = whole_bodies.Refinement(whole_bodies.points_on_ball_surface(MAP, 0, MAP.ball, FLAT), 2e-4, 0.8, 2e-3)
+    half = whole_bodies.mesh_half_ball(MAP.ball, size, sign)
     assert volume(half) == pytest.approx(2.0 / 3.0 * np.pi * MAP.ball**3, rel=2e-3)
-    assert 2.0 * volume(half) == pytest.approx(volume(whole_bodies.whole_ball(MAP, MAP.ball, size)), rel=2e-3)
+    assert 2.0 * volume(half) == pytest.approx(volume(whole_bodies.mesh_whole_ball(MAP, MAP.ball, size)), rel=2e-3)
     assert (sign * half.points[:, 1]).min() > -1e-15
     assert np.abs(half.points[half.named["cut"]][:, 1]).max() < 1e-15
     np.testing.assert_allclose(np.linalg.norm(half.points[half.named["sphere"]], axis=1), MAP.ball, rtol=1e-12)
@@ -68,4 +68,4 @@ def test_a_helix_and_a_ring_without_bore_are_not_halved():
     shell = Shell(None, lambda x: np.ones(len(x)), 1e-3, 6)
     for m, body in ((replace(MAP, rg=1e-3), spec), (MAP, replace(spec, r_in=0.0))):
         with pytest.raises(ValueError, match="ring with a bore"):
-            HalfRing(shell, m, body)
+            HalfRingSurface(shell, m, body)

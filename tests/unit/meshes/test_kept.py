@@ -8,7 +8,7 @@ from rollbench.meshes.section import BeamSection, tube_section
 calls: list[float] = []
 
 
-@cache.kept(BeamSection)
+@cache.cached_on_disk(BeamSection)
 def section(outer: float) -> BeamSection:
     calls.append(outer)
     return tube_section(outer, 0.01, parts.Material(2.1e11, 0.3))
@@ -18,16 +18,16 @@ def section(outer: float) -> BeamSection:
 def on(tmp_path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path))
     calls.clear()
-    cache.switch_on()
+    cache.switch_on_geometry_cache()
     yield tmp_path
-    cache.switch_off()
+    cache.switch_off_geometry_cache()
 
 
 def test_made_once_and_read_after_but_for_what_is_timed_and_what_is_damaged(on) -> None:
     whole = section(0.04)
     assert section(0.04) == whole
     assert calls == [0.04]
-    with cache.no_cache():
+    with cache.without_geometry_cache():
         section(0.04)
     section(0.04)
     assert calls == [0.04] * 2

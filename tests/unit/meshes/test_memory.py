@@ -12,13 +12,13 @@ from rollbench.meshes import processes
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the record can be started again on Linux only")
 def test_every_piece_of_work_has_its_own_peak() -> None:
-    assert processes.reset_peak()
-    before = processes.peak_MB()
+    assert processes.reset_peak_memory()
+    before = processes.peak_memory_MB()
     np.ones(40_000_000).sum()
-    large = processes.peak_MB()
-    assert processes.reset_peak()
+    large = processes.peak_memory_MB()
+    assert processes.reset_peak_memory()
     np.ones(5_000_000).sum()
-    small = processes.peak_MB()
+    small = processes.peak_memory_MB()
     assert None not in (before, large, small)
     assert large - before > 250.0
     assert small < large - 200.0
@@ -28,5 +28,5 @@ def test_a_record_that_was_not_started_anew_is_not_quoted(monkeypatch: pytest.Mo
     monkeypatch.setattr(processes, "_stale", False)
     with monkeypatch.context() as patch:
         patch.setattr(Path, "write_text", Mock(side_effect=PermissionError))
-        assert not processes.reset_peak()
-    assert processes.peak_MB() is None
+        assert not processes.reset_peak_memory()
+    assert processes.peak_memory_MB() is None

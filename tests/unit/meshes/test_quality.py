@@ -7,9 +7,9 @@ import pytest
 from skfem import MeshTet2
 from tests.fe_meshes import KINDS, LOCAL, jacobians
 
-from rollbench.hifi.elements.forms import assemble, elasticity
+from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
 from rollbench.meshes import fem
-from rollbench.meshes.fem import mesh_of, points_of, with_points
+from rollbench.meshes.fem import build_mesh, node_coordinates, with_node_coordinates
 
 pytestmark = pytest.mark.xdist_group("shaken meshes")
 
@@ -46,7 +46,7 @@ def test_scaled_jacobians_of_regular_and_sheared_cells(kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_scaled_jacobians_have_the_sign_of_scikit_fems_determinant(shaken, kind):
     points, cells = shaken[kind]
-    mesh, _ = mesh_of(points, cells, kind)
+    mesh, _ = build_mesh(points, cells, kind)
     det = mesh.mapping().detDF(mesh.elem.doflocs.T).min(axis=1)
     found = fem.scaled_jacobians(mesh)
     np.testing.assert_array_equal(np.sign(found), np.sign(det))
@@ -70,7 +70,7 @@ def test_measure_counts_and_places_the_worst_cell():
     flat = REGULAR.copy()
     flat[3] = flat[:3].mean(axis=0) + 0.02 * (flat[3] - flat[:3].mean(axis=0))
     points = np.concatenate([REGULAR, REGULAR + 5.0, flat - 5.0])
-    found = fem.measure_quality(mesh_of(points, np.arange(12).reshape(3, 4), "P1")[0])
+    found = fem.mesh_quality(build_mesh(points, np.arange(12).reshape(3, 4), "P1")[0])
     assert (found.cells, found.nodes, found.worst) == (3, 12, 2)
     assert found.median == pytest.approx(1.0)
     assert 0.0 < found.smallest < 0.1
@@ -81,27 +81,27 @@ def test_measure_counts_and_places_the_worst_cell():
 def test_bad_mesh_is_refused_with_place_and_remedy_and_a_good_one_is_not(smallest):
     bad = fem.Quality(10, 20, smallest, 0.5, 4, (3e-3, 4e-3, 0.1))
     with pytest.raises(ValueError, match=r"screw: cell 4 of 10 at r = 5 mm, z = 100 mm.*inside out.*smaller element sizes"):
-        fem.refuse_inverted_cells(bad, "screw")
-    fem.refuse_inverted_cells(replace(bad, smallest=0.06), "screw")
+        fem.check_no_inverted_cells(bad, "screw")
+    fem.check_no_inverted_cells(replace(bad, smallest=0.06), "screw")
 
 
 def bent(by):
     """Two tetrahedra on a common face; the edge (0, 1) of the first lies on a surface and is bent towards node 3."""
     corners = np.vstack([REGULAR, [-3.0, 3.0, -3.0]])
-    straight, number = mesh_of(corners, np.array([[0, 1, 2, 3], [0, 2, 3, 4]]), "P1")
+    straight, number = build_mesh(corners, np.array([[0, 1, 2, 3], [0, 2, 3, 4]]), "P1")
     mesh = MeshTet2.from_mesh(straight)
-    points, middle = points_of(mesh).copy(), corners[:2].mean(axis=0)
+    points, middle = node_coordinates(mesh).copy(), corners[:2].mean(axis=0)
     at = int(np.abs(points - middle).sum(axis=1).argmin())
     points[at] += by * (corners[2:4].mean(axis=0) - middle)
-    return with_points(mesh, points), np.array([*number[:2], at])
+    return with_node_coordinates(mesh, points), np.array([*number[:2], at])
 
 
 def test_untangle_bends_inner_edges_along_and_leaves_a_good_mesh_alone():
     mesh, surface = bent(0.1)
-    np.testing.assert_array_equal(fem.untangle(mesh, surface).doflocs, mesh.doflocs)
+    np.testing.assert_array_equal(fem.move_inner_midside_nodes(mesh, surface).doflocs, mesh.doflocs)
     mesh, surface = bent(0.62)
     assert fem.scaled_jacobians(mesh).min() < 0.0
-    after = fem.untangle(mesh, surface)
+    after = fem.move_inner_midside_nodes(mesh, surface)
     assert fem.scaled_jacobians(after).min() > 0.02
     np.testing.assert_array_equal(after.doflocs[:, surface], mesh.doflocs[:, surface])
     np.testing.assert_array_equal(after.doflocs[:, :5], mesh.doflocs[:, :5])  # corners stay
@@ -110,14 +110,14 @@ def test_untangle_bends_inner_edges_along_and_leaves_a_good_mesh_alone():
 def test_a_cell_that_is_turned_inside_out_between_its_nodes_is_straightened():
     """Its Jacobians at the nodes are positive; the stiffness is integrated at places between them."""
     corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    straight = MeshTet2.from_mesh(mesh_of(corners, np.arange(4)[None], "P1")[0])
-    points = points_of(straight).copy()
+    straight = MeshTet2.from_mesh(build_mesh(corners, np.arange(4)[None], "P1")[0])
+    points = node_coordinates(straight).copy()
     points[straight.dofs.element_dofs[4:, 0]] += np.random.default_rng(703).uniform(-0.3, 0.3, (6, 3))
-    mesh = with_points(straight, points)
+    mesh = with_node_coordinates(straight, points)
     assert fem.scaled_jacobians(mesh).min() > 0.0
     with pytest.raises(ValueError, match="inside out"):
-        assemble(elasticity(1.0, 0.3), mesh)
+        assemble_constant_form(elasticity_form(1.0, 0.3), mesh)
     everything, vertices = np.arange(10), mesh.dofs.element_dofs[:4, 0]
-    better, straightened, _ = fem.improve_cells(mesh, "body", everything, vertices)
+    better, straightened, _ = fem.improve_curved_cells(mesh, "body", everything, vertices)
     assert straightened > 0
-    assemble(elasticity(1.0, 0.3), better)
+    assemble_constant_form(elasticity_form(1.0, 0.3), better)

@@ -7,7 +7,13 @@ import pytest
 from tests.helpers import STEEL, small_screw, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.meshes.section import groove_section, nut_groove_range, screw_section, tube_section, volume_ratio
+from rollbench.meshes.section import (
+    axial_range_of_nut_groove,
+    groove_section,
+    grooved_volume_ratio,
+    screw_section,
+    tube_section,
+)
 
 LIN = catalogue.scene("lin-case1")
 
@@ -41,7 +47,7 @@ def test_groove_area_against_a_polygon(outer, beta):
 
 
 def test_nut_groove_range():
-    low, high = nut_groove_range(replace(LIN, nut=replace(LIN.nut, groove_radius=3.4e-3)))
+    low, high = axial_range_of_nut_groove(replace(LIN, nut=replace(LIN.nut, groove_radius=3.4e-3)))
     assert 3.4e-3 * np.sin(low) == pytest.approx((3.4e-3 - 2.778e-3) * np.sin(np.pi / 4), rel=1e-14)
     assert high == np.pi / 2
 
@@ -52,15 +58,15 @@ def test_volume_ratio(starts):
     scene = replace(LIN, track=replace(LIN.track, starts=starts))
     path = np.hypot(2 * np.pi * 16.5e-3, 20e-3)
     expected = 1 - starts * polygon_area(*outline(scene)) * path / (np.pi * 16e-3**2 * 20e-3)
-    assert volume_ratio(scene) == pytest.approx(expected, rel=1e-6)
+    assert grooved_volume_ratio(scene) == pytest.approx(expected, rel=1e-6)
     assert 0.5 < expected < 1.0
-    assert volume_ratio(small_screw(lead=0.0)) == 1.0
+    assert grooved_volume_ratio(small_screw(lead=0.0)) == 1.0
 
 
 @pytest.mark.parametrize(("reading", "power"), [("full", 0.0), ("groove", 0.5), ("groove squared", 1.0)])
 def test_readings_of_c_8(reading, power):
     """k_r scales the diameter: stiffnesses as its square and fourth power."""
-    k = volume_ratio(LIN) ** power
+    k = grooved_volume_ratio(LIN) ** power
     found, full = screw_section(with_ingredients(LIN, section=reading)), tube_section(32e-3, 0.0, STEEL)
     ratios = [getattr(found, name) / getattr(full, name) for name in ("EA", "EI", "GJ", "kGA")]
     assert ratios == pytest.approx([k**2, k**4, k**4, k**2], rel=1e-13)

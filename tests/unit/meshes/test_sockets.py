@@ -15,14 +15,14 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.sockets import (
     SocketSize,
-    fitted_socket,
-    local_points,
-    refuse_misfitting_sockets,
-    socket_coordinates,
-    socket_mesh,
-    socket_points,
-    socket_rim,
-    track_gaps,
+    check_sockets_fit,
+    gaps_between_balls,
+    largest_fitting_socket,
+    local_coordinates_in_socket,
+    mesh_socket_faces,
+    nodes_of_socket_rim,
+    points_in_reference_socket,
+    points_in_socket,
 )
 
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)
@@ -33,7 +33,7 @@ LIN, FLAT = scene("lin-case1"), small_screw(4, beta=np.radians(20.0))
 def fitted(case, sides=ALL, **changes):
     names = ("land_screw", "bore_screw", "land_nut", "outer_nut", "ends")
     given = dict(zip(names, solid_sizes(case), strict=True)) | changes
-    return fitted_socket(GrooveMap.of(case), ball_layout(case), sides, **given)
+    return largest_fitting_socket(GrooveMap.of(case), ball_layout(case), sides, **given)
 
 
 def shares(case, size):
@@ -54,7 +54,7 @@ def with_lead(lead):
 def gaps_of(case, pick=slice(None), turns=0.0):
     """Gaps between balls along the track and their pairs, balls counted from so many turns on."""
     layout = ball_layout(case)
-    return track_gaps(GrooveMap.of(case), (layout.azimuth + 2.0 * np.pi * turns)[pick], layout.z[pick])
+    return gaps_between_balls(GrooveMap.of(case), (layout.azimuth + 2.0 * np.pi * turns)[pick], layout.z[pick])
 
 
 # --- shape -----------------------------------------------------------------------------------------------------------
@@ -63,7 +63,7 @@ def gaps_of(case, pick=slice(None), turns=0.0):
 @pytest.fixture(params=[(2, 2, 2), (1, 1, 1), (3, 2, 1)], ids=str)
 def faces(request):
     m = GrooveMap.of(small_screw(6))
-    return m, *socket_mesh(partial(local_points, m, SIZE, 0), request.param)
+    return m, *mesh_socket_faces(partial(points_in_reference_socket, m, SIZE, 0), request.param)
 
 
 def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
@@ -75,7 +75,7 @@ def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
             assert mesh.edges[pair] == tri[3 + k]
             np.testing.assert_allclose(mesh.xi[tri[3 + k]], mesh.xi[list(pair)].mean(axis=0), atol=1e-15)
             count[pair] = count.get(pair, 0) + 1
-    loop = socket_rim(mesh).tolist()
+    loop = nodes_of_socket_rim(mesh).tolist()
     around = {tuple(sorted(p)) for p in zip(loop, [*loop[1:], loop[0]], strict=True)}
     assert {pair for pair, times in count.items() if times == 1} == around
     assert set(count.values()) == {1, 2}
@@ -89,15 +89,17 @@ def test_socket_coordinates_invert_socket_points(side):
     m = GrooveMap.of(case)
     xi = np.stack(np.meshgrid(*[np.linspace(-1, 1, 5), np.linspace(0, 1, 4), np.linspace(-1, 1, 5)]), -1).reshape(-1, 3)
     for socket in sockets_of(case, (side,)):
-        x = socket_points(m, SIZE, socket, xi)
-        found = socket_coordinates(m, SIZE, socket, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1]))
+        x = points_in_socket(m, SIZE, socket, xi)
+        found = local_coordinates_in_socket(
+            m, SIZE, socket, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
+        )
         np.testing.assert_allclose(found, xi, atol=1e-11)
 
 
 @pytest.mark.parametrize("side", range(4))
 def test_middle_of_a_socket_is_the_nominal_contact_point(side):
     m = GrooveMap.of(small_screw(6))
-    x = local_points(m, SIZE, side, np.zeros((1, 3)))[0] - [m.R, 0.0, 0.0]
+    x = points_in_reference_socket(m, SIZE, side, np.zeros((1, 3)))[0] - [m.R, 0.0, 0.0]
     assert np.linalg.norm(x) == pytest.approx(m.ball, abs=1e-15)
     assert x[0] == pytest.approx(m.signs[side, 0] * m.ball * np.cos(m.beta), abs=1e-15)
 
@@ -182,7 +184,7 @@ def test_sockets_of_a_ball_stay_apart(beta, conformity):
     m = GrooveMap.of(case)
     size = fitted(case, land_screw=16.45e-3, land_nut=16.55e-3)
     for side in ALL:
-        x3, z3 = m.section_point(side, m.beta + size.gamma * np.array([-1.0, 1.0]), np.full(2, m.radius[side]))
+        x3, z3 = m.polar_to_section(side, m.beta + size.gamma * np.array([-1.0, 1.0]), np.full(2, m.radius[side]))
         angle = np.degrees(np.arctan2(np.abs(z3), np.abs(x3)))
         assert np.all(np.sign(x3) == m.signs[side, 0])
         assert np.all(np.sign(z3) == m.signs[side, 1])
@@ -235,7 +237,7 @@ def test_no_room_is_refused_with_cause_and_remedy(case, sides, change, match):
 def test_misfits_are_refused(size, match):
     case = small_screw(6)
     with pytest.raises(ValueError, match=rf"socket.*{match}.*make the sockets smaller"):
-        refuse_misfitting_sockets(GrooveMap.of(case), size, sockets_of(case, (0,)), 16e-3, 12.6e-3, (0.0, 0.2))
+        check_sockets_fit(GrooveMap.of(case), size, sockets_of(case, (0,)), 16e-3, 12.6e-3, (0.0, 0.2))
 
 
 def test_sockets_at_an_end_or_on_no_groove_are_refused():
@@ -243,15 +245,15 @@ def test_sockets_at_an_end_or_on_no_groove_are_refused():
     m, sockets = GrooveMap.of(case), sockets_of(case, (0,))
     phi, z, side = sockets[0]
     for good in (sockets, ((phi + 2.0 * np.pi, z, side),)):
-        refuse_misfitting_sockets(m, SIZE, good, 16e-3, 1.5e-3, (0.08, 0.12))
+        check_sockets_fit(m, SIZE, good, 16e-3, 1.5e-3, (0.08, 0.12))
     for bad, end, why in ((sockets, 0.107, "flat end"), (((phi + 0.1, z, side),), 0.12, "not lie on a groove")):
         with pytest.raises(ValueError, match=why):
-            refuse_misfitting_sockets(m, SIZE, bad, 16e-3, 1.5e-3, (0.08, end))
+            check_sockets_fit(m, SIZE, bad, 16e-3, 1.5e-3, (0.08, end))
 
 
 def test_sockets_of_neighbouring_turns_that_meet_are_refused():
     case = with_lead(4.4e-3)
     with pytest.raises(ValueError, match="next turn"):
-        refuse_misfitting_sockets(
+        check_sockets_fit(
             GrooveMap.of(case), SocketSize(0.3, 0.9e-3, 0.05), sockets_of(case, (2, 3)), 15e-3, 22e-3, (0.1, 0.2)
         )

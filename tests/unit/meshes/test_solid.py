@@ -8,31 +8,31 @@ import pytest
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.hertz import hertz_constants
 from rollbench.meshes.parts import Solid
-from rollbench.meshes.solid import groove_depths, solid_dimensions
+from rollbench.meshes.solid import dimensions_of_3d_parts, largest_groove_depths
 
 
 def test_what_a_scene_does_not_give_is_assumed_and_said():
     scene = catalogue.scene("lin-case1")
-    d = solid_dimensions(scene)
+    d = dimensions_of_3d_parts(scene)
     assert (d.land, d.hole, d.shaft) == pytest.approx((17e-3, 1.5e-3, 24.75e-3))
     assert (d.nut_held, d.screw_held, d.shaft_radius) == ("left face", "ends", None)
     assert d.ends(scene) == pytest.approx((0.34825, 0.45175))
     text = " ".join(d.assumed)
     assert all(word in text for word in ("34 mm", "3 mm diameter", "left face", "24.8 mm"))
     given = replace(scene, solid=Solid(33.6e-3, 4e-3, 10e-3, 30e-3, "both faces", "ends"))
-    d = solid_dimensions(given)
+    d = dimensions_of_3d_parts(given)
     assert (d.land, d.hole, d.shaft, d.shaft_radius) == pytest.approx((16.8e-3, 2e-3, 10e-3, 15e-3))
     assert d.nut_held == "both faces"
     assert len(d.assumed) == 1  # flat faces and a groove that runs through: nothing else
 
 
 def test_a_bearing_on_a_stiff_shaft_and_a_stretch_that_ends_where_the_screw_does():
-    d = solid_dimensions(catalogue.scene("bearing-9"))
+    d = dimensions_of_3d_parts(catalogue.scene("bearing-9"))
     assert (d.nut_held, d.screw_held, d.shaft, d.hole) == ("outer surface", "bore", 0.0, 25e-3)
     assert "bore" in " ".join(d.assumed)
     scene = catalogue.scene("lin-case1")
     short = replace(scene, nut=replace(scene.nut, position=30e-3))
-    assert solid_dimensions(short).ends(short)[0] == 0.0
+    assert dimensions_of_3d_parts(short).ends(short)[0] == 0.0
 
 
 REFUSED = [(Solid(nut_inner_diameter=33e-3), "nut_inner_diameter"), (Solid(hole_diameter=28e-3), "hole")]
@@ -41,7 +41,7 @@ REFUSED = [(Solid(nut_inner_diameter=33e-3), "nut_inner_diameter"), (Solid(hole_
 @pytest.mark.parametrize(("solid", "key"), REFUSED)
 def test_dimensions_without_groove_or_wall_are_refused(solid, key):
     with pytest.raises(ValueError, match=key):
-        solid_dimensions(replace(catalogue.scene("lin-case1"), solid=solid))
+        dimensions_of_3d_parts(replace(catalogue.scene("lin-case1"), solid=solid))
 
 
 def wide(radius=20e-3):
@@ -54,20 +54,20 @@ def test_a_groove_is_as_deep_as_its_bottom_and_not_as_its_radius():
     """Arcs of 20 mm whose centres lie 16 mm from the ball's at 45 deg meet 5.18 mm below the pitch circle."""
     off = 16e-3 * np.sqrt(0.5)
     depth = np.sqrt(20e-3**2 - off**2) - off
-    assert groove_depths(wide()) == pytest.approx((depth, depth), rel=1e-12)
-    assert solid_dimensions(wide()).hole == 11e-3  # a wall of 3.82 mm
+    assert largest_groove_depths(wide()) == pytest.approx((depth, depth), rel=1e-12)
+    assert dimensions_of_3d_parts(wide()).hole == 11e-3  # a wall of 3.82 mm
     thin = replace(wide(), screw=replace(wide().screw, bore=2.0 * (20e-3 - depth) + 1e-6))
     with pytest.raises(ValueError, match=r"below 29.64 mm"):
-        solid_dimensions(thin)
+        dimensions_of_3d_parts(thin)
     unlike = replace(wide(), screw=replace(wide().screw, groove_radius=8e-3))
-    assert groove_depths(unlike)[0] < groove_depths(unlike)[1] == pytest.approx(depth)
+    assert largest_groove_depths(unlike)[0] < largest_groove_depths(unlike)[1] == pytest.approx(depth)
 
 
 @pytest.mark.slow
 def test_a_pair_in_nearly_flat_grooves_has_a_3d_reference_of_hertz_pressure(command, monkeypatch, tmp_path):
     """At its own load the 3D contact has the pressure and approach of two ellipsoids: it is small against the bodies."""
     monkeypatch.chdir(tmp_path)
-    text = catalogue.scene_text("two-balls").replace('groove_radius = "4.4 mm"', 'groove_radius = "20 mm"')
+    text = catalogue.shipped_scene_text("two-balls").replace('groove_radius = "4.4 mm"', 'groove_radius = "20 mm"')
     (tmp_path / "wide.toml").write_text(text, encoding="utf-8")
     found = command.answer("compare", "wide.toml", "--levels", "1")["scenes"][0]["answers"]["3D reference"]
     assert found["loads"]["loaded_contacts"] == 8
@@ -83,8 +83,8 @@ def test_a_pair_in_nearly_flat_grooves_has_a_3d_reference_of_hertz_pressure(comm
 def test_a_station_at_an_end_is_the_end():
     """Rounded apart by 6e-17 m, the support held the hole's surface in place of the flat end."""
     scene = catalogue.scene("lin-case1-cut")
-    low, high = solid_dimensions(scene).ends(scene)
+    low, high = dimensions_of_3d_parts(scene).ends(scene)
     assert low == scene.supports[0].at == scene.loads[0].at
     assert high == pytest.approx(scene.nut.position + 18e-3)
     moved = replace(scene, supports=(replace(scene.supports[0], at=low + 1e-6),), loads=())
-    assert solid_dimensions(moved).ends(moved)[0] == pytest.approx(low, abs=1e-12)
+    assert dimensions_of_3d_parts(moved).ends(moved)[0] == pytest.approx(low, abs=1e-12)

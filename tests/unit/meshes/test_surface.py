@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tests.helpers import FLANK_ERRORS, small_screw
 
-from rollbench.meshes.errors import specimen
-from rollbench.meshes.helix import ball_layout, lead_angle, reduced_lead
+from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.helix import ball_layout, lead_angle, lead_per_radian
 from rollbench.meshes.parts import SIDES, Errors
 from rollbench.meshes.surface import principal_curvatures, surface_derivatives
 
@@ -72,7 +72,7 @@ def setup(errors=None, **options):
     scene = replace(small_screw(**options), errors=errors or Errors())
     scene = replace(scene, nut=replace(scene.nut, azimuth=0.4))
     layout = ball_layout(scene)
-    return scene, layout, specimen(scene, layout), np.linspace(0.3, 1.2, layout.z.size)
+    return scene, layout, draw_specimen(scene, layout), np.linspace(0.3, 1.2, layout.z.size)
 
 
 @pytest.mark.parametrize("errors", [None, FLANK_ERRORS], ids=["exact", "errors"])
@@ -141,5 +141,5 @@ def test_constant_offset_of_all_flanks_is_a_change_of_radius():
 
 def test_lead_and_its_angle():
     right, left = small_screw().track, small_screw(hand="left").track
-    assert reduced_lead(right) == -reduced_lead(left) == 20e-3 / (2 * np.pi)
+    assert lead_per_radian(right) == -lead_per_radian(left) == 20e-3 / (2 * np.pi)
     assert lead_angle(right) == -lead_angle(left) == pytest.approx(np.arctan(20 / (33 * np.pi)), rel=1e-15)

@@ -9,7 +9,13 @@ import pytest
 from tests.fe_meshes import LOCAL, boundary_faces, cube, distorted, face_nodes, volume
 from tests.patch_meshes import socket
 
-from rollbench.meshes.tet_patch import SUB_TRIANGLES, TetBox, build_tets, signed_volumes, split_second_order
+from rollbench.meshes.tet_patch import (
+    SUB_TRIANGLES,
+    TetBox,
+    mesh_patch_with_tetrahedra,
+    signed_volumes,
+    split_into_linear_tetrahedra,
+)
 
 pytestmark = pytest.mark.xdist_group("patches of tetrahedra")
 
@@ -20,7 +26,7 @@ INFLUENCE = np.array([0.6e-3, 0.15e-3, 0.35e-3])  # across, depth, along, as SCA
 
 @cache
 def mesh(kind="plain"):
-    return build_tets(BOX, None if kind == "plain" else socket(turned=kind == "turned"))
+    return mesh_patch_with_tetrahedra(BOX, None if kind == "plain" else socket(turned=kind == "turned"))
 
 
 OWN = ["plain", "straight", "turned"]
@@ -105,17 +111,17 @@ def test_faces_divide_the_socket_s_triangles(kind):
 def test_boxes_that_cannot_be_meshed_are_refused():
     for zone in ((1.0, 0.2), (0.2, 0.0), (0.5, 1.2)):
         with pytest.raises(ValueError, match=r"half widths .* of the contact zone"):
-            build_tets(replace(BOX, zone=zone))
+            mesh_patch_with_tetrahedra(replace(BOX, zone=zone))
     for k in range(len(socket().triangles)):
         torn = replace(socket(), triangles=np.delete(socket().triangles, k, axis=0))
         with pytest.raises(ValueError, match="one open rim"):
-            build_tets(BOX, torn)
+            mesh_patch_with_tetrahedra(BOX, torn)
 
 
 def test_split_cells_fill_the_same_volume_and_conform():
     """Their faces on the surface are the four triangles of every second-order face; inside, each is shared by two."""
     points, cells = cube("P2", 2)
-    parts = split_second_order(points, cells)
+    parts = split_into_linear_tetrahedra(points, cells)
     assert parts.shape == (8 * len(cells), 4)
     assert np.array_equal(np.unique(parts), np.unique(cells))
     outside = boundary_faces(cells, "P2")[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
@@ -125,7 +131,7 @@ def test_split_cells_fill_the_same_volume_and_conform():
     volumes = signed_volumes(points, parts)
     np.testing.assert_allclose(volumes, np.repeat(signed_volumes(points, cells[:, :4]) / 8.0, 8), rtol=1e-12)
     bent = distorted(points, 0.05)
-    parts = split_second_order(bent, cells)
+    parts = split_into_linear_tetrahedra(bent, cells)
     volumes = signed_volumes(bent, parts)
     assert (volumes > 0.0).all()
     assert volumes.sum() == pytest.approx(volume(bent, cells, "P2"), rel=0.01)
@@ -153,7 +159,7 @@ def test_curved_cells_are_split_the_way_that_works_or_refused():
         points = REGULAR.copy()
         points[4:] += rng.normal(0.0, 0.35, (6, 3))
         try:
-            parts = split_second_order(points, np.arange(10)[None])
+            parts = split_into_linear_tetrahedra(points, np.arange(10)[None])
         except ValueError as error:
             assert "1 of 1 second-order cells are too curved" in str(error)  # noqa: PT017
             refused += 1

@@ -8,10 +8,10 @@ import pytest
 from rollbench.compare.models.model_form import (
     FLANGE,
     QUANTITIES,
-    estimate,
+    errors_on_compared_scenes,
+    estimate_model_error,
     lateral_force_and_tilting_moment,
     leave_one_out,
-    shipped_points,
 )
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
@@ -31,7 +31,7 @@ def of(part: str, youngs_modulus: float, poissons_ratio: float = STEEL.poissons_
 def expected(scene, model: str = "lin", points=None):
     result = run_model(scene, model, Options(discretisation=False, engine="interpreted"))
     assert result.converged
-    return estimate(scene, result, points)
+    return estimate_model_error(scene, result, points)
 
 
 @pytest.mark.parametrize("model", ["lin", "refined"])
@@ -66,7 +66,7 @@ TILTS = [
 
 @pytest.mark.parametrize("loads", TILTS)
 def test_what_tilts_the_nut_counts_wherever_it_comes_from(loads) -> None:
-    level = [p for p in shipped_points() if p.features["moment"] < 0.1]
+    level = [p for p in errors_on_compared_scenes() if p.features["moment"] < 0.1]
     found = expected(replace(SCENE, loads=(*SCENE.loads, *loads)), points=level)
     assert found.percent is None
     assert "tilting moment" in found.words[-1]
@@ -95,7 +95,7 @@ def test_nothing_is_expected_of_contacts_without_load() -> None:
 @pytest.mark.parametrize("model", ["lin", "refined"])
 def test_as_many_compared_screws_were_within_as_is_promised(model: str) -> None:
     """Counted by the whole bound made anew from the others, of all screws and of those held by a flange."""
-    found = leave_one_out(shipped_points(), model)
+    found = leave_one_out(errors_on_compared_scenes(), model)
     covered = [one for one in found if one.expected is not None]
     assert len(found) - len(covered) <= UNCOVERED
     flanged = [one for one in covered if FLANGE in one.point.features]

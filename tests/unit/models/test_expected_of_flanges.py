@@ -4,7 +4,13 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.compare.models.model_form import FLANGE, estimate, features, leave_one_out, shipped_points
+from rollbench.compare.models.model_form import (
+    FLANGE,
+    errors_on_compared_scenes,
+    estimate_model_error,
+    features_of_scene,
+    leave_one_out,
+)
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import Flange
@@ -12,7 +18,7 @@ from rollbench.meshes.parts import Flange
 SCENE = catalogue.scene("lin-case1")
 ON_FLANGE = replace(SCENE, nut=replace(SCENE.nut, flange=Flange(72e-3, 11e-3, (24e-3, 36e-3))))
 RESULT = run_model(SCENE, "lin", Options(discretisation=False, engine="interpreted"))
-PLAIN = [p for p in shipped_points() if FLANGE not in p.features and p.model == "lin"]
+PLAIN = [p for p in errors_on_compared_scenes() if FLANGE not in p.features and p.model == "lin"]
 
 
 def flanged(count: int, factor: float):
@@ -23,17 +29,17 @@ def flanged(count: int, factor: float):
 
 
 def test_a_nut_on_a_flange_is_not_covered_by_nuts_without() -> None:
-    assert FLANGE in features(ON_FLANGE, RESULT)
-    assert FLANGE not in features(SCENE, RESULT)
-    found = estimate(ON_FLANGE, RESULT, [*PLAIN, *flanged(2, 1.0)])
+    assert FLANGE in features_of_scene(ON_FLANGE, RESULT)
+    assert FLANGE not in features_of_scene(SCENE, RESULT)
+    found = estimate_model_error(ON_FLANGE, RESULT, [*PLAIN, *flanged(2, 1.0)])
     assert (found.percent, "too few nuts held by a flange" in found.words[-1]) == (None, True)
 
 
 def test_flanges_with_larger_errors_are_expected_to_have_them_and_change_no_other() -> None:
     many = [*PLAIN, *flanged(40, 5.0)]
-    plain, other = estimate(SCENE, RESULT, PLAIN), estimate(SCENE, RESULT, many)
+    plain, other = estimate_model_error(SCENE, RESULT, PLAIN), estimate_model_error(SCENE, RESULT, many)
     assert other == plain
-    on_flange = estimate(ON_FLANGE, RESULT, many).percent
+    on_flange = estimate_model_error(ON_FLANGE, RESULT, many).percent
     assert on_flange > 2.0 * plain.percent
     judged = {x.point.scene: x for x in leave_one_out(many, "lin")}
     alone = {x.point.scene: x for x in leave_one_out(PLAIN, "lin")}
@@ -43,7 +49,7 @@ def test_flanges_with_larger_errors_are_expected_to_have_them_and_change_no_othe
 
 def test_a_flange_that_does_not_hold_its_nut_is_of_no_compared_kind() -> None:
     face = replace(ON_FLANGE, solid=replace(SCENE.solid, nut_held="left face"))
-    found = estimate(face, RESULT, PLAIN)
+    found = estimate_model_error(face, RESULT, PLAIN)
     assert (found.percent, "is not fixed at it" in found.words[-1]) == (None, True)
-    plain = estimate(replace(SCENE, solid=face.solid), RESULT, PLAIN)
-    assert plain.percent == pytest.approx(estimate(SCENE, RESULT, PLAIN).percent)
+    plain = estimate_model_error(replace(SCENE, solid=face.solid), RESULT, PLAIN)
+    assert plain.percent == pytest.approx(estimate_model_error(SCENE, RESULT, PLAIN).percent)

@@ -13,15 +13,22 @@ from scipy.stats import binom, norm
 from tests.axes import double_nut, fixed_axis
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.loading import scaled
+from rollbench.compare.models.loading import scale_loads
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.members import members
-from rollbench.compare.studies.members.ensemble import KEPT, STEP, contact_loads, output_names, raceway_life_sum, with_seed
-from rollbench.compare.studies.members.members import _binomial_quantile, run_members, sample_statistics
+from rollbench.compare.studies.members.ensemble import (
+    KEPT,
+    STEP,
+    contact_loads_of_all_balls,
+    output_names,
+    raceway_life_sum,
+    with_seed,
+)
+from rollbench.compare.studies.members.members import _binomial_quantile, sample_statistics, solve_specimens_of_scene
 from rollbench.lowfi.statics.axis.system import ball_positions
-from rollbench.meshes.errors import without_draws
+from rollbench.meshes.errors import scene_without_random_errors
 from rollbench.meshes.parts import BallErrors
 
 RANDOM = catalogue.scene("lin-random")
@@ -36,7 +43,7 @@ def member_of(scene, member=0):
 
 
 def test_members_are_the_single_solves():
-    found = run_members(RANDOM, "lin", 5)
+    found = solve_specimens_of_scene(RANDOM, "lin", 5)
     loads = np.stack([member_of(RANDOM, m).load for m in range(5)])
     for name, of in (("mean", np.mean), ("largest", np.max), ("smallest", np.min)):
         np.testing.assert_allclose(getattr(found.bands, name), of(loads, axis=0), rtol=1e-12, err_msg=name)
@@ -47,7 +54,7 @@ def test_members_are_the_single_solves():
 
 
 def test_stiffness_is_that_of_a_small_change_of_the_load():
-    found = run_members(RANDOM, "lin", 2)
+    found = solve_specimens_of_scene(RANDOM, "lin", 2)
     (load,) = RANDOM.loads
     shift = []
     for factor in (1.0 - STEP, 1.0 + STEP):
@@ -59,15 +66,15 @@ def test_stiffness_is_that_of_a_small_change_of_the_load():
 
 def test_the_same_numbers_whatever_block_is_done_first(monkeypatch):
     """Blocks done in any order, which travel as those of other processes do; another seed gives other members."""
-    alone = run_members(RANDOM, "lin", 12)
-    assert not np.array_equal(alone.kept, run_members(with_errors(seed=1), "lin", 12).kept)
+    alone = solve_specimens_of_scene(RANDOM, "lin", 12)
+    assert not np.array_equal(alone.kept, solve_specimens_of_scene(with_errors(seed=1), "lin", 12).kept)
 
     def backwards(jobs, *_):
         numbered = list(enumerate(jobs))
         return iter([(k, pickle.loads(pickle.dumps(function(*arguments)))) for k, (function, arguments) in numbered[::-1]])
 
     monkeypatch.setattr(members.parallel, "as_done", backwards)
-    shared = run_members(RANDOM, "lin", 12, Engine(workers=2))
+    shared = solve_specimens_of_scene(RANDOM, "lin", 12, Engine(workers=2))
     assert np.array_equal(alone.kept, shared.kept)
     for name in ("mean", "deviation", "smallest", "largest", "counts"):
         assert np.array_equal(getattr(alone.bands, name), getattr(shared.bands, name)), name
@@ -81,8 +88,8 @@ def test_moments_of_balls_between_rigid_rings():
     drawn, hertz = BallErrors(oversize=1e-6, sigma=sigma), replace(base.ingredients, hertz="error-free")
     held = replace(base, supports=(replace(support, fixed=fixed),), ingredients=hertz)
     scene = replace(held, errors=replace(base.errors, balls=drawn))
-    found = run_members(scene, "lin", count)
-    bare = member_of(without_draws(scene))
+    found = solve_specimens_of_scene(scene, "lin", count)
+    bare = member_of(scene_without_random_errors(scene))
     ball, side = np.unravel_index(bare.load.argmax(), bare.load.shape)
     both = bare.hertz_C[ball, side] + bare.hertz_C[ball, 3 - side]
     start = both * bare.load[ball, side] ** (2.0 / 3.0)
@@ -150,7 +157,7 @@ def test_the_stiffness_of_members_has_another_name_than_the_rigidity_of_solve(co
     assert name not in alone["summary"]["axial"]
     scene = catalogue.scene("lin-random")
     (load,) = scene.loads
-    ends = [run_model(scaled(scene, factor), "lin", Options(discretisation=False)) for factor in (1.0, 1.001)]
+    ends = [run_model(scale_loads(scene, factor), "lin", Options(discretisation=False)) for factor in (1.0, 1.001)]
     first, more = (np.interp(load.at, one.centreline_z, one.centreline[:, 2]) for one in ends)
     secant = 1e-3 * load.force[2] / (more - first)
     assert data["statistics"][name]["mean"] == pytest.approx(1e-6 * secant, rel=0.01)
@@ -168,9 +175,9 @@ def drawn_sets(parts):
 
 def test_members_of_several_sets_are_the_single_solves():
     parts = drawn_sets(fixed_axis((0.0, 0.0, 500.0)))
-    found = run_members(parts, "lin", 3)
+    found = solve_specimens_of_scene(parts, "lin", 3)
     results = [run_model(parts, "lin", Options(member=m)) for m in range(3)]
-    loads = np.stack([contact_loads(r) for r in results])
+    loads = np.stack([contact_loads_of_all_balls(r) for r in results])
     np.testing.assert_allclose(found.bands.mean, loads.mean(axis=0), rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(found.bands.largest, loads.max(axis=0), rtol=1e-9, atol=1e-9)
     names = output_names(parts)
@@ -186,7 +193,7 @@ def test_members_of_several_sets_are_the_single_solves():
 
 
 def test_sets_draw_errors_of_their_own(tmp_path):
-    first, second, third = catalogue.scene_text("double-nut").partition('[[sets]]\nname = "nut 2"')
+    first, second, third = catalogue.shipped_scene_text("double-nut").partition('[[sets]]\nname = "nut 2"')
     for said, alike in (("", False), ("\n[sets.errors]\nseed = 0\n", True)):
         file = tmp_path / f"{alike}.toml"
         file.write_text(first + said + SIGMA_TEXT + second + third + said + SIGMA_TEXT)
@@ -205,11 +212,13 @@ def test_what_cannot_be_is_refused():
         (drawn_sets(double_nut()), "lin", 1, "2 to"),
     ):
         with pytest.raises(InputError, match=words):
-            run_members(parts, model, count)
+            solve_specimens_of_scene(parts, model, count)
 
 
 def test_the_command_gives_statistics_of_each_set(tmp_path, command):
-    text = catalogue.scene_text("double-nut").replace("count = 68", "count = 8").replace("turns = 4.3", "turns = 1.5")
+    text = (
+        catalogue.shipped_scene_text("double-nut").replace("count = 68", "count = 8").replace("turns = 4.3", "turns = 1.5")
+    )
     first, second, third = text.partition('[[sets]]\nname = "nut 2"')
     file, rows = tmp_path / "small.toml", tmp_path / "rows.csv"
     file.write_text(first + SIGMA_TEXT + second + third + SIGMA_TEXT)

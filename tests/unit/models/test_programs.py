@@ -16,7 +16,7 @@ from rollbench.compare.errors import InputError, ProgramError
 from rollbench.compare.models import programs
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
-from rollbench.meshes.errors import with_draws
+from rollbench.meshes.errors import scene_with_drawn_errors
 
 EXAMPLES = ROOT / "docs/examples/programs"
 SHARE = f"awk -f {EXAMPLES / 'share.awk'} {{scene.json}} {{loads.csv}}"
@@ -64,7 +64,7 @@ def test_a_program_shares_an_axial_load_as_rigid_parts_do():
 @needs_awk
 def test_every_ball_of_a_specimen_stands_at_one_displacement():
     """Loads of balls of drawn radii: one motion of the screw closes every loaded pair as far as Hertz says."""
-    scene = with_draws(catalogue.scene("lin-random"), 3)
+    scene = scene_with_drawn_errors(catalogue.scene("lin-random"), 3)
     loads = run_model(scene, SHARE, Options(discretisation=False)).load
     read = json.loads(programs.scene_json(scene))
     angle, lead = read["track"]["contact_angle"], read["given"]["lead_angle"]

@@ -15,9 +15,9 @@ CASE1 = catalogue.scene("lin-case1")
 
 
 def test_records_are_complete_labels_are_unique_and_every_model_is_compared():
-    assert comparison.compared_models(tuple(MODELS)) == list(MODELS.values())
+    assert comparison.models_by_name(tuple(MODELS)) == list(MODELS.values())
     with pytest.raises(InputError, match="lin-source-partition"):
-        comparison.compared_models(("ansys",))
+        comparison.models_by_name(("ansys",))
     assert all(m.about and m.label and m.words for m in MODELS.values())
     assert len({m.label for m in MODELS.values()}) == len(MODELS)
     assert DEFAULT in MODELS
@@ -28,14 +28,14 @@ def test_a_variant_is_the_model_on_the_changed_scene():
     changed = replace(CASE1, ingredients=replace(CASE1.ingredients, partition="source"))
     found, expected = run_model(CASE1, "lin-source-partition", QUIET), run_model(changed, "lin", QUIET)
     np.testing.assert_array_equal(found.load, expected.load)
-    assert found.model == comparison.from_result(found).model == "lin-source-partition"
+    assert found.model == comparison.loads_from_result(found).model == "lin-source-partition"
     assert np.abs(found.load - run_model(CASE1, "lin", QUIET).load).max() > 0.1
 
 
 def test_estimate_is_no_part_of_a_run_and_speaks_for_the_source_too():
     results = [run_model(CASE1, name, QUIET) for name in ("lin", "source", "mei")]
     assert not hasattr(results[0], "model_form")
-    lin, source, mei = (model_form.estimate(CASE1, result).percent for result in results)
+    lin, source, mei = (model_form.estimate_model_error(CASE1, result).percent for result in results)
     assert (source, mei) == (pytest.approx(lin, rel=0.02), None)
 
 

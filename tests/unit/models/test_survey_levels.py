@@ -9,50 +9,52 @@ from rollbench.compare.cli import main
 from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.studies import survey, survey_models
 from rollbench.compare.studies.survey_models import (
-    LevelRun,
-    StoredLevelRuns,
-    chosen_screws,
+    StoredTimedLevelRuns,
+    TimedLevelRun,
     load_levels,
-    measure_levels,
+    numbers_of_screws_for_level_2,
     save_levels,
+    time_mesh_levels_on_screws,
 )
 
 
 def runs_of(number):
     """Level 1 with the survey's loads in 50 s, level 2 with loads that are 2 % larger in 90 s."""
     load = np.array(survey_models.stored_loads()[number]["load"])
-    coarse = LevelRun(number, 1, "converged", 50.0, 0.5, load.tolist())
+    coarse = TimedLevelRun(number, 1, "converged", 50.0, 0.5, load.tolist())
     return [coarse, replace(coarse, level=2, seconds=90.0, further_seconds=0.8, load=(1.02 * load).tolist())]
 
 
 def test_the_screws_are_chosen_from_those_that_the_models_are_judged_on():
-    chosen = chosen_screws()
+    chosen = numbers_of_screws_for_level_2()
     assert len(set(chosen)) == len(chosen) == survey_models.COUNT
-    assert set(chosen) <= {record["number"] for record in survey.known_screws()}
+    assert set(chosen) <= {record["number"] for record in survey.records_of_known_screws()}
 
 
 def test_level_1_and_the_models_are_judged_by_level_2():
-    runs = runs_of(chosen_screws()[0])
-    found = {(s.name, s.judged_by): s for s in survey_models.levels_and_models(runs, survey.known_screws())}
+    runs = runs_of(numbers_of_screws_for_level_2()[0])
+    found = {
+        (s.name, s.judged_by): s for s in survey_models.errors_and_times_of_models(runs, survey.records_of_known_screws())
+    }
     coarse = found["3D level 1", "level 2"]
     assert coarse.errors == pytest.approx([100.0 * 0.02 / 1.02])
     assert (coarse.seconds, coarse.further) == (50.0, 0.5)
     assert found["3D level 2", ""].errors.size == 0, "the finest level has no error from these runs"
-    assert found["refined", "level 1"].errors.size == len(survey.known_screws())
-    record = next(r for r in survey.known_screws() if r["number"] == runs[0].number)["models"]["lin"]
+    assert found["refined", "level 1"].errors.size == len(survey.records_of_known_screws())
+    record = next(r for r in survey.records_of_known_screws() if r["number"] == runs[0].number)["models"]["lin"]
     by_level_1, by_level_2 = record["largest_percent"], found["lin", "level 2"].of_mean[0]
     assert by_level_2 == pytest.approx(by_level_1, abs=100.0 * 0.02 * 3.0)
     assert by_level_2 != pytest.approx(by_level_1, abs=0.05)
 
 
 def test_runs_of_the_same_sources_are_not_repeated(tmp_path):
-    number = chosen_screws()[0]
-    save_levels(tmp_path, StoredLevelRuns(measuring_conditions(), "2026-01-01", runs_of(number)))
+    number = numbers_of_screws_for_level_2()[0]
+    save_levels(tmp_path, StoredTimedLevelRuns(measuring_conditions(), "2026-01-01", runs_of(number)))
     before = load_levels((tmp_path,))
-    assert measure_levels(tmp_path, lambda text: pytest.fail(text), count=1).runs == before.runs
+    assert time_mesh_levels_on_screws(tmp_path, lambda text: pytest.fail(text), count=1).runs == before.runs
     old = replace(measuring_conditions(), version="0.1.0")
-    save_levels(tmp_path, StoredLevelRuns(old, "2026-01-01", runs_of(number)))
-    assert not measure_levels(tmp_path, lambda text: pytest.fail(text), count=0).runs
+    save_levels(tmp_path, StoredTimedLevelRuns(old, "2026-01-01", runs_of(number)))
+    assert not time_mesh_levels_on_screws(tmp_path, lambda text: pytest.fail(text), count=0).runs
 
 
 @pytest.mark.parametrize(("options", "named"), [([], "--store"), (["--long", "--store", "x"], "--drawn")])

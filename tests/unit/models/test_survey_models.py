@@ -25,7 +25,7 @@ def test_stored_loads_are_those_that_the_record_judged_our_models_by():
     numbers = [*survey_models.stored_loads()][::37]
     assert len(numbers) >= 4
     for number in numbers:
-        row = survey_models.judge_model("lin", number)
+        row = survey_models.judge_model_on_drawn_screw("lin", number)
         assert row["status"] == "converged"
         assert row["largest_percent"] == pytest.approx(record[number]["largest_percent"], abs=0.1)
         assert row["rms_percent"] == pytest.approx(record[number]["rms_percent"], abs=0.1)
@@ -36,7 +36,7 @@ def test_loads_of_another_screw_judge_nothing(monkeypatch):
     number = next(iter(survey_models.stored_loads()))
     changed = {**survey_models.stored_loads()[number], "of": "another"}
     monkeypatch.setattr(survey_models, "stored_loads", lambda: {number: changed})
-    row = survey_models.judge_model("lin", number)
+    row = survey_models.judge_model_on_drawn_screw("lin", number)
     assert (row["status"], "largest_percent" in row) == ("no stored reference", False)
 
 
@@ -76,7 +76,7 @@ def test_a_screw_without_answer_is_a_row_with_its_reason_and_the_exit_code_is_1(
     assert reasons.keys() == left & {r["screw"] for r in data["models"][mine]} != set()
     assert all("exit code 1; its last line: right hand only" in reason for reason in reasons.values())
     assert (code, data["without_answer"][mine]) == (1, len(reasons))
-    describe = survey_models.judge_model("mei", next(iter(left)))
+    describe = survey_models.judge_model_on_drawn_screw("mei", next(iter(left)))
     assert describe["status"] == "the model does not describe it"
 
 
@@ -88,7 +88,7 @@ def test_a_drawn_screw_and_its_reference_are_files_that_check_takes(command, tmp
     name = f"survey-20360-{number}"
     words = ("check", f"{name}.toml", "--reference", f"{name}-reference.csv", "--no-compute", "--json")
     verdict = json.loads(command(*words, "--model-command", SHARE).out)["verdicts"][0]
-    row = survey_models.judge_model(SHARE, number)
+    row = survey_models.judge_model_on_drawn_screw(SHARE, number)
     assert verdict["max_percent_of_mean"] == pytest.approx(row["largest_percent"], rel=1e-6)
     assert verdict["error_percent"] == pytest.approx(row["gate_percent"], rel=1e-6)
     assert verdict["word"] == row["verdict"] == "fail"

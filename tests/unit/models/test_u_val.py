@@ -10,15 +10,15 @@ from rollbench.compare.models import uncertainty
 from rollbench.compare.models.applicability import (
     DESCRIPTORS,
     compared_scenes,
-    descriptors_in_range,
     descriptors_of_shipped_scenes,
-    outside,
+    descriptors_outside_range,
+    descriptors_with_ranges,
 )
-from rollbench.compare.models.comparison import from_run
-from rollbench.compare.models.model_form import estimate
+from rollbench.compare.models.comparison import loads_from_run
+from rollbench.compare.models.model_form import estimate_model_error
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.sections.fit import range_table
+from rollbench.compare.sections.fit import validated_range_table
 
 pytestmark = pytest.mark.xdist_group("u_val")
 
@@ -34,7 +34,7 @@ def test_an_unknown_part_leaves_u_val_unknown_and_counts_nothing_where_that_is_s
 
 @pytest.mark.parametrize("quantity", uncertainty.QUANTITIES, ids=lambda q: q.name)
 def test_every_part_is_there(quantity) -> None:
-    found = uncertainty.uncertainty(STUDY, SCENE, quantity)
+    found = uncertainty.validation_uncertainty(STUDY, SCENE, quantity)
     assert len(found.parts) == 3
     for values in found.parts.values():
         assert np.isfinite(values).all()
@@ -44,13 +44,13 @@ def test_every_part_is_there(quantity) -> None:
 
 def test_the_grid_s_part_of_loads_is_that_of_the_reference() -> None:
     ref = STUDY.reference(SCENE)
-    found = uncertainty.uncertainty(STUDY, SCENE, uncertainty.QUANTITIES[0])
+    found = uncertainty.validation_uncertainty(STUDY, SCENE, uncertainty.QUANTITIES[0])
     assert found.parts[uncertainty.GRID] == pytest.approx(100.0 * ref.uncertainty / ref.load[ref.load > 0.0].mean())
 
 
 def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
     ref = STUDY.reference(SCENE)
-    answer = from_run(ref.best, "3D")
+    answer = loads_from_run(ref.best, "3D")
     for quantity in uncertainty.QUANTITIES:
         same = uncertainty.validated_error(STUDY, SCENE, "3D", quantity, answer)
         assert (same.error, same.within) == (0.0, 1.0)
@@ -73,20 +73,20 @@ def row(ratio: tuple[float, ...], grid: float, within: float) -> uncertainty.Val
 
 
 def test_bias_and_scatter_of_known_ratios() -> None:
-    (exact,) = uncertainty.scatter([row((1.1, 1.1, 1.1), 0.0, 1.0)])
+    (exact,) = uncertainty.bias_and_scatter([row((1.1, 1.1, 1.1), 0.0, 1.0)])
     assert (exact.bias, exact.scatter) == (pytest.approx(10.0), pytest.approx(0.0, abs=1e-9))
     spread = tuple(np.exp([-0.03, 0.0, 0.03]))
-    (noisy,) = uncertainty.scatter([row(spread, 0.0, 0.5)])
+    (noisy,) = uncertainty.bias_and_scatter([row(spread, 0.0, 0.5)])
     assert (noisy.bias, noisy.scatter) == (pytest.approx(0.0, abs=1e-9), pytest.approx(3.0))
-    (less,) = uncertainty.scatter([row(spread, 2.0, 0.5)])
+    (less,) = uncertainty.bias_and_scatter([row(spread, 2.0, 0.5)])
     assert less.scatter == pytest.approx(np.sqrt(3.0**2 - 1.0**2))
-    (none,) = uncertainty.scatter([row(spread, 20.0, 0.5)])
+    (none,) = uncertainty.bias_and_scatter([row(spread, 20.0, 0.5)])
     assert none.scatter == 0.0
 
 
 def test_compared_scenes_are_inside() -> None:
     for ring in (False, True):
-        assert all(outside(scene) == () for scene in compared_scenes(ring=ring))
+        assert all(descriptors_outside_range(scene) == () for scene in compared_scenes(ring=ring))
     assert len(compared_scenes(ring=False)) + len(compared_scenes(ring=True)) == 15
 
 
@@ -113,13 +113,13 @@ def test_solve_says_not_covered_where_a_scene_is_outside(change, name: str) -> N
     base = STUDY.scene(SCENE)
     result = run_model(base, "lin", Options(discretisation=False))
     changed = change(base)
-    beyond = outside(changed)
-    form = estimate(changed, result)
+    beyond = descriptors_outside_range(changed)
+    form = estimate_model_error(changed, result)
     if name:
         assert any(text.startswith(name) for text in beyond)
         assert form.percent is None
         assert any("outside the range of the compared scenes" in w or "unlike every compared" in w for w in form.words)
-        cells = [r for r in range_table(changed).rows if r["where"] == "OUTSIDE"]
+        cells = [r for r in validated_range_table(changed).rows if r["where"] == "OUTSIDE"]
         assert len(cells) == len(beyond)
     else:
         assert beyond == ()
@@ -137,13 +137,13 @@ def test_nothing_is_covered_where_an_installation_lacks_what_was_compared(monkey
         return left
 
     text_of, scene = files.text, STUDY.scene(name)
-    assert outside(scene) == ()
+    assert descriptors_outside_range(scene) == ()
     result = run_model(scene, "lin", Options(discretisation=False))
     monkeypatch.setattr(files, "text", text)
     descriptors_of_shipped_scenes.cache_clear()
     try:
-        assert estimate(scene, result).percent is None
-        assert "places.json is missing or damaged" in " ".join(outside(scene))
+        assert estimate_model_error(scene, result).percent is None
+        assert "places.json is missing or damaged" in " ".join(descriptors_outside_range(scene))
     finally:
         descriptors_of_shipped_scenes.cache_clear()
 
@@ -151,7 +151,7 @@ def test_nothing_is_covered_where_an_installation_lacks_what_was_compared(monkey
 def test_balls_at_the_face_of_the_nut_are_covered_as_far_as_drawn_screws_have_them() -> None:
     """Liu's screw has its last balls 1.5 radii from the face, drawn ones from 1; closer ones were never compared."""
     scene = STUDY.scene("liu-screw")
-    assert not outside(scene)
+    assert not descriptors_outside_range(scene)
     shorter = replace(scene, nut=replace(scene.nut, length=scene.nut.length - 2.4 * scene.balls.radius))
-    beyond = [place.descriptor.name for place in descriptors_in_range(shorter) if place.outside]
+    beyond = [place.descriptor.name for place in descriptors_with_ranges(shorter) if place.outside]
     assert beyond == ["nut beyond the last balls over the ball's radius"]

@@ -6,22 +6,22 @@ import numpy as np
 import pytest
 
 from rollbench.compare.models import uncertainty
-from rollbench.compare.models.answers import load_answers
+from rollbench.compare.models.answers import rate_contact_loads
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import (
     QUANTITIES,
     ChoiceEffects,
     LoadUncertainty,
-    choices_for,
-    input_parts,
+    applicable_choice_effects,
+    effects_of_input_tolerances,
     input_uncertainty,
-    read_choices,
-    save_choices,
-    second_order,
-    total,
+    large_displacement_effect,
+    read_choice_effects,
+    save_choice_effects,
+    uncertainty_of_loads,
 )
-from rollbench.compare.quantities import as_json
-from rollbench.compare.reference.estimate import uncertainty_percent
+from rollbench.compare.quantities import record_as_json
+from rollbench.compare.reference.estimate import largest_uncertainty_percent
 from rollbench.meshes.parts import Material
 
 pytestmark = pytest.mark.xdist_group("u_val")
@@ -45,27 +45,27 @@ def test_parts_add_by_squares_and_the_largest_are_named() -> None:
     assert less.percent == pytest.approx(np.hypot(0.3, 1.2))
     assert "by experience with other scenes; modelling choices not known; inputs not known; large" in less.text
     assert less.beside == ""
-    assert as_json(less)["modelling_dominated_by"] is None
+    assert record_as_json(less)["modelling_dominated_by"] is None
 
 
 def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest(tmp_path) -> None:
     scene = STUDY.scene("lin-case2")
     mine = replace(scene, name="mine")
-    assert choices_for(scene, KNOWN) == KNOWN["lin-case1"]
-    assert choices_for(mine, KNOWN) == KNOWN["lin-case3"]
-    assert choices_for(mine, {}) is None
+    assert applicable_choice_effects(scene, KNOWN) == KNOWN["lin-case1"]
+    assert applicable_choice_effects(mine, KNOWN) == KNOWN["lin-case3"]
+    assert applicable_choice_effects(mine, {}) is None
     soft = replace(scene, nut=replace(scene.nut, material=Material(3e9, 0.4)))  # under the name of a varied one, too
-    assert choices_for(soft, KNOWN) is None
-    save_choices(tmp_path, KNOWN)
-    assert read_choices(tmp_path) == KNOWN
+    assert applicable_choice_effects(soft, KNOWN) is None
+    save_choice_effects(tmp_path, KNOWN)
+    assert read_choice_effects(tmp_path) == KNOWN
 
 
 def test_the_total_of_a_preloaded_scene() -> None:
     scene, found = STUDY.scene("lin-case3"), STUDY.reference("lin-case3")
-    whole = total(scene, found)
-    assert (whole.discretisation, whole.shared, whole.by_experience) == (uncertainty_percent(found), True, False)
+    whole = uncertainty_of_loads(scene, found)
+    assert (whole.discretisation, whole.shared, whole.by_experience) == (largest_uncertainty_percent(found), True, False)
     assert (whole.choices.scene, whole.choices.choice) == ("lin-case3", "width of the nut's held face")
-    parts = input_parts(STUDY, scene, QUANTITIES[0])
+    parts = effects_of_input_tolerances(STUDY, scene, QUANTITIES[0])
     assert whole.inputs == pytest.approx(float(input_uncertainty(STUDY, scene, QUANTITIES[0])[0].max()))
     assert whole.input == max(parts, key=lambda k: np.abs(parts[k]).max())
     assert 0.0 < whole.percent < 15.0
@@ -74,15 +74,17 @@ def test_the_total_of_a_preloaded_scene() -> None:
 def test_large_displacements_take_more_of_a_heavier_contact() -> None:
     """By the larger semi-axis, so that a load that is eight times as large loses sixteen times as much, its mean eight."""
     scene, found = STUDY.scene("lin-case1"), STUDY.reference("lin-case1")
-    worst = load_answers(scene, found.load, np.radians(found.best.angle)).worst
+    worst = rate_contact_loads(scene, found.load, np.radians(found.best.angle)).worst
     mean = found.load[found.load > 0.0].mean()
-    assert second_order(scene, found) == pytest.approx(3.0 * worst.a / scene.balls.radius * found.load.max() / mean)
+    assert large_displacement_effect(scene, found) == pytest.approx(
+        3.0 * worst.a / scene.balls.radius * found.load.max() / mean
+    )
     eight = replace(found, load=8.0 * found.load)
-    assert second_order(scene, eight) == pytest.approx(2.0 * second_order(scene, found), rel=1e-6)
-    assert second_order(scene, replace(found, load=0.0 * found.load)) == 0.0
+    assert large_displacement_effect(scene, eight) == pytest.approx(2.0 * large_displacement_effect(scene, found), rel=1e-6)
+    assert large_displacement_effect(scene, replace(found, load=0.0 * found.load)) == 0.0
 
 
 def test_a_scene_that_the_cheap_model_does_not_suit_has_no_known_inputs(monkeypatch) -> None:
     scene, found = STUDY.scene("lin-case1"), STUDY.reference("lin-case1")
     monkeypatch.setattr(uncertainty, "MODELS", {"lin": type("none", (), {"suits": staticmethod(lambda _: False)})})
-    assert total(scene, found).inputs is None
+    assert uncertainty_of_loads(scene, found).inputs is None

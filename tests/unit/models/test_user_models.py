@@ -15,7 +15,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.models import user_models
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
-from rollbench.meshes.errors import specimen, with_draws
+from rollbench.meshes.errors import draw_specimen, scene_with_drawn_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FourierTerm, SideErrors
 
@@ -49,7 +49,7 @@ ZEROS = "import numpy as np\n\n\ndef model(scene):\n    return np.zeros((scene.b
 
 def forget():
     user_models.installed_models.cache_clear()
-    user_models.load_model.cache_clear()
+    user_models.load_user_model.cache_clear()
 
 
 @pytest.fixture
@@ -118,10 +118,10 @@ def test_a_specimen_is_written_into_its_scene():
     )
     scene = replace(scene, errors=replace(scene.errors, SR=groove, NL=replace(groove, roundness=groove.pitch)))
     layout = ball_layout(scene)
-    drawn, written = specimen(scene, layout, 2), specimen(with_draws(scene, 2), layout)
+    drawn, written = draw_specimen(scene, layout, 2), draw_specimen(scene_with_drawn_errors(scene, 2), layout)
     for what in ("ball_radius", "centre", "centre_slopes", "radius", "profile"):
         np.testing.assert_allclose(getattr(written, what), getattr(drawn, what), rtol=1e-14, atol=0.0)
-    assert not with_draws(scene, 2).errors.random
+    assert not scene_with_drawn_errors(scene, 2).errors.random
 
 
 def test_pressure_that_it_gives_is_shown_and_judged(installed, command):

@@ -7,10 +7,16 @@ from dataclasses import replace
 import pytest
 from tests.copies import ROOT
 
-from rollbench.compare.evidence import Evidence, counts, misprints, publication_titles, trust
-from rollbench.compare.printed import VERDICTS, Printed, load_table, tables
+from rollbench.compare.evidence import (
+    Evidence,
+    count_entries_by_verdict,
+    misprint_rows,
+    publication_titles,
+    reproduction_sentence,
+)
+from rollbench.compare.printed import VERDICTS, Printed, load_table, printed_table_names
 
-ENTRIES = [row for name in tables() for row in load_table(name)]
+ENTRIES = [row for name in printed_table_names() for row in load_table(name)]
 PLAIN = Printed("lin-x", "a", "b", 1.0, "N", "Lin (2019), 1", "hard", 0.005, "why", "1.00")
 
 
@@ -53,20 +59,20 @@ def test_a_verdict_other_than_the_expected_is_named():
 
 def test_counts_by_source_add_up():
     rows = [Evidence(row) for row in ENTRIES]
-    counted = counts(rows)
+    counted = count_entries_by_verdict(rows)
     assert [row["source"] for row in counted] == [*publication_titles(), "all"]
     total = Counter(row.verdict for row in rows)
     assert {v: counted[-1][v] for v in VERDICTS} == {v: total[v] for v in VERDICTS}
     assert counted[-1]["all"] == len(ENTRIES) == sum(row["all"] for row in counted[:-1])
     assert all(row["judged"] == row["all"] - row["input"] - row["identity"] for row in counted)
-    assert all(str(row["contradicted"]) in trust(row) for row in counted)
+    assert all(str(row["contradicted"]) in reproduction_sentence(row) for row in counted)
 
 
-@pytest.mark.parametrize("row", misprints(), ids=lambda row: f"{row['source']}-{row['place']}-{row['wrong'][:20]}")
+@pytest.mark.parametrize("row", misprint_rows(), ids=lambda row: f"{row['source']}-{row['place']}-{row['wrong'][:20]}")
 def test_every_misprint_has_a_command_and_a_test(row):
     path, _, name = row["test"].partition("::")
     assert re.search(rf"^def {name}\(", (ROOT / path).read_text(encoding="utf-8"), re.MULTILINE), row["test"]
     if row["command"].startswith("rollbench"):
-        assert row["command"].split()[-1] in tables()
+        assert row["command"].split()[-1] in printed_table_names()
     else:
         assert row["command"] == f"pytest {row['test']}"

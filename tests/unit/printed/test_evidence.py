@@ -5,7 +5,7 @@ import pytest
 from rollbench.compare import evidence
 from rollbench.compare.evidence import Evidence, Findings
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import entry, load_table
+from rollbench.compare.printed import load_table, printed_entry
 
 
 def test_sheet_keeps_the_order_of_the_table_leaves_the_rest_open_and_refuses_what_is_not_printed():
@@ -19,7 +19,7 @@ def test_sheet_keeps_the_order_of_the_table_leaves_the_rest_open_and_refuses_wha
     with pytest.raises(KeyError, match=r"lin-3\.3: no printed entry 'my'"):
         Findings("lin-3.3").number("my", 1.0)
     with pytest.raises(KeyError, match="no printed entry"):
-        entry("lin-3.3", "my")
+        printed_entry("lin-3.3", "my")
 
 
 def test_compared_value_follows_the_class():
@@ -32,7 +32,7 @@ def test_compared_value_follows_the_class():
 def test_every_computation_fills_its_own_table_only_and_no_screws_are_drawn_unless_asked_for():
     study = Study(members=0)
     for name in ("lin-B1", "lin-3.1", "lin-G", "lin-4.2"):
-        assert [e.printed for e in evidence.computations_by_table()[name].compute(study)] == list(load_table(name))
+        assert [e.printed for e in evidence.computations_with_function()[name].compute(study)] == list(load_table(name))
     found = {e.printed.key: e for e in evidence.evidence(study, "lin-2.4.2")}
     assert [found[k].agrees for k in ("random_two_point", "random_much", "combined_four_point")] == [None] * 3
     assert found["pitch_much"].agrees is True

@@ -9,7 +9,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.evidence import Evidence
 from rollbench.compare.scenes import catalogue
 
-TABLES = printed_data.tables()
+TABLES = printed_data.printed_table_names()
 ROW = '[[row]]\nkey = "a"\nlabel = "b"\nprinted = "1.20"\nunit = "mm"\nclass = "hard"\n'
 
 
@@ -73,13 +73,13 @@ def test_given_errors_and_force_of_4_3_2_are_in_the_scenes():
     [("0.978", 5e-4), ("1.812e-7", 5e-11), ("10.040", 5e-4), ("27", 0.5), ("-3.137", 5e-4), ("5.38", 5e-3), ("1E3", 500)],
 )
 def test_tolerance_is_half_a_unit_of_the_last_digit(printed, half):
-    assert printed_data.last_digit(printed) == pytest.approx(half, rel=1e-12)
+    assert printed_data.half_unit_of_last_digit(printed) == pytest.approx(half, rel=1e-12)
 
 
 def test_good_row():
-    (r,) = printed_data.parse_table('source = "S"\nplace = "T"\n' + ROW, "t")
+    (r,) = printed_data.parse_printed_table('source = "S"\nplace = "T"\n' + ROW, "t")
     assert (r.value, r.tolerance, r.printed, r.place, r.cls) == (1.2, 0.005, "1.20", "S, T", "hard")
-    (r,) = printed_data.parse_table(ROW + "tolerance = 0.1\n", "t")
+    (r,) = printed_data.parse_printed_table(ROW + "tolerance = 0.1\n", "t")
     assert r.tolerance == 0.1
 
 
@@ -87,7 +87,7 @@ BAND = ROW.replace('"hard"', '"band"')
 
 
 def test_a_band_may_reach_a_quarter_of_its_middle_to_either_side():
-    (r,) = printed_data.parse_table(BAND + 'origin = "x"\nlow = 0.75\nhigh = 1.25\n', "t")
+    (r,) = printed_data.parse_printed_table(BAND + 'origin = "x"\nlow = 0.75\nhigh = 1.25\n', "t")
     assert (r.low, r.high) == (0.75, 1.25)
 
 
@@ -120,7 +120,7 @@ FAULTY = {
 @pytest.mark.parametrize(("text", "key"), [(text, key) for key, texts in FAULTY.items() for text in texts])
 def test_faulty_rows_are_refused(text, key):
     with pytest.raises(InputError) as caught:
-        printed_data.parse_table(text, "t")
+        printed_data.parse_printed_table(text, "t")
     assert (caught.value.key, caught.value.file, "\n" in str(caught.value)) == (key, "t.toml", False)
 
 

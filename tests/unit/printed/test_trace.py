@@ -8,27 +8,27 @@ import pytest
 from tests.copies import ROOT
 from tests.sources.entries import keys
 
-from rollbench.compare.evidence import computations, computations_by_table, evidence, origins_of_entries
+from rollbench.compare.evidence import all_computations, computations_with_function, evidence, origins_of_entries
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import load_table, tables
+from rollbench.compare.printed import load_table, printed_table_names
 
 #: The cases' modules are imported by the names that ``computations.toml`` gives.
 pytestmark = pytest.mark.further
-BY_TABLE, NOT_COMPUTED = computations_by_table(), computations().keys() - computations_by_table().keys()
+BY_TABLE, NOT_COMPUTED = computations_with_function(), all_computations().keys() - computations_with_function().keys()
 COMPUTATIONS = tuple(BY_TABLE.values())
 TRACES = list(origins_of_entries())
 
 
 def test_every_printed_entry_is_traced_once():
-    entries = Counter((r.table, r.key) for name in tables() for r in load_table(name))
+    entries = Counter((r.table, r.key) for name in printed_table_names() for r in load_table(name))
     assert Counter((t.table, t.key) for t in TRACES) == entries
-    assert set(computations()) == set(tables())
+    assert set(all_computations()) == set(printed_table_names())
 
 
 @pytest.mark.parametrize("computation", COMPUTATIONS, ids=lambda c: c.table)
 def test_computation_resolves_to_a_function_and_a_test_file_that_asserts_every_entry_of_the_table(computation):
     """The file's function test_entry is parametrised with the keys of the table."""
-    module, name = computation.function.split(":")
+    module, name = computation.function_name.split(":")
     assert callable(getattr(import_module(module), name))
     tree = ast.parse((ROOT / computation.test).read_text(encoding="utf-8"))
     (entry,) = (n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == "test_entry")

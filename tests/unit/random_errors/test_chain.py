@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq, minimize
 
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
+from rollbench.lowfi.jit import RANDOM_ERRORS, load_kernel_package
 from rollbench.lowfi.random_errors import chain as chains
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.mei import solve_mei
@@ -15,9 +15,9 @@ from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.section import screw_section
 
 ANGLE, LEAD, A = np.radians(45.0), np.radians(3.64), 0.191e-3
-SHORT = chains.Chain(5, 7e9, 2e-10, A, ANGLE, LEAD)
+SHORT = chains.BallScrewChain(5, 7e9, 2e-10, A, ANGLE, LEAD)
 ERRORS = 1e-6 * np.array([-1.5, 0.7, 2.0, -2.0, 0.3])
-LONG = chains.Chain(78, 7.1e9, 3.9e-12, A, ANGLE, LEAD)
+LONG = chains.BallScrewChain(78, 7.1e9, 3.9e-12, A, ANGLE, LEAD)
 
 
 def long_errors(seed=1, half=2e-6, balls=78):
@@ -27,7 +27,7 @@ def long_errors(seed=1, half=2e-6, balls=78):
 def solved(load=500.0, **changes):
     """The long chain with some changes, without errors."""
     chain = replace(LONG, **changes)
-    return chain, chains.solve_chain(chain, np.zeros(chain.balls), load)
+    return chain, chains.solve_ball_screw(chain, np.zeros(chain.balls), load)
 
 
 def energy(u, chain, errors, load):
@@ -48,7 +48,7 @@ def test_minimum_by_brute_force(law, load):
     chain = replace(SHORT, law=law)
     options = {"xatol": 1e-9, "fatol": 1e-13, "maxiter": 20000, "maxfev": 40000, "adaptive": True}
     found = minimize(energy, np.full(5, 6.0), (chain, ERRORS, load), method="Nelder-Mead", options=options)
-    s = chains.solve_chain(chain, ERRORS, load)
+    s = chains.solve_ball_screw(chain, ERRORS, load)
     assert s.converged
     assert energy(1e6 * s.motion, chain, ERRORS, load) <= found.fun + 1e-9 * abs(found.fun)
     # loose balls ride on the chain: their motion is determined too
@@ -71,7 +71,7 @@ def implicit_load(u, error, chain):
 @pytest.mark.parametrize("load", [5.0, 60.0, 900.0])
 def test_source_s_implicit_angle(load):
     chain = replace(SHORT, law="implicit")
-    s = chains.solve_chain(chain, ERRORS, load)
+    s = chains.solve_ball_screw(chain, ERRORS, load)
     q, sine = np.array([implicit_load(u, e, chain) for u, e in zip(s.motion, ERRORS, strict=True)]).T
     assert s.load == pytest.approx(q, rel=1e-10, abs=1e-10 * load)
     tail = np.cumsum((q * sine * np.cos(LEAD))[::-1])[::-1]
@@ -84,15 +84,15 @@ def test_source_s_implicit_angle(load):
 def test_conditions_of_the_minimum(law, load):
     """Equilibrium, compatibility, no tension, no gap at a loaded ball."""
     chain, e = replace(LONG, law=law), long_errors()
-    s = chains.solve_chain(chain, e, load)
-    k = kernels(RANDOM_ERRORS, compiled=False)
+    s = chains.solve_ball_screw(chain, e, load)
+    k = load_kernel_package(RANDOM_ERRORS, compiled=False)
     force = np.array(
-        [k.ball_force(u, x, chains.LAWS.index(law), chain.parameters)[1] for u, x in zip(s.motion, e, strict=True)]
+        [k.ball_force(u, x, chains.LAWS.index(law), chain.kernel_parameters)[1] for u, x in zip(s.motion, e, strict=True)]
     )
     tail = np.cumsum(force[::-1])[::-1]
     assert tail[0] == pytest.approx(load, rel=1e-9)
     assert -np.diff(s.motion) == pytest.approx(chain.compliance * tail[1:], rel=1e-8, abs=1e-18)
-    free = chains.free_motion(chain, e)
+    free = chains.axial_motion_at_touch(chain, e)
     assert np.array_equal(s.load > 0.0, s.motion > free)
     assert s.load.min() >= 0.0
     assert 0 < s.loaded <= 78
@@ -100,7 +100,7 @@ def test_conditions_of_the_minimum(law, load):
 
 def test_two_balls_by_hand():
     """Constant angle, no error: k d2^1.5 carried by ball 2 stretches the one segment."""
-    chain = chains.Chain(2, 7e9, 1e-9, A, ANGLE, LEAD, "constant")
+    chain = chains.BallScrewChain(2, 7e9, 1e-9, A, ANGLE, LEAD, "constant")
     slope, load = chain.slope, 200.0
 
     def excess(q2):
@@ -108,7 +108,7 @@ def test_two_balls_by_hand():
         return ((q1 / 7e9) ** (2 / 3) - (q2 / 7e9) ** (2 / 3)) / slope - 1e-9 * slope * q2
 
     q2 = brentq(excess, 0.0, load / slope / 2, xtol=1e-14)
-    assert chains.solve_chain(chain, np.zeros(2), load).load == pytest.approx([load / slope - q2, q2], rel=1e-9)
+    assert chains.solve_ball_screw(chain, np.zeros(2), load).load == pytest.approx([load / slope - q2, q2], rel=1e-9)
 
 
 def test_rigid_bodies_share_equally_and_load_as_hertz():
@@ -133,7 +133,7 @@ def test_one_ball_is_a_hertz_contact_at_its_angle():
 @pytest.mark.parametrize("load", [40.0, 700.0, 4000.0])
 def test_stiffness_is_the_slope_of_the_curve(law, load):
     chain, e, h = replace(LONG, law=law), long_errors(3), 1e-5
-    low, s, high = (chains.solve_chain(chain, e, load * f) for f in (1.0 - h, 1.0, 1.0 + h))
+    low, s, high = (chains.solve_ball_screw(chain, e, load * f) for f in (1.0 - h, 1.0, 1.0 + h))
     slope = 2.0 * h * load / (high.displacement - low.displacement)
     assert s.stiffness == pytest.approx(slope, rel=1e-5)
 
@@ -143,21 +143,21 @@ def test_motion_grows_and_falls_back_on_energy(law):
     """Every motion, load and the stiffness grow with the load; the work of the load is what springs hold."""
     chain, e = replace(LONG, law=law), long_errors(4)
     loads = np.linspace(20.0, 4000.0, 41)
-    states = [chains.solve_chain(chain, e, f) for f in loads]
+    states = [chains.solve_ball_screw(chain, e, f) for f in loads]
     for name in ("motion", "load"):
         assert np.all(np.diff([getattr(s, name) for s in states], axis=0) >= 0.0)
     assert np.all(np.diff([s.loaded for s in states]) >= 0)
     if law == "constant":
         assert np.all(np.diff([s.stiffness for s in states]) > 0.0)
     fine = np.linspace(1e-3, 4000.0, 801)
-    work = np.trapezoid([chains.solve_chain(chain, e, f, compiled=True).motion[0] for f in fine], fine)
+    work = np.trapezoid([chains.solve_ball_screw(chain, e, f, compiled=True).motion[0] for f in fine], fine)
     last = states[-1]
     bars = np.diff(last.motion) ** 2 / (2.0 * chain.compliance)
-    k = kernels(RANDOM_ERRORS, compiled=True)
+    k = load_kernel_package(RANDOM_ERRORS, compiled=True)
 
     def stored(u, x):
-        at = np.linspace(min(chains.free_motion(chain, x), u), u, 101)
-        return np.trapezoid([k.ball_force(a, x, chains.LAWS.index(law), chain.parameters)[1] for a in at], at)
+        at = np.linspace(min(chains.axial_motion_at_touch(chain, x), u), u, 101)
+        return np.trapezoid([k.ball_force(a, x, chains.LAWS.index(law), chain.kernel_parameters)[1] for a in at], at)
 
     held = sum(stored(u, x) for u, x in zip(last.motion, e, strict=True)) + bars.sum()
     # complementary energy: the area beside the curve
@@ -169,26 +169,30 @@ def test_displacement_starts_at_the_first_touch(law):
     """A vanishing load moves the largest ball by its own approach only."""
     chain, e = replace(LONG, law=law), long_errors(6, 3e-6)
     e[20] = 4e-6
-    s = chains.solve_chain(chain, e, 1e-3)
+    s = chains.solve_ball_screw(chain, e, 1e-3)
     assert s.loaded == 1
-    alone = chains.Chain(1, chain.stiffness, 0.0, A - (e.max() if law != "constant" else 0.0), ANGLE, LEAD, "constant")
+    alone = chains.BallScrewChain(
+        1, chain.stiffness, 0.0, A - (e.max() if law != "constant" else 0.0), ANGLE, LEAD, "constant"
+    )
     before = 20 * chain.compliance * 1e-3
-    assert s.displacement - before == pytest.approx(chains.solve_chain(alone, np.zeros(1), 1e-3).displacement, rel=0.05)
+    assert s.displacement - before == pytest.approx(
+        chains.solve_ball_screw(alone, np.zeros(1), 1e-3).displacement, rel=0.05
+    )
 
 
 def test_ball_joins_at_its_load():
     e = np.zeros(78)
     e[32] = -2e-6
-    load = chains.first_carrying_load(LONG, e, 32, 5000.0)
-    assert chains.solve_chain(LONG, e, 0.999 * load).load[32] == 0.0
-    assert chains.solve_chain(LONG, e, 1.001 * load).load[32] > 0.0
-    assert chains.first_carrying_load(LONG, -e, 32, 5000.0) == 0.0
+    load = chains.load_at_which_ball_is_loaded(LONG, e, 32, 5000.0)
+    assert chains.solve_ball_screw(LONG, e, 0.999 * load).load[32] == 0.0
+    assert chains.solve_ball_screw(LONG, e, 1.001 * load).load[32] > 0.0
+    assert chains.load_at_which_ball_is_loaded(LONG, -e, 32, 5000.0) == 0.0
     with pytest.raises(ValueError, match="not loaded"):
-        chains.first_carrying_load(LONG, e, 32, 0.9 * load)
+        chains.load_at_which_ball_is_loaded(LONG, e, 32, 0.9 * load)
     # rigid, constant angle: the other 77 balls close the gap
     rigid = replace(LONG, compliance=0.0, law="constant")
     by_hand = 77 * rigid.slope * rigid.stiffness * 2e-6**1.5
-    assert chains.first_carrying_load(rigid, e, 32, 5000.0) == pytest.approx(by_hand, rel=1e-9)
+    assert chains.load_at_which_ball_is_loaded(rigid, e, 32, 5000.0) == pytest.approx(by_hand, rel=1e-9)
 
 
 def test_same_as_mei_with_a_rigid_nut():
@@ -197,10 +201,10 @@ def test_same_as_mei_with_a_rigid_nut():
     other, layout, constants = solve_mei(s), ball_layout(s), error_free_hertz(s).C
     spacing = float(np.diff(np.sort(layout.z))[0])
     stiffness = float((constants[0] + constants[3]) ** -1.5)
-    chain = chains.Chain(
+    chain = chains.BallScrewChain(
         32, stiffness, spacing / screw_section(s).EA, A, s.track.contact_angle, lead_angle(s.track), "constant"
     )
-    ours = chains.solve_chain(chain, np.zeros(32), 5000.0).load
+    ours = chains.solve_ball_screw(chain, np.zeros(32), 5000.0).load
     assert ours == pytest.approx(np.sort(other.load[:, 0])[::-1], rel=1e-8)
 
 
@@ -208,12 +212,12 @@ def test_uneven_spacing_is_a_chain_with_a_ball_left_out():
     """A ball so small that it stays loose leaves a chain with one gap of two spacings."""
     e = long_errors(5)
     e[40] = -20e-6
-    whole = chains.solve_chain(LONG, e, 3000.0)
+    whole = chains.solve_ball_screw(LONG, e, 3000.0)
     kept = np.delete(np.arange(78), 40)
     mean = 77.0 / 76.0
     gaps = np.diff(kept) / mean
     other = replace(LONG, balls=77, compliance=LONG.compliance * mean, spacing=tuple(gaps))
-    found = chains.solve_chain(other, e[kept], 3000.0)
+    found = chains.solve_ball_screw(other, e[kept], 3000.0)
     assert found.load == pytest.approx(whole.load[kept], rel=1e-9, abs=1e-9)
     assert found.stiffness == pytest.approx(whole.stiffness, rel=1e-9)
     with pytest.raises(ValueError, match="76"):
@@ -222,7 +226,7 @@ def test_uneven_spacing_is_a_chain_with_a_ball_left_out():
 
 def test_calibration():
     chain = chains.calibrate_compliance(LONG, 0.862, 5000.0)
-    assert chains.end_ratio(chain, 5000.0) == pytest.approx(0.862, abs=1e-9)
+    assert chains.last_to_first_load_ratio(chain, 5000.0) == pytest.approx(0.862, abs=1e-9)
     assert chains.calibrate_compliance(LONG, 0.2, 5000.0).compliance > chain.compliance
     for ratio in (0.0, 1.0, 1.2):
         with pytest.raises(ValueError, match="ratio"):
@@ -236,7 +240,7 @@ def test_no_chain_and_bad_input_are_refused():
             replace(LONG, **{name: value})
     for load in (0.0, -1.0, np.inf, np.nan):
         with pytest.raises(ValueError, match="positive"):
-            chains.solve_chain(LONG, np.zeros(78), load)
+            chains.solve_ball_screw(LONG, np.zeros(78), load)
     for errors in (np.zeros(77), np.full(78, np.nan), np.full(78, A)):
         with pytest.raises(ValueError, match="errors"):
-            chains.solve_chain(LONG, errors, 100.0)
+            chains.solve_ball_screw(LONG, errors, 100.0)

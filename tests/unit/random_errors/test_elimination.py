@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rollbench.lowfi.random_errors.chain import LAWS, Chain, solve_chain
+from rollbench.lowfi.random_errors.chain import LAWS, BallScrewChain, solve_ball_screw
 from rollbench.lowfi.random_errors.elimination import solve_by_elimination
 
-CHAIN = Chain(78, 7.1e9, 3.9e-12, 0.191e-3, np.radians(45.0), np.radians(3.64))
+CHAIN = BallScrewChain(78, 7.1e9, 3.9e-12, 0.191e-3, np.radians(45.0), np.radians(3.64))
 
 
 @settings(max_examples=40, deadline=None)
@@ -25,7 +25,7 @@ CHAIN = Chain(78, 7.1e9, 3.9e-12, 0.191e-3, np.radians(45.0), np.radians(3.64))
 def test_same_active_set_and_loads(seed, balls, load, half_range_um, compliance, law):
     chain = replace(CHAIN, balls=balls, compliance=compliance, law=law)
     errors = 1e-6 * np.random.default_rng(seed).uniform(-half_range_um, half_range_um, balls)
-    ours, other = solve_chain(chain, errors, load), solve_by_elimination(chain, errors, load)
+    ours, other = solve_ball_screw(chain, errors, load), solve_by_elimination(chain, errors, load)
     assert (ours.converged, other.converged) == (True, True)
     edge = 1e-6 * ours.load.max()
     assert np.array_equal(ours.load > edge, other.load > edge)

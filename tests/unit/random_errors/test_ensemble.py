@@ -8,15 +8,15 @@ import pytest
 from rollbench.lowfi.random_errors.chain import (
     LAWS,
     QUANTITIES,
-    Chain,
-    draw_errors,
+    BallScrewChain,
+    draw_uniform_errors,
     percentile_rank,
-    solve_chain,
+    solve_ball_screw,
     solve_ensemble,
-    solve_errors,
+    solve_screws_with_errors,
 )
 
-CHAIN = Chain(78, 7.1e9, 3.9e-12, 0.191e-3, np.radians(45.0), np.radians(3.64))
+CHAIN = BallScrewChain(78, 7.1e9, 3.9e-12, 0.191e-3, np.radians(45.0), np.radians(3.64))
 LOADS = [100.0, 1000.0]
 
 
@@ -24,9 +24,9 @@ LOADS = [100.0, 1000.0]
 def test_every_member_as_solved_alone(law):
     chain = replace(CHAIN, law=law)
     found = solve_ensemble(chain, 2e-6, LOADS, 6, seed=7)
-    for i, errors in enumerate(draw_errors(7, 0, 6, 78, 2e-6)):
+    for i, errors in enumerate(draw_uniform_errors(7, 0, 6, 78, 2e-6)):
         for load in LOADS:
-            s = solve_chain(chain, errors, load)
+            s = solve_ball_screw(chain, errors, load)
             alone = (s.load.min(), s.load.max(), s.loaded, s.displacement, s.displacement_first_loaded, s.stiffness)
             together = [found.values_at(name, load)[i] for name in QUANTITIES]
             assert together == pytest.approx(alone, rel=1e-10, abs=1e-14)
@@ -47,10 +47,10 @@ def test_moments_to_first_order():
     """Small errors against the approach: rigid bodies carry Q (1 + 1.5 (e - mean e)/d), so the mean square is closed."""
     chain = replace(CHAIN, compliance=0.0, law="constant")
     half, load = 1e-8, 5000.0
-    state = solve_chain(chain, np.zeros(78), load)
+    state = solve_ball_screw(chain, np.zeros(78), load)
     share, approach = state.load[0], (state.load[0] / chain.stiffness) ** (2 / 3)
-    errors = draw_errors(5, 0, 500, 78, half)
-    loads = np.array([solve_chain(chain, e, load, compiled=True).load for e in errors])
+    errors = draw_uniform_errors(5, 0, 500, 78, half)
+    loads = np.array([solve_ball_screw(chain, e, load, compiled=True).load for e in errors])
     deviation = share * 1.5 / approach * half / np.sqrt(3.0) * np.sqrt(77 / 78)
     assert loads.std() == pytest.approx(deviation, rel=0.02)
     found = solve_ensemble(chain, half, [load], 500, seed=5)
@@ -66,11 +66,11 @@ def test_percentiles_have_the_sampling_error_of_repeated_samples():
         percentile_rank(sample, 5000.0),
         percentile_rank(np.zeros(100), 0.0),
     )
-    assert [(p.middle, p.tail) for p in (inside, beyond, repeated)] == [(25.0, 0.25), (100.0, 0.0), (50.0, 1.0)]
+    assert [(p.middle, p.tail_probability) for p in (inside, beyond, repeated)] == [(25.0, 0.25), (100.0, 0.0), (50.0, 1.0)]
     assert inside.error == pytest.approx(100 * np.sqrt(0.25 * 0.75 / 1000), rel=1e-2)
     assert beyond.error > 0.0
     assert beyond.tail_bound == pytest.approx(2.7 / 1000, rel=0.01)
-    assert percentile_rank(sample, 10.0, 0.5).tail == 0.011
+    assert percentile_rank(sample, 10.0, 0.5).tail_probability == 0.011
     rng = np.random.default_rng(0)
     places = [percentile_rank(rng.random(400), 0.9).middle for _ in range(400)]
     assert np.std(places) == pytest.approx(percentile_rank(rng.random(400), 0.9).error, rel=0.2)
@@ -79,7 +79,7 @@ def test_percentiles_have_the_sampling_error_of_repeated_samples():
 def test_bad_input_is_refused():
     for loads in ([], [0.0], [-1.0], [np.nan]):
         with pytest.raises(ValueError, match="loads"):
-            solve_errors(CHAIN, np.zeros((1, 78)), np.array(loads))
+            solve_screws_with_errors(CHAIN, np.zeros((1, 78)), np.array(loads))
     for kwargs in ({"members": 0}, {"members": 5, "chunk": 0}):
         with pytest.raises(ValueError, match="positive"):
             solve_ensemble(CHAIN, 1e-6, LOADS, **kwargs)

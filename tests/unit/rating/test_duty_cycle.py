@@ -8,12 +8,12 @@ import pytest
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.life import (
     PARTING,
+    basic_rating_life,
     contact_capacity,
     dynamic_rating,
     equivalent_contact_loads,
-    equivalent_life,
     forces_on_halves,
-    life,
+    life_by_equivalent_loads,
 )
 from rollbench.meshes.parts import Errors, Load, Scene
 
@@ -30,12 +30,12 @@ def loads(*columns: int) -> np.ndarray:
 def test_one_case_is_the_life_of_its_loads_to_the_last_digit() -> None:
     load = loads(0, 3)
     assert np.array_equal(equivalent_contact_loads([load], [1.0]), load)
-    assert life(SCREW, equivalent_contact_loads([load], [1.0])) == life(SCREW, load)
-    assert life(SCREW, equivalent_contact_loads([load, 9.0 * load], [1.0, 0.0])) == life(SCREW, load), (
-        "a static check wears nothing"
-    )
-    equal = life(SCREW, equivalent_contact_loads([load, load], [0.3, 0.7]))
-    assert equal.revolutions == pytest.approx(life(SCREW, load).revolutions, rel=1e-12)
+    assert basic_rating_life(SCREW, equivalent_contact_loads([load], [1.0])) == basic_rating_life(SCREW, load)
+    assert basic_rating_life(SCREW, equivalent_contact_loads([load, 9.0 * load], [1.0, 0.0])) == basic_rating_life(
+        SCREW, load
+    ), "a static check wears nothing"
+    equal = basic_rating_life(SCREW, equivalent_contact_loads([load, load], [0.3, 0.7]))
+    assert equal.revolutions == pytest.approx(basic_rating_life(SCREW, load).revolutions, rel=1e-12)
 
 
 def test_damage_adds_up_place_by_place() -> None:
@@ -46,14 +46,16 @@ def test_damage_adds_up_place_by_place() -> None:
         damage = sum(n * (load[:, s] / capacity[s]) ** 3 for n, load in zip(shares, cases, strict=True))
         places = damage if s > 1 else np.full_like(damage, damage.mean())
         wear += float(np.mean(places ** (10.0 / 9.0)))
-    found = life(SCREW, equivalent_contact_loads(cases, list(shares)))
+    found = basic_rating_life(SCREW, equivalent_contact_loads(cases, list(shares)))
     assert found.revolutions == pytest.approx(wear**-0.9, rel=1e-12)
 
 
 def test_a_nut_whose_places_take_turns_lives_longer_than_one_whose_places_do_not() -> None:
     first, second = np.zeros((2, SCREW.ball_count, 4))
     first[:16, 3], second[16:, 3] = 300.0, 300.0
-    apart, same = (life(SCREW, equivalent_contact_loads([first, other], [0.5, 0.5])) for other in (second, first))
+    apart, same = (
+        basic_rating_life(SCREW, equivalent_contact_loads([first, other], [0.5, 0.5])) for other in (second, first)
+    )
     assert apart.revolutions > 1.05 * same.revolutions
 
 
@@ -62,7 +64,9 @@ def axial(force: float, **fields: object) -> Scene:
 
 
 def standard(forces: list[float], shares: list[float], preload: float = 0.0, **fields: object):
-    return equivalent_life([axial(F, **fields) for F in forces], shares, [np.array([0.0, 0.0, F]) for F in forces], preload)
+    return life_by_equivalent_loads(
+        [axial(F, **fields) for F in forces], shares, [np.array([0.0, 0.0, F]) for F in forces], preload
+    )
 
 
 def test_equivalent_load_of_a_nut_with_play() -> None:
@@ -78,8 +82,8 @@ def test_equivalent_load_of_a_nut_with_play() -> None:
 def test_equal_contacts_in_every_case_agree_with_the_equivalent_load() -> None:
     even = np.zeros((SCREW.ball_count, 4))
     even[:, [0, 3]] = 1.0
-    slope = dynamic_rating(SCREW) / life(SCREW, even).revolutions ** (1 / 3)  # axial force of contacts of 1 N
-    found = life(SCREW, equivalent_contact_loads([100.0 * even, 250.0 * even], [0.6, 0.4]))
+    slope = dynamic_rating(SCREW) / basic_rating_life(SCREW, even).revolutions ** (1 / 3)  # axial force of contacts of 1 N
+    found = basic_rating_life(SCREW, equivalent_contact_loads([100.0 * even, 250.0 * even], [0.6, 0.4]))
     by_standard = standard([100.0 * slope, 250.0 * slope], [0.6, 0.4])
     assert found.revolutions == pytest.approx(by_standard.revolutions, rel=1e-10)
 
@@ -105,14 +109,14 @@ UNKNOWN = [
 @pytest.mark.parametrize(("fields", "said"), UNKNOWN)
 def test_the_standard_says_what_it_does_not_know(fields: dict, said: str) -> None:
     with pytest.raises(ValueError, match=f"ISO 3408-5 does not cover.*{said}"):
-        equivalent_life([replace(SCREW, **fields)], [1.0], [np.array([0.0, 0.0, 1e3])], 0.0)
+        life_by_equivalent_loads([replace(SCREW, **fields)], [1.0], [np.array([0.0, 0.0, 1e3])], 0.0)
 
 
 def of_ring(force: tuple[float, float, float], angle: float):
     ring = catalogue.scene("bearing-9")
     track = replace(ring.track, contact_angle=np.radians(angle))
     plain = replace(ring, track=track, loads=(), supports=(), errors=Errors())
-    return plain, equivalent_life([plain], [1.0], [np.array(force)], 0.0)
+    return plain, life_by_equivalent_loads([plain], [1.0], [np.array(force)], 0.0)
 
 
 def test_rings_have_ISO_281_s_factors() -> None:

@@ -8,8 +8,8 @@ import pytest
 
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.template import ball_screw_text
-from rollbench.lowfi.rating.life import contact_capacity, dynamic_rating, filled_turns, life
-from rollbench.lowfi.rating.rigidity import body_compliance
+from rollbench.lowfi.rating.life import basic_rating_life, contact_capacity, dynamic_rating, filled_turns
+from rollbench.lowfi.rating.rigidity import axial_compliance_of_bodies
 from rollbench.meshes.parts import Scene
 
 #: SFU 2505 of a maker: 96 balls in four turns.
@@ -41,7 +41,7 @@ WHOLE = "count = 96\nturns = 4"
 
 
 def screw(balls: str, more: str = "") -> Scene:
-    return scene_file.scene_of_text(SCREW.format(balls=balls) + more, "my.toml")
+    return scene_file.scene_from_text(SCREW.format(balls=balls) + more, "my.toml")
 
 
 def turned(*turns: float) -> str:
@@ -67,9 +67,9 @@ def test_the_same_filled_turns_have_the_same_rating_and_life(balls: str) -> None
     assert filled_turns(scene) == pytest.approx(4.0, rel=1e-12)
     assert dynamic_rating(scene) == pytest.approx(dynamic_rating(whole), rel=1e-9)
     assert dynamic_rating(scene) == pytest.approx(15127.0, rel=1e-4)  # by hand, exponents of the standard rounded
-    assert life(scene, load).revolutions == pytest.approx(life(whole, load).revolutions, rel=1e-9)
+    assert basic_rating_life(scene, load).revolutions == pytest.approx(basic_rating_life(whole, load).revolutions, rel=1e-9)
     np.testing.assert_allclose(contact_capacity(scene), contact_capacity(whole), rtol=1e-9)
-    assert body_compliance(scene) == pytest.approx(body_compliance(whole), rel=1e-9)
+    assert axial_compliance_of_bodies(scene) == pytest.approx(axial_compliance_of_bodies(whole), rel=1e-9)
 
 
 def test_a_hand_calculation_by_ISO_3408_5() -> None:
@@ -119,5 +119,5 @@ def test_a_preload_by_a_share_of_the_rating_does_not_depend_on_gaps() -> None:
 
 
 def test_a_size_s_scene_is_rated_by_its_filled_turns() -> None:
-    scene = scene_file.scene_of_text(ball_screw_text("40x10"), "my.toml")
+    scene = scene_file.scene_from_text(ball_screw_text("40x10"), "my.toml")
     assert filled_turns(scene) == pytest.approx(3.0, rel=1e-9)

@@ -7,11 +7,16 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.compare.models.answers import load_answers
+from rollbench.compare.models.answers import rate_contact_loads
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating import contacts
-from rollbench.lowfi.rating.life import contact_capacity, dynamic_rating, filled_turns, life
-from rollbench.lowfi.rating.rigidity import approach_per_displacement, body_compliance, contacts_displacement, rigidities
+from rollbench.lowfi.rating.life import basic_rating_life, contact_capacity, dynamic_rating, filled_turns
+from rollbench.lowfi.rating.rigidity import (
+    approach_per_displacement,
+    axial_compliance_of_bodies,
+    displacement_by_contacts_only,
+    three_axial_rigidities,
+)
 from rollbench.lowfi.statics import validity
 from rollbench.lowfi.statics.contacts import error_free_hertz, nominal_curvatures
 from rollbench.lowfi.statics.problem import centre_distances
@@ -47,7 +52,7 @@ def oversized(scene: Scene, oversize: float) -> Scene:
 
 
 def drawn(scene: Scene) -> errors.Specimen:
-    return errors.specimen(scene, helix.ball_layout(scene))
+    return errors.draw_specimen(scene, helix.ball_layout(scene))
 
 
 @pytest.mark.parametrize(("ratio", "printed"), [(0.10, 55.5), (0.16, 59.6), (0.20, 59.9), (0.26, 58.2)])
@@ -59,7 +64,10 @@ def test_radial_rating_of_a_ring_is_that_of_the_table_of_ISO_281(ratio: float, p
 
 def test_equal_loads_give_the_cube_of_rating_over_load() -> None:
     screw = catalogue.scene("unseen-40x10")
-    found, axial = life(screw, loads(screw, 250.0)), 250.0 * screw.ball_count * approach_per_displacement(screw)
+    found, axial = (
+        basic_rating_life(screw, loads(screw, 250.0)),
+        250.0 * screw.ball_count * approach_per_displacement(screw),
+    )
     assert (found.revolutions, found.equivalent) == pytest.approx(((dynamic_rating(screw) / axial) ** 3, axial), rel=1e-12)
     assert found.hours(2 * pi) == pytest.approx(1e6 * found.revolutions / 3600.0)
 
@@ -92,10 +100,10 @@ def test_uneven_loads_and_a_second_pair_shorten_life() -> None:
     even = loads(scene, 100.0)
     uneven = even * np.linspace(0.5, 1.5, scene.ball_count)[:, None]
     both = even + even[:, [1, 0, 3, 2]]
-    alike, less, twice = (life(scene, x).revolutions for x in (even, uneven, both))
+    alike, less, twice = (basic_rating_life(scene, x).revolutions for x in (even, uneven, both))
     assert less < alike
     assert twice == pytest.approx(alike * 2.0**-0.9)
-    assert life(scene, 0.0 * even) is None
+    assert basic_rating_life(scene, 0.0 * even) is None
 
 
 def test_static_safety_at_the_rated_pressure_is_one_and_the_dent_about_a_ten_thousandth() -> None:
@@ -103,7 +111,7 @@ def test_static_safety_at_the_rated_pressure_is_one_and_the_dent_about_a_ten_tho
     scene = ring(0.15)
     force = float((validity.DENT_PRESSURE / error_free_hertz(scene).pressure(np.ones(4))[0]) ** 3)
     load = loads(scene, force)
-    worst = contacts.worst_contact(scene, drawn(scene), load, np.where(load > 0.0, 0.0, np.nan))
+    worst = contacts.contact_of_highest_pressure(scene, drawn(scene), load, np.where(load > 0.0, 0.0, np.nan))
     assert worst.side == "SL"
     assert worst.pressure == pytest.approx(1.5 * force / (pi * worst.a * worst.b))
     safety = contacts.static_safety(scene, drawn(scene), worst)
@@ -121,11 +129,11 @@ def test_the_worst_contact_is_that_of_the_ball_that_is_there(hertz: str) -> None
     scene = replace(scene, **wide, ingredients=replace(scene.ingredients, hertz=hertz))
     load = np.zeros((2, 4))
     load[0, 0] = 290.4
-    found = load_answers(scene, load, np.full((2, 4), pi / 4))
+    found = rate_contact_loads(scene, load, np.full((2, 4), pi / 4))
     values = 1e-6 * found.worst.pressure, 1e3 * found.worst.a, 1e6 * found.worst.approach
     assert values == pytest.approx((3038.5, 0.2831, 8.775), rel=2e-4)
     larger = replace(scene, balls=replace(scene.balls, radius=4.005e-3), errors=Errors())
-    same = load_answers(larger, load, np.full((2, 4), pi / 4))
+    same = rate_contact_loads(larger, load, np.full((2, 4), pi / 4))
     assert found.safety.factor == pytest.approx(same.safety.factor, rel=1e-4)
     assert found.safety.permanent == pytest.approx(same.safety.permanent, rel=1e-4)
     assert found.reach.half == pytest.approx(same.reach.half, rel=1e-4)
@@ -136,7 +144,9 @@ def test_the_worst_contact_of_a_wider_groove_has_the_wider_groove_s_pressure() -
     wide = replace(scene, errors=Errors(SL=SideErrors(profile=(-20e-6,))))
     wider = replace(scene, screw=replace(scene.screw, groove_radius=scene.screw.groove_radius + 20e-6))
     load = loads(scene, 100.0) * [1.0, 0.0, 0.0, 0.0]
-    before, by_error, by_key = (load_answers(s, load, np.full((4, 4), 0.7)).worst.pressure for s in (scene, wide, wider))
+    before, by_error, by_key = (
+        rate_contact_loads(s, load, np.full((4, 4), 0.7)).worst.pressure for s in (scene, wide, wider)
+    )
     assert by_error == pytest.approx(by_key, rel=1e-4)
     assert by_key > 1.002 * before
 
@@ -145,10 +155,10 @@ def test_an_ellipse_over_the_edge_of_the_land_is_cut_and_says_where() -> None:
     scene = small_screw(4)
     load = loads(scene, 100.0)
     angle = np.where(load > 0.0, scene.track.contact_angle, np.nan)
-    free = contacts.truncation(scene, drawn(scene), load, angle)
+    free = contacts.most_truncated_ellipse(scene, drawn(scene), load, angle)
     assert free.margin > 0.0 == free.cut
     angle[2, 0] = free.limit - 0.5 * free.half
-    over = contacts.truncation(scene, drawn(scene), load, angle)
+    over = contacts.most_truncated_ellipse(scene, drawn(scene), load, angle)
     assert (over.ball, over.side, over.edge, over.cut) == (3, "SL", "land", 1)
     assert over.margin == pytest.approx(-0.5 * free.half)
 
@@ -158,8 +168,8 @@ def test_contacts_alone_are_Hertz_and_stiffer_under_preload() -> None:
     h, s = error_free_hertz(scene), approach_per_displacement(scene)
     each = 5000.0 / (32 * s)
     closed = (h.C[0] + h.C[3]) * each ** (2 / 3) / s
-    assert contacts_displacement(scene, 5000.0) == pytest.approx(closed, rel=1e-9)
-    tight, loose = (contacts_displacement(oversized(scene, x), 5000.0) for x in (7e-6, -5e-6))
+    assert displacement_by_contacts_only(scene, 5000.0) == pytest.approx(closed, rel=1e-9)
+    tight, loose = (displacement_by_contacts_only(oversized(scene, x), 5000.0) for x in (7e-6, -5e-6))
     assert tight < 0.6 * closed
     assert loose == pytest.approx(closed, rel=1e-6)
 
@@ -169,13 +179,13 @@ def test_bodies_add_the_displacement_of_thick_tubes_in_the_form_of_ISO_3408_4() 
     scene = catalogue.scene("lin-case1")
     D_c, D_1, E = 33e-3 + 5.556e-3 * cos(pi / 4), 48e-3, 210e9
     sum_ = (D_1**2 + D_c**2) / (D_1**2 - D_c**2) + 1.0
-    assert body_compliance(scene) == pytest.approx(sum_ / (2 * pi * 2 * 20e-3 * E), rel=1e-9)
-    assert body_compliance(ring(0.15)) is None
-    found = rigidities(scene, -5000.0, -20e-6)
+    assert axial_compliance_of_bodies(scene) == pytest.approx(sum_ / (2 * pi * 2 * 20e-3 * E), rel=1e-9)
+    assert axial_compliance_of_bodies(ring(0.15)) is None
+    found = three_axial_rigidities(scene, -5000.0, -20e-6)
     assert found.contacts > found.bodies
     assert found.practice == pytest.approx(0.8 * found.bodies)  # what makers advise to take
     assert found.unequal == pytest.approx(250e6)
-    assert rigidities(scene, 0.0, None) is None
+    assert three_axial_rigidities(scene, 0.0, None) is None
 
 
 @pytest.mark.parametrize(("angle", "printed"), [(45.1, 42.1), (60.0, 39.2), (75.0, 37.3)])
@@ -192,9 +202,13 @@ def test_a_bearing_of_62_deg_is_rated_as_a_thrust_bearing_and_one_of_45_deg_is_n
     steep = contact_capacity(scene) / contact_capacity(ring(0.1))
     assert steep == pytest.approx(np.full(4, 0.9 / 0.95 * (1 - sin(a) / 3) * cos(a) ** -0.3), rel=1e-12)
     assert (0.95 / (0.9 * (1 - sin(a) / 3))) ** 3 == pytest.approx(3.35, abs=0.005)
-    found, axial = life(scene, loads(scene, 500.0)), 9 * 500.0 * sin(a)
+    found, axial = basic_rating_life(scene, loads(scene, 500.0)), 9 * 500.0 * sin(a)
     assert (found.revolutions, found.equivalent) == pytest.approx(((dynamic_rating(scene) / axial) ** 3, axial), rel=1e-12)
-    assert [contacts.ratings(ring(0.1, angle=np.radians(x))).axial for x in (40.0, 45.0, 46.0)] == [False, False, True]
+    assert [contacts.dynamic_and_static_ratings(ring(0.1, angle=np.radians(x))).axial for x in (40.0, 45.0, 46.0)] == [
+        False,
+        False,
+        True,
+    ]
 
 
 @pytest.mark.parametrize(("ratio", "printed"), [(0.05, 15.7), (0.10, 16.4), (0.16, 14.9), (0.20, 14.0)])
@@ -214,7 +228,7 @@ def test_static_ratings_where_all_balls_share_an_axial_load() -> None:
     phi = np.arctan2(10.0, pi * pitch)
     k_0 = 27.74 / (D * np.sqrt(across * along))
     assert contacts.static_rating(screw) == pytest.approx(k_0 * 57 * sin(alpha) * cos(phi) * D**2, rel=3e-3)
-    found = contacts.ratings(screw)
+    found = contacts.dynamic_and_static_ratings(screw)
     assert (found.dynamic, found.static_standard) == (dynamic_rating(screw), "ISO 3408-5")
 
 
@@ -229,14 +243,14 @@ def test_displacement_by_a_load_far_below_the_preload_is_not_lost_beside_it() ->
     """A load of 1e-12 of the preload, and the linear stiffness N s^2 3 sqrt(c) / C^(3/2) of both diagonals."""
     scene = oversized(catalogue.scene("unseen-40x10"), 5e-6)
     C, s = error_free_hertz(scene).C, approach_per_displacement(scene)
-    closure = float(centre_distances(scene, errors.specimen(scene, helix.ball_layout(scene)))[1].mean())
+    closure = float(centre_distances(scene, errors.draw_specimen(scene, helix.ball_layout(scene)))[1].mean())
     stiff = 3.0 * scene.ball_count * s**2 * np.sqrt(closure) / (C[0] + C[3]) ** 1.5
     for force in (1.0, 1e-6):
-        assert contacts_displacement(scene, force) == pytest.approx(force / stiff, rel=1e-3)
+        assert displacement_by_contacts_only(scene, force) == pytest.approx(force / stiff, rel=1e-3)
 
 
 def test_a_screw_pressed_more_by_one_diagonal_counts_from_where_it_rests() -> None:
     """A pitch error that shifts one flank along the track leaves the displacement by a load what it was."""
     even = oversized(catalogue.scene("unseen-40x10"), 5e-6)
     shifted = replace(even, errors=replace(even.errors, SL=SideErrors(pitch=(FourierTerm(0.0, cos=2e-6),))))
-    assert contacts_displacement(shifted, 1.0) == pytest.approx(contacts_displacement(even, 1.0), rel=0.2)
+    assert displacement_by_contacts_only(shifted, 1.0) == pytest.approx(displacement_by_contacts_only(even, 1.0), rel=0.2)

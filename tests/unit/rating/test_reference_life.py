@@ -9,8 +9,14 @@ from tests.axes import ROLLERS
 
 import rollbench
 from rollbench.lowfi.rating import iso_lives, roller_life
-from rollbench.lowfi.rating.life import dynamic_rating, life
-from rollbench.lowfi.rollers import circular_crown, slice_middles, slice_roller, slice_state, tapered_bearing
+from rollbench.lowfi.rating.life import basic_rating_life, dynamic_rating
+from rollbench.lowfi.rollers import (
+    circular_crown,
+    slice_middles,
+    slice_roller,
+    sliced_roller_state_at_approach,
+    tapered_bearing,
+)
 
 ROW = replace(ROLLERS, cup_angle=np.radians(15.0), roller_angle=np.radians(2.0))
 
@@ -51,10 +57,10 @@ def test_life_of_rollers_falls_with_the_fourth_power_of_the_load():
 @pytest.mark.parametrize(("angle", "reduced"), [(15.0, 0.83), (60.0, 0.73)])
 def test_without_the_edges_an_even_load_has_ISO_281s_load_times_the_reduction(monkeypatch, angle, reduced):
     """L = (lambda P/C)^-4: what ISO 281 takes off the capacity for ends and uneven loads is not taken off twice."""
-    monkeypatch.setattr(iso_lives, "edge_stress", np.ones)
+    monkeypatch.setattr(iso_lives, "edge_stress_factors", np.ones)
     row = replace(ROW, cup_angle=np.radians(angle))
     even = np.full((row.count, 15), 1e5)
-    P, C = roller_life.life(row, even).equivalent, roller_life.dynamic_rating(row)
+    P, C = roller_life.basic_rating_life_of_row(row, even).equivalent, roller_life.dynamic_rating(row)
     assert iso_lives.roller_reference_life(row, even).revolutions == pytest.approx((reduced * P / C) ** -4, rel=1e-9)
 
 
@@ -65,7 +71,7 @@ def test_few_slices_are_divided_and_a_profile_that_unloads_the_edges_makes_their
     lives = []
     for n in (40, 80, 160):
         roller = slice_roller(bearing, n, circular_crown(2.0))
-        q = slice_state(roller, 8e-6).line_loads
+        q = sliced_roller_state_at_approach(roller, 8e-6).line_loads
         assert q[0] == q[-1] == 0.0
         lives.append(iso_lives.roller_reference_life(ROW, np.tile(q, (ROW.count, 1))).revolutions)
     assert np.ptp(lives) < 0.01 * lives[0]
@@ -88,7 +94,7 @@ def test_radial_load_without_clearance_has_the_life_of_ISO_281():
     load = np.zeros((many, 4))
     load[:, 0] = load[:, 3] = np.maximum(np.cos(phi), 0.0) ** 1.5
     force = float(load[:, 0] @ np.cos(phi))
-    found = iso_lives.ball_reference_life(ring, life(ring, load))
+    found = iso_lives.ball_reference_life(ring, basic_rating_life(ring, load))
     assert found.revolutions == pytest.approx((dynamic_rating(ring) / force) ** 3, rel=5e-3)
     assert found.equivalent == pytest.approx(force, rel=2e-3)
 
@@ -99,10 +105,12 @@ def test_axial_load_on_a_thrust_bearing_has_the_life_of_ISO_281():
     load = np.zeros((ring.ball_count, 4))
     load[:, [0, 3]] = 100.0
     thrust = 100.0 * ring.ball_count * np.sin(np.radians(60.0))
-    found = iso_lives.ball_reference_life(ring, life(ring, load))
+    found = iso_lives.ball_reference_life(ring, basic_rating_life(ring, load))
     assert (found.revolutions, found.equivalent) == pytest.approx(((dynamic_rating(ring) / thrust) ** 3, thrust), rel=1e-9)
     assert found.loads == pytest.approx({"SL": 100.0, "NR": 100.0})
     assert (
-        iso_lives.ball_reference_life(rollbench.read("lin-case1"), life(rollbench.read("lin-case1"), np.ones((32, 4))))
+        iso_lives.ball_reference_life(
+            rollbench.read("lin-case1"), basic_rating_life(rollbench.read("lin-case1"), np.ones((32, 4)))
+        )
         is None
     )

@@ -8,14 +8,14 @@ from tests.axes import ROLLERS, assembly, fixed_axis, solved
 from tests.helpers import ALL_BUT_AXIAL
 from tests.shipped_texts import own_text
 
-from rollbench.compare.models.load_cases import solve_axis
+from rollbench.compare.models.load_cases import solve_axis_with_results
 from rollbench.compare.models.registry import Options
-from rollbench.compare.results.rows import answer_rows, set_rows
+from rollbench.compare.results.rows import bearing_and_nut_rows, solution_rows
 from rollbench.compare.results.scene_json import axis_summary_json
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.hertz import hertz_constants
-from rollbench.lowfi.rating.contacts import roller_safety, worst_roller
-from rollbench.lowfi.rollers import slice_contacts
+from rollbench.lowfi.rating.contacts import roller_contact_of_highest_pressure, roller_safety
+from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices
 from rollbench.lowfi.statics.axis.system import tapered_bearing
 from rollbench.meshes.axis import RollingSet, Segment
 from rollbench.meshes.parts import Load, Support
@@ -54,7 +54,7 @@ def limit(pressure: float) -> float:
 def test_pressure_is_that_of_two_cylinders_and_of_the_long_ellipse():
     """A strip is the middle of an ellipse that goes on for ever: 3 F/(2 pi a b) with F/(2 a) = 2 q/3 has its pressure."""
     bearing, q = tapered_bearing(ROLLERS), np.full((1, 1), 3e5)
-    half, pressure = slice_contacts(bearing, q)
+    half, pressure = half_widths_and_pressures_of_slices(bearing, q)
     radii = bearing.radii()
     modulus = bearing.young / (2.0 * (1.0 - bearing.poisson**2))
     for race, sign in enumerate((1.0, -1.0)):
@@ -70,7 +70,7 @@ def test_pressure_is_that_of_two_cylinders_and_of_the_long_ellipse():
 def test_even_load_presses_hardest_at_the_small_end_of_the_cone():
     q = np.full((3, 15), 2e5)
     q[1] *= 1.5
-    worst = worst_roller(replace(ROLLERS, slices=15), q)
+    worst = roller_contact_of_highest_pressure(replace(ROLLERS, slices=15), q)
     assert (worst.roller, worst.race) == (2, "inner")
     assert worst.force == pytest.approx(3e5 * ROLLERS.length)
     assert worst.place == pytest.approx(-0.5 * ROLLERS.length * 14.0 / 15.0)
@@ -78,7 +78,7 @@ def test_even_load_presses_hardest_at_the_small_end_of_the_cone():
     assert worst.pressure / worst.middle == pytest.approx(np.sqrt(reach / (reach + worst.place)), rel=1e-12)
     assert worst.other < worst.pressure
     assert roller_safety(worst).factor == pytest.approx((4e9 / worst.pressure) ** 2)
-    assert worst_roller(ROLLERS, np.zeros((3, 7))) is None
+    assert roller_contact_of_highest_pressure(ROLLERS, np.zeros((3, 7))) is None
 
 
 @pytest.mark.parametrize(("share", "told"), [(0.95, False), (1.05, True)])
@@ -129,7 +129,9 @@ def test_preloaded_rows_answer_load_pressure_safety_and_preload(command):
 
 def test_preload_without_the_stretch_is_what_the_rows_are_closed_to(command, tmp_path):
     """Either row is closed to its deflection under 1500 lbf; the 20 mm of shaft between the two give way and take some."""
-    text = catalogue.scene_text("smith-axis-taper").replace('displace = { uz = "0.0015 in" }', 'displace = { uz = "0 in" }')
+    text = catalogue.shipped_scene_text("smith-axis-taper").replace(
+        'displace = { uz = "0.0015 in" }', 'displace = { uz = "0 in" }'
+    )
     (tmp_path / "closed.toml").write_text(text, encoding="utf-8")
     data = command.answer("solve", str(tmp_path / "closed.toml"))
     for one in data["sets"]:
@@ -140,7 +142,7 @@ def test_preload_without_the_stretch_is_what_the_rows_are_closed_to(command, tmp
 def lateral(tmp_path_factory):
     """Smith's axis with 3000 lbf across its middle."""
     axial = 'force = ["0 lbf", "0 lbf", "-1000 lbf"]'
-    text = catalogue.scene_text("smith-axis-taper")
+    text = catalogue.shipped_scene_text("smith-axis-taper")
     assert axial in text
     path = tmp_path_factory.mktemp("rollers") / "lateral.toml"
     path.write_text(text.replace(axial, 'force = ["3000 lbf", "0 lbf", "0 lbf"]'), encoding="utf-8")
@@ -184,12 +186,12 @@ def test_the_table_is_of_the_worst_set_and_that_of_sets_has_all():
     places = (("rollers +", 0.03, "+z", -20e-6), ("rollers -", 0.07, "-z", 20e-6))
     rows = [RollingSet(name, "tapered roller bearing", ROLLERS, z, offset=by, thrust=t) for name, z, t, by in places]
     axis = fixed_axis((0.0, 0.0, 600.0))
-    one = solve_axis(replace(axis, sets=(*rows, *axis.sets[2:])), "lin", Options())
+    one = solve_axis_with_results(replace(axis, sets=(*rows, *axis.sets[2:])), "lin", Options())
     found = [x.loads for x in one.answers.sets]
     shares = [x.worst.pressure / (4.2e9 if i > 1 else 4.0e9) for i, x in enumerate(found)]
     first = axis_summary_json(one)["worst_set"] - 1
     assert shares[first] == max(shares)
-    answers, sets = {row.quantity: row.value for row in answer_rows(one)}, set_rows(one)
+    answers, sets = {row.quantity: row.value for row in solution_rows(one)}, bearing_and_nut_rows(one)
     assert answers["set with the worst contact"] == one.scene.sets[first].name
     assert answers["peak pressure"] == sets[first]["peak MPa"]
     assert [row["set"].partition(" ")[2] for row in sets] == [x.name for x in one.scene.sets]

@@ -19,8 +19,8 @@ from rollbench.lowfi.rating.catalogue_checks import (
     shaft_limits,
 )
 from rollbench.lowfi.rating.contacts import static_rating
-from rollbench.lowfi.rating.iso_lives import fatigue_limit, iso_factor, modified_life, reliability_factor
-from rollbench.lowfi.rating.life import life
+from rollbench.lowfi.rating.iso_lives import fatigue_limit, life_factor_for_lubrication, modified_life, reliability_factor
+from rollbench.lowfi.rating.life import basic_rating_life
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Motion, Operation, Support
@@ -153,19 +153,19 @@ def test_reliability_by_the_standard_s_table(share, printed):
 def test_lubricant_factor_is_continuous_and_bounded():
     for kappa in (0.4, 1.0, 4.0):
         for thrust in (False, True):
-            below, above = (iso_factor(kappa * f, 0.2, thrust=thrust) for f in (1.0 - 1e-9, 1.0 + 1e-9))
+            below, above = (life_factor_for_lubrication(kappa * f, 0.2, thrust=thrust) for f in (1.0 - 1e-9, 1.0 + 1e-9))
             assert below == pytest.approx(above, rel=3e-3)
-    assert iso_factor(0.1, 5.0) == pytest.approx(0.1, rel=1e-2)
-    assert iso_factor(1.0, 0.0) == pytest.approx(0.1)
-    assert iso_factor(4.0, 1.0) == iso_factor(40.0, 1.0) == 50.0
-    assert iso_factor(2.0, 0.3, thrust=True) == pytest.approx(iso_factor(2.0, 0.1))
+    assert life_factor_for_lubrication(0.1, 5.0) == pytest.approx(0.1, rel=1e-2)
+    assert life_factor_for_lubrication(1.0, 0.0) == pytest.approx(0.1)
+    assert life_factor_for_lubrication(4.0, 1.0) == life_factor_for_lubrication(40.0, 1.0) == 50.0
+    assert life_factor_for_lubrication(2.0, 0.3, thrust=True) == pytest.approx(life_factor_for_lubrication(2.0, 0.1))
 
 
 def test_skf_s_two_values_of_one_bearing_follow_with_one_fatigue_limit():
     """6309, class Explorer: 8 at kappa 2.45 and 0.107 (catalogue), 20.7 at 2.08 and 0.55 x 1.34/4 (calculator)."""
     scale = 1.22
-    assert iso_factor(2.45, scale * 0.107) == pytest.approx(8.0, abs=0.5)
-    assert iso_factor(2.08, scale * 0.55 * 1.34 / 4.0) == pytest.approx(20.7, rel=0.02)
+    assert life_factor_for_lubrication(2.45, scale * 0.107) == pytest.approx(8.0, abs=0.5)
+    assert life_factor_for_lubrication(2.08, scale * 0.55 * 1.34 / 4.0) == pytest.approx(20.7, rel=0.02)
 
 
 def test_fatigue_limit_is_the_load_of_1500_mpa():
@@ -179,11 +179,11 @@ def test_fatigue_limit_is_the_load_of_1500_mpa():
 def test_modified_life_multiplies():
     s = scene("unseen-16x5")
     load = run_model(s, "lin", Options(discretisation=False)).load
-    base = life(s, load)
+    base = basic_rating_life(s, load)
     assert modified_life(s, base) is None
     of = Operation(reliability=95.0, viscosity_ratio=1.5, contamination=0.6)
     found = modified_life(replace(s, operation=of), base)
-    expected = iso_factor(1.5, 0.6 * fatigue_limit(s) / base.equivalent, thrust=True)
+    expected = life_factor_for_lubrication(1.5, 0.6 * fatigue_limit(s) / base.equivalent, thrust=True)
     assert found.a_iso == pytest.approx(expected)
     assert found.revolutions == pytest.approx(reliability_factor(95.0) * expected * base.revolutions)
     alone = modified_life(replace(s, operation=Operation(reliability=99.0)), base)
@@ -206,5 +206,5 @@ def test_keys_are_refused(given, key):
 
     tables = tomllib.loads(scene("unseen-16x5").to_toml()) | {"operation": given}
     with pytest.raises(InputError) as refused:
-        scene_tables.read_tables(tables, "mine.toml")
+        scene_tables.scene_from_tables(tables, "mine.toml")
     assert refused.value.key == key

@@ -77,7 +77,7 @@ def test_labels_say_why_there_is_no_order(values: list[float], label: str, text:
 
 
 def test_few_levels_and_the_size_of_one() -> None:
-    assert convergence.representative_size({"b_over_h": 2.0, "fine": 1.0}) == 0.5
+    assert convergence.relative_cell_size({"b_over_h": 2.0, "fine": 1.0}) == 0.5
     assert convergence.grid_convergence([2.0, 2.5], [2.0, 1.0]).uncertainty == pytest.approx(1.5)
     assert convergence.grid_convergence([2.0], [1.0]).uncertainty is None
     two = convergence.pooled_grid_uncertainty([[1.0, 5.0, 3.0], [1.3, 5.0 + 1e-3, 3.0]], [2.0, 1.0])

@@ -10,9 +10,9 @@ import pytest
 from rollbench.compare import errors, files, running
 from rollbench.compare.reference import computing, jobs, store
 from rollbench.compare.reference import jobs as module
-from rollbench.compare.reference.jobs import Progress, expected_cost, need_memory
+from rollbench.compare.reference.jobs import Progress, check_memory, expected_cost
 from rollbench.compare.reference.tasks import Task
-from rollbench.compare.running import duration
+from rollbench.compare.running import format_duration
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.run_times import load_times
 from rollbench.hifi.setup import TOGETHER
@@ -60,23 +60,23 @@ def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path, m
         jobs.ensure([TASK], tmp_path, jobs.Engine(), lambda _: None)
     enough = expected_cost(TASK).memory_GB
     monkeypatch.setattr(module, "available_GB", lambda: 1.5 * enough)
-    assert need_memory([TASK, TASK], 1) == pytest.approx(enough)
+    assert check_memory([TASK, TASK], 1) == pytest.approx(enough)
     with pytest.raises(errors.InputError, match="`workers=1`"):
-        need_memory([TASK, TASK], 2)
+        check_memory([TASK, TASK], 2)
     monkeypatch.setattr(module, "available_GB", lambda: None)
-    assert need_memory([TASK, TASK], 2) == pytest.approx(2.0 * enough)
+    assert check_memory([TASK, TASK], 2) == pytest.approx(2.0 * enough)
 
 
 def test_progress_says_stage_share_and_time_left() -> None:
     progress, whole, stages = Progress(TASK), expected_cost(TASK).seconds, expected_cost(TASK).stages
-    assert progress.under_way == "lin-case1: level 1: meshes"
+    assert progress.present_stage_text == "lin-case1: level 1: meshes"
     first = progress.line(StageDone("meshes", f"{stages['meshes']:.1f} s"), stages["meshes"])
     assert first.startswith("lin-case1: level 1: meshes: ")
-    assert f"about {duration(whole - stages['meshes'])} left" in first
-    assert progress.under_way == "lin-case1: level 1: patches"
+    assert f"about {format_duration(whole - stages['meshes'])} left" in first
+    assert progress.present_stage_text == "lin-case1: level 1: patches"
     done = stages["meshes"] + stages["patches"]
     second = progress.line(StageDone("patches", "1 s"), 2.0 * done)
-    assert f"about {duration(2.0 * (whole - done))} left" in second
+    assert f"about {format_duration(2.0 * (whole - done))} left" in second
     assert progress.line("contact of side SL", 1.0) == "lin-case1: level 1: contact of side SL"
 
 

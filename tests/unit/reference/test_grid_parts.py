@@ -6,10 +6,10 @@ import pytest
 from rollbench.compare.reference.estimate import (
     COVER,
     Experience,
-    both_flanks,
     derive_experience,
+    has_both_flanks_loaded,
     loaded_on_any_level,
-    parts,
+    mesh_uncertainty,
     read_experience,
     save_experience,
 )
@@ -34,7 +34,7 @@ def drawn_loads(seed, levels, contact=0.0, bodies=0.0, sockets=0.0, *, shift=0.0
 
 @pytest.mark.parametrize(("contact", "bodies"), [(0.05, 0.0), (0.0, 0.04), (0.06, 0.05)])
 def test_parts_of_the_own_levels_are_found(contact: float, bodies: float) -> None:
-    found = parts(drawn_loads(1, (1, 2, 3), contact, bodies, 0.02), KNOWN)
+    found = mesh_uncertainty(drawn_loads(1, (1, 2, 3), contact, bodies, 0.02), KNOWN)
     h = [LEVELS[3][key] / LEVELS[4][key] for key in ("b_over_h", "fine")]
     assert found.contact == pytest.approx(contact * np.sqrt(1.0 + h[0] ** 4), abs=0.015)
     assert found.bodies == pytest.approx(bodies * np.sqrt(1.0 + h[1] ** -4), abs=0.015)
@@ -46,7 +46,7 @@ def test_parts_of_the_own_levels_are_found(contact: float, bodies: float) -> Non
 
 def test_the_bar_holds_95_per_cent_of_the_next_level() -> None:
     loads = drawn_loads(2, (1, 2, 3, 4), 0.06, 0.03, 0.02)
-    bar = parts({k: loads[k] for k in (1, 2, 3)}, KNOWN).bars(loads)[loaded_on_any_level(loads)]
+    bar = mesh_uncertainty({k: loads[k] for k in (1, 2, 3)}, KNOWN).bars(loads)[loaded_on_any_level(loads)]
     off = np.abs(loads[4] - loads[3])[loaded_on_any_level(loads)]
     assert np.mean(off <= bar) == pytest.approx(0.955, abs=0.012)
 
@@ -56,7 +56,7 @@ def test_displacements_become_loads_by_the_stiffness_of_a_contact() -> None:
     loads = drawn_loads(8, (1, 2, 3), 0.0, 0.05, 0.0, both=True)
     for load in loads.values():
         load[:, :2] *= 8.0
-    found = parts(loads, Experience(0.02, 0.0, (0.1, 0.2), ()))
+    found = mesh_uncertainty(loads, Experience(0.02, 0.0, (0.1, 0.2), ()))
     bars = found.bars(loads)
     assert np.sqrt((bars**2).mean()) == pytest.approx(found.bar)
     of_bodies = bars**2 - (2.0 * found.contact) ** 2
@@ -65,27 +65,27 @@ def test_displacements_become_loads_by_the_stiffness_of_a_contact() -> None:
         load[0] = 0.0
     assert (found.bars(loads)[0] == 0.0).all()
     single = {1: loads[1]}
-    assert set(parts(single, KNOWN).bars(single).ravel()) == {0.0, 0.23}
+    assert set(mesh_uncertainty(single, KNOWN).bars(single).ravel()) == {0.0, 0.23}
 
 
 def test_two_levels_count_all_as_what_falls_slower() -> None:
-    two, three = (parts(drawn_loads(3, levels, 0.06, 0.0, 0.02), KNOWN) for levels in ((1, 2), (1, 2, 3)))
+    two, three = (mesh_uncertainty(drawn_loads(3, levels, 0.06, 0.0, 0.02), KNOWN) for levels in ((1, 2), (1, 2, 3)))
     assert two.contact == 0.0
     assert two.bar > three.bar
 
 
 def test_a_part_that_all_contacts_share_counts_where_equilibrium_does_not_hold_the_sum() -> None:
-    one, both = (parts(drawn_loads(4, (1, 2, 3), 0.05, 0.03, 0.02, both=b), KNOWN) for b in (False, True))
+    one, both = (mesh_uncertainty(drawn_loads(4, (1, 2, 3), 0.05, 0.03, 0.02, both=b), KNOWN) for b in (False, True))
     assert (one.common, both.common) == (0.0, pytest.approx(0.015 * np.sqrt(2.0)))
     assert both.bar > one.bar
 
 
 def test_a_single_level_has_the_bar_of_experience_by_the_flanks_that_carry_load() -> None:
-    one, both = (parts(drawn_loads(5, (1,), 0.0, 0.0, 0.0, both=b), KNOWN) for b in (False, True))
+    one, both = (mesh_uncertainty(drawn_loads(5, (1,), 0.0, 0.0, 0.0, both=b), KNOWN) for b in (False, True))
     assert (one.bar, both.bar) == KNOWN.single
     assert one.by_experience
-    assert both_flanks(drawn_loads(5, (1,), 0.0, 0.0, 0.0, both=True)[1])
-    assert parts({1: np.zeros((2, 4)), 2: np.zeros((2, 4))}, KNOWN).bar == 0.0
+    assert has_both_flanks_loaded(drawn_loads(5, (1,), 0.0, 0.0, 0.0, both=True)[1])
+    assert mesh_uncertainty({1: np.zeros((2, 4)), 2: np.zeros((2, 4))}, KNOWN).bar == 0.0
 
 
 def test_experience_is_measured_and_kept(tmp_path) -> None:

@@ -8,12 +8,17 @@ import pytest
 from skfem import MeshHex
 from tests.reference_records import run_of
 
-from rollbench.compare.models.modelling import combine_effects, effect, modelling_percent, varied
+from rollbench.compare.models.modelling import (
+    combine_effects,
+    effect_of_variant,
+    effects_of_variants,
+    largest_modelling_uncertainty,
+)
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.reference.levels import COUPLING, HOLE, LANDS, LENGTH, fix_half_of_face, with_twisted_supports
-from rollbench.compare.reference.store import save
+from rollbench.compare.reference.store import save_run
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.condensation import nut_transform
+from rollbench.hifi.condensation import expansion_of_free_nut_freedoms
 from rollbench.meshes import parts, solid
 
 CASE1 = catalogue.scene("lin-case1")
@@ -34,7 +39,9 @@ def test_a_ring_is_held_by_the_nodes_in_it() -> None:
 
     def held(where: str) -> list[int]:
         """Places of the nodes held, counted from the inside, on one side of the thin strip; z [mm] comes first."""
-        T = nut_transform(body, solid.solid_dimensions(replace(CASE1, solid=parts.Solid(nut_held=where))))
+        T = expansion_of_free_nut_freedoms(
+            body, solid.dimensions_of_3d_parts(replace(CASE1, solid=parts.Solid(nut_held=where)))
+        )
         fixed = np.setdiff1d(np.arange(3 * len(body.points)), T.indices)
         x, y, z = body.points[np.unique(fixed // 3)].T
         assert fixed.size == 3 * x.size  # in all three directions
@@ -72,7 +79,9 @@ def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
         ("nut-right", "nut", "scene", 150.0),
         ("modes", "modes", "numerical", 150.0),
     )
-    effects = [effect("lin-case1", name, name, choice, kind, loads(*to), loads()) for name, choice, kind, *to in changed]
+    effects = [
+        effect_of_variant("lin-case1", name, name, choice, kind, loads(*to), loads()) for name, choice, kind, *to in changed
+    ]
     found = combine_effects(CASE1, effects)
     assert found.contacts[:2, 0] == pytest.approx([np.hypot(3.0, 4.0), 1.0])
     assert found.largest == pytest.approx(5.0)
@@ -80,17 +89,17 @@ def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
     assert found.ratio == pytest.approx(np.hypot(3.0612, 4.1667), rel=1e-3)  # 101/98 and 100/96
     assert list(found.choices) == [HOLE, LANDS]
     assert combine_effects(catalogue.scene("lin-case3"), effects) is None
-    assert modelling_percent("lin-case2", {"lin-case1": found}) == found.largest
-    assert modelling_percent("lin-case3", {"lin-case1": found}) is None
+    assert largest_modelling_uncertainty("lin-case2", {"lin-case1": found}) == found.largest
+    assert largest_modelling_uncertainty("lin-case3", {"lin-case1": found}) is None
 
 
 def test_what_a_store_holds(tmp_path) -> None:
-    assert varied(CASE1, (tmp_path,)) == []
+    assert effects_of_variants(CASE1, (tmp_path,)) == []
     for variant, first in (("", 101.0), ("base", 100.0), ("junction", 102.0)):
-        save(tmp_path, CASE1, run_of("lin-case1", 1, loads(first), variant))
+        save_run(tmp_path, CASE1, run_of("lin-case1", 1, loads(first), variant))
     with pytest.raises(ValueError, match="did not converge"):
-        save(tmp_path, CASE1, replace(run_of("lin-case1", 1, loads(110.0), "hole"), status="no"))
-    found = {e.variant: e for e in varied(CASE1, (tmp_path,))}
+        save_run(tmp_path, CASE1, replace(run_of("lin-case1", 1, loads(110.0), "hole"), status="no"))
+    found = {e.variant: e for e in effects_of_variants(CASE1, (tmp_path,))}
     assert set(found) == {"base", "junction", "coupling"}  # what did not converge says nothing
     assert found["junction"].error.max_percent == pytest.approx(2.0)
     assert found["junction"].choice == LENGTH

@@ -9,17 +9,17 @@ from scipy.optimize import brentq
 from tests.near_face import CASES, measured, scene_of
 
 from rollbench.compare.models.study import Study
-from rollbench.compare.models.uncertainty import beside_face, total
-from rollbench.compare.quantities import as_json
-from rollbench.compare.reference.estimate import AWAY, LIP_FILE, error_near_faces, excess_near_faces, read_lip
+from rollbench.compare.models.uncertainty import largest_face_error, uncertainty_of_loads
+from rollbench.compare.quantities import record_as_json
+from rollbench.compare.reference.estimate import AWAY, LIP_FILE, error_near_faces, excess_near_faces, read_lip_compliance
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.meshing.settings import hertz_units
+from rollbench.hifi.meshing.settings import hertz_contacts_under_unit_force
 from rollbench.meshes.helix import ball_layout
 
 pytestmark = pytest.mark.every_run  # only the screws that the survey drew are of a study
 ROWS = json.loads((shipped_store() / LIP_FILE).read_text(encoding="utf-8"))
-KNOWN = read_lip(shipped_store())
+KNOWN = read_lip_compliance(shipped_store())
 
 
 def test_the_record_is_of_its_cases_and_can_be_repeated() -> None:
@@ -95,7 +95,7 @@ def test_the_load_that_a_missing_compliance_adds() -> None:
     scene, force = near(1.1), 300.0
     unit = 1.0 / (scene.nut.material.youngs_modulus * scene.balls.radius)
     lip, missing = (unit * float(x[0]) for x in KNOWN.at(np.array([1.1]), 1))
-    soft = sum(hertz_units(scene)[s].approach for s in (0, 3))
+    soft = sum(hertz_contacts_under_unit_force(scene)[s].approach for s in (0, 3))
 
     def approach(f: float, compliance: float) -> float:
         return soft * f ** (2.0 / 3.0) + compliance * f
@@ -109,13 +109,13 @@ def test_the_load_that_a_missing_compliance_adds() -> None:
 def test_it_is_said_by_name() -> None:
     study = Study()
     scene, found = study.scene("liu-screw"), study.reference("liu-screw")
-    largest, place = beside_face(found)
+    largest, place = largest_face_error(found)
     last = int(ball_layout(scene).z.argmax())
     assert place == f"ball {last + 1} SL"
     assert found.uncertainty[last, 0] > found.beside_face[last, 0] > 0.0
-    words = total(scene, found, inputs=False)
+    words = uncertainty_of_loads(scene, found, inputs=False)
     assert f"{largest:.2f} % at {place}" in words.text
-    assert as_json(words)["beside_free_face_at"] == place
+    assert record_as_json(words)["beside_free_face_at"] == place
     far = study.reference("unseen-25x5")
-    assert beside_face(far) == (0.0, "")
-    assert "free face" not in total(study.scene("unseen-25x5"), far, inputs=False).text
+    assert largest_face_error(far) == (0.0, "")
+    assert "free face" not in uncertainty_of_loads(study.scene("unseen-25x5"), far, inputs=False).text

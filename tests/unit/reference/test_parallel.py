@@ -122,11 +122,13 @@ def test_a_cluster_is_used_by_all_its_workers_or_as_many_as_asked(scheduler, tmp
 
 
 def test_a_sweep_on_a_cluster_gives_the_same_numbers(scheduler, tmp_path):
-    from rollbench.compare.studies.sweep.run import make_sweep, run_samples  # not above, as dask
+    from rollbench.compare.studies.sweep.run import make_sweep, solve_samples_of_sweep  # not above, as dask
 
     sweep = make_sweep("two-balls", ["errors.balls.oversize=4 um:7 um"], 12, "lhs", 1, "lin")
     engines = {"here": jobs.Engine(), "there": jobs.Engine("dask", scheduler, 2)}
-    here, there = (run_samples(sweep, tmp_path / name, engine, lambda _: None) for name, engine in engines.items())
+    here, there = (
+        solve_samples_of_sweep(sweep, tmp_path / name, engine, lambda _: None) for name, engine in engines.items()
+    )
     assert here == there
     assert [here[n]["status"] for n in range(12)] == ["converged"] * 12
 

@@ -9,16 +9,16 @@ import pytest
 from tests.reference_records import bodies_of, run_of
 
 from rollbench.compare.commands import compare as study
-from rollbench.compare.commands.compare import exit_code, parse_levels
-from rollbench.compare.commands.mesh_study import run_mesh_study
+from rollbench.compare.commands.compare import exit_code_of_references, parse_levels
+from rollbench.compare.commands.mesh_study import study_mesh_levels
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.verdict import Limits, judge
-from rollbench.compare.models.uncertainty import total
+from rollbench.compare.gate.verdict import Limits, judge_contact_loads
+from rollbench.compare.models.uncertainty import uncertainty_of_loads
 from rollbench.compare.reference import jobs
 from rollbench.compare.reference.estimate import reference_from_runs
-from rollbench.compare.reference.store import Run, bodies_path, load_run, path_in, save, shipped_store
+from rollbench.compare.reference.store import Run, load_run, path_of_bodies, path_of_run, save_run, shipped_store
 from rollbench.compare.reference.tasks import Task
-from rollbench.compare.results.compared import levels_text
+from rollbench.compare.results.compared import reference_uncertainty_text
 from rollbench.compare.results.comparison import unconverged_error
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.condensed import CondensedBodies
@@ -27,27 +27,27 @@ from rollbench.meshes.condensed import CondensedBodies
 def test_a_task_without_its_bodies_is_missing(tmp_path: Path) -> None:
     scene = catalogue.scene("lin-case1")
     task, run = Task((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
-    save(tmp_path, scene, run)
+    save_run(tmp_path, scene, run)
     assert jobs.missing_runs([task], (tmp_path,)) == [task]
-    jobs.keep(tmp_path, task, [run], bodies_of(scene, 1))
+    jobs.store_runs_and_bodies(tmp_path, task, [run], bodies_of(scene, 1))
     assert jobs.missing_runs([task], (tmp_path,)) == []
 
 
 def test_plan_and_what_is_missing(tmp_path: Path) -> None:
     scenes = [catalogue.scene(n) for n in ("lin-case1", "lin-case2")]
-    tasks = jobs.plan(scenes, (1, 2), ("land",), ablate=True)
+    tasks = jobs.plan_tasks(scenes, (1, 2), ("land",), ablate=True)
     planned = {(t.level, t.variant, t.ablate, len(t.scenes)) for t in tasks}
     assert planned == {(1, "", True, 2), (2, "", False, 2), (1, "land", False, 1)}
     loads = np.ones((32, 4))
-    save(tmp_path, scenes[0], run_of("lin-case1", 2, loads))
-    save(tmp_path, scenes[1], replace(run_of("lin-case2", 1, loads), without={}))
+    save_run(tmp_path, scenes[0], run_of("lin-case1", 2, loads))
+    save_run(tmp_path, scenes[1], replace(run_of("lin-case2", 1, loads), without={}))
     left = {(t.level, t.variant): [s.name for s in t.scenes] for t in jobs.missing_runs(tasks, (tmp_path,))}
     assert left == {(1, ""): ["lin-case1", "lin-case2"], (2, ""): ["lin-case2"], (1, "land"): ["lin-case1"]}
 
 
 def test_the_coarsest_level_comes_first_and_is_told() -> None:
     scene = catalogue.scene("lin-case1")
-    assert [t.level for t in jobs.plan([scene], (1, 2, 3), source=True)] == [1, 3, 2, 0]
+    assert [t.level for t in jobs.plan_tasks([scene], (1, 2, 3), source=True)] == [1, 3, 2, 0]
 
 
 @pytest.mark.parametrize("command", ["compare", "mesh-study"])
@@ -57,9 +57,9 @@ def test_commands_print_the_coarsest_level_first(command: str, tmp_path: Path, m
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     engine = jobs.Engine()
     if command == "compare":
-        study.run_compare(("lin-case1",), (), (1, 2), tmp_path, engine, fresh=True)
+        study.compare_and_report(("lin-case1",), (), (1, 2), tmp_path, engine, fresh=True)
     else:
-        run_mesh_study(("lin-case1",), 2, tmp_path, engine, fresh=True, spread=False, source=False)
+        study_mesh_levels(("lin-case1",), 2, tmp_path, engine, fresh=True, spread=False, source=False)
     said = capsys.readouterr().err
     assert "[############............] [1/2]" in said, "half of the bar"
     words = {"compare": "error of refined: ", "mesh-study": "largest load, SL"}[command]
@@ -80,7 +80,7 @@ def test_each_job_is_stored_when_it_is_done(tmp_path: Path, monkeypatch: pytest.
     with pytest.raises(KeyboardInterrupt):
         jobs.ensure(tasks, tmp_path, jobs.Engine(), said.append)
     run = run_of("lin-case1", 1, np.ones((32, 4)))
-    kept = {path_in(tmp_path, scenes[0], run).name, bodies_path(tmp_path, scenes[0], run).name}
+    kept = {path_of_run(tmp_path, scenes[0], run).name, path_of_bodies(tmp_path, scenes[0], run).name}
     assert {p.name for p in tmp_path.iterdir()} == kept
     assert jobs.missing_runs(tasks, (tmp_path,)) == [tasks[1]]
     assert any("[1/2]" in line and "s left" in line for line in said)
@@ -121,10 +121,10 @@ def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(tmp_path: Pa
     )
     assert settled.unsettled == ""
     np.testing.assert_allclose(found.uncertainty, settled.uncertainty + 0.5)
-    assert (exit_code([settled]), exit_code([settled, found])) == (0, 5)
-    assert status in levels_text(found, total(scene, found))
+    assert (exit_code_of_references([settled]), exit_code_of_references([settled, found])) == (0, 5)
+    assert status in reference_uncertainty_text(found, uncertainty_of_loads(scene, found))
     limit = 1.0 + 100.0 * float(settled.uncertainty.max()) / 100.0 + 0.2
-    before, after = (judge("mine", np.full((32, 4), 101.0), r, Limits(limit))[0] for r in (settled, found))
+    before, after = (judge_contact_loads("mine", np.full((32, 4), 101.0), r, Limits(limit))[0] for r in (settled, found))
     assert (before.word, after.word) == ("pass", "undecided")
     assert status in after.detail
 
@@ -132,7 +132,7 @@ def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(tmp_path: Pa
 def test_fresh_computes_what_is_stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = catalogue.scene("lin-case1")
     task, old = Task((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
-    jobs.keep(tmp_path, task, [old], bodies_of(scene, 1))
+    jobs.store_runs_and_bodies(tmp_path, task, [old], bodies_of(scene, 1))
     fresh = run_of("lin-case1", 1, np.full((32, 4), 2.0))
     monkeypatch.setattr(jobs, "compute_with_bodies", lambda *_: ([fresh], bodies_of(scene, 1)))
     jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None)

@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.compare.cli import main
 from rollbench.compare.errors import Refusal
-from rollbench.compare.reference.store import sealed, shipped_store
+from rollbench.compare.reference.store import run_text_with_checksum, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import roller
 from rollbench.lowfi.rollers import SlicedRow, TaperedRow, circular_crown, tapered_bearing
@@ -17,7 +17,7 @@ TAPER = "smith-axis-taper"
 
 @pytest.fixture(scope="module")
 def kind():
-    (only,) = roller.loaded_rollers(catalogue.shipped(TAPER))
+    (only,) = roller.roller_kinds_with_largest_load(catalogue.shipped_scene(TAPER))
     return only
 
 
@@ -57,7 +57,7 @@ def test_shipped_runs_meet_line_contact_and_settle(kind, shipped):
         hertz = roller.line_contact_pressures(kind.row, run.middle_line_load[0])
         assert run.middle_pressure == pytest.approx(hertz, rel=0.01)
         assert run.imbalance < 1e-4
-    rows = {row["quantity"]: row for row in roller.quantity_rows(kind, shipped)}
+    rows = {row["quantity"]: row for row in roller.roller_quantity_rows(kind, shipped)}
     for name in ("approach", "stiffness"):
         row = rows[f"{name} under {kind.load:.4g} N"]
         assert row["uncertainty"] < 0.01 * row["level 3"]
@@ -66,7 +66,7 @@ def test_shipped_runs_meet_line_contact_and_settle(kind, shipped):
 
 
 def test_damaged_runs_are_not_used(kind, shipped, tmp_path):
-    text = sealed(asdict(shipped[0]))
+    text = run_text_with_checksum(asdict(shipped[0]))
     path = tmp_path / roller.run_file_name(kind, 1)
     path.write_text(text)
     assert roller.stored_run(kind, 1, (tmp_path,)) == shipped[0]
@@ -77,7 +77,7 @@ def test_damaged_runs_are_not_used(kind, shipped, tmp_path):
 def test_sharp_straight_rollers_are_refused(kind, tmp_path):
     sharp = replace(kind, row=replace(kind.row, edge_radius=None))
     with pytest.raises(Refusal, match="edge_radius"):
-        roller.load_or_compute_run(sharp, 1, (tmp_path,))
+        roller.load_or_compute_roller_run(sharp, 1, (tmp_path,))
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_what_rollers_do_not_know_is_refused(arguments, word, capsys):
 
 @pytest.mark.parametrize("value", ["3 mm", "10 um"])
 def test_edge_radius_has_a_range(value, tmp_path, capsys):
-    text = catalogue.shipped(TAPER).to_toml().replace('edge_radius = "1 mm"', f'edge_radius = "{value}"')
+    text = catalogue.shipped_scene(TAPER).to_toml().replace('edge_radius = "1 mm"', f'edge_radius = "{value}"')
     (tmp_path / "taper.toml").write_text(text)
     with pytest.raises(SystemExit, match="2"):
         main(["solve", str(tmp_path / "taper.toml")])

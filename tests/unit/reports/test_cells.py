@@ -11,7 +11,7 @@ from tests.report_samples import table
 
 from rollbench.reports import cells, content
 from rollbench.reports.content import Quantity, Table
-from rollbench.reports.pages import table_view
+from rollbench.reports.pages import table_template_data
 
 CELLS = [
     (0.0, "g4", "0"),
@@ -68,7 +68,7 @@ def test_records_import_neither_matplotlib_nor_pyvista():
 def test_a_column_for_the_csv_file_only_is_in_it_and_not_on_the_page(tmp_path):
     (tmp_path / "tables").mkdir()
     shown, apart = Quantity("a", "first"), Quantity("b", "second")
-    found = table_view(Table("t", "T", (shown, apart), [{"a": 1.0, "b": 2.0}], csv_only=["b"]), tmp_path)
+    found = table_template_data(Table("t", "T", (shown, apart), [{"a": 1.0, "b": 2.0}], csv_only=["b"]), tmp_path)
     assert [column["label"] for column in found["columns"]] == ["first"]
     assert (tmp_path / "tables" / "t.csv").read_text(encoding="utf-8").split() == ["first,second", "1.0,2.0"]
     assert "second" in found["note"]

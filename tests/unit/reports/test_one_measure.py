@@ -4,13 +4,13 @@ import re
 
 import pytest
 
-from rollbench.compare.gate.verdict import Limits, judge
+from rollbench.compare.gate.verdict import Limits, judge_contact_loads
 from rollbench.compare.measure import load_error
 from rollbench.compare.models import comparison, modelling, registry, study
-from rollbench.compare.report.overview import median_errors, standing_table
-from rollbench.compare.sections.ladder import ladder_table
-from rollbench.compare.sections.reference import error_table, exceedance_table
-from rollbench.compare.sections.reference_time import time_points, time_table
+from rollbench.compare.report.overview import errors_by_model, model_accuracy_table
+from rollbench.compare.sections.ladder import model_error_table
+from rollbench.compare.sections.reference import exceedance_table, load_error_table
+from rollbench.compare.sections.reference_time import error_and_time_points, error_and_time_table
 
 NAME = "unseen-thin-nut"
 STUDY = study.Study()
@@ -34,30 +34,37 @@ def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
     e = load_error(lin.load, found.load)
     assert e.own_max_percent > 1.2 * e.max_percent  # so that another measure would show
     label = registry.MODELS["lin"].label
-    points = {NAME: time_points(NAME, found, STUDY, lambda _: None)}
+    points = {NAME: error_and_time_points(NAME, found, STUDY, lambda _: None)}
     errors, rungs = (
-        error_table(STUDY, {NAME: found}),
-        ladder_table(modelling.solve_ladder(STUDY.scene(NAME), found, STUDY.stores)),
+        load_error_table(STUDY, {NAME: found}),
+        model_error_table(modelling.solve_refinement_sequence(STUDY.scene(NAME), found, STUDY.stores)),
     )
-    pages = ((errors, label), (rungs, "lin"), (time_table(points), label), (standing_table(median_errors(points)), "lin"))
+    pages = (
+        (errors, label),
+        (rungs, "lin"),
+        (error_and_time_table(points), label),
+        (model_accuracy_table(errors_by_model(points)), "lin"),
+    )
     for table, name in pages:
         largest = "largest error, maximum" if table.name == "overview-models" else "largest error"
         assert cells(table, name, (largest, "% of mean")) == [pytest.approx(e.max_percent, rel=1e-9)], table.name
     for table, name in pages[:2]:
         assert cells(table, name, ("largest error", "% of own load")) == [pytest.approx(e.own_max_percent, rel=1e-9)]
-    compared = {r.quantity: r for r in comparison.comparison_rows(STUDY.scene(NAME), comparison.from_result(lin), found)}
+    compared = {
+        r.quantity: r for r in comparison.comparison_rows(STUDY.scene(NAME), comparison.loads_from_result(lin), found)
+    }
     of_mean = compared[f"largest error, of the mean load (ball {e.ball} {e.side})"]
     of_load = compared["largest error, of the own load"]
     assert (of_mean.value, of_load.value) == (pytest.approx(e.max_percent), pytest.approx(e.own_max_percent))
     shares = 100.0 * found.uncertainty[found.load > 0.0] / found.load[found.load > 0.0]
     assert of_load.reference_error == pytest.approx(shares.max())
     assert of_load.reference_error > of_mean.reference_error
-    (verdict,) = judge("lin", lin.load, found, Limits())
+    (verdict,) = judge_contact_loads("lin", lin.load, found, Limits())
     assert verdict.of_mean == e
 
 
 def test_errors_of_loads_name_what_they_are_per_cent_of(found):
-    for table in (error_table(STUDY, {NAME: found}), exceedance_table({NAME: found}, STUDY)):
+    for table in (load_error_table(STUDY, {NAME: found}), exceedance_table({NAME: found}, STUDY)):
         units = {c.label: c.unit for c in table.columns if re.search("error|uncertainty|rigid", c.label)}
         assert units
         assert set(units.values()) <= {"% of mean", "% of own load"}, table.name

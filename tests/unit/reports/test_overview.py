@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.compare.models.applicability import descriptors_of_shipped_scenes, survey_records
-from rollbench.compare.models.model_form import shipped_points
+from rollbench.compare.models.applicability import descriptors_of_shipped_scenes, records_of_drawn_screws
+from rollbench.compare.models.model_form import errors_on_compared_scenes
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.report import overview
-from rollbench.compare.sections.reference_time import Largest, TimePoint
+from rollbench.compare.sections.reference_time import LargestError, TimePoint
 
 
 def point(label: str, error: float, cold: float, kind: str = "model", **changes: object) -> TimePoint:
     name = next((m.name for m in MODELS.values() if m.label == label), label.replace("3D reference, level", "3D level"))
     low, high = 0.9 * error, 1.1 * error + 0.1
-    gate = Largest(1.2 * error, 1.2 * low, 1.2 * high)
+    gate = LargestError(1.2 * error, 1.2 * low, 1.2 * high)
     measured = TimePoint(label, kind, error, error / 2.0, low, high, cold, 0.1, 65, 100.0, name, gate)  # type: ignore[arg-type]
     return replace(measured, **changes)  # type: ignore[arg-type]
 
@@ -35,7 +35,7 @@ POINTS = {"a": scene(1.0), "b": scene(2.0), "c": scene(3.0)}
 
 
 def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
-    found = {s.name: s for s in overview.median_errors(POINTS)}
+    found = {s.name: s for s in overview.errors_by_model(POINTS)}
     refined = found["refined"]
     assert (refined.scenes, refined.worst, refined.worst_scene, refined.median) == (3, 3.0, "c", 2.0)
     assert (refined.gate.error, refined.gate.low, refined.gate.high) == pytest.approx((2.4, 1.2 * 1.8, 1.2 * 2.3))
@@ -44,9 +44,9 @@ def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
     assert (found["mei"].scenes, found["mei"].worst, found["lin"].passed) == (2, 40.0, 0)
     assert found["3D level 3"].median == pytest.approx(0.1)  # its uncertainty: it is the best estimate itself
     assert overview.error_or_uncertainty(POINTS["a"][-1]) == pytest.approx(0.1)
-    assert overview.standing_table(overview.median_errors(POINTS)).rows[0]["name"] == "mei"
+    assert overview.model_accuracy_table(overview.errors_by_model(POINTS)).rows[0]["name"] == "mei"
     # the front holds what nothing beats in both
-    assert [s.name for s in overview.pareto_front(overview.median_errors(POINTS))] == [
+    assert [s.name for s in overview.pareto_front(overview.errors_by_model(POINTS))] == [
         "lin",
         "refined",
         "3D level 1",
@@ -55,9 +55,9 @@ def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
 
 
 def test_every_screw_that_was_compared_is_in_the_first_figure() -> None:
-    screws = overview.screw_errors(shipped_points())
-    rows = {row["number"]: row["models"] for row in survey_records() if row.get("models")}
-    panel = overview.first_figure(screws, POINTS, "f", (8.0, 4.0)).panels[0]
+    screws = overview.largest_errors_on_screws(errors_on_compared_scenes())
+    rows = {row["number"]: row["models"] for row in records_of_drawn_screws() if row.get("models")}
+    panel = overview.error_distribution_and_time_figure(screws, POINTS, "f", (8.0, 4.0)).panels[0]
     for model, curve in zip(screws, panel.series, strict=True):
         drawn = [models[model]["largest_percent"] for models in rows.values()]
         assert len(drawn) > 200

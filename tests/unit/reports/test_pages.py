@@ -52,7 +52,7 @@ def no_picture(monkeypatch):
         raise RuntimeError("install libgl1 & co")
 
     monkeypatch.setattr(scene3d, "draw_loaded_screw", fail)
-    monkeypatch.setattr(field3d, "draw_field", fail)
+    monkeypatch.setattr(field3d, "draw_field_picture", fail)
 
 
 @pytest.fixture(scope="module")

@@ -27,8 +27,8 @@ def with_values(kind="P2"):
 @pytest.mark.parametrize("kind", ["P1", "P2", "Q2"])
 def test_a_cube_has_its_volume_surface_edges_and_values(kind):
     points, cells = cube(kind, 2)
-    grid = field3d.part_grid(content.MeshPart(points, cells, kind, points[:, 0] ** 2))
-    surface = field3d.grid_surface(grid)
+    grid = field3d.pyvista_grid_of_part(content.MeshPart(points, cells, kind, points[:, 0] ** 2))
+    surface = field3d.triangulated_outer_surface(grid)
     assert (grid.volume, surface.area) == pytest.approx((1e9, 6e6))
     assert surface["values"] == pytest.approx((1e-3 * surface.points[:, 0]) ** 2)
     assert np.ptp(grid.extract_all_edges().points.reshape(-1, 3), axis=0) == pytest.approx(1e3)
@@ -43,7 +43,7 @@ SECTION = picture(parts=WITH_VALUES, log=True, label="stress [MPa]", **CUT)
 
 @pytest.mark.parametrize("drawn", [MESH, SECTION], ids=["mesh", "section"])
 def test_a_file_is_written(tmp_path, drawn):
-    assert 5_000 < len(image(field3d.draw_field, drawn, tmp_path / "a.png")) < 600_000
+    assert 5_000 < len(image(field3d.draw_field_picture, drawn, tmp_path / "a.png")) < 600_000
 
 
 def contact():

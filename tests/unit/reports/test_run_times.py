@@ -13,7 +13,7 @@ from rollbench.compare.studies import run_times as kept_times
 from rollbench.compare.studies.run_times import ColdLevelTime, ColdModelTime
 
 OLD, OTHER = Measured("0.7.0", "", "a machine"), Measured("0.9.0", "abc", "a machine")
-KEPT = kept_times.Kept(
+KEPT = kept_times.StoredRunTimes(
     OLD,
     "2026-01-02",
     {("lin-case1", "lin"): kept_times.RunTime(0.4, 1e-3, 99.0), ("lin-case1", "mei"): kept_times.RunTime(0.3, 2e-3, None)},
@@ -29,12 +29,12 @@ def quiet(_):
 def study_of(kept, **options):
     """A study whose measuring run is known."""
     study = Study(**options)
-    study.computed[reference_time.measuring_run, quiet] = kept
+    study.computed[reference_time.run_times_to_show, quiet] = kept
     return study
 
 
 def points_of(study, name="lin-case1"):
-    return reference_time.time_points(name, study.reference(name), study, quiet)
+    return reference_time.error_and_time_points(name, study.reference(name), study, quiet)
 
 
 def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
@@ -49,7 +49,7 @@ def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
 
 
 def test_a_ratio_compares_the_same_work():
-    (row,) = reference_time.speed_table({"lin-case1": points_of(study_of(KEPT))}).rows
+    (row,) = reference_time.speed_ratio_table({"lin-case1": points_of(study_of(KEPT))}).rows
     assert (row["cold"], row["warm"]) == (pytest.approx(60.0 / 0.4), pytest.approx(0.9 / 1e-3))
     assert set(row) == {"scene", "low", "low_warm", "ref", "ref_warm", "cold", "warm"}
 
@@ -69,20 +69,20 @@ def test_a_stored_run_says_what_its_seconds_were_measured_with_and_keeps_its_key
     scene, run = run_of()
     assert run.measured == Measured("0.3.0")
     new = measured_here(run)
-    path = store.save(tmp_path, scene, new)
-    assert path.name == store.path_in(shipped_store(), scene, run).name
+    path = store.save_run(tmp_path, scene, new)
+    assert path.name == store.path_of_run(shipped_store(), scene, run).name
     assert store.read_run(path, scene, run.level, "").measured == measuring_conditions()
 
 
 def test_the_report_refuses_a_mixture():
     study = study_of(KEPT, quick=True)
     study.computed[(reference_time.ladder,)] = []
-    reference_time.all_points(study, quiet)
+    reference_time.points_of_all_scenes(study, quiet)
     mixed = [replace(p, measured=OTHER) if p.name == "mei" else p for p in points_of(study)]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(reference_time, "time_points", lambda *_: mixed)
+        patch.setattr(reference_time, "error_and_time_points", lambda *_: mixed)
         with pytest.raises(ValueError, match="several measuring runs"):
-            reference_time.all_points(study, quiet)
+            reference_time.points_of_all_scenes(study, quiet)
     far = [replace(p, measured=OTHER) if p.kind == "level" else p for p in mixed]
     with pytest.raises(ValueError, match="several measuring runs"):
-        reference_time.speed_table({"lin-case1": far})
+        reference_time.speed_ratio_table({"lin-case1": far})

@@ -21,7 +21,11 @@ class TestScene:
     @pytest.mark.parametrize(("name", "starts"), [("lin-case1", 1), ("unseen-63x20", 2), ("unseen-four-point", 1)])
     def test_grooves_hold_the_balls_and_leave_the_lands(self, name, starts):
         scene = catalogue.scene(name)
-        grooves, centres, radius = scene3d._groove_profiles(scene), ball_layout(scene).centre, scene3d.ball_radius(scene)
+        grooves, centres, radius = (
+            scene3d._drawn_grooves(scene),
+            ball_layout(scene).centre,
+            scene3d.drawn_ball_radius(scene),
+        )
         assert len(grooves.phases) == starts
         phi, z, land = np.arctan2(centres[:, 1], centres[:, 0]), centres[:, 2], scene.screw.outer_diameter / 2.0
         gap = scene.track.pitch_radius - radius - grooves.surface(phi, z, land)

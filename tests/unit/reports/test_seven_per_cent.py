@@ -4,7 +4,7 @@ import pytest
 
 from rollbench.compare.cases.makers import page
 from rollbench.compare.models import modelling
-from rollbench.compare.models.model_form import point
+from rollbench.compare.models.model_form import measure_model_error
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
 from rollbench.compare.report import overview
@@ -20,20 +20,23 @@ def found():
 
 
 def test_no_error_of_the_mean_load_has_a_limit_or_a_verdict(found) -> None:
-    lin = point(CASE, STUDY.scene(CASE), STUDY.solve(CASE, "lin"), found.best)
-    fits = {one.key: one for one in fit.errors_by_quantity([lin])}
+    lin = measure_model_error(CASE, STUDY.scene(CASE), STUDY.solve(CASE, "lin"), found.best)
+    fits = {one.key: one for one in fit.errors_by_model_and_quantity([lin])}
     for key in ("percent", "rms_percent"):
         assert (fits[key].within, fits[key].table_row["verdict"]) == (None, None)
     assert (fits["gate_percent"].within, fits["gate_percent"].table_row["verdict"]) == (0.0, "no")
-    assert "worst contact load" in fit.fitness_sentence(fit.errors_by_quantity([lin])).partition("lin is not accurate")[2]
+    assert (
+        "worst contact load"
+        in fit.accurate_quantities_sentence(fit.errors_by_model_and_quantity([lin])).partition("lin is not accurate")[2]
+    )
 
 
 def test_the_first_page_counts_what_passes_the_gate(found, monkeypatch) -> None:
     monkeypatch.setattr(modelling, "RUNGS", [MODELS["refined"], MODELS["lin"]])
     monkeypatch.setattr(page, "first_page", lambda _: {})
     study = Study()
-    study.computed[(modelling.ladder,)] = modelling.solve_ladder(study.scene(CASE), found, study.stores)
-    rows = overview.quantity_table(study).rows
+    study.computed[(modelling.ladder,)] = modelling.solve_refinement_sequence(study.scene(CASE), found, study.stores)
+    rows = overview.quantity_error_table(study).rows
     judged = {row["model"]: (row["passed"], row["verdict"]) for row in rows if row.get("verdict")}
     assert judged == {"refined": ("1 of 1", "yes"), "lin": ("0 of 1", "no")}
     of_mean = [row for row in rows if "mean load" in row["quantity"]]

@@ -12,10 +12,10 @@ from tests.copies import ROOT
 from tests.report_samples import WITH_CHROMIUM
 
 import rollbench
-from rollbench.compare.results.view import closer_than_perfect
+from rollbench.compare.results.view import clearance_reduction_by_errors
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.contacts import own_hertz
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, FourierTerm, SideErrors
 from rollbench.reports import view
@@ -77,18 +77,18 @@ def test_pressures_of_the_rows_are_hertz_of_their_loads():
         np.array([[row[key][s] for s in SIDES] for row in data["balls"]]) for key in ("load_N", "pressure_MPa")
     )
     assert pressure.max() == pytest.approx(data["summary"]["worst_contact"]["pressure_MPa"], rel=1e-9)
-    law = own_hertz(scene, specimen(scene, ball_layout(scene))).pressure(np.ones_like(load))
+    law = own_hertz(scene, draw_specimen(scene, ball_layout(scene))).pressure(np.ones_like(load))
     np.testing.assert_allclose(pressure, 1e-6 * law * np.cbrt(load), rtol=1e-9)
 
 
 def test_errors_of_the_parts_bring_contacts_closer():
     """A larger ball by its oversize, a flank's pitch error by its part along the contact normal, on that flank only."""
     scene, beta = catalogue.scene("lin-case1"), catalogue.scene("lin-case1").track.contact_angle
-    np.testing.assert_allclose(closer_than_perfect(scene), 0.0, atol=1e-18)
+    np.testing.assert_allclose(clearance_reduction_by_errors(scene), 0.0, atol=1e-18)
     larger = replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, oversize=2e-6)))
-    np.testing.assert_allclose(closer_than_perfect(larger), 2e-6, rtol=1e-9)
+    np.testing.assert_allclose(clearance_reduction_by_errors(larger), 2e-6, rtol=1e-9)
     wave = SideErrors(pitch=(FourierTerm(1, 5e-6, 0.0),))
-    found = closer_than_perfect(replace(scene, errors=replace(scene.errors, SR=wave)))
+    found = clearance_reduction_by_errors(replace(scene, errors=replace(scene.errors, SR=wave)))
     azimuth = ball_layout(scene).azimuth
     np.testing.assert_allclose(found[:, [0, 2, 3]], 0.0, atol=1e-18)
     np.testing.assert_allclose(found[:, 1], -5e-6 * np.sin(azimuth) * np.sin(beta), atol=1e-12)
@@ -99,7 +99,7 @@ def pages(tmp_path_factory):
     """Views of a screw, of load cases, of several sets, and of tapered rollers, with their results."""
     folder = tmp_path_factory.mktemp("views")
     cycle = folder / "cycle.toml"
-    cycle.write_text(catalogue.scene_text("lin-case1").split("[[loads]]")[0] + CASES, encoding="utf-8")
+    cycle.write_text(catalogue.shipped_scene_text("lin-case1").split("[[loads]]")[0] + CASES, encoding="utf-8")
     scenes = {"screw": "lin-case3-offset", "cases": cycle, "sets": "double-nut", "rollers": "smith-axis-taper"}
     solved = {name: rollbench.solve(scene, "lin") for name, scene in scenes.items()}
     return {name: (one.view(folder / f"{name}.html"), one.to_dict()) for name, one in solved.items()}

@@ -4,9 +4,9 @@ import pytest
 
 from rollbench.compare.errors import SceneError
 from rollbench.compare.scenes import scene_file
-from rollbench.compare.scenes.template import template
+from rollbench.compare.scenes.template import commented_template
 
-GOOD = template()
+GOOD = commented_template()
 
 
 def faults(*changes: tuple[str, str]) -> SceneError:
@@ -15,7 +15,7 @@ def faults(*changes: tuple[str, str]) -> SceneError:
         assert f"\n{old}" in text, old
         text = text.replace(f"\n{old}", f"\n{new}", 1)
     with pytest.raises(SceneError) as caught:
-        scene_file.scene_of_text(text, "my.toml")
+        scene_file.scene_from_text(text, "my.toml")
     return caught.value
 
 

@@ -13,7 +13,7 @@ from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models.registry import AXIS_MODELS, MODELS, Model, run_model
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.friction_kinds import table as kind_table
-from rollbench.compare.scenes.template import AXES, BEARINGS, template
+from rollbench.compare.scenes.template import AXES, BEARINGS, commented_template
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.units import toml_text
 
@@ -22,9 +22,9 @@ ROLLERS = own_text("rollers")
 
 def test_shipped_axes_are_named_apart_from_whole_screws():
     assert set(axis_names()) >= {"axis-fixed-fixed", "double-nut", "smith-axis-taper", "lin-steering-rack"}
-    assert not set(axis_names()) & set(catalogue.single_set_names())
+    assert not set(axis_names()) & set(catalogue.names_of_single_set_scenes())
     for name in axis_names():
-        found = catalogue.shipped(name)
+        found = catalogue.shipped_scene(name)
         assert isinstance(found, Assembly)
         assert found.assumed
         assert all(sentence.endswith(".") for sentence in found.assumed)
@@ -32,7 +32,7 @@ def test_shipped_axes_are_named_apart_from_whole_screws():
 
 @pytest.mark.parametrize("kind", [*AXES, *BEARINGS])
 def test_templates_are_read_as_they_stand(kind):
-    found = scene_file.parse_scene(template(kind.replace(" ", "-")), "mine.toml")
+    found = scene_file.parse_scene(commented_template(kind.replace(" ", "-")), "mine.toml")
     assert isinstance(found, Assembly)
     assert found.title == f"My {kind}"
     assert not found.source
@@ -50,8 +50,8 @@ def test_units_positions_and_heat_are_read():
 
 
 def test_one_set_that_stands_is_a_plain_scene():
-    plain = scene_file.scene_of_text(catalogue.scene_text("lin-nominal-4p1"), "lin-nominal-4p1.toml")
-    raw = tomllib.loads(catalogue.scene_text("lin-nominal-4p1"))
+    plain = scene_file.scene_from_text(catalogue.shipped_scene_text("lin-nominal-4p1"), "lin-nominal-4p1.toml")
+    raw = tomllib.loads(catalogue.shipped_scene_text("lin-nominal-4p1"))
     one = {name: raw.pop(name) for name in ("track", "nut", "balls")}
     tables = [("", {k: v for k, v in raw.items() if k not in ("supports", "loads")})]
     tables += [(f"[[{k}]]", row) for k in ("supports", "loads") for row in raw[k]]
@@ -61,7 +61,7 @@ def test_one_set_that_stands_is_a_plain_scene():
 
 
 def test_circuits_with_gaps_fill_their_arcs_evenly():
-    nut = next(s.parts for s in catalogue.shipped("axis-fixed-fixed").sets if s.name == "nut")
+    nut = next(s.parts for s in catalogue.shipped_scene("axis-fixed-fixed").sets if s.name == "nut")
     at = np.degrees(nut.balls.azimuths)
     assert at.size == 45
     assert ((at > -720.0) & (at < -180.0)).sum() == 23 - (at[22] > 0.0)
@@ -71,7 +71,7 @@ def test_circuits_with_gaps_fill_their_arcs_evenly():
 
 
 def test_sets_take_what_catalogues_print():
-    text = catalogue.scene_text("double-nut")
+    text = catalogue.shipped_scene_text("double-nut")
     for shipped, printed in (
         ('youngs_modulus = "210 GPa"\npoissons_ratio = 0.3', 'name = "bearing steel"'),
         ('pitch_radius = "16.6 mm"', 'pitch_diameter = "33.2 mm"'),
@@ -79,7 +79,7 @@ def test_sets_take_what_catalogues_print():
     ):
         assert shipped in text
         text = text.replace(shipped, printed)
-    assert scene_file.parse_scene(text, "double-nut.toml") == catalogue.shipped("double-nut")
+    assert scene_file.parse_scene(text, "double-nut.toml") == catalogue.shipped_scene("double-nut")
 
 
 def test_models_and_commands_of_one_set_refuse_several_with_the_reason(monkeypatch):
@@ -93,18 +93,18 @@ def test_models_and_commands_of_one_set_refuse_several_with_the_reason(monkeypat
         ("new", "new does not solve several nuts or bearing rows: it solves one"),
     ):
         with pytest.raises(InputError, match=words):
-            run_model(catalogue.shipped("double-nut"), name)
+            run_model(catalogue.shipped_scene("double-nut"), name)
 
 
 def test_schema_knows_axes():
-    text = json.dumps(kind_table.json_schema())
+    text = json.dumps(kind_table.scene_json_schema())
     assert all(words in text for words in ("rolling sets, in any order", "cup_angle"))
 
 
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
     """File of a small double nut."""
-    text = catalogue.scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
+    text = catalogue.shipped_scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
     path = tmp_path_factory.mktemp("axis") / "two.toml"
     path.write_text(text.replace("coefficient = 0.05", 'coefficient = 0.05\ncoupling = "none"'), encoding="utf-8")
     return path

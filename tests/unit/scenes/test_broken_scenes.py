@@ -12,9 +12,9 @@ from tests.shipped_texts import changed
 
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.scenes.template import template
+from rollbench.compare.scenes.template import commented_template
 
-GOOD = template()
+GOOD = commented_template()
 BEARING = {'lead = "20 mm"': 'lead = "0 mm"', "turns = 2": "turns = 1", "count = 32": "count = 16"}
 
 
@@ -132,16 +132,16 @@ def test_unequal_balls_that_are_not_nearest_neighbours_overlap(tmp_path):
     places = 'azimuths = ["-19.4 deg", "0 deg", "20 deg", "39.4 deg"]'
     text = broken({"count = 32": places, "turns = 2": "", "[[supports]]": listed})
     assert "balls 2 and 3" in refusal(tmp_path, text).value
-    scene_file.scene_of_text(text.replace('3 = "0.3 mm"', '3 = "0.2 mm"'), "a.toml")
+    scene_file.scene_from_text(text.replace('3 = "0.3 mm"', '3 = "0.2 mm"'), "a.toml")
 
 
 def test_full_complement_of_touching_balls_is_allowed_and_the_bearing_that_cases_start_from_is_sound():
     """So it is their change that is refused."""
-    assert scene_file.scene_of_text(broken(BEARING), "b.toml").ball_count == 16
+    assert scene_file.scene_from_text(broken(BEARING), "b.toml").ball_count == 16
     step = degrees(2 * asin(2.778 / 16.5))
     azimuths = ", ".join(f'"{i * step!r} deg"' for i in range(18))
     text = broken({'lead = "20 mm"': 'lead = "0 mm"', "turns = 2": "", "count = 32": f"azimuths = [{azimuths}]"})
-    assert scene_file.scene_of_text(text, "full.toml").ball_count == 18
+    assert scene_file.scene_from_text(text, "full.toml").ball_count == 18
 
 
 @settings(max_examples=150, deadline=None)
@@ -156,6 +156,6 @@ def test_any_mutilation_is_one_line_or_a_scene(data):
         piece = data.draw(st.sampled_from(pieces))
         text = text[:i] + piece + text[j:]
     try:
-        scene_file.scene_of_text(text, "m.toml")
+        scene_file.scene_from_text(text, "m.toml")
     except SceneError as error:
         check_line(error, "m.toml")

@@ -12,13 +12,13 @@ from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models import registry
 from rollbench.compare.scenes import catalogue, from_keys, keys, scene_file
 from rollbench.compare.scenes.friction_kinds import table
-from rollbench.compare.scenes.template import ball_screw_text, double_nut_text, template
-from rollbench.lowfi.friction.whole.circuit import circuits
+from rollbench.compare.scenes.template import ball_screw_text, commented_template, double_nut_text
+from rollbench.lowfi.friction.whole.circuit import circuits_of_scene
 from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes import axis, helix, parts
 
-GOOD = template()
+GOOD = commented_template()
 
 
 def changed(*changes: tuple[str, str], text: str = GOOD) -> str:
@@ -29,7 +29,7 @@ def changed(*changes: tuple[str, str], text: str = GOOD) -> str:
 
 
 def read(*changes: tuple[str, str]) -> parts.Scene:
-    return scene_file.scene_of_text(changed(*changes), "my.toml")
+    return scene_file.scene_from_text(changed(*changes), "my.toml")
 
 
 def refused(*changes: tuple[str, str]) -> SceneError:
@@ -47,8 +47,8 @@ ARCS = 'arcs = [["-300 deg", "-60 deg"], ["60 deg", "300 deg"]]'
 def test_diameters_are_the_radii_to_the_last_digit_and_an_oversize_is_one_by_preload() -> None:
     assert read(PITCH, BALL) == read()
     assert read(('pitch_radius = "16.5 mm"', 'pitch_diameter = "33 mm"\npitch_radius = "16.5 mm"')) == read()
-    preloaded = catalogue.scene_text("lin-case3").replace("[errors.balls]", "[preload]", 1)
-    assert scene_file.scene_of_text(preloaded, "lin-case3.toml") == catalogue.scene("lin-case3")
+    preloaded = catalogue.shipped_scene_text("lin-case3").replace("[errors.balls]", "[preload]", 1)
+    assert scene_file.scene_from_text(preloaded, "lin-case3.toml") == catalogue.scene("lin-case3")
 
 
 def test_materials_by_name() -> None:
@@ -73,7 +73,7 @@ def test_a_material_may_have_any_name_with_both_of_its_values() -> None:
     one = 'youngs_modulus = "210 GPa"'
     assert "any other name with youngs_modulus and poissons_ratio" in refused((both, f'name = "my steel"\n{one}')).allowed
     assert refused((both, f'name = ["my steel"]\n{both}')).key == "material.name"
-    schema = table.json_schema()["$defs"]["MaterialKeys"]["properties"]["name"]
+    schema = table.scene_json_schema()["$defs"]["MaterialKeys"]["properties"]["name"]
     assert {"type": "string"} in schema["anyOf"], "editors take it too"
 
 
@@ -94,7 +94,7 @@ def test_arcs_with_a_gap_are_circuits_of_their_own_in_a_run() -> None:
     assert refused(few, arcs, ("[[supports]]", "[circulation]\nreturning = 2\n[[supports]]")).key == "circulation"
     read(few, arcs)
     rounds = ("[[supports]]", f"[circulation]\ncircuits = 2\n{run}")
-    first, second = circuits(read(few, arcs, rounds))
+    first, second = circuits_of_scene(read(few, arcs, rounds))
     assert first.track.first + first.track.arc == pytest.approx(math.radians(-60.0))
     assert second.track.first == pytest.approx(math.radians(60.0))
     unequal = (arcs[0], arcs[1].replace("300 deg", "500 deg", 1))
@@ -136,7 +136,7 @@ def test_a_lead_offset_shifts_the_nut_s_halves_and_presses_both_ways() -> None:
 @pytest.mark.parametrize("size", ["6x1", "12x4", "16x16", "20x5", "32x10", "32 x 32", "40x10", "40×80", "63X20", "160x40"])
 def test_a_scene_of_every_nominal_size_reads(size: str) -> None:
     text = ball_screw_text(size)
-    scene = scene_file.scene_of_text(text, "my.toml")
+    scene = scene_file.scene_from_text(text, "my.toml")
     assert max(map(len, text.splitlines())) <= 140
     assert 10 <= scene.ball_count <= 200
     wall = scene.nut.outer_diameter / 2.0 - scene.track.pitch_radius - scene.balls.radius
@@ -148,7 +148,7 @@ def test_a_scene_of_every_nominal_size_reads(size: str) -> None:
 
 
 def test_40x10_is_near_the_shipped_one_and_a_size_beyond_the_rules_is_refused() -> None:
-    ours, shipped = scene_file.scene_of_text(ball_screw_text("40x10"), "my.toml"), catalogue.scene("unseen-40x10")
+    ours, shipped = scene_file.scene_from_text(ball_screw_text("40x10"), "my.toml"), catalogue.scene("unseen-40x10")
     one, other = ((x.track.pitch_radius, x.balls.radius, x.nut.outer_diameter) for x in (ours, shipped))
     assert one == other
     assert abs(ours.ball_count - shipped.ball_count) <= 3
@@ -187,7 +187,7 @@ def test_a_preload_may_be_a_part_of_the_rating(text: str) -> None:
 
 
 def test_rollers_have_no_computed_rating_to_preload_by() -> None:
-    text = re.sub(r"(?m)^(offset|preload) = .*\n", "", catalogue.scene_text("smith-axis-taper"))
+    text = re.sub(r"(?m)^(offset|preload) = .*\n", "", catalogue.shipped_scene_text("smith-axis-taper"))
     changed = text.replace("[[sets]]", '[[sets]]\npreload = "5 % of C"\nthrust = "+z"', 1)
     changed = re.sub(r'(thrust = "\+z"\n(?:(?!\[\[sets).)*?\n)thrust = .*?\n', r"\1", changed, count=1, flags=re.DOTALL)
     with pytest.raises(SceneError, match=r"sets\[0\]\.preload: got .5 % of C.; allowed: a force"):

@@ -6,11 +6,11 @@ from tests.shipped_texts import axis_names, changed
 
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction.answer import neglected_effects_of_kind
-from rollbench.compare.studies.friction.kinds import solve_kind
-from rollbench.lowfi.friction.bearing import SIDES, Bearing, solve_ball, solve_ball_as_printed
+from rollbench.compare.studies.friction.kinds import solve_friction_of_single_parts
+from rollbench.lowfi.friction.bearing import SIDES, Bearing, solve_ball_by_lin_method, solve_ball_of_bearing
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.chain import prepare_chain, solve_linear_chain, solve_pair
-from rollbench.lowfi.friction.screw.motion import source_law
+from rollbench.lowfi.friction.linear.chain import prepare_linear_chain, solve_linear_chain, solve_pair
+from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
 
 ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)
 LINEAR = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
@@ -19,14 +19,14 @@ U_Y = {"1": 0.0, "2": 5.2e-6, "3": 8.0e-6}
 
 
 def solved(name, *changes):
-    return solve_kind(scene_file.parse_scene(changed(name, *changes), "my.toml"))
+    return solve_friction_of_single_parts(scene_file.parse_scene(changed(name, *changes), "my.toml"))
 
 
 def test_every_shipped_scene_converges_and_balances_power():
-    names = sorted(set(catalogue.scene_names()) - set(catalogue.single_set_names()) - set(axis_names()))
+    names = sorted(set(catalogue.scene_names()) - set(catalogue.names_of_single_set_scenes()) - set(axis_names()))
     for name in names:
         scene = catalogue.any_scene(name)
-        answer = solve_kind(scene)
+        answer = solve_friction_of_single_parts(scene)
         assert answer.converged, name
         assert len(scene.assumed) >= (5 if "screw" in name or "bearing" in name else 1), name
         assert answer.data["assumed"] == list(scene.assumed)
@@ -37,9 +37,9 @@ def test_every_shipped_scene_converges_and_balances_power():
 @pytest.mark.parametrize("case", list(U_Y))
 @pytest.mark.parametrize("printed", [False, True])
 def test_rotary_scenes_are_the_library_s(case, printed):
-    found = solve_kind(catalogue.any_scene(f"lin-rotary-{case}{'-printed' * printed}")).data
+    found = solve_friction_of_single_parts(catalogue.any_scene(f"lin-rotary-{case}{'-printed' * printed}")).data
     case = ROTARY, 100.0, U_Y[case]
-    one = solve_ball_as_printed(*case, source_law(ROTARY, 100.0, 0.08)) if printed else solve_ball(*case)
+    one = solve_ball_by_lin_method(*case, lin_sigmoid_law(ROTARY, 100.0, 0.08)) if printed else solve_ball_of_bearing(*case)
     assert found["load_sum_N"] == pytest.approx(one.load.force.sum(), rel=1e-9)
     (ball,) = found["balls"]
     assert [ball["orbit_rad_s"], *ball["rotation_rad_s"]] == pytest.approx([*one.motion.q, 0.0], rel=1e-7)
@@ -53,9 +53,9 @@ def test_rotary_scenes_are_the_library_s(case, printed):
 def test_chain_scene_is_the_library_s_and_a_gap_cuts_it():
     scene = catalogue.any_scene("lin-chain-10")
     np.testing.assert_allclose(np.degrees(scene.angles), [[43.0, 47.0, 45.0, 45.0]] * 10, rtol=1e-12)
-    found = solve_kind(scene).data
+    found = solve_friction_of_single_parts(scene).data
     loads = np.array([[b["load_N"][c] for c in ("BL", "BR", "TR", "TL")] for b in found["balls"]])
-    one = solve_linear_chain(prepare_chain(LINEAR, scene.angles, loads))
+    one = solve_linear_chain(prepare_linear_chain(LINEAR, scene.angles, loads))
     assert [p["force_N"] for p in found["pairs"]] == pytest.approx(one.ball_force, rel=1e-8)
     assert np.all(one.ball_force > 0.0)
     cut = solved("lin-chain-10", ("side_force_ratio = -0.6\n", 'side_force_ratio = -0.6\ngap = "0.5 mm"\n')).data
@@ -70,7 +70,10 @@ def test_units_signs_and_either_way_to_give_the_groove():
     again = scene_file.parse_scene(text, "lin-rotary-2.toml")
     one, other = ((x.bearing.screw_speed, x.bearing.groove_radius, x.force, x.displacement) for x in (base, again))
     assert other == pytest.approx(one, rel=1e-15)
-    forward, back = solve_kind(base).data["torque"], solved("lin-rotary-2", ('"10 rps"', '"-10 rps"')).data["torque"]
+    forward, back = (
+        solve_friction_of_single_parts(base).data["torque"],
+        solved("lin-rotary-2", ('"10 rps"', '"-10 rps"')).data["torque"],
+    )
     assert [back[k] for k in WAYS] == pytest.approx([forward[WAYS[0]], -forward[WAYS[1]]], rel=1e-9)
     backwards = solved("lin-pair-a", ('"10 mm/s"', '"-0.01 m/s"'), ("-0.6", "0.6")).data
     assert backwards["pairs"][0]["force_N"] == pytest.approx(4.065, abs=5e-4)
@@ -78,17 +81,17 @@ def test_units_signs_and_either_way_to_give_the_groove():
 
 def test_oversize_is_the_opposite_of_a_clearance_and_adds_load_and_large_contacts_are_warned_of():
     base = catalogue.any_scene("lin-rotary-3")
-    plain = solve_kind(base).data
+    plain = solve_friction_of_single_parts(base).data
     assert not plain["warnings"]
     assert "Hertz" in solved("lin-rotary-3", ('"100 N"', '"100 kN"')).data["warnings"][0]
     text = changed("lin-rotary-3", ("[load]", '[errors.balls]\noversize = "1 um"\n\n[load]'))
     tight = scene_file.parse_scene(text, "lin-rotary-3.toml")
     assert (base.bearing.clearance, tight.bearing.clearance) == (0.0, -1e-6)
-    assert solve_kind(tight).data["load_sum_N"] > 1.05 * plain["load_sum_N"]
+    assert solve_friction_of_single_parts(tight).data["load_sum_N"] > 1.05 * plain["load_sum_N"]
 
 
 def test_laws_approach_coulomb():
-    exact = solve_kind(catalogue.any_scene("lin-rotary-2")).data["torque"]["friction_torque_Nmm"]
+    exact = solve_friction_of_single_parts(catalogue.any_scene("lin-rotary-2")).data["torque"]["friction_torque_Nmm"]
     coulomb = 'law = "coulomb"'
     off = []
     for creep in ("1 mm/s", "0.1 mm/s"):

@@ -9,16 +9,16 @@ from tests.shipped_texts import changed
 from rollbench.compare.cases.lin.evidence.source_cases import (
     double_row_bearing,
     four_point_bearing,
-    pair_as_printed,
-    pair_with_inferred_oversize,
-    run_of_section_3_4_4,
+    screw_pair_as_printed,
+    screw_pair_with_inferred_oversize,
+    simulation_inputs_of_section_3_4_4,
 )
-from rollbench.compare.commands.friction import run_friction
+from rollbench.compare.commands.friction import solve_and_report_friction
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction import whole
-from rollbench.compare.studies.friction.kinds import solve_kind
+from rollbench.compare.studies.friction.kinds import solve_friction_of_single_parts
 from rollbench.lowfi.friction import bearing
-from rollbench.lowfi.friction.screw.run import SHIFTED, Pair, solve_pair, summarise
+from rollbench.lowfi.friction.screw.run import SHIFTED, Pair, solve_pair, summarise_history
 from rollbench.lowfi.friction.screw.travel import simulate
 
 THETA = {"a": 2.0, "b": 3.0}
@@ -60,12 +60,14 @@ def test_oversize_is_the_opposite_of_a_clearance_and_rows_face_to_face_are_turne
 
 
 @pytest.mark.parametrize("case", list(THETA))
-@pytest.mark.parametrize("reading", [pair_as_printed, pair_with_inferred_oversize])
+@pytest.mark.parametrize("reading", [screw_pair_as_printed, screw_pair_with_inferred_oversize])
 def test_pair_scenes_are_the_library_s(case, reading):
-    scene = catalogue.any_scene(f"lin-screw-pair-{case}{'-inferred' if reading is pair_with_inferred_oversize else ''}")
+    scene = catalogue.any_scene(
+        f"lin-screw-pair-{case}{'-inferred' if reading is screw_pair_with_inferred_oversize else ''}"
+    )
     theirs = reading(np.radians(THETA[case]))
     close(scene.pair, theirs)
-    answer, r = solve_kind(scene), solve_pair(theirs)
+    answer, r = solve_friction_of_single_parts(scene), solve_pair(theirs)
     found = answer.data
     assert answer.converged
     percent = found["friction_increase_percent"], found["ball_to_ball_percent"]
@@ -87,13 +89,13 @@ def test_pair_takes_pattern_direction_hand_and_hertz():
     )
     hertz = "[load]", '[ingredients]\nhertz = "as printed"\n\n[load]'
     scene = loaded("lin-screw-pair-a", *loads, hertz, *rest)
-    groove = replace(pair_as_printed(0.0).groove, lead=-20e-3, hertz="as printed")
+    groove = replace(screw_pair_as_printed(0.0).groove, lead=-20e-3, hertz="as printed")
     theta = (0.0, np.radians(2.0))
     close(scene.pair, Pair(groove, theta, (SHIFTED, SHIFTED), -1e-6, "r", (100.0,), "ball and screw"))
 
 
 def test_pair_of_a_still_screw_spends_nothing():
-    answer = solve_kind(loaded("lin-screw-pair-a-inferred", ('"1 rps"', '"0 rps"')))
+    answer = solve_friction_of_single_parts(loaded("lin-screw-pair-a-inferred", ('"1 rps"', '"0 rps"')))
     assert answer.converged
     nothing = pytest.approx(0.0, abs=1e-15)
     assert answer.data["energy"] == {"input_power_W": 0.0, "loss_W": nothing, "balance_W": nothing, "balance_percent": None}
@@ -101,10 +103,10 @@ def test_pair_of_a_still_screw_spends_nothing():
 
 
 def test_run_scene_is_the_library_s():
-    close(catalogue.any_scene("lin-screw-run").run, run_of_section_3_4_4())
-    answer = solve_kind(loaded("lin-screw-run", *SHORT))
-    r = simulate(run_of_section_3_4_4(), 0.3, 40)
-    s, found = summarise(r), answer.data["summary"]
+    close(catalogue.any_scene("lin-screw-run").run, simulation_inputs_of_section_3_4_4())
+    answer = solve_friction_of_single_parts(loaded("lin-screw-run", *SHORT))
+    r = simulate(simulation_inputs_of_section_3_4_4(), 0.3, 40)
+    s, found = summarise_history(r), answer.data["summary"]
     assert answer.converged
     assert found["largest_ball_to_groove_percent"] == pytest.approx(100.0 * s.largest, rel=1e-7)
     assert found["largest_at_deg"] == pytest.approx(s.at)
@@ -128,25 +130,25 @@ def test_a_run_takes_the_keys_of_a_whole_screw_in_time():
     """An angle in place of a duration, and steps chosen by a goal; four steps have not converged."""
     chosen = loaded("lin-screw-run", ('duration = "2 s"\nsteps = 200', 'angle = "60 deg"\ngoal = 0.02'))
     assert chosen.run.duration == pytest.approx(1.0 / 6.0)
-    found = solve_kind(chosen)
+    found = solve_friction_of_single_parts(chosen)
     error = found.data["run"]["step_error"]
     assert (found.converged, error["small"], error["goal_percent"]) == (True, True, 2.0)
     assert found.data["steps"] == error["steps"][-1]
-    found = solve_kind(loaded("lin-screw-run", ("steps = 200", "steps = 4")))
+    found = solve_friction_of_single_parts(loaded("lin-screw-run", ("steps = 200", "steps = 4")))
     assert not found.converged
     assert found.data["status"].startswith("not converged in the step: the error of 4 steps is some ")
 
 
 def test_run_without_contact_says_nothing_of_where_and_without_friction_there_are_no_ratios():
-    found = solve_kind(loaded("lin-screw-run", *SHORT, ('"3 deg"', '"0 deg"'))).data["summary"]
+    found = solve_friction_of_single_parts(loaded("lin-screw-run", *SHORT, ('"3 deg"', '"0 deg"'))).data["summary"]
     assert found["largest_ball_to_groove_percent"] == 0.0
     assert [found[k] for k in ("largest_at_deg", "contact_begins_deg", "contact_ends_deg")] == [None] * 3
-    run = solve_kind(loaded("lin-screw-run", *SHORT, ("coefficient = 0.1", "coefficient = 0")))
+    run = solve_friction_of_single_parts(loaded("lin-screw-run", *SHORT, ("coefficient = 0.1", "coefficient = 0")))
     energy, summary = run.data["energy"], run.data["summary"]
     assert (run.converged, energy["loss_W"], energy["largest_step_balance_percent"]) == (True, 0.0, None)
     assert [summary[k] for k in ("largest_ball_to_groove_percent", "groove_variation_percent")] == [None] * 2
     assert set(run.data["series"]["ball_to_groove_percent"]) == {None}
-    bearings = solve_kind(loaded("lin-bearing-pairs", *FEW, ("coefficient = 0.1", "coefficient = 0")))
+    bearings = solve_friction_of_single_parts(loaded("lin-bearing-pairs", *FEW, ("coefficient = 0.1", "coefficient = 0")))
     assert (bearings.converged, bearings.data["four_over_double"]) == (True, [None] * 4)
     assert bearings.data["four_point"]["largest_over_smallest"] is None
 
@@ -154,14 +156,14 @@ def test_run_without_contact_says_nothing_of_where_and_without_friction_there_ar
 @pytest.mark.parametrize("angle", [0.3, 0.9])
 def test_one_ball_holds_a_tilting_ring_only_against_a_force_through_its_centre(angle):
     ball = four_point_bearing(count=1)
-    assert "ry" in bearing.describe_free_motion(ball, angle)
-    assert bearing.describe_free_motion(replace(ball, tilt=False), angle) == ""
+    assert "ry" in bearing.describe_unresisted_motion(ball, angle)
+    assert bearing.describe_unresisted_motion(replace(ball, tilt=False), angle) == ""
     through = -ball.groove.pitch_radius / np.tan(angle)
-    assert bearing.describe_free_motion(replace(ball, arm=through), angle) == ""
-    assert "ry" in bearing.describe_free_motion(replace(ball, arm=1.001 * through), angle)
+    assert bearing.describe_unresisted_motion(replace(ball, arm=through), angle) == ""
+    assert "ry" in bearing.describe_unresisted_motion(replace(ball, arm=1.001 * through), angle)
     assert (
-        bearing.describe_free_motion(four_point_bearing(), angle)
-        == bearing.describe_free_motion(double_row_bearing(), angle)
+        bearing.describe_unresisted_motion(four_point_bearing(), angle)
+        == bearing.describe_unresisted_motion(double_row_bearing(), angle)
         == ""
     )
 
@@ -172,10 +174,12 @@ def test_bearing_scene_is_the_library_s(tilt):
     close(scene.four_point, four_point_bearing(tilt=tilt))
     close(scene.double_row, double_row_bearing(tilt=tilt))
     assert np.degrees(scene.angle) == pytest.approx([0.0, 2.0, 16.0, 18.0])
-    answer = solve_kind(scene)
+    answer = solve_friction_of_single_parts(scene)
     found = answer.data
     assert answer.converged
-    curves = [bearing.torque_curve(make(tilt=tilt), scene.angle) for make in (four_point_bearing, double_row_bearing)]
+    curves = [
+        bearing.torque_over_force_angles(make(tilt=tilt), scene.angle) for make in (four_point_bearing, double_row_bearing)
+    ]
     for name, curve in zip(("four_point", "double_row"), curves, strict=True):
         assert found[name]["friction_torque_Nmm"] == pytest.approx(1e3 * curve.torque, rel=1e-7)
         assert found[name]["balls_beyond_two_contacts"] == curve.four.tolist()
@@ -191,7 +195,7 @@ def printed(tmp_path, name, changes):
     """What the command prints of a changed scene."""
     path = tmp_path / f"{name}.toml"
     path.write_text(changed(name, *changes), encoding="utf-8")
-    return run_friction(str(path), whole.Choices(), details=True)
+    return solve_and_report_friction(str(path), whole.FrictionChoices(), details=True)
 
 
 SHOWN = [("lin-rotary-2", (), "per contact"), ("lin-pair-a", (), "per ball"), ("lin-chain-10", (), "per ball")]

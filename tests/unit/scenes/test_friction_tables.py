@@ -7,7 +7,7 @@ import pytest
 from tests.feed_drive import mine
 
 from rollbench.compare.errors import SceneError
-from rollbench.compare.reference.store import key_of
+from rollbench.compare.reference.store import content_key_of_run
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes.parts import Friction, Motion, Time
 
@@ -28,7 +28,7 @@ def test_coefficients_of_both_grooves_stand_for_the_shared_one():
     assert mine(("coefficient = 0.06", "screw = 0.06")).friction == mine().friction
     with pytest.raises(SceneError, match=r"friction.coefficient: got nothing; .*0 to 2; .*screw and nut"):
         mine(("coefficient = 0.06\n", ""))
-    double = catalogue.scene_text("double-nut")
+    double = catalogue.shipped_scene_text("double-nut")
     assert "coefficient = 0.05\n" in double
     with pytest.raises(SceneError, match=r"friction.coefficient: got nothing"):
         scene_file.parse_scene(double.replace("coefficient = 0.05\n", "nut = 0.05\n"), "double.toml")
@@ -41,7 +41,7 @@ def test_friction_and_motion_leave_static_keys_alone():
     rubbing = replace(plain, friction=Friction(0.1, 0.2, feedback=False), motion=Motion(3.0, "nut"), time=Time(angle=1.0))
     assert rubbing != plain
     assert "friction=Friction(" in repr(rubbing)
-    assert key_of(rubbing, "", {}, (0, 3)) == key_of(plain, "", {}, (0, 3))
+    assert content_key_of_run(rubbing, "", {}, (0, 3)) == content_key_of_run(plain, "", {}, (0, 3))
 
 
 def test_tables_are_read_in_si_units():

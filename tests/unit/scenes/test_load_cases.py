@@ -26,7 +26,7 @@ def test_cases_are_the_scene_with_what_differs():
     assert dict(second.supports[0].fixed) == dict(SHIPPED.supports[0].fixed) | {"uz": 8e-6}
     assert replace(bare(second), supports=SHIPPED.supports) == bare(SHIPPED)
     assert third.errors.balls.oversize == 2e-6
-    assert scene_file.kind_of(cycle) == "bearing"
+    assert scene_file.kind_of_scene(cycle) == "bearing"
 
 
 def test_shares_follow_from_times_and_speeds():
@@ -47,8 +47,10 @@ def test_the_commented_cases_of_a_new_scene_are_read():
 
 
 def test_a_case_holds_no_further_freedom_and_commands_of_one_load_case_refuse_several():
-    text = catalogue.scene_text("lin-case1") + '\n[[cases]]\nname = "a"\nshare = 1\n[[cases.supports]]\nat = "0 mm"\n'
+    text = (
+        catalogue.shipped_scene_text("lin-case1") + '\n[[cases]]\nname = "a"\nshare = 1\n[[cases.supports]]\nat = "0 mm"\n'
+    )
     with pytest.raises(SceneError, match=r"cases\[0\].supports\[0\].displace.uz: got uz; "):
         scene_file.parse_scene(text + 'displace = { uz = "1 um" }\n', "a.toml")
     with pytest.raises(InputError, match=r"cases: got 3 cases; allowed: a scene without \[\[cases\]\]"):
-        scene_file.scene_of_text(TEXT, "two.toml")
+        scene_file.scene_from_text(TEXT, "two.toml")

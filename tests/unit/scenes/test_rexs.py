@@ -10,8 +10,8 @@ import pytest
 from tests.axes import CASES, ON_A_SHAFT
 
 import rollbench
-from rollbench.compare.commands.export import run_rexs
-from rollbench.compare.commands.new import new_of_rexs
+from rollbench.compare.commands.export import write_axis_as_rexs
+from rollbench.compare.commands.new import write_scene_from_rexs
 from rollbench.compare.errors import ArgumentError, InputError, SceneError
 from rollbench.compare.scenes import rexs_model
 
@@ -51,15 +51,15 @@ def assert_same(one, other):
 def there_and_back(tmp_path, scene, *given, shaft="", model=""):
     """The scene as REXS, and the scene that is read of that."""
     file, back = tmp_path / "out.rexs", tmp_path / f"back{len(list(tmp_path.iterdir()))}.toml"
-    run_rexs(str(scene), file, model)
-    new_of_rexs(back, file, shaft, [*given])
+    write_axis_as_rexs(str(scene), file, model)
+    write_scene_from_rexs(back, file, shaft, [*given])
     return file, back
 
 
 def edited(tmp_path, **words):
     """The arrangement as REXS, with words in place of others."""
     file = tmp_path / "edited.rexs"
-    run_rexs(str(ON_A_SHAFT), file, "lin")
+    write_axis_as_rexs(str(ON_A_SHAFT), file, "lin")
     text = file.read_text()
     for old, new in words.items():
         assert old in text
@@ -90,7 +90,7 @@ def test_load_cases_come_back_with_speeds_and_shares(tmp_path):
     for a, b in zip(one.cases, two.cases, strict=True):
         assert b.speed == pytest.approx(a.speed)
         assert_same(a.scene.loads, b.scene.loads)
-    spectrum = rexs_model.read_model(file).cases
+    spectrum = rexs_model.read_rexs_file(file).cases
     assert len(spectrum) == 2
     assert [x[1]["operating_time_fraction"] for x in spectrum] == [20.0, 80.0]
 
@@ -110,8 +110,8 @@ def test_rollers_come_back_with_the_depth_that_is_asked_for(tmp_path):
 
 def test_results_are_those_of_the_solution(tmp_path):
     file = tmp_path / "out.rexs"
-    run_rexs(str(ON_A_SHAFT), file, "lin")
-    model, solved = rexs_model.read_model(file), rollbench.solve(ON_A_SHAFT, model="lin")
+    write_axis_as_rexs(str(ON_A_SHAFT), file, "lin")
+    model, solved = rexs_model.read_rexs_file(file), rollbench.solve(ON_A_SHAFT, model="lin")
     case = model.cases[0]
     bearings = {c.name: c.id for c in model.components.values() if c.type == "rolling_bearing_with_detailed_geometry"}
     total = np.zeros(3)
@@ -134,8 +134,8 @@ def test_results_are_those_of_the_solution(tmp_path):
 
 def test_a_nut_goes_out_as_its_load(tmp_path):
     file = tmp_path / "axis.rexs"
-    run_rexs("axis-fixed-fixed", file, "lin")
-    model = rexs_model.read_model(file)
+    write_axis_as_rexs("axis-fixed-fixed", file, "lin")
+    model = rexs_model.read_rexs_file(file)
     loads = [c for c in model.components.values() if c.type == "external_load"]
     assert [x.name for x in loads] == ["nut"]
     solved = rollbench.solve("axis-fixed-fixed", model="lin").sets["nut"]
@@ -144,16 +144,16 @@ def test_a_nut_goes_out_as_its_load(tmp_path):
 
 def test_two_rows_of_one_bearing_stand_apart(tmp_path):
     file = edited(tmp_path)
-    model = rexs_model.read_model(file)
+    model = rexs_model.read_rexs_file(file)
     left, right = (c for c in model.components.values() if c.name in ("left", "right") and "bearing_type" in c.attributes)
     rows = [r for r in model.relations if r.type == "ordered_assembly" and r.roles["assembly"] == right.id]
     model.relations = [r for r in model.relations if r not in rows and r.roles.get("assembly") != right.id]
-    model.relate("ordered_assembly", 2, assembly=left.id, part=rows[0].roles["part"])
+    model.add_relation("ordered_assembly", 2, assembly=left.id, part=rows[0].roles["part"])
     left.attributes |= {"distance_between_bearing_rows": 16.0, "u_coordinate_on_shaft_inner_side": 38.0}
     left.attributes.pop("preload_distance")
-    file.write_text(rexs_model.text_of(model, "1", "2026-01-01T00:00:00+00:00"))
+    file.write_text(rexs_model.rexs_file_text(model, "1", "2026-01-01T00:00:00+00:00"))
     back = tmp_path / "two.toml"
-    new_of_rexs(back, file, "", [])
+    write_scene_from_rexs(back, file, "", [])
     found = {s.name: (s.position, s.thrust) for s in load_axis(back).sets}
     assert found["left row 1"] == (pytest.approx(0.030), "-z")
     assert found["left row 2"] == (pytest.approx(0.046), "+z")
@@ -162,14 +162,16 @@ def test_two_rows_of_one_bearing_stand_apart(tmp_path):
 def test_what_is_missing_is_asked_for_and_filled_in(tmp_path):
     file = edited(tmp_path, raceway_radius_of_outer_ring="some_other_attribute")
     with pytest.raises(SceneError) as caught:
-        new_of_rexs(tmp_path / "no.toml", file, "", [])
+        write_scene_from_rexs(tmp_path / "no.toml", file, "", [])
     first, *others = caught.value.lines()
     assert "attribute raceway_radius_of_outer_ring" in first
     assert "mm" in first
     assert '--set "left.nut.groove_radius=VALUE"' in first
     assert len(others) == 2
     assert not (tmp_path / "no.toml").exists()
-    new_of_rexs(tmp_path / "yes.toml", file, "", [f"{x}.nut.groove_radius=5 mm" for x in ("left", "right", "free")])
+    write_scene_from_rexs(
+        tmp_path / "yes.toml", file, "", [f"{x}.nut.groove_radius=5 mm" for x in ("left", "right", "free")]
+    )
     assert_same(load_axis(ON_A_SHAFT), load_axis(tmp_path / "yes.toml"))
 
 
@@ -188,7 +190,7 @@ def test_what_is_missing_is_asked_for_and_filled_in(tmp_path):
 )
 def test_a_faulty_file_is_refused_where_it_is_faulty(tmp_path, words, named):
     with pytest.raises(InputError, match=named):
-        new_of_rexs(tmp_path / "no.toml", edited(tmp_path, **words), "", [])
+        write_scene_from_rexs(tmp_path / "no.toml", edited(tmp_path, **words), "", [])
 
 
 def test_unknown_shafts_and_keys_are_refused(tmp_path):
@@ -197,12 +199,12 @@ def test_unknown_shafts_and_keys_are_refused(tmp_path):
     wrong = (("7", [], "shaft"), ("", ["left.nose=1 mm"], "left.nose"), ("", ["left"], "KEY=VALUE"), ("", ratio, "set"))
     for shaft, given, named in wrong:
         with pytest.raises(ArgumentError, match=named):
-            new_of_rexs(tmp_path / "no.toml", file, shaft, given)
+            write_scene_from_rexs(tmp_path / "no.toml", file, shaft, given)
 
 
 @pytest.mark.parametrize("scene", [ON_A_SHAFT, "smith-axis-taper"])
 def test_components_attributes_and_relations_are_those_of_the_schema(tmp_path, scene):
-    run_rexs(str(scene), tmp_path / "out.rexs", "lin")
+    write_axis_as_rexs(str(scene), tmp_path / "out.rexs", "lin")
     with lzma.open(SCHEMA) as file:
         schema = ET.parse(file).getroot()
     units = {x.get("id"): x.get("name") for x in schema.find("units")}

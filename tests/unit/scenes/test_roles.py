@@ -8,22 +8,24 @@ from dataclasses import replace
 import pytest
 
 from rollbench.compare.errors import SceneError
-from rollbench.compare.reference.store import key_of
+from rollbench.compare.reference.store import content_key_of_run
 from rollbench.compare.scenes import catalogue, scene_file
 
 
 def test_hash_and_key_do_not_know_the_role():
-    text = catalogue.scene_text("lin-case1")
+    text = catalogue.shipped_scene_text("lin-case1")
     bare = re.sub(r'(?m)^role = "referenced"\n', "", text)
     assert bare != text
-    assert scene_file.scene_hash(bare) == scene_file.scene_hash(text)
-    assert scene_file.scene_hash(text.replace("lead", "Lead")) != scene_file.scene_hash(text)
+    assert scene_file.hash_of_scene_text(bare) == scene_file.hash_of_scene_text(text)
+    assert scene_file.hash_of_scene_text(text.replace("lead", "Lead")) != scene_file.hash_of_scene_text(text)
     scene = catalogue.scene("lin-case1")
     other = replace(scene, role="")
     assert other == scene
-    assert key_of(other, "", {"b_over_h": 2.0}, (0, 3)) == key_of(scene, "", {"b_over_h": 2.0}, (0, 3))
+    assert content_key_of_run(other, "", {"b_over_h": 2.0}, (0, 3)) == content_key_of_run(
+        scene, "", {"b_over_h": 2.0}, (0, 3)
+    )
     with pytest.raises(SceneError, match="role"):
-        scene_file.scene_of_text(text.replace('role = "referenced"', 'role = "seen"'), "mine.toml")
+        scene_file.scene_from_text(text.replace('role = "referenced"', 'role = "seen"'), "mine.toml")
 
 
 DRAWING = {"gmsh", "pyvista", "matplotlib", "scipy.spatial"}

@@ -12,9 +12,9 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.scenes.schema import AxisKeys, SceneKeys
-from rollbench.compare.scenes.template import template
+from rollbench.compare.scenes.template import commented_template
 from rollbench.meshes.parts import FourierTerm
-from rollbench.meshes.record_keys import canonical
+from rollbench.meshes.record_keys import canonical_text
 
 #: Tables in the order of the schema.
 ORDER = {"ball screw": [*SceneKeys.model_fields], "double nut": [*AxisKeys.model_fields]}
@@ -22,9 +22,9 @@ ORDER = {"ball screw": [*SceneKeys.model_fields], "double nut": [*AxisKeys.model
 
 @pytest.mark.parametrize("name", catalogue.scene_names())
 def test_every_shipped_scene_goes_round(name):
-    scene = catalogue.shipped(name)
+    scene = catalogue.shipped_scene(name)
     again = scene_file.parse_scene(scene.to_toml(), f"{name}.toml")
-    assert canonical(again) == canonical(scene)  # keys of stored runs
+    assert canonical_text(again) == canonical_text(scene)  # keys of stored runs
     assert isinstance(scene, KindScene) or again == scene  # those of a kind have arrays
     assert again.to_toml() == scene.to_toml()
 
@@ -50,7 +50,7 @@ def test_drawn_screws_and_axes_go_round(drawn):
             continue
         again = scene_file.parse_scene(scene.to_toml(), "drawn.toml")
         assert again == scene, number
-        assert canonical(again) == canonical(scene)
+        assert canonical_text(again) == canonical_text(scene)
         found += 1
     assert found > 20
 
@@ -66,7 +66,7 @@ def test_load_cases_go_round():
 
 
 def test_round_trip_of_every_key():
-    full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", template())
+    full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", commented_template())
     full = full.replace('hand = "right"', 'hand = "left"').replace('bore = "0 mm"', 'bore = "5 mm"')
     full = full.replace('azimuth = "0 deg"', 'azimuth = "30 deg"').replace('"0 N m", "0 N m"]', '"1 N m", "2 N mm"]')
     full = full.replace('sin = "5 um"', 'sin = "5 um", cos = "1 um", sigma = "2 um"').replace('["0.1 um', '["0.2 um')
@@ -80,5 +80,5 @@ def test_round_trip_of_every_key():
     assert scene.errors.SL.profile_sigma == (2e-7, 0.0)
     assert scene.errors.SL.roundness[0] == FourierTerm(2.0, 5e-6, 1e-6, 2e-6)
     assert (scene.ingredients.hertz, scene.ingredients.section) == ("as printed", "full")
-    assert scene_file.scene_of_text(scene.to_toml(), "full.toml") == scene
+    assert scene_file.scene_from_text(scene.to_toml(), "full.toml") == scene
     assert scene_file.parse_scene(cycle.to_toml(), "full.toml") == cycle

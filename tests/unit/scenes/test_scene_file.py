@@ -10,7 +10,7 @@ from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import KINDS as FRICTION_ONLY
 from rollbench.compare.scenes.friction_kinds import screw_balls
-from rollbench.compare.scenes.template import template
+from rollbench.compare.scenes.template import commented_template
 
 
 @pytest.mark.parametrize("name", ["lin-case3", "lin-case3-offset"])
@@ -25,29 +25,29 @@ def test_readings_of_case_3_differ_in_the_right_end_alone_and_say_which_is_the_t
 
 
 def test_whole_scene_may_name_its_kind_and_must_name_the_right_one():
-    text = catalogue.scene_text("lin-case1").replace("[material]", 'kind = "ball screw"\n[material]', 1)
-    assert scene_file.scene_of_text(text, "lin-case1.toml") == catalogue.scene("lin-case1")
+    text = catalogue.shipped_scene_text("lin-case1").replace("[material]", 'kind = "ball screw"\n[material]', 1)
+    assert scene_file.scene_from_text(text, "lin-case1.toml") == catalogue.scene("lin-case1")
     with pytest.raises(SceneError, match='kind: got "bearing"; allowed: "ball screw" with this lead'):
-        scene_file.scene_of_text(text.replace('"ball screw"', '"bearing"', 1), "a.toml")
-    ring = catalogue.scene_text("bearing-9").replace("[material]", 'kind = "ball screw"\n[material]', 1)
+        scene_file.scene_from_text(text.replace('"ball screw"', '"bearing"', 1), "a.toml")
+    ring = catalogue.shipped_scene_text("bearing-9").replace("[material]", 'kind = "ball screw"\n[material]', 1)
     with pytest.raises(SceneError, match='allowed: "bearing" with this lead'):
-        scene_file.scene_of_text(ring, "a.toml")
+        scene_file.scene_from_text(ring, "a.toml")
 
 
 def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
-    names = set(catalogue.scene_names()) - set(catalogue.single_set_names()) - set(axis_names())
-    assert {scene_file.kind_of(catalogue.shipped(name)) for name in names} == set(FRICTION_ONLY)
-    assert catalogue.shipped("lin-pair-a") is catalogue.shipped("lin-pair-a"), "each is read once"
+    names = set(catalogue.scene_names()) - set(catalogue.names_of_single_set_scenes()) - set(axis_names())
+    assert {scene_file.kind_of_scene(catalogue.shipped_scene(name)) for name in names} == set(FRICTION_ONLY)
+    assert catalogue.shipped_scene("lin-pair-a") is catalogue.shipped_scene("lin-pair-a"), "each is read once"
     words = r'"linear pair"; allowed: "ball screw", "bearing"; .*rollbench friction lin-pair-a'
     with pytest.raises(SceneError, match=words):
         catalogue.scene("lin-pair-a")
     with pytest.raises(InputError, match='kind: got "linear pair"; allowed: "screw run"'):
-        catalogue.case("lin-pair-a", screw_balls.ScrewRunScene)
+        catalogue.shipped_scene_of_kind("lin-pair-a", screw_balls.ScrewRunScene)
     path = tmp_path / "mine.toml"
-    path.write_text(catalogue.scene_text("lin-pair-a"))
+    path.write_text(catalogue.shipped_scene_text("lin-pair-a"))
     with pytest.raises(SceneError, match="rollbench friction"):
         scene_file.read_scene_file(path)
-    assert scene_file.kind_of(catalogue.any_scene(str(path))) == "linear pair"
+    assert scene_file.kind_of_scene(catalogue.any_scene(str(path))) == "linear pair"
 
 
 def test_conformity_part_of_a_material_and_starts():
@@ -55,7 +55,7 @@ def test_conformity_part_of_a_material_and_starts():
     share the balls."""
 
     def changed(old, new):
-        return scene_file.scene_of_text(template().replace(old, new), "a.toml")
+        return scene_file.scene_from_text(commented_template().replace(old, new), "a.toml")
 
     scene = changed('groove_radius = "3.254 mm"', "conformity = 0.56")
     assert scene.screw.groove_radius == scene.nut.groove_radius == pytest.approx(0.56 * 2 * 2.778e-3)
@@ -69,14 +69,14 @@ def test_conformity_part_of_a_material_and_starts():
 
 def test_byte_order_mark_windows_line_ends_and_the_hash_of_a_text(tmp_path):
     path = tmp_path / "w.toml"
-    path.write_bytes(b"\xef\xbb\xbf" + template().replace("\n", "\r\n").encode())
+    path.write_bytes(b"\xef\xbb\xbf" + commented_template().replace("\n", "\r\n").encode())
     assert scene_file.read_scene_file(path).ball_count == 32
-    assert scene_file.scene_hash("a") == "ca978112ca1bbdca" != scene_file.scene_hash("a ")
+    assert scene_file.hash_of_scene_text("a") == "ca978112ca1bbdca" != scene_file.hash_of_scene_text("a ")
 
 
 def test_unknown_name_suggests_near_ones(tmp_path):
     with pytest.raises(InputError, match="lin-case1") as caught:
         catalogue.scene("lin-cas1")
     assert "\n" not in str(caught.value)
-    (tmp_path / "mine.toml").write_text(template())
+    (tmp_path / "mine.toml").write_text(commented_template())
     assert catalogue.scene(str(tmp_path / "mine.toml")).name == "mine"

@@ -13,10 +13,10 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue, duty_cycle, scene_file
 from rollbench.compare.scenes.duty_cycle import KINDS as FRICTION_ONLY
 from rollbench.compare.scenes.friction_kinds.table import TABLE as KINDS
-from rollbench.compare.scenes.friction_kinds.table import json_schema
-from rollbench.compare.scenes.keys import tidy_schema
+from rollbench.compare.scenes.friction_kinds.table import scene_json_schema
+from rollbench.compare.scenes.keys import scene_schema_of_kind
 from rollbench.compare.scenes.schema import SceneKeys
-from rollbench.compare.scenes.template import template
+from rollbench.compare.scenes.template import commented_template
 
 #: Keys that exclude another key, or that another choice needs.
 EITHER_OR = {"groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts", "pitch_diameter"}
@@ -25,8 +25,8 @@ EITHER_OR |= {"diameter", "filling", "circuit_gap", "arcs", "angle", "clearance"
 
 def test_template_loads_as_case_1_and_that_of_an_unknown_kind_is_refused():
     with pytest.raises(InputError, match=r"screw-run.*a complete screw is a ball-screw"):
-        template("screw")
-    scene, case = scene_file.scene_of_text(template(), "x/my.toml"), catalogue.scene("lin-case1")
+        commented_template("screw")
+    scene, case = scene_file.scene_from_text(commented_template(), "x/my.toml"), catalogue.scene("lin-case1")
     assert scene.name == "my"
     for part in ("track", "screw", "nut", "balls", "supports", "loads", "errors", "ingredients"):
         assert getattr(scene, part) == getattr(case, part)
@@ -34,15 +34,15 @@ def test_template_loads_as_case_1_and_that_of_an_unknown_kind_is_refused():
 
 @pytest.mark.parametrize("kind", [*duty_cycle.WHOLE, *FRICTION_ONLY])
 def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
-    text = template(kind.replace(" ", "-"))
+    text = commented_template(kind.replace(" ", "-"))
     scene = scene_file.parse_scene(text, "my.toml")
-    assert (scene_file.kind_of(scene), scene.name) == (kind, "my")
+    assert (scene_file.kind_of_scene(scene), scene.name) == (kind, "my")
     assert f'kind = "{kind}"' in text
     keys = SceneKeys if kind in duty_cycle.WHOLE else KINDS[kind].keys
     words = set(re.findall(r"\w+", text))
-    assert set(tidy_schema(keys)["properties"]) - {"circulation"} <= words
+    assert set(scene_schema_of_kind(keys)["properties"]) - {"circulation"} <= words
     if kind != "bearing":
-        assert schema_keys(tidy_schema(keys)) <= words
+        assert schema_keys(scene_schema_of_kind(keys)) <= words
     optional = [line for line in text.splitlines() if re.match(r"# \w+ = ", line)]
     assert optional
     for line in () if kind == "ball screw" else optional:
@@ -60,11 +60,13 @@ def test_a_new_scene_names_the_schema(tmp_path, words, command):
 
 def test_shipped_schema_is_the_printed_one():
     """To renew it: rollbench schema > compare/scene.schema.json."""
-    assert json.loads(files.place("scene.schema.json").read_text(encoding="utf-8")) == json.loads(json.dumps(json_schema()))
+    assert json.loads(files.shipped_path("scene.schema.json").read_text(encoding="utf-8")) == json.loads(
+        json.dumps(scene_json_schema())
+    )
 
 
 def test_template_alternatives_load():
-    text = template()
+    text = commented_template()
     lines = text.splitlines()
     shown = [i for i, line in enumerate(lines) if line.startswith("# or: ")]
     assert len(shown) == 10
@@ -81,7 +83,7 @@ def test_template_alternatives_load():
         if lines[j].startswith("# ") and "displace" not in lines[i]:
             head = max(k for k in range(i) if lines[k].startswith("# ["))
             changed[head:j] = [x.removeprefix("# ") for x in changed[head:j]]
-        scene_file.scene_of_text("\n".join(changed), "other.toml")
+        scene_file.scene_from_text("\n".join(changed), "other.toml")
 
 
 def schema_keys(schema: dict) -> set[str]:
@@ -90,7 +92,7 @@ def schema_keys(schema: dict) -> set[str]:
 
 
 def test_schema_names_and_describes_every_key():
-    schema = json.loads(json.dumps(tidy_schema(SceneKeys)))
+    schema = json.loads(json.dumps(scene_schema_of_kind(SceneKeys)))
     assert {"groove_radius", "azimuths", "listed", "harmonic", "displace", "element_length"} <= schema_keys(schema)
     assert set(schema["required"]) == {"title", "track", "screw", "nut", "balls"}
     types = {"string", "number", "integer", "boolean", "array", "object"}
@@ -113,8 +115,8 @@ def test_schema_names_and_describes_every_key():
 
 
 def test_schema_examples_and_defaults_are_valid():
-    schema = tidy_schema(SceneKeys)
-    base = tomllib.loads(template())
+    schema = scene_schema_of_kind(SceneKeys)
+    base = tomllib.loads(commented_template())
     for name, node in schema["$defs"]["TrackKeys"]["properties"].items():
         for value in [*node["examples"], *(node[key] for key in ("default",) if key in node)]:
             SceneKeys.model_validate(base | {"track": base["track"] | {name: value}})
@@ -124,7 +126,7 @@ def test_schema_examples_and_defaults_are_valid():
 
 
 def test_template_shows_every_key_and_loads_with_all_optional_ones():
-    text = template()
+    text = commented_template()
     full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", text)
     cycle = scene_file.parse_scene(full, "full.toml")
     scene = cycle.parts
@@ -132,4 +134,4 @@ def test_template_shows_every_key_and_loads_with_all_optional_ones():
     assert scene.errors.NR.profile == (2e-6, -0.25e-6)
     assert scene.supports[1].fixed == (("ux", 3e-4), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))
     words = set(re.findall(r"\w+", text))
-    assert not schema_keys(tidy_schema(SceneKeys)) - words
+    assert not schema_keys(scene_schema_of_kind(SceneKeys)) - words

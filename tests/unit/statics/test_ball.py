@@ -13,7 +13,7 @@ from rollbench.lowfi import jit
 from rollbench.lowfi.statics.contacts import hertz_C
 from rollbench.lowfi.statics.kernel_types import RIGID
 from rollbench.lowfi.statics.problem import pack_geometry
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, BallErrors, Errors, SideErrors
 
@@ -30,7 +30,7 @@ class Ball:
     def __init__(self, profile, oversize):
         scene = small_screw(count=2)
         self.scene = replace(scene, errors=replace(PROFILES[profile], balls=BallErrors(oversize=oversize)))
-        self.drawn = specimen(self.scene, ball_layout(self.scene))
+        self.drawn = draw_specimen(self.scene, ball_layout(self.scene))
         self.C = hertz_C(self.scene, self.drawn)
         rows, closure = pack_geometry(self.scene, self.drawn, self.C, np.ones(4, dtype=bool))
         self.geometry, self.closure, self.C = rows[0], closure[0], self.C[0]
@@ -38,7 +38,7 @@ class Ball:
 
     def settle(self, shift, engine="interpreted"):
         """Energy, centre and contact rows of the kernel."""
-        kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled")
+        kernels = jit.load_kernel_package(jit.STATICS, compiled=engine == "compiled")
         p, contact = np.zeros(2), np.zeros((4, 5))
         ball = self.geometry, self.closure, RIGID, self.radius, self.drawn.profile
         energy = kernels.settle_ball(p, shift, *ball, 1e-9, contact)
@@ -120,7 +120,7 @@ def test_forces_and_balance_of_both_engines(state, profile):
         assert contact[loaded] == pytest.approx(other[2][loaded], rel=1e-9)
         hessians = np.empty((2, 4, 4))
         for engine, rows, hessian in zip((False, True), (contact, other[2]), hessians, strict=True):
-            jit.kernels(jit.STATICS, compiled=engine).ball.flank_hessian(rows, hessian)
+            jit.load_kernel_package(jit.STATICS, compiled=engine).ball.flank_hessian(rows, hessian)
         assert hessians[0] == pytest.approx(hessians[1], rel=1e-9, abs=1e-9 * np.abs(hessians[1]).max())
         force, normal = contact[:, 0], contact[:, 1:3]
         delta = np.array([b.radius - b.gap(p, shift, s) for s in range(4)])
@@ -138,7 +138,7 @@ def two_flanks(b, shift):
     geometry = b.geometry.copy()
     geometry[[1, 2], 5] = 0.0
     p, contact = np.zeros(2), np.zeros((4, 5))
-    settle = jit.kernels(jit.STATICS, compiled=False).settle_ball
+    settle = jit.load_kernel_package(jit.STATICS, compiled=False).settle_ball
     settle(p, shift, geometry, b.closure, RIGID, b.radius, b.drawn.profile, 0.0, contact)
     return contact
 

@@ -8,7 +8,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source import element_stiffness
 from rollbench.lowfi.statics.kernel import beam, matrices
 from rollbench.lowfi.statics.shape import rigid_transport, shape_polynomials
-from rollbench.meshes.section import fixed_partition, tube_section
+from rollbench.meshes.section import nodes_of_whole_beam, tube_section
 
 SECTION = tube_section(30e-3, 8e-3, STEEL)
 STIFFNESSES = np.array([SECTION.EA, SECTION.EI, SECTION.GJ, SECTION.kGA])
@@ -64,7 +64,7 @@ def test_element_is_the_strain_energy_of_its_shape_functions(length):
     rng, transport = np.random.default_rng(4), rigid_transport(length)
     for _ in range(5):
         q, f = rng.normal(size=12) * np.tile([length] * 3 + [1.0] * 3, 2), np.empty(6)
-        beam.force_of(q[6:] - transport @ q[:6], beam.element_constants(length, STIFFNESSES), f)
+        beam.write_element_force(q[6:] - transport @ q[:6], beam.element_constants(length, STIFFNESSES), f)
         off = np.concatenate([-transport.T @ f, f]) - found @ q
         assert np.abs(off / (size * np.abs(size * q).max())).max() < 1e-13
 
@@ -119,7 +119,7 @@ def test_shape_functions_are_the_exact_interior(length, xi):
 def test_the_sources_partition_has_27_elements():
     """Table 2.2: 12 + 3 + 12, 15 mm inside the nut."""
     scene = with_ingredients(catalogue.scene("lin-case1"), partition="source")
-    nodes = fixed_partition(scene)
+    nodes = nodes_of_whole_beam(scene)
     assert nodes.size - 1 == 27
     assert nodes[[0, -1]] == pytest.approx([0.0, 0.8])
     assert nodes[12:16] == pytest.approx([0.3775, 0.3925, 0.4075, 0.4225])

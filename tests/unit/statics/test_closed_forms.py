@@ -16,7 +16,7 @@ from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.contacts import drawn_hertz
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Balls, Load, Support
 from rollbench.meshes.section import screw_section
@@ -26,7 +26,7 @@ BETAS = [0.3, np.pi / 4, 1.1]
 
 def constants(scene):
     """Hertz constants of the four sides with the scene's balls, all of one size."""
-    return drawn_hertz(scene, specimen(scene, ball_layout(scene))).C[0]
+    return drawn_hertz(scene, draw_specimen(scene, ball_layout(scene))).C[0]
 
 
 def pair_constant(scene):
@@ -105,7 +105,7 @@ def test_torque_of_the_helix(hand):
     assert torque == pytest.approx(sign * 2000.0 * 20e-3 / (2 * np.pi), rel=2e-3)
 
 
-@pytest.mark.parametrize("name", catalogue.single_set_names())
+@pytest.mark.parametrize("name", catalogue.names_of_single_set_scenes())
 def test_shipped_scenes_are_in_equilibrium(name):
     """Contact forces at their contact points, reactions and loads, summed apart from the solver's own residual.
 

@@ -9,7 +9,7 @@ from tests.helpers import relative, small_screw, solved, with_ingredients
 
 from rollbench.lowfi.hertz import hertz_constants
 from rollbench.lowfi.statics.contacts import curvature_changes, drawn_hertz, error_free_hertz, hertz_C, oblique_term
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, SideErrors
 
@@ -118,7 +118,7 @@ def test_oblique_pressure_softens_the_contact():
 
 
 def drawn_of(scene):
-    return specimen(scene, ball_layout(scene))
+    return draw_specimen(scene, ball_layout(scene))
 
 
 def changes_of(scene):

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.models.loading import scaled
+from rollbench.compare.models.loading import scale_loads
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.members.ensemble import work_of_loads
+from rollbench.compare.studies.members.ensemble import work_done_by_loads
 from rollbench.lowfi import jit
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic import ElasticMembers, shared
@@ -33,19 +33,21 @@ SCENES = {
     "four sides": catalogue.scene("lin-random"),
     "loose balls": _two_sides(),
     "section forces under the balls": _pulled_through(),
-    "errors that press more than the load": scaled(catalogue.scene("lin-random"), 0.02),
+    "errors that press more than the load": scale_loads(catalogue.scene("lin-random"), 0.02),
 }
 
 
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_members_on_one_system_are_those_solved_one_by_one(scene: Scene) -> None:
     assert shared(scene)
-    loads, residuals, works = ElasticMembers(scene, LADDER["refined"], jit.kernels(jit.STATICS, compiled=False)).solve(3, 3)
+    loads, residuals, works = ElasticMembers(
+        scene, LADDER["refined"], jit.load_kernel_package(jit.STATICS, compiled=False)
+    ).solve(3, 3)
     assert not np.isnan(residuals).any()
     for k in range(3):
         alone = run_model(scene, "refined", Options(member=3 + k, discretisation=False))
         assert np.abs(loads[k] - alone.load).max() <= 1e-11 * alone.load.max()
-        assert works[k] == pytest.approx(work_of_loads(scene, alone), rel=1e-11)
+        assert works[k] == pytest.approx(work_done_by_loads(scene, alone), rel=1e-11)
 
 
 def test_grooves_with_random_errors_are_solved_one_by_one() -> None:

@@ -10,17 +10,17 @@ from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.survey import SEED, scene_text
 from rollbench.lowfi import jit
-from rollbench.lowfi.as_source import beam_matrix
-from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section
+from rollbench.lowfi.as_source import beam_stiffness_of_screw
+from rollbench.lowfi.compliance.parts import LADDER, REFINED, grooved_section, reduce_to_compliance_geometry
 from rollbench.lowfi.statics import response as model
-from rollbench.lowfi.statics.elastic import ElasticBuild, solve_elastic
+from rollbench.lowfi.statics.elastic import ElasticInput, solve_elastic
 from rollbench.lowfi.statics.held import free_motions
 from rollbench.lowfi.statics.kernel import contact as laws
-from rollbench.lowfi.statics.kernel_types import BodyState
-from rollbench.lowfi.statics.problem import build
-from rollbench.lowfi.statics.shaft import flank_motions_by_loads, flank_response, node_motions, shaft_of
-from rollbench.lowfi.statics.static import pin, solve_static
-from rollbench.meshes.errors import specimen
+from rollbench.lowfi.statics.kernel_types import ForceState
+from rollbench.lowfi.statics.problem import build_problem
+from rollbench.lowfi.statics.shaft import build_shaft, flank_motions_by_loads, flank_response, node_motions
+from rollbench.lowfi.statics.static import pin_free_motions, solve_static
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Load, Support
 
@@ -47,11 +47,11 @@ SAME_AS_SOURCE = ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset", "li
 def assembled(scene, backend=REFINED, use=ALL, engine=None):
     """A scene's problem for the kernels, with the sides ``use``."""
     layout = ball_layout(scene)
-    drawn = specimen(scene, layout)
-    engine = engine or jit.kernels(jit.STATICS, compiled=False)
-    made = ElasticBuild(scene, drawn, layout, np.array(use), engine, backend=backend)
+    drawn = draw_specimen(scene, layout)
+    engine = engine or jit.load_kernel_package(jit.STATICS, compiled=False)
+    made = ElasticInput(scene, drawn, layout, np.array(use), engine, backend=backend)
     problem = made.problem()
-    return made.ready(pin(problem, free_motions(problem)))
+    return made.ready(pin_free_motions(problem, free_motions(problem)))
 
 
 def motions(elastic, phi, amplitudes):
@@ -67,7 +67,7 @@ def motions(elastic, phi, amplitudes):
 
 def balls(elastic, v):
     """Energy and forces of all balls at motions v, states left as they are."""
-    f, state = np.empty_like(v), BodyState(*(x.copy() for x in elastic.state))
+    f, state = np.empty_like(v), ForceState(*(x.copy() for x in elastic.state))
     energy, _ = elastic.engine.evaluate_balls(np.ascontiguousarray(v), elastic.given.contacts, state, f)
     return energy, f, state
 
@@ -231,7 +231,7 @@ def test_contact_law_is_the_same_in_both_engines():
     for law in LAWS:
         for delta in np.geomspace(1e-9, 1e-4, 15):
             interpreted = laws.contact_law(delta, *law)
-            compiled = jit.kernels(jit.STATICS, compiled=True).contact_law
+            compiled = jit.load_kernel_package(jit.STATICS, compiled=True).contact_law
             assert compiled(delta, *law) == pytest.approx(interpreted, rel=1e-13, abs=0.0)
 
 
@@ -252,17 +252,17 @@ SHAFTS = {
 def problem_of(case):
     scene = SHAFTS[case]()
     layout = ball_layout(scene)
-    section = grooved_section(geometry_only(scene), True)
-    return build(scene, specimen(scene, layout), layout, ALL, section=section)
+    section = grooved_section(reduce_to_compliance_geometry(scene), True)
+    return build_problem(scene, draw_specimen(scene, layout), layout, ALL, section=section)
 
 
 @pytest.mark.parametrize("case", SHAFTS)
 def test_shaft_against_the_dense_beam(case):
     """Random forces on the flanks that balance the loads on what no support holds: nodal motions by the whole matrix."""
     problem = problem_of(case)
-    shaft = shaft_of(problem)
+    shaft = build_shaft(problem)
     size = 6 * problem.nodes.size
-    K, fixed = beam_matrix(problem), problem.fixed.ravel()
+    K, fixed = beam_stiffness_of_screw(problem), problem.fixed.ravel()
     rows = np.zeros((problem.B.shape[0], 2, 2, size))
     for i in range(rows.shape[0]):
         for s in range(2):
@@ -302,7 +302,7 @@ def test_shaft_against_the_dense_beam(case):
 def test_a_contact_beside_a_held_face_keeps_what_its_body_takes_from_it():
     """A drawn nut held at both faces, its first ball 1.03 radii from one: 219.2 N by 3D on level 1, 210.2 N where all
     negative compliance is cut away."""
-    drawn = scene_file.scene_of_text(scene_text(SEED, 2), "drawn.toml")
+    drawn = scene_file.scene_from_text(scene_text(SEED, 2), "drawn.toml")
     result = run_model(drawn, "refined", Options(discretisation=False))
     said = [text for text in result.left_out if "negative compliance" in text]
     assert all(float(text.partition("up to ")[2].partition(" %")[0]) < 1.0 for text in said)

@@ -6,9 +6,9 @@ from scipy.special import ellipe, ellipk, elliprd, elliprf
 from tests.helpers import relative, small_screw, solved, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.hertz import axis_ratio, complete_integrals, contact_modulus, hertz_constants
+from rollbench.lowfi.hertz import axis_ratio, complete_elliptic_integrals, contact_modulus, hertz_constants
 from rollbench.lowfi.statics.contacts import actual_hertz, error_free_hertz
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 
 MODULUS = contact_modulus(210e9, 0.28, 210e9, 0.28)
@@ -29,7 +29,7 @@ def test_contact_modulus_of_unlike_bodies():
 def test_integrals_are_carlsons_from_the_circle_to_the_line_contact():
     k = np.geomspace(1e-6, 1.0, 200)
     expected = elliprf(0.0, 1.0, k**2), elliprd(0.0, k**2, 1.0), elliprd(0.0, 1.0, k**2)
-    for found, exact in zip(complete_integrals(k), expected, strict=True):
+    for found, exact in zip(complete_elliptic_integrals(k), expected, strict=True):
         assert found == pytest.approx(exact, rel=3e-15)
 
 
@@ -124,7 +124,7 @@ def test_hertz_at_the_actual_geometry_is_consistent_with_the_solution():
     scene = with_ingredients(nominal, hertz="actual")
     result = solved(scene)
     gamma = np.where(np.isnan(result.contact_angle), scene.track.contact_angle, result.contact_angle)
-    expected = actual_hertz(scene, specimen(scene, ball_layout(scene)), gamma).C
+    expected = actual_hertz(scene, draw_specimen(scene, ball_layout(scene)), gamma).C
     assert result.hertz_C == pytest.approx(expected, rel=1e-12)
     assert 1e-4 < relative(result.load, solved(with_ingredients(nominal, hertz="error-free")).load) < 0.02
     assert 1e-7 < relative(result.load, solved(nominal).load) < 1e-4  # radii are most of it, contact angles the rest

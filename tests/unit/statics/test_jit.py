@@ -12,15 +12,18 @@ import pytest
 from rollbench.lowfi import jit
 from rollbench.lowfi.statics.static import COMPILE_ABOVE, pick_engine
 
-CALL = "from rollbench.lowfi import jit; k = jit.kernels(jit.CONTACT, compiled=True); print(jit.code_folder())"
+CALL = (
+    "from rollbench.lowfi import jit; k = jit.load_kernel_package(jit.CONTACT, compiled=True); "
+    "print(jit.machine_code_folder())"
+)
 
 
 @pytest.fixture(autouse=True)
 def fresh():
     """Caches of the module as a new process finds them, before and after."""
-    jit.code_folder.cache_clear()
+    jit.machine_code_folder.cache_clear()
     yield
-    jit.code_folder.cache_clear()
+    jit.machine_code_folder.cache_clear()
 
 
 def copied(folder):
@@ -35,9 +38,11 @@ def test_old_machine_code_goes(tmp_path, monkeypatch):
         old = tmp_path / "kernels" / f"old{number}"
         old.mkdir(parents=True)
         os.utime(old, (1000 + number, 1000 + number))
-    folder = jit.code_folder()
-    assert folder == tmp_path / "kernels" / jit.digest()
-    assert sorted(f.name for f in folder.parent.iterdir()) == sorted([jit.digest(), "old3", "old4", "old5"])
+    folder = jit.machine_code_folder()
+    assert folder == tmp_path / "kernels" / jit.digest_of_kernel_sources()
+    assert sorted(f.name for f in folder.parent.iterdir()) == sorted(
+        [jit.digest_of_kernel_sources(), "old3", "old4", "old5"]
+    )
     assert not jit.is_machine_code_cached()
     (folder / jit.CONTACT / "kernel_1").mkdir(parents=True)
     (folder / jit.CONTACT / "kernel_1" / "f.nbi").write_text("machine code")
@@ -58,38 +63,38 @@ def test_what_waits_for_the_answer_is_done_once_and_compiling_said_once(monkeypa
     monkeypatch.setattr(jit, "_afterwards", {})
     for number in range(2):
         jit.register_compile_job(jit.CONTACT, lambda number=number: done.append(number))
-    jit.compile_afterwards()
-    jit.compile_afterwards()
+    jit.run_compile_jobs()
+    jit.run_compile_jobs()
     assert done == [1]
 
 
 def test_machine_code_that_others_may_write_is_not_run(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path / "cache"))
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    folder = jit.code_folder()
+    folder = jit.machine_code_folder()
     for place in (folder, folder.parent, folder.parents[1]):
         place.chmod(0o775)
-        jit.code_folder.cache_clear()
-        assert jit.code_folder() is None
+        jit.machine_code_folder.cache_clear()
+        assert jit.machine_code_folder() is None
         error = capsys.readouterr().err
         assert str(place) in error
         assert "chmod go-w" in error
         place.chmod(0o755)
-    jit.code_folder.cache_clear()
-    assert jit.code_folder() == folder
+    jit.machine_code_folder.cache_clear()
+    assert jit.machine_code_folder() == folder
 
 
 def test_without_a_folder_kernels_still_compile(tmp_path, monkeypatch, capfd):
     blocked = tmp_path / "file"
     blocked.write_text("no folder")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked))
-    assert jit.code_folder() is None
+    assert jit.machine_code_folder() is None
     assert not jit.is_machine_code_cached()
     assert "compiled kernels are not stored" in capfd.readouterr().err
-    jit.code_folder.cache_clear()
+    jit.machine_code_folder.cache_clear()
     monkeypatch.delenv("NUMBA_CACHE_DIR")
     monkeypatch.setenv("ROLLBENCH_CACHE", "off")
-    assert jit.code_folder() is None
+    assert jit.machine_code_folder() is None
     assert capfd.readouterr().err == ""
     done = subprocess.run([sys.executable, "-c", CALL], capture_output=True, text=True, timeout=200, check=False)
     assert done.stdout.strip() == "None", done.stderr
@@ -116,7 +121,7 @@ def test_an_interrupt_waits_for_the_compiler(number, capsys):
     compiled = []
     inner = numba.njit(lambda x: x + 1.0)
     outer = numba.njit(lambda x: 2.0 * inner(x))
-    jit._hold_signals_back()
+    jit._delay_signals_while_compiling()
     before = signal.signal(number, interrupt)
     try:
         with event.install_listener("numba:compile", Interrupting()), pytest.raises(KeyboardInterrupt):
@@ -146,7 +151,7 @@ def test_a_small_solve_does_not_look_for_machine_code(monkeypatch):
     asked = []
     monkeypatch.setattr(jit, "is_machine_code_cached", lambda package: bool(asked.append(package)))
     monkeypatch.setattr(jit, "is_copy_loaded", lambda _: False)
-    plain = jit.kernels(jit.STATICS, compiled=False)
+    plain = jit.load_kernel_package(jit.STATICS, compiled=False)
     assert pick_engine("auto", 32) is plain
     assert asked == []
     assert pick_engine("auto", COMPILE_ABOVE + 1) is plain

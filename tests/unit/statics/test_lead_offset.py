@@ -10,11 +10,11 @@ from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.template import ball_screw_text
-from rollbench.lowfi.rating.rigidity import approach_per_displacement, axial_displacement, contacts_displacement
+from rollbench.lowfi.rating.rigidity import approach_per_displacement, axial_displacement, displacement_by_contacts_only
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.meshes.errors import beyond_step, draw_errors
+from rollbench.meshes.errors import are_in_shifted_half, draw_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Errors, Load, Support
 
@@ -47,7 +47,7 @@ def test_rigid_bodies_share_the_offset_between_their_halves(hand):
 @pytest.mark.parametrize("hand", ["right", "left"])
 def test_a_nut_of_either_hand_takes_an_offset(hand):
     text = ball_screw_text("25x5").replace('# hand = "left"', f'hand = "{hand}"')
-    scene = scene_file.scene_of_text(re.sub(r"(?m)^force = \"5 % of C\".*$", 'lead_offset = "5 um"', text), "mine.toml")
+    scene = scene_file.scene_from_text(re.sub(r"(?m)^force = \"5 % of C\".*$", 'lead_offset = "5 um"', text), "mine.toml")
     assert scene.errors.lead_offset == pytest.approx(5e-6)
 
 
@@ -83,8 +83,8 @@ def test_preload_stiffens_the_contacts_as_the_solution_says():
     force = 60.0
     scene = halves(force=force, screw="rigid")
     moved = [axial_displacement(s, solved(s)) for s in (scene, halves(screw="rigid"))]
-    assert contacts_displacement(scene, force) == pytest.approx(moved[0] - moved[1], rel=0.02)
-    assert contacts_displacement(scene, force) < 0.5 * contacts_displacement(halves(0.0, force), force)
+    assert displacement_by_contacts_only(scene, force) == pytest.approx(moved[0] - moved[1], rel=0.02)
+    assert displacement_by_contacts_only(scene, force) < 0.5 * displacement_by_contacts_only(halves(0.0, force), force)
 
 
 def test_elastic_bodies_are_pressed_alike_by_forces_this_small():
@@ -103,10 +103,10 @@ def test_a_ball_at_the_nut_s_centre_has_the_step_beside_it(hand):
     assert abs(layout.z[middle] - scene.nut.position) < 1e-9 * scene.balls.radius
     before, after = (layout.z < layout.z[middle] - 1e-6), (layout.z > layout.z[middle] + 1e-6)
     for moved in (0.0, 1e-14, -1e-14):
-        shifted = beyond_step(scene, layout.z + moved)
+        shifted = are_in_shifted_half(scene, layout.z + moved)
         np.testing.assert_array_equal(shifted, after)
     found = solved(scene)
     pressed = found.load > 0.0
     assert pressed[before].any(axis=0).tolist() == pressed[middle].tolist()
     assert not (pressed[after].any(axis=0) & pressed[middle]).any()
-    assert contacts_displacement(scene, 100.0) > 0.0
+    assert displacement_by_contacts_only(scene, 100.0) > 0.0

@@ -8,11 +8,11 @@ import pytest
 
 from rollbench.compare.cases.liu import evidence
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.answers import all_answers
+from rollbench.compare.models.answers import compute_all_results
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.lowfi.statics.liu import row_of, solve_liu
-from rollbench.lowfi.statics.mei import nut_bar, solve_mei
+from rollbench.lowfi.statics.liu import nut_as_spring_row, solve_liu
+from rollbench.lowfi.statics.mei import nut_tensile_stiffness, solve_mei
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import BallErrors, Support
 from rollbench.meshes.section import screw_section
@@ -29,7 +29,7 @@ def test_with_constant_angles_it_is_mei_s_model_of_an_elastic_nut(name):
     # the screw against the nut at the loaded end: Mei's nut also gives way from its held face to the first ball
     ends = [np.interp(s.loads[0].at, r.centreline_z, r.centreline[:, 2]) for r in (ours, other)]
     face = ours.z.min() - (s.nut.position - 0.5 * s.nut.length)
-    assert ends[1] - ends[0] == pytest.approx(s.loads[0].force[2] * face / nut_bar(s), rel=1e-5)
+    assert ends[1] - ends[0] == pytest.approx(s.loads[0].force[2] * face / nut_tensile_stiffness(s), rel=1e-5)
 
 
 def like_the_case(name, load=5000.0):
@@ -47,7 +47,7 @@ def test_its_loads_are_those_of_the_case(name, error):
     for load in (1000.0, 5000.0):
         s = like_the_case(name, load)
         found = run_model(s, "liu", QUIET).load
-        assert found[:, 0] == pytest.approx(evidence.single_error_state(error, load).load, rel=1e-8, abs=1e-8)
+        assert found[:, 0] == pytest.approx(evidence.solve_with_error_of_ball_33(error, load).load, rel=1e-8, abs=1e-8)
         assert np.array_equal(found[:, 0], found[:, 3])
 
 
@@ -69,9 +69,9 @@ def test_rigid_bodies_share_equally_at_the_turned_angle():
     s = scene("unseen-16x5")
     steel = replace(s.nut.material, youngs_modulus=1e6 * s.nut.material.youngs_modulus)
     stiff = replace(s, nut=replace(s.nut, material=steel), ingredients=replace(s.ingredients, screw="rigid"))
-    row = row_of(stiff)
+    row = nut_as_spring_row(stiff)
     r = solve_liu(replace(stiff, nut=replace(stiff.nut, material=s.nut.material)))
-    assert row.chain.compliance < 1e-5 * row_of(s).chain.compliance
+    assert row.chain.compliance < 1e-5 * nut_as_spring_row(s).chain.compliance
     r = solve_liu(stiff)
     each = s.loads[0].force[2] / s.ball_count
     assert r.load[:, 0] * np.sin(r.contact_angle[:, 0]) * cos(lead_angle(s.track)) == pytest.approx(each, rel=1e-4)
@@ -82,7 +82,7 @@ def test_stiffness_is_the_tangent_or_over_the_step():
     s = scene("liu-drawn")
     s = replace(s, ingredients=replace(s.ingredients, load_step=600.0))
     result = run_model(s, "liu", QUIET)
-    answers = all_answers(s, result, "liu", QUIET)
+    answers = compute_all_results(s, result, "liu", QUIET)
     pushed = [replace(s, loads=(replace(s.loads[0], force=(0.0, 0.0, f)),)) for f in (4999.5, 5000.5, 5000.0, 5600.0)]
     at = [solve_liu(x).centreline[0, 2] for x in pushed]
     shaft = abs(s.loads[0].at - result.z.min()) / screw_section(s).EA

@@ -14,7 +14,7 @@ from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.lowfi.statics.tangent import tangent_stiffness
-from rollbench.meshes.one_arc import LEAST, as_one_arc, is_one_arc
+from rollbench.meshes.one_arc import LEAST, has_single_arc_grooves, with_single_arc_grooves
 from rollbench.meshes.parts import Errors, Load, Scene, SideErrors, Support
 
 BEARING = own_text("deep-groove")
@@ -62,13 +62,13 @@ def test_thrust_between_rigid_rings_in_closed_form() -> None:
 
 def test_screws_and_clear_angles_keep_two_arcs() -> None:
     clear = bearing(15.0, 3000.0, 0.0)
-    assert not is_one_arc(clear)
-    assert as_one_arc(clear) is clear
+    assert not has_single_arc_grooves(clear)
+    assert with_single_arc_grooves(clear) is clear
     near = bearing(2.0, 3000.0, 0.0)
     assert near.track.contact_angle == LEAST
     assert "ridge between two arcs would stand 0.15 um away" in near.assumed[-1]
     screw = replace(near, track=replace(near.track, lead=0.01))
-    assert not is_one_arc(screw)
+    assert not has_single_arc_grooves(screw)
 
 
 def test_a_set_on_a_shaft_takes_one_arc_unless_its_thrust_is_written() -> None:

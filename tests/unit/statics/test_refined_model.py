@@ -12,8 +12,8 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.models import model_form, modelling
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference.estimate import reference
-from rollbench.compare.reference.store import bodies_path, load_run, shipped_store
+from rollbench.compare.reference.estimate import reference_of_scene
+from rollbench.compare.reference.store import load_run, path_of_bodies, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import Scene
 
@@ -23,14 +23,14 @@ QUIET = Options(discretisation=False, engine="compiled")
 @pytest.fixture(autouse=True)
 def kept_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a climb times from nothing is kept here from one rung to the next, and compiled kernels serve."""
-    monkeypatch.setattr(modelling, "forget", lambda: None)
+    monkeypatch.setattr(modelling, "clear_compliance_caches", lambda: None)
     monkeypatch.setattr(modelling, "Options", lambda **_: Options(discretisation=False, engine="compiled"))
 
 
 def bodies(name: str = "lin-case1", level: int = 3) -> Path:
     run = load_run(catalogue.scene(name), level)
     assert run is not None
-    return bodies_path(shipped_store(), catalogue.scene(name), run)
+    return path_of_bodies(shipped_store(), catalogue.scene(name), run)
 
 
 def test_the_default_is_refined_and_says_what_it_is_worth(command) -> None:
@@ -75,9 +75,9 @@ def test_condensed_bodies_are_close_to_their_own_reference_and_to_the_refined_on
 
 
 def rungs_of(scene: Scene) -> dict[str, modelling.Rung]:
-    found = reference(scene)
+    found = reference_of_scene(scene)
     assert found is not None
-    return {r.model: r for r in modelling.solve_ladder(scene, found, None)}
+    return {r.model: r for r in modelling.solve_refinement_sequence(scene, found, None)}
 
 
 @pytest.mark.slow
@@ -96,10 +96,10 @@ def test_unseen_screws_hold(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_kept_points_are_what_the_ladder_gives_now() -> None:
     study = Study()
-    kept = {(p.scene, p.model): p for p in model_form.shipped_points()}
+    kept = {(p.scene, p.model): p for p in model_form.errors_on_compared_scenes()}
     assert {m for _, m in kept} == {m.name for m in modelling.RUNGS}
     for name in ("lin-case1", "unseen-flange"):
-        for p in modelling.points(study, list(rungs_of(study.scene(name)).values())):
+        for p in modelling.model_errors_on_shipped_scenes(study, list(rungs_of(study.scene(name)).values())):
             old = kept[p.scene, p.model]
             assert p.percent == pytest.approx(old.percent, abs=2e-3)
             assert p.features == pytest.approx(old.features, abs=2e-3)
@@ -108,25 +108,25 @@ def test_kept_points_are_what_the_ladder_gives_now() -> None:
 def test_what_is_expected_grows_where_errors_do_and_ends_where_nothing_was_compared() -> None:
     scene = catalogue.scene("lin-case1")
     result = run_model(scene, "refined", QUIET)
-    near = model_form.estimate(scene, result)
+    near = model_form.estimate_model_error(scene, result)
     short = replace(scene, nut=replace(scene.nut, length=0.045))
-    further = model_form.estimate(short, result)
+    further = model_form.estimate_model_error(short, result)
     assert near.percent is not None
     assert further.percent is not None
     assert further.percent > 1.3 * near.percent, "balls close to the nut's faces"
     thick = replace(scene, nut=replace(scene.nut, outer_diameter=0.150))
-    far = model_form.estimate(thick, result)
+    far = model_form.estimate_model_error(thick, result)
     assert (far.percent, far.rms_percent, far.displacement_percent) == (None, None, None)
     assert far.nearest
     assert any("wall of the nut" in w for w in far.words)
-    nothing = model_form.estimate(scene, result, [])
+    nothing = model_form.estimate_model_error(scene, result, [])
     assert (nothing.percent, nothing.compared) == (None, 0)
     assert nothing.words[-1] == "no scene was compared with the 3D reference"
 
 
 def test_nine_of_ten_compared_screws_are_within_what_the_others_expect() -> None:
     """The refined model, each screw judged by all others: covered, held, and no promise of fifty per cent."""
-    found = model_form.leave_one_out(model_form.shipped_points(), DEFAULT)
+    found = model_form.leave_one_out(model_form.errors_on_compared_scenes(), DEFAULT)
     covered = [one for one in found if one.expected is not None]
     assert len(covered) >= 0.9 * len(found)
     assert sum(one.point.scene.startswith("survey") for one in found) >= 190
@@ -147,7 +147,7 @@ SHIPPED_BEYOND_EXPECTED = {"unseen-40x10", "unseen-thin-nut"}
 
 def test_every_compared_screw_beyond_reach_or_expectation_is_known() -> None:
     """One more fails, one less too: the list is then wrong."""
-    found = model_form.leave_one_out(model_form.shipped_points(), DEFAULT)
+    found = model_form.leave_one_out(model_form.errors_on_compared_scenes(), DEFAULT)
     far = {one.point.scene for one in found if one.point.percent > 1.5 or one.point.rms_percent > 0.5}
     beyond = {one.point.scene for one in found if one.expected and one.point.percent > (one.expected["percent"] or np.inf)}
     assert far == {f"survey {number}" for number in BEYOND_REACH}
@@ -172,21 +172,21 @@ def test_an_expected_error_holds_the_share_that_it_says() -> None:
 
 def test_a_bearing_with_a_closed_form_gets_no_invented_error() -> None:
     """Two opposite balls in rigid rings: the model is exact (Hertz alone), and nothing like it was compared."""
-    from rollbench.compare.gate.gate import load_of_two_opposite_balls
+    from rollbench.compare.gate.gate import compare_two_ball_load
     from rollbench.compare.models.load_cases import Solved
-    from rollbench.compare.results.rows import expected_words
-    from rollbench.compare.results.scene_json import case_json
+    from rollbench.compare.results.rows import expected_error_sentence
+    from rollbench.compare.results.scene_json import solved_case_json
 
-    found, closed = load_of_two_opposite_balls(catalogue.scene("lin-case1"))
+    found, closed = compare_two_ball_load(catalogue.scene("lin-case1"))
     assert found == pytest.approx(closed, rel=1e-9)
     scene = catalogue.scene("two-balls")
     for other in (scene, replace(scene, solid=replace(scene.solid, nut="rigid"))):
         result = run_model(other, "lin", QUIET)
-        form = model_form.estimate(other, result)
-        worth = case_json(Solved(other, result, None, form))["model_form"]
+        form = model_form.estimate_model_error(other, result)
+        worth = solved_case_json(Solved(other, result, None, form))["model_form"]
         assert [worth[f"{name}_percent_of_mean"] for name in ("largest", "rms")] == [None, None]
         assert worth["covered"] is False
-        words = expected_words(form)
+        words = expected_error_sentence(form)
         assert "not covered" in words
         assert "%" not in words
 
@@ -195,17 +195,17 @@ def test_an_estimate_is_made_from_scenes_of_the_same_kind() -> None:
     """A ring from rings, of which too few were compared, a screw from screws; a rigid nut, or a rigid screw with a lead,
     was never compared."""
     scene, ring = catalogue.scene("lin-case1"), catalogue.scene("unseen-four-point")
-    points = model_form.shipped_points()
+    points = model_form.errors_on_compared_scenes()
     rings = {p.scene for p in points if p.features["lead"] == 0.0}
-    of_ring = model_form.estimate(ring, run_model(ring, "lin", QUIET))
+    of_ring = model_form.estimate_model_error(ring, run_model(ring, "lin", QUIET))
     assert of_ring.percent is None
     assert of_ring.compared == len(rings) < model_form.FEWEST
     result = run_model(scene, "lin", QUIET)
-    only_rings = model_form.estimate(scene, result, [p for p in points if p.scene in rings])
+    only_rings = model_form.estimate_model_error(scene, result, [p for p in points if p.scene in rings])
     assert only_rings.percent is None
     assert "too few screws were compared" in only_rings.words[-1]
     for other in (
         replace(scene, solid=replace(scene.solid, nut="rigid")),
         replace(scene, ingredients=replace(scene.ingredients, screw="rigid")),
     ):
-        assert model_form.estimate(other, result).percent is None
+        assert model_form.estimate_model_error(other, result).percent is None

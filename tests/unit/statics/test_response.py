@@ -8,7 +8,7 @@ from tests.helpers import small_screw
 
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.response import kept_response
+from rollbench.lowfi.statics.response import cached_compliance
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import FREEDOMS, BallErrors, FourierTerm, Load, Scene, SideErrors, Support
 
@@ -62,20 +62,20 @@ def test_a_kept_response_gives_the_digits_of_a_new_one(change: str, model: str) 
     def solve(scene: Scene) -> StaticResult:
         return solve_elastic(scene, backend=LADDER[model], engine="interpreted")
 
-    kept_response.cache_clear()
+    cached_compliance.cache_clear()
     new = solve(scene)
-    kept_response.cache_clear()
+    cached_compliance.cache_clear()
     solve(SCREW)
-    before = kept_response.cache_info()
+    before = cached_compliance.cache_info()
     assert alike(solve(scene), new)
-    after = kept_response.cache_info()
+    after = cached_compliance.cache_info()
     assert (after.misses == before.misses) == (change in SAME)
 
 
 def test_displaced_supports_share_a_response() -> None:
-    kept_response.cache_clear()
+    cached_compliance.cache_clear()
     still, moved = (solve_elastic(ends(0.0, tilt=by), engine="interpreted") for by in (0.0, 2e-6))
-    assert kept_response.cache_info().misses == 1
-    kept_response.cache_clear()
+    assert cached_compliance.cache_info().misses == 1
+    cached_compliance.cache_clear()
     assert alike(solve_elastic(ends(0.0, tilt=2e-6), engine="interpreted"), moved)
     assert not alike(still, moved)

@@ -7,12 +7,19 @@ import pytest
 from tests.helpers import relative, small_screw
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.compliance.bodies import end_response
-from rollbench.lowfi.compliance.parts import REFINED, geometry_only, grooved_section, smooth_body
+from rollbench.lowfi.compliance.bodies import screw_response_to_end_wrench
+from rollbench.lowfi.compliance.parts import REFINED, grooved_section, reduce_to_compliance_geometry, smooth_body
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.problem import Problem, build
-from rollbench.lowfi.statics.shaft import Shaft, Squeeze, loaded_beyond, shaft_of, squeezed, stretch_of
-from rollbench.meshes.errors import specimen
+from rollbench.lowfi.statics.problem import Problem, build_problem
+from rollbench.lowfi.statics.shaft import (
+    SectionForceCoupling,
+    Shaft,
+    build_shaft,
+    couple_section_forces,
+    is_loaded_above_node,
+    stretch_of,
+)
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
 from rollbench.meshes.section import tube_section
@@ -22,21 +29,23 @@ HELD = Support(0.0, tuple((name, 0.0) for name in FREEDOMS))
 RIGHT = CASE.screw.length
 BETWEEN = replace(CASE, supports=(HELD, replace(HELD, at=RIGHT)), loads=())
 SMOOTH = replace(REFINED, flank=False)
-TUBE = smooth_body(geometry_only(CASE), True, REFINED)
+TUBE = smooth_body(reduce_to_compliance_geometry(CASE), True, REFINED)
 PLAIN = tube_section(2.0 * TUBE.outer, 2.0 * TUBE.bore, TUBE.material)
 NU = TUBE.material.poissons_ratio
 
 
 def problem_of(scene: Scene) -> Problem:
     layout = ball_layout(scene)
-    section = grooved_section(geometry_only(scene), True)
-    return build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool), everything=True, section=section)
+    section = grooved_section(reduce_to_compliance_geometry(scene), True)
+    return build_problem(
+        scene, draw_specimen(scene, layout), layout, np.ones(4, dtype=bool), everything=True, section=section
+    )
 
 
-def squeeze_of(problem: Problem, used: tuple[int, ...] = (0, 1), strain: float = 0.0) -> tuple[Shaft, Squeeze]:
-    shaft = shaft_of(problem)
+def squeeze_of(problem: Problem, used: tuple[int, ...] = (0, 1), strain: float = 0.0) -> tuple[Shaft, SectionForceCoupling]:
+    shaft = build_shaft(problem)
     stretch = stretch_of(problem, problem.scene, problem.layout, SMOOTH, used, slice(0, problem.layout.z.size))
-    return shaft, squeezed(shaft, used, [stretch], strain)
+    return shaft, couple_section_forces(shaft, used, [stretch], strain)
 
 
 def pulled(force: tuple[float, float, float], moment: tuple[float, float, float]) -> Problem:
@@ -48,7 +57,7 @@ def test_contacts_feel_the_wrench_above_them() -> None:
     """Statics at the stretch's high end, whose closed forms are in the tests of `lowfi.compliance.bodies`."""
     force, moment = np.array([300.0, -200.0, 8e3]), np.array([40.0, 20.0, 5.0])
     problem = pulled(tuple(force), tuple(moment))
-    response = end_response(CASE, problem.layout, SMOOTH)
+    response = screw_response_to_end_wrench(CASE, problem.layout, SMOOTH)
     arm = np.array([0.0, 0.0, RIGHT - response.high])
     wanted = response.contacts @ np.concatenate([force, moment + np.cross(arm, force)])
     assert relative(squeeze_of(problem)[1].moved, wanted) < 1e-6
@@ -70,8 +79,8 @@ def test_an_end_that_nothing_holds_adds_nothing() -> None:
     free = problem_of(replace(CASE, supports=(HELD,), loads=()))
     held = problem_of(BETWEEN)
     cut = int(held.node.max())
-    assert not loaded_beyond(free, cut)
-    assert loaded_beyond(held, cut)
+    assert not is_loaded_above_node(free, cut)
+    assert is_loaded_above_node(held, cut)
     none, some = (squeeze_of(p)[1].added for p in (free, held))
     assert np.abs(some - some.T).max() == 0.0
     assert np.abs(none).max() == 0.0 < np.abs(some).max()
@@ -84,7 +93,7 @@ def test_contacts_that_press_lengthen_the_screw() -> None:
     shaft, squeeze = squeeze_of(problem, (0,))
     force = np.zeros((problem.layout.z.size, 2))
     force[:, 0] = -100.0
-    loads = squeeze.node_loads(force.ravel())
+    loads = squeeze.nodal_loads_of_jumps(force.ravel())
     taken = shaft.times(shaft.solve(loads[:, None])[:, 0]) - loads
     wanted = NU * TUBE.radius * 100.0 * len(force) / RIGHT * problem.section.EA / PLAIN.EA
     assert taken[2] == pytest.approx(wanted, rel=1e-2)
@@ -98,7 +107,9 @@ def test_loads_and_forces_move_one_another_alike() -> None:
     rng = np.random.default_rng(2)
     forces, loads = rng.normal(size=4 * problem.layout.z.size), rng.normal(size=(6 * problem.nodes.size, 1))
     by_loads, _ = squeeze.by_loads(loads, shaft.solve(loads))
-    nodes = shaft.solve(squeeze.node_loads(forces)[:, None])[:, 0] + squeeze.inside.by_flanks(forces)
+    nodes = shaft.solve(squeeze.nodal_loads_of_jumps(forces)[:, None])[:, 0] + squeeze.inside.nodal_motions_by_flank_forces(
+        forces
+    )
     nodes[np.repeat(problem.fixed.any(axis=1), 6)] = 0.0
     assert by_loads[:, 0] @ forces == pytest.approx(float(loads[:, 0] @ nodes), rel=1e-9)
 

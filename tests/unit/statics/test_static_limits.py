@@ -11,9 +11,9 @@ from tests.helpers import small_screw, solved
 from rollbench.compare.errors import Refusal
 from rollbench.compare.models.load_cases import Solved
 from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.results.scene_json import case_json
+from rollbench.compare.results.scene_json import solved_case_json
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.text.solved import case_table
+from rollbench.compare.text.solved import solved_case_parts
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.elastic import solve_elastic
@@ -128,17 +128,17 @@ def test_what_was_included_does_not_stand_under_left_out(solve):
     assert (result.load > 0.0).any(axis=0).all()
     assert any("solved again with all four" in note for note in result.solver.notes)
     assert not any("included" in text or "all four" in text for text in result.left_out)
-    assert any("solved again with all four" in note for note in case_json(Solved(scene, result))["solver"]["notes"])
+    assert any("solved again with all four" in note for note in solved_case_json(Solved(scene, result))["solver"]["notes"])
 
 
 def test_a_result_says_which_member_it_is():
     scene = catalogue.scene("lin-random")
     options = Options(member=3, discretisation=False)
     result = run_model(scene, "lin", options)
-    assert case_json(Solved(scene, result))["member"] == 3
-    assert "specimen 3 of its random errors" in str(case_table(Solved(scene, result))[0])
+    assert solved_case_json(Solved(scene, result))["member"] == 3
+    assert "specimen 3 of its random errors" in str(solved_case_parts(Solved(scene, result))[0])
     plain = catalogue.scene("lin-case1")
-    assert case_json(Solved(plain, run_model(plain, "lin", replace(options, member=0))))["member"] is None
+    assert solved_case_json(Solved(plain, run_model(plain, "lin", replace(options, member=0))))["member"] is None
 
 
 @pytest.mark.parametrize("screw", ["beam", "rigid"])

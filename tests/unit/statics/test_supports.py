@@ -10,12 +10,12 @@ from tests.helpers import small_screw, solved, with_ingredients
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.scene_file import scene_of_text
+from rollbench.compare.scenes.scene_file import scene_from_text
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.held import free_motions
-from rollbench.lowfi.statics.problem import build, contradiction
+from rollbench.lowfi.statics.problem import build_problem, contradiction
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, Support
 
@@ -23,11 +23,11 @@ RIGID = '\n[ingredients]\nscrew = "rigid"\n'
 
 
 def shipped(name, *changes, extra=""):
-    text = catalogue.scene_text(name)
+    text = catalogue.shipped_scene_text(name)
     for old, new in changes:
         assert old in text
         text = text.replace(old, new)
-    return scene_of_text(text + extra, f"{name}.toml")
+    return scene_from_text(text + extra, f"{name}.toml")
 
 
 def test_rigid_screw_with_contradictory_supports_is_refused_and_with_those_that_agree_solved():
@@ -124,7 +124,7 @@ def test_free_motions_of_ten_thousand_balls_take_no_square_of_them():
     """A full singular value decomposition of their motions takes a minute and gigabytes."""
     scene = small_screw(10_000, 1.0, screw="rigid", fixed=(("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0)))
     layout = ball_layout(scene)
-    problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
+    problem = build_problem(scene, draw_specimen(scene, layout), layout, np.ones(4, dtype=bool))
     tracemalloc.start()
     found = free_motions(problem)
     most = tracemalloc.get_traced_memory()[1]

@@ -12,7 +12,7 @@ from tests.helpers import small_screw
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings
-from rollbench.lowfi.warned import Warned, warning_line
+from rollbench.lowfi.warned import Warned, join_brief_warnings
 from rollbench.meshes.parts import BallErrors, Balls, Errors, SideErrors, Support
 
 
@@ -85,7 +85,7 @@ def test_a_warning_keeps_its_kind_in_a_copy_of_another_process() -> None:
     one = Warned("rotation", "turned", "rotations of 60 mrad")
     copy = pickle.loads(pickle.dumps(one))
     assert (copy, copy.kind, copy.brief) == (one, "rotation", "rotations of 60 mrad")
-    assert warning_line((one, one.prefixed("nut 1"), Warned("tilt", "tilted"))) == (
+    assert join_brief_warnings((one, one.with_part_name("nut 1"), Warned("tilt", "tilted"))) == (
         "WARNING outside what the models mean: rotations of 60 mrad; nut 1: rotations of 60 mrad"
     )
-    assert warning_line((Warned("tilt", "tilted"),)) == ""
+    assert join_brief_warnings((Warned("tilt", "tilted"),)) == ""

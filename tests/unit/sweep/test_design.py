@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.studies.sweep.keys import base_points, design_points, read_vary, values_at
+from rollbench.compare.studies.sweep.keys import base_points, design_points, key_values_at_coordinates, read_vary
 
 KEYS = read_vary(["a=0.0:1.0", "b=1 um:3 um", "c=x,y,z"])
 
@@ -25,7 +25,7 @@ def test_latin_hypercube_has_one_sample_in_every_slice():
 
 def test_grid_has_all_combinations_and_the_ends():
     found = design_points("grid", KEYS, 30, 0)
-    rows = [tuple(values_at(KEYS, place)) for place in found]
+    rows = [tuple(key_values_at_coordinates(KEYS, place)) for place in found]
     assert len(rows) == len(set(rows)) == 3 * 3 * 3
     assert [{row[k] for row in rows} for k in (1, 2)] == [{"1.0 um", "2.0 um", "3.0 um"}, {*"xyz"}]
 

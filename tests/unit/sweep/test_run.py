@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from tests.processes import python
 
-from rollbench.compare.commands.sweep import run_sweep
+from rollbench.compare.commands.sweep import solve_and_report_sweep
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.answers import all_answers, all_axis_answers
+from rollbench.compare.models.answers import compute_all_results, compute_axis_results
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue, scene_file
@@ -71,7 +71,7 @@ def what(samples=40, **other):
 
 def run(folder, samples=40, engine=None, **other):
     said = []
-    return sweeping.run_samples(what(samples, **other), folder, engine or Engine(), said.append), said
+    return sweeping.solve_samples_of_sweep(what(samples, **other), folder, engine or Engine(), said.append), said
 
 
 def killed(folder, kills, workers, samples):
@@ -124,7 +124,10 @@ def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_p
 def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(sample, "PATIENCE", 0.05)
     run(tmp_path / "a")
-    for used, words in ((sample.take_folder, "a sweep that is running"), (sample.hold_lock, "processes of an earlier run")):
+    for used, words in (
+        (sample.reserve_sweep_folder, "a sweep that is running"),
+        (sample.hold_lock, "processes of an earlier run"),
+    ):
         with used(tmp_path / "a"), pytest.raises(InputError, match=words):
             run(tmp_path / "a")
     run(tmp_path / "a")
@@ -139,11 +142,11 @@ def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
 
 def test_failures_are_rows_with_their_reason_and_one_failure_a_reason(tmp_path):
     sweep = make_sweep("lin-case1", ["balls.radius=2.7 mm:3.4 mm"], 6, "grid", 0, "lin")
-    found = sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
+    found = sweeping.solve_samples_of_sweep(sweep, tmp_path / "a", Engine(), print)
     status = [found[n]["status"] for n in range(6)]
     assert (status[0], status[-1][:25]) == ("converged", "refused: lin-case1.toml: ")
     assert all(one.startswith(("converged", "refused")) for one in status)
-    assert run_sweep(sweep, tmp_path / "a", Engine()).code == 0
+    assert solve_and_report_sweep(sweep, tmp_path / "a", Engine()).code == 0
     lines = (tmp_path / "a" / "samples.csv").read_text().splitlines()
     assert (len(lines), "refused" in lines[-1]) == (7, True)
     text = json.loads((tmp_path / "a" / "summary.json").read_text())
@@ -160,35 +163,35 @@ def test_a_sweep_whose_first_samples_are_all_refused_for_one_reason_stops(tmp_pa
     with pytest.raises(
         InputError, match=r"is refused for the same reason, the last one as follows: lin-case1\.toml: .*allowed"
     ):
-        sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
+        sweeping.solve_samples_of_sweep(sweep, tmp_path / "a", Engine(), print)
     assert not (tmp_path / "a").exists(), "the folder is free for the next one"
 
 
 def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_friction():
-    text = catalogue.scene_text("lin-case3")
+    text = catalogue.shipped_scene_text("lin-case3")
     found = sampling.solve_sample(text, "lin-case3.toml", (), (), "lin", "interpreted")
-    scene = scene_file.scene_of_text(text, "lin-case3.toml")
+    scene = scene_file.scene_from_text(text, "lin-case3.toml")
     options = Options(discretisation=False)
     result = run_model(scene, "lin", options)
-    answers = all_answers(scene, result, "lin", options)
+    answers = compute_all_results(scene, result, "lin", options)
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.rigidities.unequal, rel=1e-9)
     assert found["preload_N"] == pytest.approx(answers.preload.axial, rel=1e-9)
     assert found["life_million_revolutions"] == pytest.approx(answers.loads.life.revolutions, rel=1e-9)
     state = friction_state(scene, result, scene.friction, Motion(tau))
     assert found["torque_Nmm"] == pytest.approx(1e3 * state.torque.friction, rel=1e-6)
-    bare = sampling.solve_sample(catalogue.scene_text("two-balls"), "two-balls.toml", (), (), "lin", "interpreted")
+    bare = sampling.solve_sample(catalogue.shipped_scene_text("two-balls"), "two-balls.toml", (), (), "lin", "interpreted")
     assert bare["torque_Nmm"] is None, "no coefficient in the scene"
 
-    text = catalogue.scene_text("lin-pitch-2p1")
+    text = catalogue.shipped_scene_text("lin-pitch-2p1")
     found = sampling.solve_sample(text, "lin-pitch-2p1.toml", (), (), "lin", "interpreted")
-    load = run_model(scene_file.scene_of_text(text, "lin-pitch-2p1.toml"), "lin", options).load
+    load = run_model(scene_file.scene_from_text(text, "lin-pitch-2p1.toml"), "lin", options).load
     assert found["mean_load_N"] == pytest.approx(load.sum() / 64, rel=1e-12), "errors load 76 contacts"
 
 
 def test_several_sets_have_the_same_outputs():
-    found = sampling.solve_sample(catalogue.scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
-    assembly = scene_file.parse_scene(catalogue.scene_text("double-nut"), "double-nut.toml")
-    answers = all_axis_answers(assembly, run_model(assembly, "lin"))
+    found = sampling.solve_sample(catalogue.shipped_scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
+    assembly = scene_file.parse_scene(catalogue.shipped_scene_text("double-nut"), "double-nut.toml")
+    answers = compute_axis_results(assembly, run_model(assembly, "lin"))
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.force / answers.displacement, rel=1e-6)
     assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.sets), rel=1e-6)
     assert found["life_million_revolutions"] == pytest.approx(min(s.loads.life.revolutions for s in answers.sets), rel=1e-6)
@@ -196,7 +199,7 @@ def test_several_sets_have_the_same_outputs():
 
 
 def test_rows_of_rollers_have_loads():
-    text = catalogue.scene_text("smith-axis-taper")
+    text = catalogue.shipped_scene_text("smith-axis-taper")
     found = sampling.solve_sample(text, "smith-axis-taper.toml", (), (), "lin", "interpreted")
     sets = run_model(scene_file.parse_scene(text, "smith-axis-taper.toml"), "lin").sets
     loads = np.concatenate([s.roller_load for s in sets])
@@ -213,7 +216,9 @@ GOOD = "track.lead=10 mm:20 mm"
 def test_what_the_scene_or_the_program_does_not_have_is_refused_before_anything_is_solved(tmp_path, vary):
     model, words = ("no such", "model: got") if vary == GOOD else ("lin", None)
     with pytest.raises(InputError, match=words):
-        sweeping.run_samples(make_sweep("lin-case1", [vary], 6, "lhs", 0, model), tmp_path / "a", Engine(), print)
+        sweeping.solve_samples_of_sweep(
+            make_sweep("lin-case1", [vary], 6, "lhs", 0, model), tmp_path / "a", Engine(), print
+        )
     assert not (tmp_path / "a").exists()
 
 
@@ -221,7 +226,7 @@ def test_a_sample_is_the_solution_of_its_scene():
     sweep = make_sweep("lin-case3", ["loads[0].force[2]=1 kN:5 kN", "errors.balls.oversize=0 um:9 um"], 6, "lhs", 0, "lin")
     found = sampling.solve_sample(sweep.text, sweep.origin, sweep.keys, ["3.0 kN", "5.0 um"], "lin", "interpreted")
     text = sweep.text.replace("5 kN", "3 kN").replace("7 um", "5 um")
-    result = run_model(scene_file.scene_of_text(text, "x.toml"), "lin", Options(discretisation=False))
+    result = run_model(scene_file.scene_from_text(text, "x.toml"), "lin", Options(discretisation=False))
     assert found["largest_load_N"] == pytest.approx(result.load.max(), rel=1e-12)
     assert found["loaded_contacts"] == (result.load > 0.0).sum()
     assert found["displacement_um"] == pytest.approx(1e6 * result.centreline[0, 2], rel=1e-12)
@@ -254,26 +259,30 @@ def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(sampling, "run_model", counted)
         patch.setattr(sample, "solve_scaled", None)  # the unloaded solution is of rigidity and preload
-        found = sweeping.run_samples(some, tmp_path / "some", Engine(), lambda _: None)
+        found = sweeping.solve_samples_of_sweep(some, tmp_path / "some", Engine(), lambda _: None)
     assert len(solved) == 4 + 1  # one of the first is tried before
     kept = ("largest_load_N", "displacement_um", "life_million_revolutions", "at", "sample", "status", "values")
     assert found == {n: {name: every[n][name] for name in kept} for n in range(4)}
-    assert run_sweep(some, tmp_path / "some", Engine()).data["outputs"].keys() == {*kept[:3]}
+    assert solve_and_report_sweep(some, tmp_path / "some", Engine()).data["outputs"].keys() == {*kept[:3]}
     assert (tmp_path / "some" / "samples.csv").read_text().splitlines()[0].endswith(",".join(("status", *kept[:4])))
     with pytest.raises(InputError, match="another sweep"):
         run(tmp_path / "some", 4)
     with pytest.raises(InputError, match="outputs: got loads; allowed: largest_load_N"):
-        sweeping.run_samples(make_sweep(SCENE, VARY, 4, "lhs", 1, "lin", ["loads"]), tmp_path / "c", Engine(), print)
+        sweeping.solve_samples_of_sweep(
+            make_sweep(SCENE, VARY, 4, "lhs", 1, "lin", ["loads"]), tmp_path / "c", Engine(), print
+        )
 
 
 def test_outputs_of_load_cases_and_of_several_sets_can_be_left_out():
-    text = catalogue.scene_text("double-nut")
+    text = catalogue.shipped_scene_text("double-nut")
     found = sampling.solve_sample(text, "double-nut.toml", (), (), "lin", "compiled", ["idle_balls"])
     assert set(found) == {"status", "largest_load_N", "idle_balls", "at"}
 
 
 def test_growth_is_each_sets_largest_load_over_that_of_the_first_case():
-    text = catalogue.scene_text("double-nut").replace("[[loads]]", "[[cases]]\nname = 'a'\nshare = 0.5\n[[cases.loads]]", 1)
+    text = catalogue.shipped_scene_text("double-nut").replace(
+        "[[loads]]", "[[cases]]\nname = 'a'\nshare = 0.5\n[[cases.loads]]", 1
+    )
     head, tables = text.split("[[cases]]", 1)
     one, rest = tables.split("[friction]", 1)
     more = one.replace("'a'", "'b'").replace("2 kN", "5 kN")
@@ -288,5 +297,5 @@ def test_growth_is_each_sets_largest_load_over_that_of_the_first_case():
     ratios = [max(a, b) / a for a, b in zip(low, high, strict=True)]
     assert [found[name] for name in wanted] == pytest.approx([max(ratios), min(ratios)], rel=1e-9)
     assert max(ratios) > 1.1
-    alone = sampling.solve_sample(catalogue.scene_text("double-nut"), "my.toml", (), (), "lin", "compiled", wanted)
+    alone = sampling.solve_sample(catalogue.shipped_scene_text("double-nut"), "my.toml", (), (), "lin", "compiled", wanted)
     assert [alone[name] for name in wanted] == [None, None]

@@ -12,7 +12,7 @@ NAMES = tuple(sample.OUTPUTS)
 def records(sweep, function):
     out = {}
     for n, place in enumerate(sweep.coordinates()):
-        x = [vary.value_at(u) for vary, u in zip(KEYS, place, strict=True)]
+        x = [vary.value_at_coordinate(u) for vary, u in zip(KEYS, place, strict=True)]
         out[n] = {"sample": n, "values": x, "status": "converged", "at": "1 SL", **dict.fromkeys(NAMES, 1.0)}
         out[n][MAIN] = function(*x)
     return out
@@ -49,7 +49,7 @@ def test_a_single_key_has_all_of_the_variance():
     what = run.Sweep("", "x.toml", KEYS[:1], 192, "sobol", 3, "lin")
     samples = {n: row for n, row in records(sweep(640), ishigami).items() if n < 192}
     for n, place in enumerate(what.coordinates()):
-        samples[n][MAIN] = KEYS[0].value_at(place[0]) ** 3
+        samples[n][MAIN] = KEYS[0].value_at_coordinate(place[0]) ** 3
     (name, found), *others = sobol_indices_by_output(what, samples)["outputs"][MAIN].items()
     assert (name, others) == ("a", [])
     assert (found["first"], found["total"]) == pytest.approx((1.0, 1.0), abs=0.1)

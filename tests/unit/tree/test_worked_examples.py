@@ -92,7 +92,7 @@ def test_a_contact_law_takes_one_place(tree, tmp_path):
 
 def test_a_paper_takes_two_folders_and_its_record(tree, tmp_path):
     """Its folder in compare/cases, its line in CASES, its tests in tests/sources: traced, judged, in the report, tested."""
-    acme.write(tree / "compare/cases/acme", catalogue.scene_text("two-balls"))
+    acme.write(tree / "compare/cases/acme", catalogue.shipped_scene_text("two-balls"))
     change(
         tree,
         "compare/case.py",

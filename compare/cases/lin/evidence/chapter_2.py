@@ -8,19 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rollbench.compare.cases.lin.reconstruction import readings as combined
-from rollbench.compare.evidence import Findings, count_of
+from rollbench.compare.evidence import Findings, count_text_of_mask
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import PRINTED
-from rollbench.compare.models.study import Study, with_groove
-from rollbench.compare.printed import entry, value_of
+from rollbench.compare.models.study import Study, with_conformity
+from rollbench.compare.printed import printed_entry, printed_value
 from rollbench.compare.studies.members.ensemble import ensemble_of_study
 from rollbench.lowfi.statics.contacts import error_free_hertz, printed_sides
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import specimen
+from rollbench.meshes.errors import draw_specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Errors, Scene, SideErrors, Support
-from rollbench.meshes.section import fixed_partition, groove_section
+from rollbench.meshes.section import groove_section, nodes_of_whole_beam
 from rollbench.meshes.surface import principal_curvatures
 
 #: Conformity with which Table B.1 was computed (that of Table 3.6), instead of Table 2.1's groove radius.
@@ -34,7 +34,7 @@ def exact_hertz_parameters(scene: Scene) -> dict[str, dict[str, float]]:
     parameters, such as "C_a". ``scene``: the screw, whose geometric errors are left out.
     """
     bare = replace(scene, errors=Errors())
-    drawn = specimen(bare, ball_layout(bare))
+    drawn = draw_specimen(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
     constants = error_free_hertz(bare)
     out = {}
@@ -88,7 +88,7 @@ def table_b_1(findings: Findings, study: Study) -> None:
     scene = study.scene("lin-case1")
     right, faulty = (
         correct_table_b_1(scene),
-        dict(zip("SN", printed_sides(with_groove(scene, TABLE_CONFORMITY)), strict=True)),
+        dict(zip("SN", printed_sides(with_conformity(scene, TABLE_CONFORMITY)), strict=True)),
     )
     for letter, printed in faulty.items():
         for start, (attribute, _, unit) in QUANTITIES.items():
@@ -118,12 +118,12 @@ def table_2_1(findings: Findings, study: Study) -> None:
     findings.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
 
 
-def partition_elements(study: Study) -> int:
+def beam_element_count_of_lin_partition(study: Study) -> int:
     """Return the number of beam elements of Lin's model: 12 + 12 outside the nut, 3 of 15 mm inside it.
 
     ``study``: shipped scenes.
     """
-    return fixed_partition(study.changed("lin-case1", partition="source")).size - 1
+    return nodes_of_whole_beam(study.changed("lin-case1", partition="source")).size - 1
 
 
 def table_2_2(findings: Findings, study: Study) -> None:
@@ -131,7 +131,11 @@ def table_2_2(findings: Findings, study: Study) -> None:
 
     ``findings``: receives this number; ``study``: shipped scenes.
     """
-    findings.number("elements_proposed", float(partition_elements(study)), "12 outside + 3 of 15 mm inside + 12 outside")
+    findings.number(
+        "elements_proposed",
+        float(beam_element_count_of_lin_partition(study)),
+        "12 outside + 3 of 15 mm inside + 12 outside",
+    )
 
 
 @dataclass(frozen=True)
@@ -159,7 +163,7 @@ END_SUPPORTS = (
 CASES = ("lin-case1", "lin-case2", *(name for r in END_SUPPORTS for name in (r.plain, r.offset)))
 
 
-def load_ratio(load: Array) -> float:
+def largest_over_smallest_load(load: Array) -> float:
     """Return the largest over the smallest ball load on one flank; infinite if a ball carries no load.
 
     ``load``: loads of the n balls on this flank (n,) [N].
@@ -175,7 +179,7 @@ def is_two_point_contact(load: Array) -> bool:
     return bool(np.all(load[:, [0, 3]] > 0.0) and not np.any(load[:, [1, 2]] > 0.0))
 
 
-def load_ratio_range(study: Study) -> str:
+def load_ratio_range_in_words(study: Study) -> str:
     """Return in words the range of largest over smallest load in Lin's case 1, over two modelling choices.
 
     These are the partition of the beam into elements, and whether equation C.8 for the beam's section has a root.
@@ -186,7 +190,7 @@ def load_ratio_range(study: Study) -> str:
         for p in ("nodal", "source")
         for s in ("groove", "groove squared")
     ]
-    ratios = [load_ratio(study.solve(v).load[:, 0]) for v in variants]
+    ratios = [largest_over_smallest_load(study.solve(v).load[:, 0]) for v in variants]
     return f"{min(ratios):.4f} to {max(ratios):.4f} with the beam's partition and the reading of C.8"
 
 
@@ -200,8 +204,8 @@ def section_2_4_1(findings: Findings, study: Study) -> None:
     _compute_case_2(study, findings)
     _compute_case_3(study, findings)
     _compare_with_ansys(study, findings)
-    findings.number("elements", value_of("lin-2.2", "elements_proposed"))
-    times = {k: value_of("lin-2.2", k) for k in ("time_ansys_1", "time_proposed_1")}
+    findings.number("elements", printed_value("lin-2.2", "elements_proposed"))
+    times = {k: printed_value("lin-2.2", k) for k in ("time_ansys_1", "time_proposed_1")}
     findings.number(
         "speed_ratio",
         times["time_ansys_1"] * 3600.0 / times["time_proposed_1"],
@@ -215,19 +219,22 @@ def _compute_case_1(study: Study, findings: Findings) -> None:
     mei = study.solve("lin-case1", "mei").load[:, 0]
     lateral = 1e6 * float(np.hypot(line[:, 0], line[:, 1]).max())
     run = study.reference("lin-case1")  # without errors of the grooves, as the case: the one number that it can say
-    in_3d, p = None if run is None else load_ratio(run.load[:, 0]), entry("lin-2.4.1", "case1_ratio")
-    words = f"Low-order: {load_ratio_range(study)}"
+    in_3d, p = (
+        None if run is None else largest_over_smallest_load(run.load[:, 0]),
+        printed_entry("lin-2.4.1", "case1_ratio"),
+    )
+    words = f"Low-order: {load_ratio_range_in_words(study)}"
     if in_3d is not None:
         side = "within" if (p.low or 0.0) <= in_3d <= (p.high or 0.0) else "outside"
         off = float(error_percent(in_3d, p.value or 0.0))
         words += f". The sentence is on ANSYS too: our 3D reference, {in_3d:.4f}, is {side} the band ({off:+.1f} %)"
-    findings.number("case1_ratio", load_ratio(load[:, 0]), words, reference=in_3d)
+    findings.number("case1_ratio", largest_over_smallest_load(load[:, 0]), words, reference=in_3d)
     falling = f"{mei[0]:.1f} N at ball 1 falling at every ball to {mei[-1]:.1f} N at ball 32"
     findings.claim("case1_mei", bool(np.all(np.diff(mei) < 0.0)), falling)
     findings.claim(
         "case1_two_point",
         is_two_point_contact(load),
-        f"SL {count_of(load[:, 0] > 0)} loaded, SR {count_of(load[:, 1] > 0)}",
+        f"SL {count_text_of_mask(load[:, 0] > 0)} loaded, SR {count_text_of_mask(load[:, 1] > 0)}",
     )
     words = f"largest lateral displacement of the centreline {lateral:.2f} um; 0 in the axial-only model"
     findings.claim("case1_lateral", lateral > 0.1, words)
@@ -265,7 +272,7 @@ def _compare_with_ansys(study: Study, findings: Findings) -> None:
     They are the errors of Lin's model against this project's 3D reference, as the ANSYS loads are not printed. ``study``:
     solved scenes and stored 3D references.
     """
-    every = [c.errors["own"] for c in study.once(combined.evaluate_combinations) if not c.against_text]
+    every = [c.errors["own"] for c in study.compute_once(combined.evaluate_combinations) if not c.contradicts_text]
     readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
     for name, (largest, rms, _) in PRINTED.items():
         found = study.reference(name)
@@ -305,7 +312,7 @@ def case_1_by_choice(study: Study) -> list[ModelChoice]:
     """
     base = study.solve("lin-case1")
     case = study.scene("lin-case1")
-    small = with_groove(case, TABLE_CONFORMITY)
+    small = with_conformity(case, TABLE_CONFORMITY)
     variants: Sequence[tuple[str, Scene, str]] = (
         ("default: node at every contact, C.8 with its root, right Hertz constants", case, "lin"),
         ("partition of the source (15 mm in the nut)", study.changed("lin-case1", partition="source"), "lin"),
@@ -353,13 +360,13 @@ def section_2_4_2(findings: Findings, study: Study) -> None:
     groove = groove_section(study.scene("lin-case1"))
     findings.number("gamma_low", groove.gamma_1 / np.pi, "Lin C.5")
     findings.number("gamma_high", groove.gamma_2 / np.pi, "Lin C.5")
-    _compute_given_errors(study, findings)
+    _record_error_amplitudes(study, findings)
     _check_single_error_claims(study, findings)
     if study.members != 0:
         _check_random_error_claims(study, findings)
 
 
-def _compute_given_errors(study: Study, findings: Findings) -> None:
+def _record_error_amplitudes(study: Study, findings: Findings) -> None:
     """Record the amplitudes of the geometric errors that Lin prints in ``findings``, as the scenes contain them."""
     profile, pitch = (study.scene(name).errors for name in ("lin-profile", "lin-pitch"))
     for side in SIDES:
@@ -372,7 +379,7 @@ def _check_single_error_claims(study: Study, findings: Findings) -> None:
     """Check Lin's claims on contact loads with profile errors only and with pitch errors only, into ``findings``."""
     base, profile, pitch = (study.solve(name).load for name in ("lin-case1", "lin-profile", "lin-pitch"))
     for name, load in (("profile", profile), ("pitch", pitch)):
-        words = f"SL {count_of(load[:, 0] > 0)}, SR {count_of(load[:, 1] > 0)} loaded"
+        words = f"SL {count_text_of_mask(load[:, 0] > 0)}, SR {count_text_of_mask(load[:, 1] > 0)} loaded"
         findings.claim(f"{name}_two_point", is_two_point_contact(load), words)
     little, much = load_error(profile, base), load_error(pitch, base)
     findings.claim(
@@ -392,17 +399,17 @@ def _check_random_error_claims(study: Study, findings: Findings) -> None:
     base = study.solve("lin-case1").load
     random, combined = (ensemble_of_study(study, name).loads for name in ("lin-random", "lin-combined"))
     kept = np.array([is_two_point_contact(load) for load in random])
-    findings.claim("random_two_point", bool(kept.mean() > SEEN), f"holds in {count_of(kept)} drawn screws")
+    findings.claim("random_two_point", bool(kept.mean() > SEEN), f"holds in {count_text_of_mask(kept)} drawn screws")
     changed = np.array([load_error(load, base).max_percent for load in random])
     low, high = np.percentile(changed, [5, 95])
     findings.claim(
         "random_much",
         bool((changed > SIGNIFICANT).mean() > SEEN),
         f"largest change {low:.0f} to {high:.0f} % of the mean load in nine of ten drawn screws; significant in "
-        f"{count_of(changed > SIGNIFICANT)}",
+        f"{count_text_of_mask(changed > SIGNIFICANT)}",
     )
     four = np.array([bool(np.any(load[:, [1, 2]] > 0.0)) for load in combined])
-    words = f"some ball carries on SR or NL in {count_of(four)} drawn screws"
+    words = f"some ball carries on SR or NL in {count_text_of_mask(four)} drawn screws"
     findings.claim("combined_four_point", bool(four.mean() > SEEN), words)
 
 
@@ -411,31 +418,33 @@ SCREWS = {"4p1": "Table 4.1", "2p1": "Table 2.1"}
 CLEARANCES = (0.0, -1e-6, -2e-6, -3e-6, -4e-6, -5e-6)
 
 
-def load_variation(result: StaticResult) -> float:
+def relative_load_deviation(result: StaticResult) -> float:
     """Return the standard deviation of the contact loads on flank SL, divided by their mean."""
     return float(result.load[:, 0].std() / result.load[:, 0].mean())
 
 
-def unloaded_balls(result: StaticResult) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def unloaded_ball_mask(result: StaticResult) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Return for each ball of a static solution whether it carries no load, (n,) for n balls."""
     return np.asarray(result.load.sum(axis=1) == 0.0)
 
 
-def dominant_cycles(scene: Scene, lost: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[int, float]:
+def dominant_harmonic_of_unloaded_balls(
+    scene: Scene, unloaded: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+) -> tuple[int, float]:
     """Return the strongest harmonic in the pattern of unloaded balls around the screw.
 
     First: number of its cycles per turn, 1 to 4 (0 if no ball is unloaded); second: its share of the power of these four
-    harmonics. ``scene``: the screw with its balls; ``lost``: for each ball (n,), whether it is unloaded.
+    harmonics. ``scene``: the screw with its balls; ``unloaded``: for each ball (n,), whether it is unloaded.
     """
     phi = ball_layout(scene).azimuth
-    x = lost.astype(float) - lost.mean()
+    x = unloaded.astype(float) - unloaded.mean()
     power = np.array([np.abs((x * np.exp(-1j * k * phi)).sum()) ** 2 for k in range(1, 5)])
     if power.sum() == 0.0:
         return 0, 0.0
     return int(power.argmax()) + 1, float(power.max() / power.sum())
 
 
-def scenes_of_open_inputs(scene: Scene) -> list[tuple[str, Scene]]:
+def scenes_with_open_inputs_varied(scene: Scene) -> list[tuple[str, Scene]]:
     """Return copies of a scene with other supports, errors and clearances, which Lin does not print, each with a label."""
     rotation = (Support(0.0, (("rz", 0.0),)),)
     lateral = (Support(0.0, (("ux", 0.0), ("uy", 0.0), ("rz", 0.0))),)
@@ -463,10 +472,10 @@ def section_4_3_2(findings: Findings, study: Study) -> None:
     findings.number("e_R", 1e6 * roundness.errors.SL.roundness[0].sin, "key of the scene")
     findings.number("force", pitch.loads[0].force[2], "key of the scene")
     for screw in SCREWS:
-        _check_claims_of_screw(study, findings, screw)
+        _check_manufacturing_error_claims(study, findings, screw)
 
 
-def _check_claims_of_screw(study: Study, findings: Findings, screw: str) -> None:
+def _check_manufacturing_error_claims(study: Study, findings: Findings, screw: str) -> None:
     """Check the claims of section 4.3.2 of Lin's thesis on pitch and roundness errors for one screw, into ``findings``.
 
     The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: key of `SCREWS`. ``study``: solved
@@ -482,13 +491,16 @@ def _check_claims_of_screw(study: Study, findings: Findings, screw: str) -> None
     )
     findings.claim(
         f"less_uniform_{screw}",
-        load_variation(roundness) > load_variation(pitch),
-        f"standard deviation over mean {load_variation(roundness):.2f} with roundness, "
-        f"{load_variation(pitch):.2f} with pitch error",
+        relative_load_deviation(roundness) > relative_load_deviation(pitch),
+        f"standard deviation over mean {relative_load_deviation(roundness):.2f} with roundness, "
+        f"{relative_load_deviation(pitch):.2f} with pitch error",
     )
-    lost = unloaded_balls(roundness)
-    words = f"{count_of(lost)} balls without contact; with pitch error {count_of(unloaded_balls(pitch))}"
+    lost = unloaded_ball_mask(roundness)
+    words = (
+        f"{count_text_of_mask(lost)} balls without contact; with pitch error "
+        f"{count_text_of_mask(unloaded_ball_mask(pitch))}"
+    )
     findings.claim(f"lost_{screw}", bool(lost.any()), words)
-    count, power = dominant_cycles(study.scene(f"lin-roundness-{screw}"), lost)
+    count, power = dominant_harmonic_of_unloaded_balls(study.scene(f"lin-roundness-{screw}"), lost)
     words = f"{power:.0%} of the pattern's power is at {count} cycles per turn" if lost.any() else "no ball loses contact"
     findings.claim(f"pattern_{screw}", bool(lost.any()) and count == 2, words)

@@ -13,20 +13,20 @@ from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import entry, load_table, value_of
+from rollbench.compare.printed import load_table, printed_entry, printed_value
 from rollbench.lowfi.friction import bearing
-from rollbench.lowfi.friction.contact.laws import cubic_factor, linear_error, linear_factor
-from rollbench.lowfi.friction.linear.bearing import Loads, velocity_deviation
+from rollbench.lowfi.friction.contact.laws import cubic_force_factor, error_of_linear_force, linear_force_factor
+from rollbench.lowfi.friction.linear.bearing import Loads, relative_velocity_deviation
 from rollbench.lowfi.friction.linear.chain import (
-    PairMaps,
-    PairResult,
-    force_maps,
+    LinearPairSolution,
+    PairResultsOverGrid,
     pair_angles_and_loads,
-    pair_formulas,
+    pair_results_by_formulas,
+    pair_results_over_grid,
     solve_pair,
 )
 from rollbench.lowfi.friction.screw.groove import Mode
-from rollbench.lowfi.friction.screw.motion import source_law
+from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Quantity, Row
@@ -47,7 +47,7 @@ CASES = {name: source_cases.rotary_scene(name).displacement for name in source_c
 #: Slope of the normalised friction force, as printed.
 K_F = source_cases.printed_friction_slope()
 #: Lin's friction law, with the inferred parameters.
-PRINTED_LAW = source_law(
+PRINTED_LAW = lin_sigmoid_law(
     ROTARY, source_cases.rotary_scene("I", printed=True).sharpness, source_cases.rotary_scene("I", printed=True).map_step
 )
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
@@ -59,30 +59,30 @@ YIELD, MULTIPLE = 370.0, 4.2
 
 
 @cache
-def solve_rotary_as_printed(case: str) -> bearing.BallSolution:
+def solve_rotary_as_printed(case: str) -> bearing.BearingBallSolution:
     """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2 by his own method.
 
     It uses his Hertz constants, his sigmoid friction law, and root finding. ``case``: "I", "II" or "III".
     """
     scene = source_cases.rotary_scene(case, printed=True)
-    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
-    return bearing.solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
+    law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.map_step)
+    return bearing.solve_ball_by_lin_method(scene.bearing, scene.force, scene.displacement, law, fast=True)
 
 
 @cache
-def solve_rotary(case: str, hertz: Mode = "right") -> bearing.BallSolution:
+def solve_rotary(case: str, hertz: Mode = "right") -> bearing.BearingBallSolution:
     """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2, by least dissipation.
 
     ``case``: "I", "II" or "III"; ``hertz``: "right" for exact Hertz constants, "as printed" for those with Lin's faults,
     which give his loads and contact ellipses.
     """
-    return bearing.solve_ball(replace(ROTARY, hertz=hertz), AXIAL, CASES[case], fast=True)
+    return bearing.solve_ball_of_bearing(replace(ROTARY, hertz=hertz), AXIAL, CASES[case], fast=True)
 
 
 @cache
 def solve_linear_pair(
     theta: float = THETA, loads: Loads = "balanced", mated: bool = False, mu_balls: float = 0.1
-) -> PairResult:
+) -> LinearPairSolution:
     """Solve the contact of two neighbouring balls in the linear bearing, at the side force of Lin's case study.
 
     ``theta``: deviation of the contact angle from nominal [rad]; ``loads``: how the contact loads are computed (equal on
@@ -93,13 +93,13 @@ def solve_linear_pair(
 
 
 @cache
-def force_and_loss_maps() -> PairMaps:
+def force_and_loss_maps() -> PairResultsOverGrid:
     """Compute maps of ball-to-ball force and friction losses of two touching balls in the linear bearing.
 
     The abscissas are the deviation theta of the contact angle, from -3 to 3 deg, and the side force over the vertical
     load, from -0.6 to 0.6.
     """
-    return force_maps(LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F)
+    return pair_results_over_grid(LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F)
 
 
 # --- computed values for printed numbers
@@ -125,7 +125,7 @@ def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
     findings.numbers(values)
 
 
-def rotary_value(s: bearing.BallSolution, key: str) -> float:
+def value_for_table_3_2(s: bearing.BearingBallSolution, key: str) -> float:
     """Return the computed value for a row of Lin's Table 3.2, in the unit of the table.
 
     ``s``: solved motion of the ball; ``key``: name of the row: "F_" (contact load) or "P_" (friction loss) with the name
@@ -141,13 +141,15 @@ def rotary_value(s: bearing.BallSolution, key: str) -> float:
     return 1e3 * s.torque
 
 
-def force_or_torque_increase(first: bearing.BallSolution, raised: bearing.BallSolution, what: str) -> float:
+def force_or_torque_increase(
+    first: bearing.BearingBallSolution, raised: bearing.BearingBallSolution, quantity: str
+) -> float:
     """Return the increase of a quantity between two cases of the rotary bearing.
 
-    ``first``, ``raised``: solved motions of the ball in both cases; ``what``: "force" for the sum of the contact forces,
-    whose increase is in per cent, else the friction torque, whose increase is a fraction.
+    ``first``, ``raised``: solved motions of the ball in both cases; ``quantity``: "force" for the sum of the contact
+    forces, whose increase is in per cent, else the friction torque, whose increase is a fraction.
     """
-    if what == "force":
+    if quantity == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
     return raised.torque / first.torque - 1.0
 
@@ -164,7 +166,9 @@ def table_3_2(findings: Findings, study: Study) -> None:
     ``findings``: receives two values for each printed number: as printed, with Lin's faults, and correct, with exact
     Hertz constants and least dissipation; ``study``: stored results of the 3D rolling model.
     """
-    solid = {case: source_cases.results_in_3d(study, name) for case, name in source_cases.ROTARY_SCENES.items()}
+    solid = {
+        case: source_cases.stored_rolling_results_in_3d(study, name) for case, name in source_cases.ROTARY_SCENES.items()
+    }
     for row in load_table("lin-3.2"):
         key, _, case = row.key.rpartition("_")
         if key.endswith("_increase"):
@@ -174,7 +178,10 @@ def table_3_2(findings: Findings, study: Study) -> None:
                 force_or_torque_increase(solve_rotary("I"), solve_rotary(case), what),
             )
         else:
-            faulty, true = rotary_value(solve_rotary_as_printed(case), key), rotary_value(solve_rotary(case), key)
+            faulty, true = (
+                value_for_table_3_2(solve_rotary_as_printed(case), key),
+                value_for_table_3_2(solve_rotary(case), key),
+            )
         words = f"as printed, the computed forces add to {faulty:.4f} N" if row.cls == "open" else ""
         name, unit = IN_3D.get(key, ("", 1.0))
         value = solid[case].get(name)
@@ -193,7 +200,7 @@ def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
     values = {
         "ball_radius": 1e3 * b.ball_radius,
         "conformity": b.conformity,
-        "psi": b.psi(),
+        "psi": b.semi_axis_constant(),
         "vertical": VERTICAL,
         "speed": 1e3 * b.speed,
         "mu": b.mu,
@@ -203,11 +210,11 @@ def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
         "yaw": abs(SIDE) * VERTICAL * 2e3 * b.ball_radius,
     }
     findings.numbers(values)
-    _compute_worst_case(findings)
+    _compute_worst_loss_ratio(findings)
     _check_map_claims(findings, force_and_loss_maps())
 
 
-def _compute_worst_case(findings: Findings) -> None:
+def _compute_worst_loss_ratio(findings: Findings) -> None:
     """Compute the largest increase of friction loss in Lin's section 3.3.4.1, into ``findings``.
 
     It is the friction loss between two touching balls over the loss of both balls without ball-to-ball contact.
@@ -222,17 +229,17 @@ def _compute_worst_case(findings: Findings) -> None:
     )
 
 
-def _check_map_claims(findings: Findings, m: PairMaps) -> None:
+def _check_map_claims(findings: Findings, maps: PairResultsOverGrid) -> None:
     """Check Lin's claims on the maps of ball-to-ball force and losses over theta and side force, into ``findings``.
 
-    ``m``: the maps, by the numerical model and by Lin's formulas.
+    ``maps``: the maps, by the numerical model and by Lin's formulas.
     """
-    difference, force, ratio = (both.numerical for both in (m.difference, m.force, m.ratio))
+    difference, force, ratio = (both.numerical for both in (maps.difference, maps.force, maps.ratio))
     fields = (force[4:, 2::-1], ratio[4:, 2::-1])
     grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))
     top = float(error_percent(ratio.max(), 1.0))
     findings.claim("worst_increase", grows and top > 50.0, f"grows along both axes, up to {top:.0f} %")
-    pairs = ((difference, m.difference.error), (force, m.force.error), (ratio - 1.0, m.ratio.error))
+    pairs = ((difference, maps.difference.error), (force, maps.force.error), (ratio - 1.0, maps.ratio.error))
     inside = max(float(np.abs(e[2:5, 2:5]).max() / np.abs(v).max()) for v, e in pairs)
     corner = min(float(np.abs(e).max() / np.abs(v).max()) for v, e in pairs)
     findings.claim(
@@ -250,14 +257,14 @@ def _check_map_claims(findings: Findings, m: PairMaps) -> None:
     )
 
 
-def formula_deviation(mated: bool) -> Array:
+def velocity_deviations_by_formula(mated: bool) -> Array:
     """Return the relative deviations (2,) of two balls' velocities from nominal by Lin's formula (3.43).
 
     The contact loads are those that Lin states in the text: equal at both contacts of each diagonal. ``mated``: whether
     the top groove is made to match the bottom one, case (b) instead of case (a).
     """
     angles, loads = pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
-    return velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
+    return relative_velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
 
 
 def table_3_4(findings: Findings, study: Study) -> None:
@@ -273,8 +280,8 @@ def table_3_4(findings: Findings, study: Study) -> None:
         findings.numbers({f"{case}_TR": float(top[0]), f"{case}_TL": float(top[1])})
     for case, ball in product("ab", (1, 2)):
         mated = case == "b"
-        found, formula = solve_linear_pair(mated=mated).free.deviation, formula_deviation(mated)
-        solid = source_cases.results_in_3d(study, f"lin-pair-{case}").get(f"deviation {ball} apart %")
+        found, formula = solve_linear_pair(mated=mated).free.deviation, velocity_deviations_by_formula(mated)
+        solid = source_cases.stored_rolling_results_in_3d(study, f"lin-pair-{case}").get(f"deviation {ball} apart %")
         findings.number(f"{case}_eps{ball}_numerical", 100.0 * float(found[ball - 1]), reference=solid)
         findings.number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]), reference=solid)
 
@@ -287,7 +294,7 @@ def force_with_misprinted_exponents() -> float:
     loads = pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
     right_way, as_is = (np.cbrt(loads) ** power for power in (2.0, -2.0))
     joined = [float(s[0].sum() * s[1].sum() / s.sum()) for s in (right_way, as_is)]
-    return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F)[1] * joined[1] / joined[0]
+    return pair_results_by_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F)[1] * joined[1] / joined[0]
 
 
 def formula_force(*, mated: bool) -> float:
@@ -295,7 +302,7 @@ def formula_force(*, mated: bool) -> float:
 
     ``mated``: whether the top groove is made to match the bottom one, case (b) instead of case (a).
     """
-    return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=mated)[1]
+    return pair_results_by_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=mated)[1]
 
 
 def table_3_5(findings: Findings, study: Study) -> None:
@@ -306,7 +313,7 @@ def table_3_5(findings: Findings, study: Study) -> None:
     """
     spread = ", ".join(f"{loads} {solve_linear_pair(loads=loads).force:.2f} N" for loads in LOADS)
     formula = {case: formula_force(mated=case == "b") for case in "ab"}
-    solid = {case: source_cases.results_in_3d(study, f"lin-pair-{case}").get("force 1-2 N") for case in "ab"}
+    solid = {case: source_cases.stored_rolling_results_in_3d(study, f"lin-pair-{case}").get("force 1-2 N") for case in "ab"}
     as_is = f"with the exponents -2/3 as printed the formula gives {force_with_misprinted_exponents():.2g} N"
     for case, of_loads, of_formula in (("a", f"loads {spread}", as_is), ("b", "", "")):
         findings.number(
@@ -314,17 +321,19 @@ def table_3_5(findings: Findings, study: Study) -> None:
         )
         findings.number(f"{case}_force_ansys", None, reference=solid[case])
         findings.number(f"{case}_force_analytic", formula[case], of_formula, reference=solid[case])
-    ansys = value_of("lin-3.5", "a_force_ansys")
+    ansys = printed_value("lin-3.5", "a_force_ansys")
     for name, ours in (("numerical", solve_linear_pair().force), ("analytic", formula["a"])):
         off = [f"{error_percent(ours, other):+.1f} %" for other in (ansys, solid["a"]) if other is not None]
         words = f"ours is {off[0]} off the printed ANSYS force" + "".join(f", {x} off our 3D" for x in off[1:])
-        first = value_of("lin-3.5", "a_force_numerical") if name == "numerical" else ours  # arithmetic on printed numbers
+        first = (
+            printed_value("lin-3.5", "a_force_numerical") if name == "numerical" else ours
+        )  # arithmetic on printed numbers
         findings.number(f"error_{name}", abs(float(error_percent(first, ansys))), words)
     for model, case in product(("numerical", "analytic", "ansys"), "ab"):
         findings.remark(f"{case}_time_{model}", "another machine and language; not compared")
 
 
-def straight_groove_contact(conformity: float, pressure: float) -> tuple[float, float]:
+def contact_ellipse_proportions(conformity: float, pressure: float) -> tuple[float, float]:
     """Return the proportions of the contact ellipse of a ball in a straight groove.
 
     First: ratio b/a of the minor to the major semi-axis; second: a over the ball's radius at the largest Hertz pressure
@@ -342,11 +351,11 @@ def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - ever
     ``findings``: receives the computed value for each printed number. ``study``: not used here.
     """
     pressure = MULTIPLE * YIELD
-    ratio = straight_groove_contact(LINEAR.conformity, 1e6 * pressure)[0]
-    slope, cubic = float(linear_factor(ratio)), float(cubic_factor(ratio))
-    a_over_r = straight_groove_contact(0.52, 1e6 * pressure)[1]
-    reach, cut = value_of("lin-G", "reach"), np.floor(1e3 * a_over_r) / 1e3
-    off = 100.0 * float(linear_error(ratio, K_F))
+    ratio = contact_ellipse_proportions(LINEAR.conformity, 1e6 * pressure)[0]
+    slope, cubic = float(linear_force_factor(ratio)), float(cubic_force_factor(ratio))
+    a_over_r = contact_ellipse_proportions(0.52, 1e6 * pressure)[1]
+    reach, cut = printed_value("lin-G", "reach"), np.floor(1e3 * a_over_r) / 1e3
+    off = 100.0 * float(error_of_linear_force(ratio, K_F))
     findings.number(
         "k_f",
         slope,
@@ -363,7 +372,7 @@ def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - ever
 # --- sections 3.2 and 3.3 under several assumptions: balance of power in the rotary bearing, loads of the linear bearing
 
 
-def balance_rows() -> list[Row]:
+def power_balance_rows() -> list[Row]:
     """Return table rows of the rotary bearing's friction torque [N mm], power input [W] and friction losses [W].
 
     There are three rows for each case of Lin's Table 3.2: correct Hertz constants and friction law; least dissipation at
@@ -376,7 +385,7 @@ def balance_rows() -> list[Row]:
             ("least dissipation at the loads as printed", solve_rotary(case, "as printed")),
             ("as printed", solve_rotary_as_printed(case)),
         ):
-            torque = bearing.inner_torque(ROTARY, s.load, s.motion)
+            torque = bearing.inner_ring_torque(ROTARY, s.load, s.motion)
             power = torque * ROTARY.screw_speed
             rows.append(
                 {
@@ -396,13 +405,13 @@ def balance_rows() -> list[Row]:
     return rows
 
 
-def sensitivity_rows() -> list[Row]:
+def linear_pair_sensitivity_rows() -> list[Row]:
     """Return table rows of ball-to-ball force and friction losses of two balls in the linear bearing by assumption.
 
     The assumptions are how the contact loads are computed, and the friction coefficient between the balls.
     """
     rows: list[Row] = []
-    printed = entry("lin-3.5", "a_force_numerical")
+    printed = printed_entry("lin-3.5", "a_force_numerical")
     against = f"against the printed {printed.printed} N"
     for loads, mu in product(LOADS, (0.1, 0.0)):
         r, worst = solve_linear_pair(loads=loads, mu_balls=mu), solve_linear_pair(WORST, loads, mu_balls=mu)

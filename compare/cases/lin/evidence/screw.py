@@ -14,37 +14,37 @@ from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import value_of
-from rollbench.compare.scenes.catalogue import case as case_of
+from rollbench.compare.printed import printed_value
+from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as case_of
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
 from rollbench.lowfi.friction.as_source.screw import simulate_by_root
-from rollbench.lowfi.friction.bearing import DIAGONAL, OTHER, BallRow, BearingCase, TorqueCurve, torque_curve
+from rollbench.lowfi.friction.bearing import DIAGONAL, OTHER, BallRow, BearingCase, TorqueCurve, torque_over_force_angles
 from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import (
     SHIFTED,
     Pair,
-    PairMap,
-    PairResult,
+    PairResultGrid,
     Run,
     RunSummary,
-    implied_load,
-    oversize_map,
+    ScrewPairSolution,
+    load_implied_by_ball_force,
+    results_over_oversize_and_force,
     simulate_equal_steps,
     solve_pair,
-    summarise,
+    summarise_history,
 )
-from rollbench.lowfi.friction.screw.travel import History, StepError, count_groups, run_with_step_errors
-from rollbench.lowfi.friction.whole.circuit import Onset, contact_onset
+from rollbench.lowfi.friction.screw.travel import StepError, TravelHistory, count_touching_groups, run_with_step_errors
+from rollbench.lowfi.friction.whole.circuit import ContactOnset, contact_onset
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Quantity, Row
 
 #: Deviations theta [deg] of the second ball's contact angle in Table 3.7, by case; amplitudes [deg] of theta in the
 #: simulations of section 3.4.4, which the thesis does not print.
-THETA = {name: degrees(source_cases.pair_angle_deviation(name)) for name in source_cases.PAIR_SCENES}
+THETA = {name: degrees(source_cases.second_ball_angle_deviation(name)) for name in source_cases.PAIR_SCENES}
 AMPLITUDES = tuple(source_cases.RUN_SCENES)
 #: Angles [rad] of the load to the bearing's axis in section 4.3.1.
-ANGLES = source_cases.bearing_pair_scene().angle
+ANGLES = source_cases.four_point_and_double_row_scene().angle
 #: Permitted time-step error of a simulation, over its mean torque.
 STEP_GOAL = 0.003
 #: Level of the grid of the stored 3D results of a ball pair.
@@ -57,16 +57,19 @@ SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "l
 
 
 @cache
-def solve_screw_pair(case: str, reading: Literal["plain", "inferred"]) -> PairResult:
+def solve_screw_pair(case: str, interpretation: Literal["plain", "inferred"]) -> ScrewPairSolution:
     """Solve loads and motions of two balls of the screw in a case of Lin's Table 3.7.
 
-    ``case``: "a" or "b"; ``reading``: "plain" for the text as printed, "inferred" for balls with the inferred oversize.
+    ``shipped_scene_of_kind``: "a" or "b"; ``interpretation``: "plain" for the text as printed, "inferred" for balls with
+    the inferred oversize.
     """
-    return solve_pair(case_of(source_cases.PAIR_SCENES[case] + "-inferred" * (reading == "inferred"), ScrewPairScene).pair)
+    return solve_pair(
+        case_of(source_cases.PAIR_SCENES[case] + "-inferred" * (interpretation == "inferred"), ScrewPairScene).pair
+    )
 
 
 @cache
-def simulate_screw(amplitude: float) -> History:
+def simulate_screw(amplitude: float) -> TravelHistory:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis over time, with a time-step error below `STEP_GOAL`.
 
     ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg]. Returns motions and torques at each
@@ -76,73 +79,76 @@ def simulate_screw(amplitude: float) -> History:
 
 
 @cache
-def simulate_with_step_control(amplitude: float) -> tuple[History, StepError | None]:
+def simulate_with_step_control(amplitude: float) -> tuple[TravelHistory, StepError | None]:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis, with a time-step error below `STEP_GOAL`.
 
     ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg]. Returns the history of motions and
     torques, then the error by the time step over the mean torque, None if it is unknown.
     """
-    run = source_cases.shipped_run(amplitude)
+    run = source_cases.shipped_simulation_inputs(amplitude)
     return run_with_step_errors(run, run.duration, None, STEP_GOAL)
 
 
 @cache
-def simulate_in_200_steps(amplitude: float) -> History:
+def simulate_in_200_steps(amplitude: float) -> TravelHistory:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis in 200 equal time steps, as Lin does.
 
     Loads and motions of a step are those at its start. ``amplitude``: amplitude of the contact angles' deviation theta, 2
     or 3 [deg]. Returns motions and torques at each time step.
     """
-    return simulate_equal_steps(source_cases.shipped_run(amplitude))
+    return simulate_equal_steps(source_cases.shipped_simulation_inputs(amplitude))
 
 
 @cache
-def simulate_without_oversize() -> History:
+def simulate_without_oversize() -> TravelHistory:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis over time, with balls that are not oversized.
 
     Friction moves balls and screw and so changes the contact loads. The deviation theta of the contact angles has an
     amplitude of 3 deg. Returns motions and torques at each time step.
     """
-    return simulate_equal_steps(replace(source_cases.shipped_run(3.0), oversize=0.0, coupling="ball and screw"))
-
-
-@cache
-def torque_over_load_angle(name: str, tilt: bool) -> TorqueCurve:
-    """Compute the friction torque of a bearing of Lin's Table 4.2 over the angle between the load and the bearing's axis.
-
-    ``name``: "4P" for the four-point, "DR" for the double-row bearing; ``tilt``: whether the inner ring is free to tilt.
-    The load angles are `ANGLES`.
-    """
-    return torque_curve(
-        source_cases.four_point_bearing(tilt=tilt) if name == "4P" else source_cases.double_row_bearing(tilt=tilt), ANGLES
+    return simulate_equal_steps(
+        replace(source_cases.shipped_simulation_inputs(3.0), oversize=0.0, coupling="ball and screw")
     )
 
 
-def torque_ratio_up_to(found: TorqueCurve, end: float) -> float:
-    """Return the largest over the smallest friction torque of a bearing, for load angles from 0 up to ``end`` [deg].
+@cache
+def torque_over_load_angle(bearing: str, tilt: bool) -> TorqueCurve:
+    """Compute the friction torque of a bearing of Lin's Table 4.2 over the angle between the load and the bearing's axis.
+
+    ``bearing``: "4P" for the four-point, "DR" for the double-row bearing; ``tilt``: whether the inner ring is free to tilt.
+    The load angles are `ANGLES`.
+    """
+    return torque_over_force_angles(
+        source_cases.four_point_bearing(tilt=tilt) if bearing == "4P" else source_cases.double_row_bearing(tilt=tilt),
+        ANGLES,
+    )
+
+
+def largest_over_smallest_torque(found: TorqueCurve, largest_angle: float) -> float:
+    """Return the largest over the smallest friction torque of a bearing, for load angles of 0 to ``largest_angle`` [deg].
 
     ``found``: friction torque of the bearing over the angle between its load and its axis.
     """
-    torque = found.torque[found.angle <= radians(end) * (1.0 + 1e-12)]
+    torque = found.torque[found.angle <= radians(largest_angle) * (1.0 + 1e-12)]
     return float(torque.max() / torque.min())
 
 
-def loss_increase(r: PairResult) -> float:
+def loss_increase_percent(pair: ScrewPairSolution) -> float:
     """Return the increase [%] of the friction loss of two balls, summed over all their contacts, by ball-to-ball contact.
 
-    ``r``: solutions for the two balls with ball-to-ball contact and without it.
+    ``pair``: solutions for the two balls with ball-to-ball contact and without it.
     """
-    return float(error_percent(r.touching.motion.loss, r.free.motion.loss))
+    return float(error_percent(pair.touching.motion.loss, pair.free.motion.loss))
 
 
-def onset_of_ball_contact(study: Study, errors: str, idle: float) -> Onset:
+def compute_ball_contact_onset(study: Study, kind_of_error: str, unloaded_ball_speed_ratio: float) -> ContactOnset:
     """Compute when neighbouring balls first touch in the screw of Lin's Table 4.1 with one kind of geometric error.
 
-    ``study``: solved scenes; ``errors``: kind of error, "pitch", "roundness" or "none"; ``idle``: velocity of balls
-    without load, divided by the nominal ball velocity.
+    ``study``: solved scenes; ``kind_of_error``: kind of error, "pitch", "roundness" or "none";
+    ``unloaded_ball_speed_ratio``: velocity of balls without load, divided by the nominal ball velocity.
     """
-    name = SCREWS[errors]
-    return contact_onset(study.scene(name), study.solve(name), idle=idle)
+    name = SCREWS[kind_of_error]
+    return contact_onset(study.scene(name), study.solve(name), unloaded_speed_ratio=unloaded_ball_speed_ratio)
 
 
 # --- computed values for printed numbers
@@ -163,8 +169,8 @@ def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
         "omega_N": g.speed / np.pi,
         "mu": g.mu,
         "nu": g.poisson,
-        "force": source_cases.pair_as_printed(0.0).force[0],
-        "theta_1": degrees(source_cases.pair_as_printed().theta[0]),
+        "force": source_cases.screw_pair_as_printed(0.0).force[0],
+        "theta_1": degrees(source_cases.screw_pair_as_printed().theta[0]),
         "theta_2_a": THETA["a"],
         "theta_2_b": THETA["b"],
     }
@@ -184,39 +190,45 @@ def table_3_7(findings: Findings, study: Study) -> None:
     model.
     """
     for case in THETA:
-        solid = source_cases.results_in_3d(study, source_cases.PAIR_SCENES[case])
+        solid = source_cases.stored_rolling_results_in_3d(study, source_cases.PAIR_SCENES[case])
         _compute_force_and_increase(findings, case, solid)
-        force, ansys = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "ansys"))
+        force, ansys = (printed_value("lin-3.7", f"{what}_{case}") for what in ("force", "ansys"))
         findings.number(f"difference_{case}", float(error_percent(force, ansys)), "from the printed forces alone")
         _compare_force_with_ansys(findings, study, case)
         findings.remark(f"time_{case}", "another machine and language")
         findings.remark(f"time_ansys_{case}", "another machine and program")
-    printed = [value_of("lin-3.5", "error_numerical"), *(value_of("lin-3.7", f"difference_{case}") for case in THETA)]
+    printed = [
+        printed_value("lin-3.5", "error_numerical"),
+        *(printed_value("lin-3.7", f"difference_{case}") for case in THETA),
+    ]
     findings.number("within", max(printed), "the largest of the printed differences")
 
 
 def _compute_force_and_increase(findings: Findings, case: str, solid: Mapping[str, float]) -> None:
     """Compute ball-to-ball force and loss increase in a case of Lin's Table 3.7, and record them in ``findings``.
 
-    ``case``: "a" or "b"; ``solid``: results of the 3D rolling model by name with unit, such as "force 1-2 N".
+    ``shipped_scene_of_kind``: "a" or "b"; ``solid``: results of the 3D rolling model by name with unit, such as "force 1-2
+    N".
     """
-    force, percent = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
+    force, percent = (printed_value("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
     as_text, oversized = solve_screw_pair(case, "plain"), solve_screw_pair(case, "inferred")
-    implied = implied_load(source_cases.pair_with_inferred_oversize(radians(THETA[case])), force, 1e-2 * percent)
+    implied = load_implied_by_ball_force(
+        source_cases.screw_pair_with_inferred_oversize(radians(THETA[case])), force, 1e-2 * percent
+    )
     off = [float(error_percent(r.force, force)) for r in (as_text, oversized)]
     findings.number(
         f"force_{case}",
         as_text.force,
-        f"{_both_interpretations(as_text.force, oversized.force)}; the text as printed does not give it "
+        f"{_both_interpretations_in_words(as_text.force, oversized.force)}; the text as printed does not give it "
         f"({off[0]:+.0f} %): printed force and increase imply {implied:.0f} N of contact load a ball, plainly read "
         f"it is {as_text.ball_loads.mean():.0f} N, "
         f"the inferred one {oversized.ball_loads.mean():.0f} N ({off[1]:+.1f} %)",
         reading=oversized.force,
         reference=solid.get("force 1-2 N"),
     )
-    values = loss_increase(as_text), loss_increase(oversized)
+    values = loss_increase_percent(as_text), loss_increase_percent(oversized)
     off = [float(error_percent(value, percent)) for value in values]
-    words = f"{_both_interpretations(*values)}; plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
+    words = f"{_both_interpretations_in_words(*values)}; plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
     findings.number(f"increase_{case}", values[0], words, reading=values[1], reference=solid.get("increase %"))
 
 
@@ -224,49 +236,49 @@ def _compare_force_with_ansys(findings: Findings, study: Study, case: str) -> No
     """Record the ball-to-ball force by the 3D rolling model in ``findings``, as the counterpart of Lin's ANSYS force.
 
     The remark states the force for both interpretations of the contact loads: the text as printed, and balls with the
-    inferred oversize. ``study``: stored 3D results; ``case``: "a" or "b" of Lin's Table 3.7.
+    inferred oversize. ``study``: stored 3D results; ``shipped_scene_of_kind``: "a" or "b" of Lin's Table 3.7.
     """
     scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
-    as_text, oversized = (source_cases.results_in_3d(study, scene).get("force 1-2 N") for scene in scenes)
-    words = "no stored run" if as_text is None or oversized is None else _both_interpretations(as_text, oversized)
+    as_text, oversized = (source_cases.stored_rolling_results_in_3d(study, scene).get("force 1-2 N") for scene in scenes)
+    words = "no stored run" if as_text is None or oversized is None else _both_interpretations_in_words(as_text, oversized)
     words = f"3D rolling of elastic half spaces: {words}"
     findings.number(f"ansys_{case}", None, words, reference=as_text)
 
 
-def _both_interpretations(as_text: float, oversized: float) -> str:
+def _both_interpretations_in_words(as_text: float, with_oversize: float) -> str:
     """Return in words a value by two interpretations: text as printed, then balls with the inferred oversize."""
-    return f"plain reading {as_text:.4g}, inferred reading {oversized:.4g}"
+    return f"plain reading {as_text:.4g}, inferred reading {with_oversize:.4g}"
 
 
-def torque_after_first_step(r: History) -> Array:
+def torque_after_first_step(history: TravelHistory) -> Array:
     """Return the friction torque [N m] of the ball-to-groove contacts at each time step from the second on, (steps - 1,).
 
-    ``r``: motions and torques of a simulation of the whole screw. The first step is left out because its contact loads
-    are computed without friction.
+    ``history``: motions and torques of a simulation of the whole screw. The first step is left out because its contact
+    loads are computed without friction.
     """
-    return r.groove_torque[1:]
+    return history.groove_torque[1:]
 
 
-def torque_variation(r: History) -> float:
+def relative_groove_torque_variation(history: TravelHistory) -> float:
     """Return (largest - smallest)/mean of the ball-to-groove friction torque during a simulation of the whole screw.
 
-    The first time step is left out. ``r``: motions and torques at each time step.
+    The first time step is left out. ``history``: motions and torques at each time step.
     """
-    torque = torque_after_first_step(r)
+    torque = torque_after_first_step(history)
     return float(np.ptp(torque) / torque.mean())
 
 
-def contact_begins_again(r: History) -> bool:
+def contact_begins_again(history: TravelHistory) -> bool:
     """Return whether ball-to-ball contact begins, ends and begins again during a simulation of the whole screw.
 
-    ``r``: motions, torques and touching balls at each time step.
+    ``history``: motions, torques and touching balls at each time step.
     """
-    touch = np.asarray(np.any(r.contact, axis=1), dtype=bool).reshape(-1)
+    touch = np.asarray(np.any(history.contact, axis=1), dtype=bool).reshape(-1)
     changes = touch[np.flatnonzero(np.diff(touch.astype(int)))[:3] + 1]
     return not bool(touch[0]) and changes.tolist() == [True, False, True]
 
 
-def steps_sentence(amplitude: float) -> str:
+def time_steps_in_words(amplitude: float) -> str:
     """Return in words the number of time steps of a simulation, its time-step error, and a result with Lin's 200 steps.
 
     The result is the largest ratio [%] of the ball-to-ball contacts' torque to that of the ball-to-groove contacts.
@@ -274,7 +286,7 @@ def steps_sentence(amplitude: float) -> str:
     """
     (found, error), base = simulate_with_step_control(amplitude), simulate_in_200_steps(amplitude)
     size = "unknown" if error is None else f"{100.0 * error.largest:.2g} %"
-    few = 100.0 * summarise(base).largest
+    few = 100.0 * summarise_history(base).largest
     return (
         f"in {found.steps} steps, whose error is {size} of the mean torque; the source's {base.steps} steps give "
         f"{few:.1f} %"
@@ -287,14 +299,14 @@ def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - e
     ``findings``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used
     here.
     """
-    base = source_cases.run_of_section_3_4_4()
+    base = source_cases.simulation_inputs_of_section_3_4_4()
     inputs = {
         "balls": base.count,
         "turns": base.turns,
         "force": base.force[0],
         "duration": base.duration,
         "steps": base.steps,
-        "occupation": 100.0 * base.occupation,
+        "occupation": 100.0 * base.track_occupation,
     }
     findings.numbers(inputs)
     _compute_ball_contact_torque(findings)
@@ -307,10 +319,10 @@ def _compute_ball_contact_torque(findings: Findings) -> None:
     The values are recorded in ``findings``: the torque over that of the ball-to-groove contacts [%], the angles in
     degrees.
     """
-    low, high = (summarise(simulate_screw(a)) for a in AMPLITUDES)
+    low, high = (summarise_history(simulate_screw(a)) for a in AMPLITUDES)
     assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * source_cases.inferred_oversize():g} µm oversize"
-    words = f"{assumed.format(f'{100.0 * low.largest:.1f} %')}: the printed number lies between; {steps_sentence(3.0)}"
-    near = {key: f"; {nearest_interpretation(key)}" for key in PRINTED_OF_RUN}
+    words = f"{assumed.format(f'{100.0 * low.largest:.1f} %')}: the printed number lies between; {time_steps_in_words(3.0)}"
+    near = {key: f"; {nearest_interpretation_in_words(key)}" for key in PRINTED_OF_RUN}
     findings.number("largest", 100.0 * high.largest, words + near["largest"])
     findings.number("largest_at", high.at, assumed.format(f"{low.at:.0f}°") + near["largest_at"])
     findings.number("none_at", high.none_at, assumed.format(f"{low.none_at:.0f}°") + near["none_at"])
@@ -322,7 +334,7 @@ def _check_simulation_claims(findings: Findings) -> None:
     The claims are on groups of touching balls, steady torque of the ball-to-groove contacts, and ball-to-ball contact
     that ends and begins again.
     """
-    low, high = (summarise(simulate_screw(a)) for a in AMPLITUDES)
+    low, high = (summarise_history(simulate_screw(a)) for a in AMPLITUDES)
     words = f"{low.groups} groups with 2 deg, {high.groups} with 3 deg"
     findings.claim("groups", low.groups == high.groups == 4, words)
     vary = [low.groove_variation, high.groove_variation]
@@ -331,8 +343,9 @@ def _check_simulation_claims(findings: Findings) -> None:
         "groove_steady",
         max(vary) < 0.03,
         f"largest less smallest over mean: {vary[0]:.1%} with 2 deg, {vary[1]:.1%} with 3 deg; without oversize, loads "
-        f"coupled to friction, {torque_variation(loose):.1%} from the second step on and "
-        f"{summarise(loose).groove_variation:.0%} with the first, whose loads are computed without friction: mostly "
+        f"coupled to friction, {relative_groove_torque_variation(loose):.1%} from the second step on and "
+        f"{summarise_history(loose).groove_variation:.0%} with the first, whose loads are computed without friction: "
+        "mostly "
         f"the start, not third contacts that come and go",
     )
     again = [contact_begins_again(simulate_screw(a)) for a in AMPLITUDES]
@@ -374,8 +387,10 @@ def section_4_3(findings: Findings, study: Study) -> None:
     scenes.
     """
     _compute_bearing_torques(findings)
-    first = {(e, i): degrees(onset_of_ball_contact(study, e, i).first) for e in ("pitch", "roundness") for i in (0.0, 0.9)}
-    lost = {e: int((onset_of_ball_contact(study, e, 0.0).loaded == 0.0).sum()) for e in ("pitch", "roundness")}
+    first = {
+        (e, i): degrees(compute_ball_contact_onset(study, e, i).first) for e in ("pitch", "roundness") for i in (0.0, 0.9)
+    }
+    lost = {e: int((compute_ball_contact_onset(study, e, 0.0).loaded == 0.0).sum()) for e in ("pitch", "roundness")}
     findings.claim(
         "roundness_quicker",
         all(first["roundness", i] < first["pitch", i] for i in (0.0, 0.9)),
@@ -393,12 +408,12 @@ def _compute_bearing_torques(findings: Findings) -> None:
     """
     four, double = torque_over_load_angle("4P", True), torque_over_load_angle("DR", True)
     ratios = (
-        torque_ratio_up_to(four, 18.0),
-        torque_ratio_up_to(double, 18.0),
-        torque_ratio_up_to(torque_over_load_angle("DR", False), 18.0),
+        largest_over_smallest_torque(four, 18.0),
+        largest_over_smallest_torque(double, 18.0),
+        largest_over_smallest_torque(torque_over_load_angle("DR", False), 18.0),
     )
     at_18 = int(four.four[np.searchsorted(four.angle, radians(18.0) * (1.0 - 1e-12))])
-    still = torque_ratio_up_to(torque_over_load_angle("4P", False), 18.0)
+    still = largest_over_smallest_torque(torque_over_load_angle("4P", False), 18.0)
     words = f"load angles of 0 to 18 deg, inner ring free to tilt; {still:.2f} where it cannot tilt"
     findings.number("ratio_4p", ratios[0], words)
     findings.claim("four_worse", ratios[0] > 3.0 * max(ratios[1:]), f"{ratios[0]:.2f} against {ratios[1]:.2f}")
@@ -428,17 +443,17 @@ AS_CASE, SOURCE_RULE = "as the case study", "the source's rule of contact"
 OVERSIZE, AXIAL = tuple(np.linspace(-1e-6, 3e-6, 17)), (25.0, 50.0, 100.0, 200.0)
 
 
-def oversize_in_words() -> str:
+def inferred_oversize_in_words() -> str:
     """Return the inferred oversize of the ball radius with its unit as text, such as "1.7 µm"."""
     return f"{1e6 * source_cases.inferred_oversize():g} µm"
 
 
-def oversize_label() -> str:
+def label_of_inferred_oversize() -> str:
     """Return the label, in table rows, of balls with the inferred oversize whose loads friction does not change."""
-    return f"{oversize_in_words()} oversize, not coupled"
+    return f"{inferred_oversize_in_words()} oversize, not coupled"
 
 
-def pair_interpretations() -> list[tuple[str, str, Callable[[float], Pair]]]:
+def load_state_interpretations() -> list[tuple[str, str, Callable[[float], Pair]]]:
     """Return the interpretations of the contact loads of two balls that Lin's Table 3.7 leaves open.
 
     Each entry: kind of interpretation, such as "plain"; its assumptions in words; function that returns the ball pair for
@@ -449,81 +464,85 @@ def pair_interpretations() -> list[tuple[str, str, Callable[[float], Pair]]]:
         """Return a function that makes the ball pair for a theta [rad] and replaces its fields by ``changes``."""
         return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
 
-    radial = with_changes(source_cases.pair_as_printed, free="r", force=(100.0,), coupling="none")
+    radial = with_changes(source_cases.screw_pair_as_printed, free="r", force=(100.0,), coupling="none")
     smaller, larger = 0.5 * source_cases.inferred_oversize(), 1.5 * source_cases.inferred_oversize()
-    size = oversize_in_words()
+    size = inferred_oversize_in_words()
     one, faulty = (1.0, 0.0, 0.0, 0.0), source_cases.groove_of_table_3_6(hertz="as printed")
     return [
-        ("plain", AS_TEXT, source_cases.pair_as_printed),
-        ("plain, varied", UNCOUPLED, with_changes(source_cases.pair_as_printed, coupling="none")),
+        ("plain", AS_TEXT, source_cases.screw_pair_as_printed),
+        ("plain, varied", UNCOUPLED, with_changes(source_cases.screw_pair_as_printed, coupling="none")),
         (
             "plain, varied",
             "friction moves balls and screw",
-            with_changes(source_cases.pair_as_printed, coupling="ball and screw"),
+            with_changes(source_cases.screw_pair_as_printed, coupling="ball and screw"),
         ),
         ("plain, varied", "50 N radially on each ball, not coupled", radial),
-        ("inferred", oversize_label(), source_cases.pair_with_inferred_oversize),
+        ("inferred", label_of_inferred_oversize(), source_cases.screw_pair_with_inferred_oversize),
         (
             "inferred, varied",
             f"{size}, friction moves the balls",
-            with_changes(source_cases.pair_with_inferred_oversize, coupling="ball"),
+            with_changes(source_cases.screw_pair_with_inferred_oversize, coupling="ball"),
         ),
         (
             "inferred, varied",
             f"{size}, friction moves balls and screw",
-            with_changes(source_cases.pair_with_inferred_oversize, coupling="ball and screw"),
+            with_changes(source_cases.screw_pair_with_inferred_oversize, coupling="ball and screw"),
         ),
-        ("inferred, varied", "half the oversize", with_changes(source_cases.pair_with_inferred_oversize, oversize=smaller)),
+        (
+            "inferred, varied",
+            "half the oversize",
+            with_changes(source_cases.screw_pair_with_inferred_oversize, oversize=smaller),
+        ),
         (
             "inferred, varied",
             "one and a half times the oversize",
-            with_changes(source_cases.pair_with_inferred_oversize, oversize=larger),
+            with_changes(source_cases.screw_pair_with_inferred_oversize, oversize=larger),
         ),
         (
             "inferred, varied",
             f"{size}, 25 N instead of 50 N",
-            with_changes(source_cases.pair_with_inferred_oversize, force=(25.0,)),
+            with_changes(source_cases.screw_pair_with_inferred_oversize, force=(25.0,)),
         ),
         (
             "inferred, varied",
             f"{size}, 100 N instead of 50 N",
-            with_changes(source_cases.pair_with_inferred_oversize, force=(100.0,)),
+            with_changes(source_cases.screw_pair_with_inferred_oversize, force=(100.0,)),
         ),
         (
             "inferred, varied",
             f"{size}, theta on one contact of the screw",
-            with_changes(source_cases.pair_with_inferred_oversize, pattern=(one, one)),
+            with_changes(source_cases.screw_pair_with_inferred_oversize, pattern=(one, one)),
         ),
         (
             "inferred, varied",
             f"{size}, screw's groove shifted sideways",
-            with_changes(source_cases.pair_with_inferred_oversize, pattern=(SHIFTED, SHIFTED)),
+            with_changes(source_cases.screw_pair_with_inferred_oversize, pattern=(SHIFTED, SHIFTED)),
         ),
         (
             "inferred, varied",
             f"{size}, Hertz constants of Table B.1",
-            with_changes(source_cases.pair_with_inferred_oversize, groove=faulty),
+            with_changes(source_cases.screw_pair_with_inferred_oversize, groove=faulty),
         ),
     ]
 
 
-def pair_interpretation_rows() -> list[Row]:
+def load_state_interpretation_rows() -> list[Row]:
     """Return table rows for Lin's Table 3.7, one for each interpretation of the contact loads of the two balls.
 
     Columns for each case (a) and (b): ball-to-ball force [N], its error against the printed force [%], increase of the
     friction loss [%], contact load of a ball [N].
     """
     rows = list[Row]()
-    for kind, label, make in pair_interpretations():
+    for kind, label, make in load_state_interpretations():
         row: Row = {Quantity("kind", "reading", "", "s"): kind, Quantity("reading", "assumptions", "", "s"): label}
         good = True
         for case, theta in THETA.items():
             r = solve_pair(make(radians(theta)))
-            off = float(error_percent(r.force, value_of("lin-3.7", f"force_{case}")))
+            off = float(error_percent(r.force, printed_value("lin-3.7", f"force_{case}")))
             row |= {
                 Quantity(f"force_{case}", f"force, θ = {theta:g}°", "N", ".3f"): r.force,
                 Quantity(f"error_{case}", f"against printed, θ = {theta:g}°", "%", ".1f"): off,
-                Quantity(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"): loss_increase(r),
+                Quantity(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"): loss_increase_percent(r),
                 Quantity(f"load_{case}", f"contact load a ball, θ = {theta:g}°", "N", ".0f"): float(r.ball_loads.mean()),
             }
             good = good and r.converged
@@ -533,25 +552,28 @@ def pair_interpretation_rows() -> list[Row]:
 
 def implied_contact_load() -> float:
     """Return the contact load [N] of a ball that force and loss increase printed in Table 3.7, case (a), imply."""
-    force, increase = (value_of("lin-3.7", f"{what}_a") for what in ("force", "increase"))
-    return implied_load(source_cases.pair_with_inferred_oversize(radians(THETA["a"])), force, 1e-2 * increase)
+    force, increase = (printed_value("lin-3.7", f"{what}_a") for what in ("force", "increase"))
+    return load_implied_by_ball_force(
+        source_cases.screw_pair_with_inferred_oversize(radians(THETA["a"])), force, 1e-2 * increase
+    )
 
 
 @cache
-def oversize_and_load_map(case: str, coupling: Coupling) -> PairMap:
+def oversize_and_load_map(case: str, coupling: Coupling) -> PairResultGrid:
     """Compute ball-to-ball force and loss increase of two balls of the screw over the balls' oversize and the axial load.
 
-    The oversizes are `OVERSIZE` [m], the axial loads `AXIAL` [N]. ``case``: of Lin's Table 3.7, "a" or "b"; ``coupling``:
-    which parts the friction displaces, so that it changes the contact loads: "none", "ball" or "ball and screw".
+    The oversizes are `OVERSIZE` [m], the axial loads `AXIAL` [N]. ``shipped_scene_of_kind``: of Lin's Table 3.7, "a" or
+    "b"; ``coupling``: which parts the friction displaces, so that it changes the contact loads: "none", "ball" or "ball and
+    screw".
     """
-    return oversize_map(
-        replace(source_cases.pair_with_inferred_oversize(radians(THETA[case])), coupling=coupling),
+    return results_over_oversize_and_force(
+        replace(source_cases.screw_pair_with_inferred_oversize(radians(THETA[case])), coupling=coupling),
         np.array(OVERSIZE),
         np.array(AXIAL),
     )
 
 
-def simulation_variations() -> list[tuple[str, str, dict[str, object]]]:
+def simulation_input_variations() -> list[tuple[str, str, dict[str, object]]]:
     """Return the variations of inputs of the whole-screw simulation, one input changed at a time.
 
     Each entry: name of the input, label of its new value, and the changed fields of `Run` by name.
@@ -562,7 +584,7 @@ def simulation_variations() -> list[tuple[str, str, dict[str, object]]]:
     changes += [("oversize", f"{o:g} µm", {"oversize": 1e-6 * o}) for o in (0.0, 1.0, 2.5)]
     changes += [
         ("oversize and coupling", "0 µm, friction moves balls and screw", {"oversize": 0.0, "coupling": "ball and screw"}),
-        ("coupling", f"{oversize_in_words()}, friction moves balls and screw", {"coupling": "ball and screw"}),
+        ("coupling", f"{inferred_oversize_in_words()}, friction moves balls and screw", {"coupling": "ball and screw"}),
         ("phase of theta", "90°", {"phase": 0.5 * np.pi}),
         ("phase of theta", "180°", {"phase": np.pi}),
         ("pattern", "groove shifted sideways", {"pattern": SHIFTED}),
@@ -594,15 +616,15 @@ TRIED: tuple[Interpretation, ...] = (
 BY_SOURCE = (("screw", 3.0), ("nut", 2.5))
 
 
-def simulation_inputs(follows: str, amplitude: float, oversize: float, pattern: str) -> Run:
+def simulation_inputs_of_interpretation(follows: str, amplitude: float, oversize: float, pattern: str) -> Run:
     """Return the inputs of the whole-screw simulation of Lin's section 3.4.4 under one interpretation as in `TRIED`.
 
     ``follows``: part with which the deviation theta of the contact angles moves, "screw" or "nut"; ``amplitude``:
     amplitude of theta [deg]; ``oversize``: oversize of the ball radius [um]; ``pattern``: whether theta acts on "one" or
     "both" of a ball's contacts with the screw.
     """
-    flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.run_of_section_3_4_4().pattern
-    return source_cases.run_of_section_3_4_4(
+    flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.simulation_inputs_of_section_3_4_4().pattern
+    return source_cases.simulation_inputs_of_section_3_4_4(
         follows=follows, amplitude=radians(amplitude), oversize=1e-6 * oversize, pattern=flanks
     )
 
@@ -614,19 +636,21 @@ def interpretation_results() -> tuple[RunSummary, ...]:
     Returns, for each interpretation, the largest ball-to-ball torque and the nut angles at which it occurs and at which
     contact ends.
     """
-    return tuple(summarise(simulate_equal_steps(simulation_inputs(*reading))) for reading in TRIED)
+    return tuple(
+        summarise_history(simulate_equal_steps(simulation_inputs_of_interpretation(*reading))) for reading in TRIED
+    )
 
 
 PRINTED_OF_RUN = ("largest", "largest_at", "none_at")
 
 
-def nearest_interpretation(key: str) -> str:
+def nearest_interpretation_in_words(key: str) -> str:
     """Return in words the interpretation of `TRIED` whose result comes closest to a printed number, with its other results.
 
     ``key``: key of the printed number in section 3.4.4 of Lin's thesis, one of `PRINTED_OF_RUN`.
     """
     found = np.array([(100.0 * s.largest, s.at, s.none_at) for s in interpretation_results()])[:, PRINTED_OF_RUN.index(key)]
-    k = int(np.nanargmin(np.abs(found - value_of("lin-3.4.4", key))))
+    k = int(np.nanargmin(np.abs(found - printed_value("lin-3.4.4", key))))
     (follows, amplitude, oversize, pattern), s = TRIED[k], interpretation_results()[k]
     text = f"theta of {amplitude:g} deg on {pattern} of the screw's contacts, with the {follows}, {oversize:g} um oversize"
     numbers = f"{100.0 * s.largest:.1f} % at {s.at:.0f}°, no contact from {s.none_at:.0f}°"
@@ -644,10 +668,10 @@ def simulation_interpretation_rows() -> list[Row]:
     ]
     for follows, amplitude in BY_SOURCE:
         reading = follows, amplitude, 1e6 * source_cases.inferred_oversize(), "both"
-        of_source = lin_method_row(simulation_inputs(*reading))
+        of_source = simulation_row_by_lin_method(simulation_inputs_of_interpretation(*reading))
         found.append((SOURCE_RULE, reading, [of_source[q] for q in RUN[2:5]]))
     off = [Quantity(f"{q.key}_off", f"{q.label}, off print", q.unit, "+.1f") for q in RUN[2:5]]
-    printed = [value_of("lin-3.4.4", key) for key in PRINTED_OF_RUN]
+    printed = [printed_value("lin-3.4.4", key) for key in PRINTED_OF_RUN]
     rows = list[Row]()
     for rule, reading, values in found:
         known = [None if v is None or not np.isfinite(v) else float(v) for v in values]
@@ -672,21 +696,34 @@ RUN = (
 )
 
 
-def simulation_row(label: str, value: str, r: History) -> Row:
+def simulation_row(label: str, value: str, history: TravelHistory) -> Row:
     """Return the table row with the results of one simulation of the whole screw, by the columns `RUN`.
 
-    ``label``: name of the assumption that is varied; ``value``: the assumption in words; ``r``: motions and torques at
-    each time step.
+    ``label``: name of the assumption that is varied; ``value``: the assumption in words; ``history``: motions and torques
+    at each time step.
     """
-    s: RunSummary = summarise(r)
+    s: RunSummary = summarise_history(history)
     touches = s.largest > 0.0
     at, none_at = s.at if touches else None, s.none_at if touches and np.isfinite(s.none_at) else None
-    torque, steps = 1e3 * float(torque_after_first_step(r).mean()), f"{int(r.converged.sum())} of {r.converged.size}"
-    values = label, value, 100.0 * s.largest, at, none_at, s.groups, 100.0 * torque_variation(r), torque, steps
+    torque, steps = (
+        1e3 * float(torque_after_first_step(history).mean()),
+        f"{int(history.converged.sum())} of {history.converged.size}",
+    )
+    values = (
+        label,
+        value,
+        100.0 * s.largest,
+        at,
+        none_at,
+        s.groups,
+        100.0 * relative_groove_torque_variation(history),
+        torque,
+        steps,
+    )
     return dict(zip(RUN, values, strict=True))
 
 
-def lin_method_row(run: Run) -> Row:
+def simulation_row_by_lin_method(run: Run) -> Row:
     """Return the table row of a whole-screw simulation by Lin's method, by the columns `RUN`.
 
     By this method, the motions that the balls would have without ball-to-ball contact decide which balls touch. ``run``:
@@ -697,34 +734,34 @@ def lin_method_row(run: Run) -> Row:
     top, angle = int(np.argmax(ratio)), np.degrees(r.nut_angle)
     later = np.flatnonzero(~touching.any(axis=1) & (np.arange(angle.size) > top))
     torque, none_at = r.groove_torque[1:], float(angle[later[0]]) if later.size else None
-    overlap = 100.0 * r.overlap / run.groove.pair.spacing
+    overlap = 100.0 * r.largest_overlap / run.groove.pair.spacing
     value = f"as the case study, 3°; balls overlap in {r.overlapping} steps, by up to {overlap:.1f} % of their size"
     spread, steps = 100.0 * float(np.ptp(torque) / torque.mean()), f"{len(r.status) - r.failures} of {len(r.status)}"
     first = SOURCE_RULE, value, 100.0 * float(ratio[top]), float(angle[top]), none_at
-    values = *first, int(np.max(count_groups(touching))), spread, 1e3 * float(torque.mean()), steps
+    values = *first, int(np.max(count_touching_groups(touching))), spread, 1e3 * float(torque.mean()), steps
     return dict(zip(RUN, values, strict=True))
 
 
-def simulation_rows() -> list[Row]:
+def simulation_sensitivity_rows() -> list[Row]:
     """Return table rows of the whole-screw simulation of Lin's section 3.4.4 under varied assumptions.
 
     The columns are `RUN`. The first rows are the case study with each amplitude of theta in `AMPLITUDES`. The next row
-    uses Lin's rule for contact between balls, and each further row one of `simulation_variations`.
+    uses Lin's rule for contact between balls, and each further row one of `simulation_input_variations`.
     """
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
     rows = [
-        simulation_row(AS_CASE, f"{n}, {oversize_in_words()}, {simulate_screw(a).steps} steps", simulate_screw(a))
+        simulation_row(AS_CASE, f"{n}, {inferred_oversize_in_words()}, {simulate_screw(a).steps} steps", simulate_screw(a))
         for n, a in zip(names, AMPLITUDES, strict=True)
     ]
-    rows.append(lin_method_row(source_cases.run_of_section_3_4_4()))
+    rows.append(simulation_row_by_lin_method(source_cases.simulation_inputs_of_section_3_4_4()))
     rows += [
-        simulation_row(name, value, simulate_equal_steps(source_cases.run_of_section_3_4_4(**(SHORT | new))))
-        for name, value, new in simulation_variations()
+        simulation_row(name, value, simulate_equal_steps(source_cases.simulation_inputs_of_section_3_4_4(**(SHORT | new))))
+        for name, value, new in simulation_input_variations()
     ]
     return rows
 
 
-def bearing_variations() -> list[tuple[str, str, BearingCase]]:
+def bearings_under_varied_assumptions() -> list[tuple[str, str, BearingCase]]:
     """Return the bearings of section 4.3.1 of Lin's thesis under varied assumptions.
 
     Each entry: kind of bearing ("four-point" or "double row"); assumption in words; inputs of the friction model.
@@ -758,12 +795,14 @@ def bearing_torque_rows() -> list[Row]:
     smallest torque up to this load angle.
     """
     rows = list[Row]()
-    for bearing, label, case in bearing_variations():
-        found = torque_curve(case, ANGLES)
+    for bearing, label, case in bearings_under_varied_assumptions():
+        found = torque_over_force_angles(case, ANGLES)
         torque = Quantity("torque", "torque at 0°", "N mm", ".1f")
         row: Row = {"bearing": bearing, "assumption": label, torque: 1e3 * float(found.torque[0])}
         row |= {
-            Quantity(f"to_{end:g}", f"largest over smallest, 0 to {end:g}°", "", ".3f"): torque_ratio_up_to(found, end)
+            Quantity(f"to_{end:g}", f"largest over smallest, 0 to {end:g}°", "", ".3f"): largest_over_smallest_torque(
+                found, end
+            )
             for end in ENDS
         }
         upto = found.angle <= radians(18.0) * (1.0 + 1e-12)
@@ -781,7 +820,7 @@ def ball_contact_onset_rows(study: Study) -> list[Row]:
     rows = list[Row]()
     for errors in SCREWS:
         for idle in IDLE:
-            o = onset_of_ball_contact(study, errors, idle)
+            o = compute_ball_contact_onset(study, errors, idle)
             meet, first = int(np.isfinite(o.meeting).sum()), degrees(o.first) if np.isfinite(o.first) else None
             rows.append(
                 {

@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import value_of
+from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.scenes.catalogue import case
+from rollbench.compare.scenes.catalogue import shipped_scene_of_kind
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene, LinearPairScene
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
@@ -34,12 +34,12 @@ def rotary_scene(name: str, *, printed: bool = False) -> BearingBallScene:
 
     ``name``: case "I", "II" or "III"; ``printed``: whether with the Hertz constants and the friction law that Lin used.
     """
-    return case(ROTARY_SCENES[name] + "-printed" * printed, BearingBallScene)
+    return shipped_scene_of_kind(ROTARY_SCENES[name] + "-printed" * printed, BearingBallScene)
 
 
 def linear_pair_scene(name: str = LINEAR_PAIR) -> LinearPairScene:
     """Return a scene of two neighbouring balls in the linear bearing of Lin's Table 3.3; ``name``: name of the scene."""
-    return case(name, LinearPairScene)
+    return shipped_scene_of_kind(name, LinearPairScene)
 
 
 def printed_friction_slope() -> float:
@@ -48,10 +48,10 @@ def printed_friction_slope() -> float:
     The friction force is divided by its largest value; c is the distance of the spin pole from the contact's centre, a
     the major semi-axis of the contact ellipse.
     """
-    return value_of("lin-G", "k_f")
+    return printed_value("lin-G", "k_f")
 
 
-def results_in_3d(study: Study, name: str) -> Mapping[str, float]:
+def stored_rolling_results_in_3d(study: Study, name: str) -> Mapping[str, float]:
     """Return the results of a scene by the 3D rolling model on its finest stored grid.
 
     The keys are quantities with unit, such as "force 1-2 N". The mapping is empty if no result is stored. ``study``:
@@ -59,25 +59,25 @@ def results_in_3d(study: Study, name: str) -> Mapping[str, float]:
     """
     from rollbench.compare.studies.rolling.runs import LEVELS, load_run
 
-    run = load_run(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
+    run = load_run(shipped_scene_of_kind(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
     return {} if run is None else run.values
 
 
-def pair_as_printed(theta: float | None = None) -> Pair:
+def screw_pair_as_printed(theta: float | None = None) -> Pair:
     """Return two balls of the screw of section 3.4.3 as Lin states them: without clearance, loads changed by friction.
 
     ``theta``: deviation of the second ball's contact angle [rad], if it differs from the scene's.
     """
-    return _replace_theta(case(PAIR_SCENES["a"], ScrewPairScene).pair, theta)
+    return _replace_theta(shipped_scene_of_kind(PAIR_SCENES["a"], ScrewPairScene).pair, theta)
 
 
-def pair_with_inferred_oversize(theta: float | None = None) -> Pair:
+def screw_pair_with_inferred_oversize(theta: float | None = None) -> Pair:
     """Return two balls of the screw of section 3.4.3 with the inferred oversize, so that all four contacts are loaded.
 
     The oversize is not printed. ``theta``: deviation of the second ball's contact angle [rad], if it differs from the
     scene's.
     """
-    return _replace_theta(case(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).pair, theta)
+    return _replace_theta(shipped_scene_of_kind(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).pair, theta)
 
 
 def _replace_theta(pair: Pair, theta: float | None) -> Pair:
@@ -85,14 +85,14 @@ def _replace_theta(pair: Pair, theta: float | None) -> Pair:
     return pair if theta is None else replace(pair, theta=(pair.theta[0], theta))
 
 
-def pair_angle_deviation(name: str) -> float:
+def second_ball_angle_deviation(name: str) -> float:
     """Return the deviation of the second ball's contact angle [rad] in a case of Lin's Table 3.7; ``name``: "a" or "b"."""
-    return case(PAIR_SCENES[name], ScrewPairScene).pair.theta[1]
+    return shipped_scene_of_kind(PAIR_SCENES[name], ScrewPairScene).pair.theta[1]
 
 
 def inferred_oversize() -> float:
     """Return the oversize of the ball radius [m] that was inferred from the forces of Lin's Table 3.7."""
-    return pair_with_inferred_oversize().oversize
+    return screw_pair_with_inferred_oversize().oversize
 
 
 def groove_of_table_3_6(**changes: object) -> ScrewGroove:
@@ -100,28 +100,28 @@ def groove_of_table_3_6(**changes: object) -> ScrewGroove:
 
     ``changes``: new values of fields of `ScrewGroove`, by name.
     """
-    return replace(pair_as_printed().groove, **changes)  # type: ignore[arg-type]
+    return replace(screw_pair_as_printed().groove, **changes)  # type: ignore[arg-type]
 
 
-def run_of_section_3_4_4(**changes: object) -> Run:
+def simulation_inputs_of_section_3_4_4(**changes: object) -> Run:
     """Return the inputs of the whole-screw simulation of section 3.4.4, with an amplitude of theta of 3 deg.
 
     Theta is the deviation of the contact angles. ``changes``: new values of fields of `Run`, by name.
     """
-    return replace(shipped_run(3.0), **changes)  # type: ignore[arg-type]
+    return replace(shipped_simulation_inputs(3.0), **changes)  # type: ignore[arg-type]
 
 
-def shipped_run(degrees: float) -> Run:
+def shipped_simulation_inputs(theta_amplitude: float) -> Run:
     """Return the inputs of the whole-screw simulation of section 3.4.4 of Lin's thesis.
 
-    ``degrees``: amplitude of the contact angles' deviation theta, 2 or 3 [deg].
+    ``theta_amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg].
     """
-    return case(RUN_SCENES[degrees], ScrewRunScene).run
+    return shipped_scene_of_kind(RUN_SCENES[theta_amplitude], ScrewRunScene).run
 
 
-def bearing_pair_scene() -> BearingPairScene:
+def four_point_and_double_row_scene() -> BearingPairScene:
     """Return the scene of both bearings of Lin's Table 4.2, four-point and double-row, with the angles of their load."""
-    return case(BEARINGS, BearingPairScene)
+    return shipped_scene_of_kind(BEARINGS, BearingPairScene)
 
 
 def four_point_bearing(*, tilt: bool = True, **changes: object) -> BearingCase:
@@ -129,7 +129,7 @@ def four_point_bearing(*, tilt: bool = True, **changes: object) -> BearingCase:
 
     ``tilt``: whether the inner ring is free to tilt; ``changes``: new values of fields of `BearingCase`, by name.
     """
-    return replace(bearing_pair_scene().four_point, tilt=tilt, **changes)  # type: ignore[arg-type]
+    return replace(four_point_and_double_row_scene().four_point, tilt=tilt, **changes)  # type: ignore[arg-type]
 
 
 def double_row_bearing(*, tilt: bool = True, **changes: object) -> BearingCase:
@@ -137,4 +137,4 @@ def double_row_bearing(*, tilt: bool = True, **changes: object) -> BearingCase:
 
     ``tilt``: whether the inner ring is free to tilt; ``changes``: new values of fields of `BearingCase`, by name.
     """
-    return replace(bearing_pair_scene().double_row, tilt=tilt, **changes)  # type: ignore[arg-type]
+    return replace(four_point_and_double_row_scene().double_row, tilt=tilt, **changes)  # type: ignore[arg-type]

@@ -13,12 +13,12 @@ from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.results.load_curve import LoadCurve, load_curve, read_load_range
+from rollbench.compare.results.load_curve import LoadCurve, compute_load_curve, read_load_range
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.helix import reduced_lead
+from rollbench.meshes.helix import lead_per_radian
 from rollbench.meshes.parts import BallErrors, Errors, Scene, Support
 
 #: Loads of the axial lash test; those of the conical test are not printed and assumed to be the same.
@@ -40,7 +40,7 @@ def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
     full = 2.0 * np.pi * TURNS
     if pattern == "evenly distributed":
         return tuple(full * ((np.arange(n) + 0.5) / n - 0.5))
-    step = 2.0 * scene.balls.radius * (1.0 + 1e-9) / float(np.hypot(track.pitch_radius, reduced_lead(track)))
+    step = 2.0 * scene.balls.radius * (1.0 + 1e-9) / float(np.hypot(track.pitch_radius, lead_per_radian(track)))
     free = full - step * n
     at = -0.5 * full + step * (np.arange(n) + 0.5)
     if pattern == "stacked on one end":
@@ -55,12 +55,12 @@ def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
     return tuple(out)
 
 
-def place_balls(scene: Scene, pattern: str) -> Scene:
+def arrange_balls_in_pattern(scene: Scene, pattern: str) -> Scene:
     """Return a copy of the screw with its balls in a pattern of Lin's Figure 4.2; ``pattern``: one of `PATTERNS`."""
     return replace(scene, balls=replace(scene.balls, azimuths=ball_azimuths(scene, pattern)))
 
 
-def solve_axial_lash(scene: Scene, loads: str = ENDS, held: Sequence[str] = TURNING) -> LoadCurve:
+def solve_axial_lash(scene: Scene, loads: str = ENDS, restrained: Sequence[str] = TURNING) -> LoadCurve:
     """Solve the axial lash test of a ball screw: axial displacement over an axial load that reverses.
 
     Parameters
@@ -69,14 +69,14 @@ def solve_axial_lash(scene: Scene, loads: str = ENDS, held: Sequence[str] = TURN
         The screw.
     loads
         Axial loads at the screw's left end, in the form of ``rollbench solve --curve``.
-    held
+    restrained
         Names of the freedoms that are restrained at the left end, such as "rz".
     """
-    return _solve_lash_test(scene, f"{loads}:0mm", held)
+    return _solve_lash_test(scene, f"{loads}:0mm", restrained)
 
 
 def solve_conical_lash(
-    scene: Scene, direction: float, reach: float, loads: str = ENDS, held: Sequence[str] = TURNING
+    scene: Scene, direction: float, reach: float, loads: str = ENDS, restrained: Sequence[str] = TURNING
 ) -> LoadCurve:
     """Solve the conical lash test of a ball screw: lateral displacement over a lateral load that reverses.
 
@@ -90,20 +90,20 @@ def solve_conical_lash(
         Distance of the load to the right of the nut's centre [m].
     loads
         Lateral loads, in the form of ``rollbench solve --curve``.
-    held
+    restrained
         Names of the freedoms that are restrained at the left end, such as "rz".
     """
-    return _solve_lash_test(scene, f"{loads}:{direction!r}rad:{scene.nut.position + reach!r}m", held)
+    return _solve_lash_test(scene, f"{loads}:{direction!r}rad:{scene.nut.position + reach!r}m", restrained)
 
 
-def _solve_lash_test(scene: Scene, course: str, held: Sequence[str]) -> LoadCurve:
+def _solve_lash_test(scene: Scene, load_range: str, restrained: Sequence[str]) -> LoadCurve:
     """Return the load curve of a lash test: displacement over a force that reverses.
 
-    ``course``: range of the loads, direction and position of the force, in the form of ``rollbench solve --curve``;
-    ``held``: freedoms that are restrained at the screw's left end, such as "rz".
+    ``load_range``: range of the loads, direction and position of the force, in the form of ``rollbench solve --curve``;
+    ``restrained``: freedoms that are restrained at the screw's left end, such as "rz".
     """
-    scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in held)),))
-    return load_curve(scene, read_load_range(course), "lin", Options(engine="compiled"))
+    scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in restrained)),))
+    return compute_load_curve(scene, read_load_range(load_range), "lin", Options(engine="compiled"))
 
 
 def peak_to_peak(test: LoadCurve) -> float:
@@ -116,7 +116,7 @@ def peak_to_peak(test: LoadCurve) -> float:
     return test.peak_to_peak
 
 
-def pattern_difference(values: list[float]) -> float:
+def relative_range_percent(values: list[float]) -> float:
     """Return (largest - smallest)/smallest [%] of the lash of one screw over the four patterns of its balls.
 
     ``values``: lash for each pattern, in any unit. Lin does not define the difference; this definition fits the axial
@@ -136,17 +136,19 @@ class LashDifferences:
     conical: tuple[float, ...]
 
 
-def lash_differences(scene: Scene, reach: float, held: Sequence[str] = TURNING) -> LashDifferences:
+def lash_differences(scene: Scene, reach: float, restrained: Sequence[str] = TURNING) -> LashDifferences:
     """Return the relative differences of the lash between ball patterns, by the axial and by the conical test.
 
-    ``reach``: distance of the lateral force from the nut's centre [m]; ``held``: freedoms that are restrained at the
+    ``reach``: distance of the lateral force from the nut's centre [m]; ``restrained``: freedoms that are restrained at the
     screw's left end, such as "rz".
     """
-    screws = [place_balls(scene, p) for p in PATTERNS]
-    cones = [[peak_to_peak(solve_conical_lash(s, float(d), reach, held=held)) for s in screws] for d in DIRECTIONS]
+    screws = [arrange_balls_in_pattern(scene, p) for p in PATTERNS]
+    cones = [
+        [peak_to_peak(solve_conical_lash(s, float(d), reach, restrained=restrained)) for s in screws] for d in DIRECTIONS
+    ]
     return LashDifferences(
-        pattern_difference([peak_to_peak(solve_axial_lash(s, held=held)) for s in screws]),
-        tuple(map(pattern_difference, cones)),
+        relative_range_percent([peak_to_peak(solve_axial_lash(s, restrained=restrained)) for s in screws]),
+        tuple(map(relative_range_percent, cones)),
     )
 
 
@@ -162,7 +164,7 @@ TIE_ROD = (0.0, 6.0, 12.0, 18.0)
 
 def steering_gear() -> Assembly:
     """Return the shipped scene of Lin's steering gear: a rack with ball screw and bearing."""
-    found = catalogue.shipped(RACK)
+    found = catalogue.shipped_scene(RACK)
     if not isinstance(found, Assembly):
         raise AssertionError(f"{RACK}: expected a scene of a shaft with ball screw and bearing, got {type(found).__name__}")
     return found
@@ -181,7 +183,7 @@ def solve_at_tie_rod_angle(gear: Assembly, angle: float, *, opposed: bool = Fals
     return run_model(replace(gear, loads=loads), "lin", Options(engine="compiled"))
 
 
-def largest_loads(result: AxisResult) -> tuple[float, float]:
+def largest_screw_and_bearing_loads(result: AxisResult) -> tuple[float, float]:
     """Return the largest contact load [N] of the steering gear's ball screw, then that of its bearing.
 
     ``result``: solution of the steering gear; a part without loads counts as zero.
@@ -190,14 +192,14 @@ def largest_loads(result: AxisResult) -> tuple[float, float]:
     return screw, bearing
 
 
-def load_ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
+def solve_load_ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
     """Return the largest contact load at a tie-rod angle of 18 deg over that at 0 deg: of ball screw, then of bearing.
 
     ``gear``: the steering gear; ``opposed``: whether the lateral forces of both tie rods have opposite directions.
     """
     low, high = (
-        largest_loads(solve_at_tie_rod_angle(gear, 0.0)),
-        largest_loads(solve_at_tie_rod_angle(gear, 18.0, opposed=opposed)),
+        largest_screw_and_bearing_loads(solve_at_tie_rod_angle(gear, 0.0)),
+        largest_screw_and_bearing_loads(solve_at_tie_rod_angle(gear, 18.0, opposed=opposed)),
     )
     return high[0] / low[0], high[1] / low[1]
 
@@ -242,8 +244,8 @@ def _compute_load_ratios(findings: Findings) -> None:
     """Compute contact loads of ball screw and bearing over the tie-rod angle: section 4.2.2, into ``findings``."""
     gear = steering_gear()
     results = [solve_at_tie_rod_angle(gear, angle) for angle in TIE_ROD]
-    loads = np.array([largest_loads(r) for r in results])
-    bands = ratio_ranges(gear)
+    loads = np.array([largest_screw_and_bearing_loads(r) for r in results])
+    bands = load_ratio_ranges(gear)
     for k, key in enumerate(("screw", "bearing")):
         by_input = "; ".join(
             f"{b.changed} {_range_in_words(getattr(b, key), findings.printed(f'ratio_{key}'))}" for b in bands
@@ -333,7 +335,7 @@ def vary_lash_inputs(scene: Scene) -> Iterator[LashVariation]:
 
 
 @dataclass(frozen=True)
-class LayoutRatios:
+class LoadRatiosOfLayout:
     """Load ratios of the steering gear for one layout: largest contact load at 18 deg over that at 0 deg of the tie rods.
 
     ``pinion``: axial position of the pinion [m]; ``hold``: what the pinion restrains, a key of `PINION_HOLDS`;
@@ -349,7 +351,7 @@ class LayoutRatios:
     bearing: float
 
 
-def change_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Assembly:
+def change_gear_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Assembly:
     """Return a copy of the steering gear with another layout of pinion and bearing.
 
     ``pinion``: axial position of the pinion [m]; ``hold``: what the pinion restrains, a key of `PINION_HOLDS`;
@@ -366,7 +368,7 @@ def change_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> As
     return replace(gear, supports=(held,), sets=tuple(sets))
 
 
-def vary_layout(gear: Assembly) -> Iterator[LayoutRatios]:
+def load_ratios_of_all_layouts(gear: Assembly) -> Iterator[LoadRatiosOfLayout]:
     """Yield the load ratios of the steering gear for every layout.
 
     A layout has a position and a restraint of the pinion, directions of the lateral forces, and an offset of the bearing.
@@ -377,12 +379,12 @@ def vary_layout(gear: Assembly) -> Iterator[LayoutRatios]:
         for opposed in (False, True)[: 1 if "rx" in PINION_HOLDS[hold] else 2]:
             for offset in OFFSETS:
                 for pinion in PINIONS:
-                    layout = change_layout(gear, pinion, hold, offset)
-                    yield LayoutRatios(pinion, hold, opposed, offset, *load_ratios(layout, opposed=opposed))
+                    layout = change_gear_layout(gear, pinion, hold, offset)
+                    yield LoadRatiosOfLayout(pinion, hold, opposed, offset, *solve_load_ratios(layout, opposed=opposed))
 
 
 @dataclass(frozen=True)
-class RatioRange:
+class LoadRatioRange:
     """Range of the steering gear's load ratios over one input that is not printed; all other inputs as in the scene."""
 
     #: Name of the input.
@@ -399,7 +401,7 @@ class RatioRange:
 BEARING_FITS, SCREW_FITS, FIRST = (-10e-6, -5e-6, 0.0, 2e-6), (-5e-6, 0.0, 5e-6), (0.0, 10.0, 20.0, 30.0)
 
 
-def _change_parts(gear: Assembly, of_nut: bool, change: Callable[[Scene], Scene]) -> Assembly:
+def _change_screw_or_bearing(gear: Assembly, of_nut: bool, change: Callable[[Scene], Scene]) -> Assembly:
     """Return a copy of the steering gear in which ball screw or bearing is changed.
 
     ``of_nut``: whether the ball screw is changed instead of the bearing; ``change``: function that returns the changed
@@ -431,15 +433,15 @@ def _turn_balls(scene: Scene, angle: float) -> Scene:
     return replace(scene, balls=replace(scene.balls, azimuths=azimuths))
 
 
-def vary_open_inputs(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly, bool]]]]:
+def gears_with_open_inputs_varied(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly, bool]]]]:
     """Yield each input that Lin does not print and that changes the steering gear's load ratios, with gears over its range.
 
     Each entry: name of the input; its range in words; list of gears, each with whether the lateral forces of both tie
     rods have opposite directions.
     """
     (pinion,), (held, pinned) = gear.supports, PINION_HOLDS
-    yield "pinion's station", "350 to 750 mm", [(change_layout(gear, z, held, 0.0), False) for z in PINIONS]
-    across = change_layout(gear, pinion.at, pinned, 0.0)
+    yield "pinion's station", "350 to 750 mm", [(change_gear_layout(gear, z, held, 0.0), False) for z in PINIONS]
+    across = change_gear_layout(gear, pinion.at, pinned, 0.0)
     yield (
         "pinion's restraint, sense of the side forces",
         f"{held}; {pinned}, alike or opposed",
@@ -448,55 +450,55 @@ def vary_open_inputs(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Asse
     yield (
         "bearing from the nut's centre",
         "-20 to 20 mm",
-        [(change_layout(gear, pinion.at, held, x), False) for x in OFFSETS],
+        [(change_gear_layout(gear, pinion.at, held, x), False) for x in OFFSETS],
     )
     yield (
         "outer diameter of the rack",
         "26 to 30 mm",
         [
-            (_change_parts(_set_outer_diameter(gear, d), True, partial(_set_outer_diameter, diameter=d)), False)
+            (_change_screw_or_bearing(_set_outer_diameter(gear, d), True, partial(_set_outer_diameter, diameter=d)), False)
             for d in DIAMETERS
         ],
     )
     yield (
         "excess radius of the bearing's balls",
         "-10 to 2 um",
-        [(_change_parts(gear, False, partial(_enlarge_balls, excess=x)), False) for x in BEARING_FITS],
+        [(_change_screw_or_bearing(gear, False, partial(_enlarge_balls, excess=x)), False) for x in BEARING_FITS],
     )
     yield (
         "excess radius of the screw's balls",
         "-5 to 5 um",
-        [(_change_parts(gear, True, partial(_enlarge_balls, excess=x)), False) for x in SCREW_FITS],
+        [(_change_screw_or_bearing(gear, True, partial(_enlarge_balls, excess=x)), False) for x in SCREW_FITS],
     )
     yield (
         "first ball of the bearing",
         "0 to 30 deg from the side force",
-        [(_change_parts(gear, False, partial(_turn_balls, angle=x)), False) for x in FIRST],
+        [(_change_screw_or_bearing(gear, False, partial(_turn_balls, angle=x)), False) for x in FIRST],
     )
     yield (
         "places of the screw's balls",
         ", ".join(PATTERNS),
-        [(_change_parts(gear, True, partial(place_balls, pattern=p)), False) for p in PATTERNS],
+        [(_change_screw_or_bearing(gear, True, partial(arrange_balls_in_pattern, pattern=p)), False) for p in PATTERNS],
     )
 
 
 @cache
-def ratio_ranges(gear: Assembly) -> tuple[RatioRange, ...]:
+def load_ratio_ranges(gear: Assembly) -> tuple[LoadRatioRange, ...]:
     """Return the ranges of the load ratios over inputs that Lin does not print, one input varied at a time."""
     out = []
-    for changed, values, gears in vary_open_inputs(gear):
-        screw, bearing = zip(*(load_ratios(one, opposed=opposed) for one, opposed in gears), strict=True)
-        out.append(RatioRange(changed, values, (min(screw), max(screw)), (min(bearing), max(bearing))))
+    for changed, values, gears in gears_with_open_inputs_varied(gear):
+        screw, bearing = zip(*(solve_load_ratios(one, opposed=opposed) for one, opposed in gears), strict=True)
+        out.append(LoadRatioRange(changed, values, (min(screw), max(screw)), (min(bearing), max(bearing))))
     return tuple(out)
 
 
-def range_over_layouts(points: Sequence[LayoutRatios]) -> RatioRange:
+def load_ratio_range_over_layouts(points: Sequence[LoadRatiosOfLayout]) -> LoadRatioRange:
     """Return the range of the steering gear's load ratios over all layouts together; ``points``: ratios by layout."""
     screw, bearing = [p.screw for p in points], [p.bearing for p in points]
     words = "station, restraint, sense and bearing, each with each"
-    return RatioRange("layout as a whole", words, (min(screw), max(screw)), (min(bearing), max(bearing)))
+    return LoadRatioRange("layout as a whole", words, (min(screw), max(screw)), (min(bearing), max(bearing)))
 
 
-def loads_over_angles(gear: Assembly) -> list[tuple[float, float]]:
+def largest_loads_over_tie_rod_angles(gear: Assembly) -> list[tuple[float, float]]:
     """Return the largest contact load [N] of ball screw, then of bearing, at each tie-rod angle of `ANGLES`."""
-    return [largest_loads(solve_at_tie_rod_angle(gear, angle)) for angle in ANGLES]
+    return [largest_screw_and_bearing_loads(solve_at_tie_rod_angle(gear, angle)) for angle in ANGLES]

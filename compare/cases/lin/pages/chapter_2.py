@@ -18,21 +18,21 @@ from rollbench.compare.cases.lin.evidence import chapter_2
 from rollbench.compare.cases.lin.evidence.chapter_2 import (
     SCREWS,
     TABLE_CONFORMITY,
-    load_ratio,
-    load_variation,
-    scenes_of_open_inputs,
-    unloaded_balls,
+    largest_over_smallest_load,
+    relative_load_deviation,
+    scenes_with_open_inputs_varied,
+    unloaded_ball_mask,
 )
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.load_cases import solve_one
+from rollbench.compare.models.load_cases import solve_scene_with_results
 from rollbench.compare.models.registry import DEFAULT, Options
-from rollbench.compare.models.study import Study, with_groove
-from rollbench.compare.printed import entry, value_of
-from rollbench.compare.results.scene_json import case_json
-from rollbench.compare.results.view import make_view
-from rollbench.compare.sections.curves import lateral_displacement_curves, load_curve, load_panel
+from rollbench.compare.models.study import Study, with_conformity
+from rollbench.compare.printed import printed_entry, printed_value
+from rollbench.compare.results.scene_json import solved_case_json
+from rollbench.compare.results.view import collect_view_data
+from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel, lateral_displacement_curves
 from rollbench.compare.studies.members.ensemble import EnsembleResult, ensemble_of_study
-from rollbench.lowfi.as_source import solve_with_fallback_start
+from rollbench.lowfi.as_source import solve_from_guess_or_load_steps
 from rollbench.lowfi.statics.contacts import error_free_hertz, printed_sides
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import lead_angle
@@ -40,7 +40,7 @@ from rollbench.meshes.parts import SIDES, Errors, Scene
 from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
 
 
-def reference_level(study: Study, name: str) -> str:
+def reference_mesh_level_in_words(study: Study, name: str) -> str:
     """Return in words the finest mesh level of a scene's stored 3D reference, such as "level 3", or "none stored".
 
     ``study``: stored 3D references; ``name``: name of the scene.
@@ -64,7 +64,7 @@ def end_support_table(study: Study) -> Table:
                 "scene": name,
                 Quantity("held", "right end", "", "s"): reading.label,
                 Quantity("text", "stated by the text", "", "s"): "yes" if reading.of_text else "no",
-                Quantity("reference", "3D reference", "", "s"): reference_level(study, name),
+                Quantity("reference", "3D reference", "", "s"): reference_mesh_level_in_words(study, name),
             }
             for model, words in (("lin", "Lin's model"), (DEFAULT, "refined model")):
                 result = study.solve(name, model)
@@ -93,7 +93,7 @@ def end_support_table(study: Study) -> Table:
 # --- case studies 1, 2, 3 of Lin 2.4.1: contact loads, centreline, influence of modelling choices
 
 
-def choice_rows(found: Sequence[chapter_2.ModelChoice]) -> list[Row]:
+def model_choice_rows(found: Sequence[chapter_2.ModelChoice]) -> list[Row]:
     """Return the table rows of Lin's case 1 under each modelling choice: loads, largest change, axial displacement.
 
     ``found``: results by modelling choice, the default first.
@@ -103,7 +103,7 @@ def choice_rows(found: Sequence[chapter_2.ModelChoice]) -> list[Row]:
             "choice": c.label,
             Quantity("max", "max", "N", ".2f"): float(c.result.load.max()),
             Quantity("min", "min", "N", ".2f"): float(c.result.load[:, 0].min()),
-            Quantity("ratio", "max/min", "", ".4f"): chapter_2.load_ratio(c.result.load[:, 0]),
+            Quantity("ratio", "max/min", "", ".4f"): chapter_2.largest_over_smallest_load(c.result.load[:, 0]),
             Quantity("error", "largest change", "% of mean", ".3f"): c.change.max_percent,
             Quantity("rms", "RMS change", "% of mean", ".3f"): c.change.rms_percent,
             Quantity("uz", "axial displacement at the load", "µm", ".2f"): 1e6 * float(c.result.centreline[0, 2]),
@@ -113,7 +113,7 @@ def choice_rows(found: Sequence[chapter_2.ModelChoice]) -> list[Row]:
     ]
 
 
-def load_table(study: Study) -> Table:
+def contact_loads_table(study: Study) -> Table:
     """Return the table of the contact loads of all case studies, with a row for each ball and a column for each flank.
 
     ``study``: solved scenes.
@@ -131,7 +131,7 @@ def load_table(study: Study) -> Table:
     return Table.of("cases-loads", "Contact loads of Lin's case studies, ball by ball", rows)
 
 
-def summary_table(study: Study) -> Table:
+def largest_and_smallest_loads_table(study: Study) -> Table:
     """Return the table of largest and smallest load on each flank, balance of forces and residual, for all case studies.
 
     ``study``: solved scenes.
@@ -149,7 +149,7 @@ def summary_table(study: Study) -> Table:
                         "side": side,
                         Quantity("max", "max", "N", ".2f"): float(load.max()),
                         Quantity("min", "min", "N", ".2f"): float(load.min()),
-                        Quantity("ratio", "max/min", "", ".4f"): chapter_2.load_ratio(load),
+                        Quantity("ratio", "max/min", "", ".4f"): chapter_2.largest_over_smallest_load(load),
                         Quantity("ball", "ball of max", "", "s"): int(load.argmax()) + 1,
                         Quantity("residual", "residual", "", "g2"): r.solver.residual,
                         Quantity("force", "force balance", "", "g2"): r.equilibrium.force_residual,
@@ -163,7 +163,7 @@ def summary_table(study: Study) -> Table:
     )
 
 
-def largest_pair_difference(study: Study) -> float:
+def largest_opposite_load_difference(study: Study) -> float:
     """Return the largest difference [N] between the loads of opposite contacts of a ball, over all balls and case studies.
 
     Opposite are SL and NR, and SR and NL. ``study``: solved scenes.
@@ -179,26 +179,28 @@ def case_study_figures(study: Study) -> tuple[Figure, ...]:
     case1, mei, nut = (study.solve("lin-case1", m) for m in ("lin", "mei", "mei-nut"))
     coarse = study.solve(study.changed("lin-case1", partition="source", section="groove squared"))
     case2 = study.solve("lin-case2")
-    first = load_panel(
+    first = contact_load_panel(
         "case 1, SL = NR",
-        load_curve("low-order model", case1, 0, emphasis=True),
-        load_curve("source's partition, C.8 without root", coarse, 0),
-        load_curve("Mei, rigid nut", mei, 0),
-        load_curve("Mei, nut as a bar", nut, 0),
+        contact_load_curve("low-order model", case1, 0, emphasis=True),
+        contact_load_curve("source's partition, C.8 without root", coarse, 0),
+        contact_load_curve("Mei, rigid nut", mei, 0),
+        contact_load_curve("Mei, nut as a bar", nut, 0),
     )
     title = f"case 2, SL = NR: {oversized_balls(study.scene('lin-case2'))}"
-    second = load_panel(title, load_curve("case 2", case2, 0, emphasis=True), load_curve("case 1", case1, 0))
+    second = contact_load_panel(
+        title, contact_load_curve("case 2", case2, 0, emphasis=True), contact_load_curve("case 1", case1, 0)
+    )
     panels = []
     for reading in chapter_2.END_SUPPORTS:
         plain, offset = study.solve(reading.plain), study.solve(reading.offset)
         moved = f"offset {1e6 * prescribed_displacement(study.scene(reading.offset)):g} µm"
         panels.append(
-            load_panel(
+            contact_load_panel(
                 f"case 3, {reading.label} at the right end" + (" (as the text says)" if reading.of_text else ""),
-                load_curve(f"SL, {moved}", offset, 0, emphasis=True),
-                load_curve("SL, no offset", plain, 0),
-                load_curve(f"SR, {moved}", offset, 1, emphasis=True),
-                load_curve("SR, no offset", plain, 1),
+                contact_load_curve(f"SL, {moved}", offset, 0, emphasis=True),
+                contact_load_curve("SL, no offset", plain, 0),
+                contact_load_curve(f"SR, {moved}", offset, 1, emphasis=True),
+                contact_load_curve("SR, no offset", plain, 1),
             )
         )
     axes = "z / mm", "displacement / µm"
@@ -216,7 +218,7 @@ def case_study_figures(study: Study) -> tuple[Figure, ...]:
             "cases-3",
             "Contact load over the ball's number, Lin's case study 3, for each interpretation of the right end's support",
             tuple(panels),
-            f"NR follows SL and NL follows SR to within {largest_pair_difference(study):.2f} N.",
+            f"NR follows SL and NL follows SR to within {largest_opposite_load_difference(study):.2f} N.",
         ),
         Figure("cases-centreline", "Displacement of the screw's centreline by each model", (line, bend)),
     )
@@ -240,8 +242,8 @@ def loaded_screw_picture(scene: Scene, result: StaticResult, caption: str) -> Lo
     held = result.load > 0.0
     arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
     title = "Case 3 with offset: contact loads on the balls"
-    one = solve_one(scene, result.model, Options(discretisation=False))
-    view = make_view(title, [one], case_json(one))
+    one = solve_scene_with_results(scene, result.model, Options(discretisation=False))
+    view = collect_view_data(title, [one], solved_case_json(one))
     return LoadedScrew("loaded-screw", title, scene, result.load, *arrows, caption, view)
 
 
@@ -252,7 +254,7 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
     """
     step("cases 1, 2, 3 on four models")
     step("what the open choices change")
-    rows = choice_rows(study.once(chapter_2.case_1_by_choice))
+    rows = model_choice_rows(study.compute_once(chapter_2.case_1_by_choice))
     offset = study.solve("lin-case3-offset")
     return Section(
         "cases",
@@ -264,7 +266,7 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
                 offset,
                 "Arrows are the contact loads of all four flanks, balls are coloured by their largest contact load.",
             ),
-            summary_table(study),
+            largest_and_smallest_loads_table(study),
             end_support_table(study),
             Table.of(
                 "cases-choices",
@@ -272,20 +274,20 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
                 rows,
                 "Changes are against the first row, in per cent of its mean contact load.",
             ),
-            load_table(study),
+            contact_loads_table(study),
             Text(
                 (
                     "The printed errors against ANSYS refer to loads that only a figure shows: section "
                     "reconstruction discusses where they may come from, section reference compares with "
                     "this project's own 3D reference. The printed ratio of case 1 is compared with the "
-                    f"spread over the choices that Lin's thesis leaves open: {chapter_2.load_ratio_range(study)}.",
+                    f"spread over the choices that Lin's thesis leaves open: {chapter_2.load_ratio_range_in_words(study)}.",
                 )
             ),
         ),
     )
 
 
-def percentile_band(label: str, ensemble: EnsembleResult, side: int) -> Series:
+def load_percentile_band(label: str, ensemble: EnsembleResult, side: int) -> Series:
     """Return the 5th to 95th percentile of the contact load of each ball over randomly drawn screws, as a band of a figure.
 
     ``label``: legend; ``ensemble``: results of the randomly drawn screws; ``side``: index of the flank in `SIDES`.
@@ -308,20 +310,20 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
         ensembles[name] = ensemble_of_study(study, name)
     random, combined = ensembles["lin-random"], ensembles["lin-combined"]
     one, all_three = study.solve("lin-random"), study.solve("lin-combined")
-    left = load_panel(
+    left = contact_load_panel(
         "one kind of error at a time, SL = NR",
-        load_curve("no errors (case 1)", base, 0, emphasis=True),
-        load_curve("profile errors", profile, 0),
-        load_curve("pitch errors", pitch, 0),
-        load_curve("random ball radii, one draw", one, 0),
-        percentile_band("random, 5 to 95 %", random, 0),
+        contact_load_curve("no errors (case 1)", base, 0, emphasis=True),
+        contact_load_curve("profile errors", profile, 0),
+        contact_load_curve("pitch errors", pitch, 0),
+        contact_load_curve("random ball radii, one draw", one, 0),
+        load_percentile_band("random, 5 to 95 %", random, 0),
     )
-    right = load_panel(
+    right = contact_load_panel(
         "all three together",
-        load_curve("SL, one draw", all_three, 0, emphasis=True),
-        load_curve("SR, one draw", all_three, 1),
-        percentile_band("SL, 5 to 95 %", combined, 0),
-        percentile_band("SR, 5 to 95 %", combined, 1),
+        contact_load_curve("SL, one draw", all_three, 0, emphasis=True),
+        contact_load_curve("SR, one draw", all_three, 1),
+        load_percentile_band("SL, 5 to 95 %", combined, 0),
+        load_percentile_band("SR, 5 to 95 %", combined, 1),
     )
     rows: list[Row] = []
     for name, e in ensembles.items():
@@ -329,7 +331,7 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
             load = e.loads[:, :, s]
             largest = load.max(axis=1)
             low, mid, high = np.percentile(largest, [5, 50, 95])
-            ratios = [load_ratio(one) for one in load]
+            ratios = [largest_over_smallest_load(one) for one in load]
             rows.append(
                 {
                     "scene": name,
@@ -351,7 +353,7 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
             {
                 "scene": name,
                 Quantity("max", "largest load", "N", ".1f"): float(r.load.max()),
-                Quantity("ratio", "max/min on SL", "", ".3f"): load_ratio(r.load[:, 0]),
+                Quantity("ratio", "max/min on SL", "", ".3f"): largest_over_smallest_load(r.load[:, 0]),
                 Quantity("change", "largest change", "% of mean", ".2f"): e2.max_percent,
                 Quantity("rms", "RMS change", "% of mean", ".2f"): e2.rms_percent,
                 Quantity("ball", "at ball", "", "s"): f"{e2.ball} {e2.side}",
@@ -391,7 +393,7 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
     case = study.scene("lin-case1")
     compared = [
         ("Table 2.1's groove, 3.254 mm", case),
-        ("Table B.1's groove, 0.56 x diameter", with_groove(case, TABLE_CONFORMITY)),
+        ("Table B.1's groove, 0.56 x diameter", with_conformity(case, TABLE_CONFORMITY)),
     ]
     constants: list[Row] = []
     for label, scene in compared:
@@ -439,7 +441,7 @@ def equivalent_errors_panel(scene: Scene) -> Panel:
     """
     phi = np.linspace(0.0, 2.0 * np.pi, 181)
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
-    size = {key: value_of("lin-4.3.2", key) for key in ("e_p", "e_R")}
+    size = {key: printed_value("lin-4.3.2", key) for key in ("e_p", "e_R")}
     pitch = size["e_p"] * np.cos(alpha) * np.sin(beta) * np.sin(phi)
     roundness = size["e_R"] * np.cos(beta) * np.sin(2.0 * phi)
     degrees = [float(x) for x in np.degrees(phi)]
@@ -466,8 +468,8 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
         curves = []
         for kind in ("pitch", "roundness"):
             scene = study.scene(f"lin-{kind}-{screw}")
-            curves.append(load_curve(f"{kind} error", study.solve(scene), 0, emphasis=True))
-            for reading, variant in scenes_of_open_inputs(scene):
+            curves.append(contact_load_curve(f"{kind} error", study.solve(scene), 0, emphasis=True))
+            for reading, variant in scenes_with_open_inputs_varied(scene):
                 r = study.solve(variant)
                 third = r.load[:, [1, 2]]
                 rows.append(
@@ -477,15 +479,15 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
                         "reading": reading,
                         Quantity("max", "max SL", "N", ".1f"): float(r.load[:, 0].max()),
                         Quantity("min", "min SL", "N", ".1f"): float(r.load[:, 0].min()),
-                        Quantity("spread", "st. dev. / mean", "", ".3f"): load_variation(r),
-                        Quantity("lost", "balls without contact", "", "s"): int(unloaded_balls(r).sum()),
+                        Quantity("spread", "st. dev. / mean", "", ".3f"): relative_load_deviation(r),
+                        Quantity("lost", "balls without contact", "", "s"): int(unloaded_ball_mask(r).sum()),
                         Quantity("third", "balls with a third contact", "", "s"): int((third > 0.0).any(axis=1).sum()),
                         Quantity("third_max", "largest third contact", "N", ".1f"): float(third.max()),
                         "status": r.status,
                     }
                 )
         bare = replace(study.scene(f"lin-pitch-{screw}"), errors=Errors())
-        curves.append(load_curve("no errors", study.solve(bare), 0))
+        curves.append(contact_load_curve("no errors", study.solve(bare), 0))
         panels.append(Panel(f"screw of {label}, 1000 N: SL", "ball", "contact load / N", tuple(curves), integer_x=True))
     return Section(
         "manufacturing",
@@ -509,7 +511,8 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
                     "The conclusion holds: roundness error unloads balls and pitch error does not. One cycle per turn "
                     "of pitch error is nearly a tilt of the screw, which the screw can follow; two cycles per turn are "
                     "not. The statement that all balls stay in two-point contact does not hold without clearance: "
-                    f"a groove displaced by {entry('lin-4.3.2', 'e_p').printed} µm touches balls on their unloaded side.",
+                    f"a groove displaced by {printed_entry('lin-4.3.2', 'e_p').printed} µm touches balls on their "
+                    "unloaded side.",
                 )
             ),
         ),
@@ -546,7 +549,7 @@ def solver_agreement_row(study: Study, name: str) -> Row:
         ("source", "source's own kinematics", "g3", "iterations"),
     )
     for kinematics, heading, form, counted in kinds:
-        by_source = solve_with_fallback_start(scene, kinematics)
+        by_source = solve_from_guess_or_load_steps(scene, kinematics)
         off = load_error(by_energy.load, by_source.load).max_percent if by_source.converged else None
         row[Quantity(kinematics, heading, "% of mean", form)] = off
         row[Quantity(f"{kinematics}_iterations", counted, "", "s")] = by_source.iterations

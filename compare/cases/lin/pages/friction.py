@@ -21,8 +21,8 @@ from rollbench.compare.cases.lin.evidence.rotary_linear import (
     PRINTED_LAW,
     ROTARY,
     VERTICAL,
-    balance_rows,
-    sensitivity_rows,
+    linear_pair_sensitivity_rows,
+    power_balance_rows,
     solve_rotary,
     solve_rotary_as_printed,
 )
@@ -31,33 +31,33 @@ from rollbench.compare.cases.lin.evidence.source_cases import (
     LINEAR_WORST,
     ROTARY_SCENES,
     four_point_bearing,
-    pair_as_printed,
-    pair_with_inferred_oversize,
-    run_of_section_3_4_4,
+    screw_pair_as_printed,
+    screw_pair_with_inferred_oversize,
+    simulation_inputs_of_section_3_4_4,
 )
 from rollbench.compare.cases.lin.extremes import extreme_pair_rows, root_finding_rows
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import entry, value_of
-from rollbench.compare.sections.curves import plain_numbers
-from rollbench.lowfi.friction.bearing import SIDES, BallSolution, TorqueCurve, solve_over_displacements
-from rollbench.lowfi.friction.linear.chain import BothModels, PairMaps, force_maps
+from rollbench.compare.printed import printed_entry, printed_value
+from rollbench.compare.sections.curves import scale_to_python_floats
+from rollbench.lowfi.friction.bearing import SIDES, BearingBallSolution, TorqueCurve, solve_ball_over_displacements
+from rollbench.lowfi.friction.linear.chain import ModelAndFormula, PairResultsOverGrid, pair_results_over_grid
 from rollbench.lowfi.friction.screw.motion import Coupling
-from rollbench.lowfi.friction.screw.run import Run, deviation, summarise
-from rollbench.lowfi.friction.screw.travel import History
+from rollbench.lowfi.friction.screw.run import Run, contact_angle_deviation, summarise_history
+from rollbench.lowfi.friction.screw.travel import TravelHistory
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Section, Series, Table, Text
 
 # --- tables
 
 
-def balance_table() -> Table:
+def power_balance_table() -> Table:
     """Return the table of the rotary bearing's friction torque, power input and friction losses in cases I to III.
 
     Each case has three rows: correct, with least dissipation at Lin's loads, and as printed.
     """
     table = Table.of(
-        "friction-balance", "Rotary bearing (Lin 3.2): power input against friction losses, by model", balance_rows()
+        "friction-balance", "Rotary bearing (Lin 3.2): power input against friction losses, by model", power_balance_rows()
     )
     worst = max(table.rows, key=lambda row: abs(float(row["balance"] or 0.0)))
     off = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
@@ -70,21 +70,21 @@ def balance_table() -> Table:
     return replace(table, note=note)
 
 
-def sensitivity_table() -> Table:
+def linear_pair_sensitivity_table() -> Table:
     """Return the table of ball-to-ball force and friction losses of two balls in the linear bearing, by assumption.
 
     The assumptions are on the contact loads and on the friction between the balls.
     """
-    printed = entry("lin-3.5", "a_force_numerical")
+    printed = printed_entry("lin-3.5", "a_force_numerical")
     table = Table.of(
         "friction-sensitivity",
         "Two balls of a linear bearing (Lin 3.3): force and losses by assumption on the contact loads",
-        sensitivity_rows(),
+        linear_pair_sensitivity_rows(),
     )
     target = printed.value or 0.0
     forces = [float(row["force"] or 0.0) for row in table.rows]
     inside = "lies within" if min(forces) <= target <= max(forces) else "lies outside"
-    deviations = " and ".join(f"{entry('lin-3.4', f'a_eps{k}_numerical').printed} %" for k in (1, 2))
+    deviations = " and ".join(f"{printed_entry('lin-3.4', f'a_eps{k}_numerical').printed} %" for k in (1, 2))
     note = (
         "diagonal: the text before (3.54); balanced: in equilibrium at the stated angles; elastic: angles follow the "
         f"loads. The printed force of {printed.printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
@@ -96,7 +96,7 @@ def sensitivity_table() -> Table:
 # --- stability
 
 
-def stability_table() -> Table:
+def solver_residuals_table() -> Table:
     """Return the table of the friction solver's residuals on extreme cases of two balls in the linear bearing.
 
     The last columns are the energy error and the spread of the ball-to-ball force over several starts of the solver.
@@ -130,16 +130,21 @@ def root_finding_table() -> Table:
 # --- figures
 
 
-def torque_figure() -> Figure:
+def rotary_bearing_torque_figure() -> Figure:
     """Draw Lin's Figure 3.7: forces, torque, losses and ball rotation over the ring's radial displacement."""
     u = 1e-6 * np.concatenate([np.linspace(0.0, 4.0, 9), np.linspace(4.05, 6.0, 40), np.linspace(6.2, 10.0, 20)])
-    true, printed = solve_over_displacements(ROTARY, AXIAL, u), solve_over_displacements(ROTARY, AXIAL, u, PRINTED_LAW)
+    true, printed = (
+        solve_ball_over_displacements(ROTARY, AXIAL, u),
+        solve_ball_over_displacements(ROTARY, AXIAL, u, PRINTED_LAW),
+    )
     good = np.array([s.motion.status == "exact" for s in printed])
-    x, label = plain_numbers(u, 1e6), "u_y / µm"
+    x, label = scale_to_python_floats(u, 1e6), "u_y / µm"
     marks = [1e6 * v for v in CASES.values()]
     laws = (("right", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
-    def curves_of_quantity(pick: Callable[[BallSolution], float], key: str, factor: float = 1.0) -> tuple[Series, ...]:
+    def curves_of_quantity(
+        pick: Callable[[BearingBallSolution], float], key: str, factor: float = 1.0
+    ) -> tuple[Series, ...]:
         """Return curves of a quantity by the correct and the printed friction law, and markers of the values in Table 3.2.
 
         ``pick``: function that returns the quantity from a ball's solution; ``key``: first part of the keys of the
@@ -149,13 +154,13 @@ def torque_figure() -> Figure:
             Series(
                 name,
                 x,
-                plain_numbers(np.where(ok, [pick(s) for s in found], np.nan), factor),
+                scale_to_python_floats(np.where(ok, [pick(s) for s in found], np.nan), factor),
                 "line",
                 emphasis=name == "right",
             )
             for name, found, ok in laws
         ]
-        dots = [value_of("lin-3.2", f"{key}_{case}") for case in CASES]
+        dots = [printed_value("lin-3.2", f"{key}_{case}") for case in CASES]
         return (*drawn, Series("Table 3.2, cases I to III", marks, dots, "markers"))
 
     losses = [Series(side, x, [float(s.motion.friction.loss[i]) for s in true], "line") for i, side in enumerate(SIDES)]
@@ -182,7 +187,7 @@ def torque_figure() -> Figure:
     )
 
 
-def velocity_panel(case: str, s: BallSolution, title: str) -> Panel:
+def sliding_velocity_panel(case: str, s: BearingBallSolution, title: str) -> Panel:
     """Draw the sliding velocity [mm/s] along the major axis of each loaded contact of a ball of the rotary bearing.
 
     ``case``: case of Lin's Table 3.2, "I", "II" or "III"; ``s``: solved motion of the ball; ``title``: end of the panel's
@@ -193,17 +198,17 @@ def velocity_panel(case: str, s: BallSolution, title: str) -> Panel:
     for i in np.flatnonzero(s.load.force > 0.0):
         _, vz, spin = (float(v) for v in s.motion.motion[i])
         velocity = vz - spin * x * float(s.at.a[i])
-        curves.append(Series(SIDES[i], plain_numbers(x), plain_numbers(velocity, 1e3), "line"))
+        curves.append(Series(SIDES[i], scale_to_python_floats(x), scale_to_python_floats(velocity, 1e3), "line"))
     return Panel(f"case {case}, {title}", "x / a", "velocity / mm/s", curves)
 
 
-def velocity_figure() -> Figure:
+def sliding_velocity_figure() -> Figure:
     """Draw Lin's Figure 3.8 as curves: sliding velocity along the contacts of the rotary bearing's ball in cases I to III.
 
     There are three panels with correct values, and three with values as Lin computes them.
     """
-    panels = [velocity_panel(case, solve_rotary(case), "right") for case in CASES]
-    panels += [velocity_panel(case, solve_rotary_as_printed(case), "as printed") for case in CASES]
+    panels = [sliding_velocity_panel(case, solve_rotary(case), "right") for case in CASES]
+    panels += [sliding_velocity_panel(case, solve_rotary_as_printed(case), "as printed") for case in CASES]
     caption = (
         "A slope is spin, a zero the centre of rotation, an offset sliding. Case I: one contact rolls (at rest), the "
         "other spins about its centre. As printed, case II slides in IR and OL while OR is nearly at rest; with exact "
@@ -218,34 +223,35 @@ def velocity_figure() -> Figure:
     )
 
 
-def map_panels(m: PairMaps, both: BothModels, label: str) -> list[Panel]:
+def force_map_panels(maps: PairResultsOverGrid, both: ModelAndFormula, label: str) -> list[Panel]:
     """Draw a quantity of two balls over the side force ratio: by the numerical model, by Lin's formula, and the difference.
 
-    There is one curve for each deviation theta of the contact angle. ``m``: maps, with the side force ratios and the
+    There is one curve for each deviation theta of the contact angle. ``maps``: maps, with the side force ratios and the
     values of theta; ``both``: the quantity by both models; ``label``: its name with unit.
     """
-    x = plain_numbers(m.rho)
+    x = scale_to_python_floats(maps.rho)
     parts = (("numerical", both.numerical), ("formula", both.formula), ("formula less numerical", both.error))
     panels = []
     for title, values in parts:
         curves = [
-            Series(f"θ = {degrees(t):+.0f}°", x, plain_numbers(row), "line") for t, row in zip(m.theta, values, strict=True)
+            Series(f"θ = {degrees(t):+.0f}°", x, scale_to_python_floats(row), "line")
+            for t, row in zip(maps.theta, values, strict=True)
         ]
         panels.append(Panel(title, "side force ratio ρ", label, curves))
     return panels
 
 
-def map_figures() -> tuple[Figure, Figure]:
+def linear_pair_map_figures() -> tuple[Figure, Figure]:
     """Draw Lin's Figures 3.14 and 3.15 for two balls of a linear bearing, over the ratio of side force to vertical load.
 
     First: difference of the balls' velocities; second: ball-to-ball force and ratio of friction losses.
     """
-    m = force_maps(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL, K_F)
+    m = pair_results_over_grid(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL, K_F)
     short = np.abs(m.difference.error).max() / np.abs(m.difference.numerical).max()
     first = Figure(
         "friction-difference",
         "Linear bearing (Lin, Figure 3.14): velocity difference of two balls over the side force ratio",
-        map_panels(m, m.difference, "ε₁ − ε₂"),
+        force_map_panels(m, m.difference, "ε₁ − ε₂"),
         "The balls close in where the curve is above zero: θ and ρ of opposite sign. The formula is nearly straight in "
         "ρ and falls short by up to "
         f"{short:.0%} of the largest value at the corners.",
@@ -254,10 +260,10 @@ def map_figures() -> tuple[Figure, Figure]:
     second = Figure(
         "friction-force",
         "Linear bearing (Lin, Figure 3.15): ball-to-ball force and loss ratio over the side force ratio",
-        [*map_panels(m, m.force, "force / N"), *map_panels(m, m.ratio, "loss ratio")],
+        [*force_map_panels(m, m.force, "force / N"), *force_map_panels(m, m.ratio, "loss ratio")],
         "No force where the balls separate. Where they approach, force and loss grow with both parameters, "
         f"up to {m.force.numerical.max():.2f} N and {100.0 * m.ratio.numerical.max():.1f} % of the baseline (printed as an "
-        f"increase of {entry('lin-3.3', 'worst_ratio').printed} %). At the corners the formula's force is "
+        f"increase of {printed_entry('lin-3.3', 'worst_ratio').printed} %). At the corners the formula's force is "
         f"too small by up to {-m.force.error.min():.2f} N; its ratio is wrong by up to "
         f"{np.abs(m.ratio.error).max():.2f} only, because its baseline is wrong too.",
         3,
@@ -274,7 +280,7 @@ INTRODUCTION = (
     "them. The right values use exact Hertz constants and Coulomb friction in closed form.",
     "For the linear bearing Lin, too, uses exact Hertz constants; misprints in his formulas (exponents "
     "of 3.51) are corrected here. The load state behind the printed "
-    f"{entry('lin-3.5', 'a_force_numerical').printed} N stays open; see friction-sensitivity.",
+    f"{printed_entry('lin-3.5', 'a_force_numerical').printed} N stays open; see friction-sensitivity.",
 )
 
 
@@ -284,16 +290,16 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     ``study``: records which scenes the section uses; ``step``: function that receives a message before each step.
     """
     step("velocities of the rotary bearing")
-    study.uses((*ROTARY_SCENES.values(), LINEAR_PAIR, LINEAR_WORST))
-    drawn = [velocity_figure()]
+    study.record_used_scenes((*ROTARY_SCENES.values(), LINEAR_PAIR, LINEAR_WORST))
+    drawn = [sliding_velocity_figure()]
     step("maps of the linear pair")
-    drawn += map_figures()
+    drawn += linear_pair_map_figures()
     step("extreme cases and starts")
-    checks = (stability_table(), root_finding_table())
+    checks = (solver_residuals_table(), root_finding_table())
     return Section(
         "friction",
         "Lin 3.2 and 3.3: friction and ball motion in a rotary bearing, two touching balls in a linear bearing",
-        (Text(INTRODUCTION), balance_table(), drawn[0], sensitivity_table(), drawn[1], drawn[2], *checks),
+        (Text(INTRODUCTION), power_balance_table(), drawn[0], linear_pair_sensitivity_table(), drawn[1], drawn[2], *checks),
     )
 
 
@@ -307,15 +313,19 @@ END = 18.0
 DOTS = 66
 
 
-def torque_panel(title: str, r: History) -> Panel:
+def simulated_torque_panel(title: str, history: TravelHistory) -> Panel:
     """Draw the friction torque over time in a simulation of the whole screw (Lin's Figure 3.25).
 
-    The curves are the torque by ball-to-groove contacts, by ball-to-ball contacts, and their sum. ``r``: motions and
+    The curves are the torque by ball-to-groove contacts, by ball-to-ball contacts, and their sum. ``history``: motions and
     torques at each time step.
     """
-    time = plain_numbers(r.nut_angle, 1.0 / r.setting.groove.speed)
-    parts = (("ball-to-groove", r.groove_torque), ("ball-to-ball", r.ball_torque + r.closing_torque), ("sum", r.torque))
-    curves = [Series(name, time, plain_numbers(v, 1e3), "line", emphasis=name == "sum") for name, v in parts]
+    time = scale_to_python_floats(history.nut_angle, 1.0 / history.setting.groove.speed)
+    parts = (
+        ("ball-to-groove", history.groove_torque),
+        ("ball-to-ball", history.ball_torque + history.closing_torque),
+        ("sum", history.torque),
+    )
+    curves = [Series(name, time, scale_to_python_floats(v, 1e3), "line", emphasis=name == "sum") for name, v in parts]
     return Panel(title, "time / s", "torque / N mm", curves, zero=True)
 
 
@@ -325,32 +335,52 @@ def angle_deviation_panel(case: Run) -> Panel:
     ``case``: inputs of the whole-screw simulation.
     """
     phi = np.linspace(-2.0 * np.pi, 2.0 * np.pi, 201)
-    curve = Series("assumed", plain_numbers(np.degrees(phi)), plain_numbers(np.degrees(deviation(case, phi))), "line")
+    curve = Series(
+        "assumed",
+        scale_to_python_floats(np.degrees(phi)),
+        scale_to_python_floats(np.degrees(contact_angle_deviation(case, phi))),
+        "line",
+    )
     return Panel("deviation θ over the loaded turns", "azimuth / deg", "θ / deg", (curve,))
 
 
-def contact_panels(r: History) -> tuple[Panel, Panel]:
+def ball_contact_panels(history: TravelHistory) -> tuple[Panel, Panel]:
     """Draw positions, number and groups of touching neighbouring balls over time (Lin's Figure 3.24).
 
-    ``r``: motions, torques and touching balls at each time step. First panel: positions of touching balls along the nut's
-    track; second: numbers of touching pairs and of groups of touching balls.
+    ``history``: motions, torques and touching balls at each time step. First panel: positions of touching balls along the
+    nut's track; second: numbers of touching pairs and of groups of touching balls.
     """
-    along = np.degrees(np.mod(r.azimuth - r.nut_angle[:, None] + np.pi * r.setting.turns, r.setting.ring))
-    some = r.contact & (np.arange(r.nut_angle.size) % max(1, r.nut_angle.size // DOTS) == 0)[:, None]
+    along = np.degrees(
+        np.mod(history.azimuth - history.nut_angle[:, None] + np.pi * history.setting.turns, history.setting.ring)
+    )
+    some = history.contact & (np.arange(history.nut_angle.size) % max(1, history.nut_angle.size // DOTS) == 0)[:, None]
     step, ball = np.nonzero(some)
-    time = r.nut_angle / r.setting.groove.speed
-    dots = Series("touching", plain_numbers(time[step]), plain_numbers(along[step, ball]), "markers")
-    pairs = Series("touching pairs", plain_numbers(time), plain_numbers(r.contact.sum(axis=1)), "line")
-    found = Series("groups", plain_numbers(time), plain_numbers(r.groups), "line")
+    time = history.nut_angle / history.setting.groove.speed
+    dots = Series("touching", scale_to_python_floats(time[step]), scale_to_python_floats(along[step, ball]), "markers")
+    pairs = Series(
+        "touching pairs", scale_to_python_floats(time), scale_to_python_floats(history.contact.sum(axis=1)), "line"
+    )
+    found = Series("groups", scale_to_python_floats(time), scale_to_python_floats(history.groups), "line")
     return (
-        Panel(f"contacts in the nut, {amplitude_in_words(r)}", "time / s", "place along the nut's track / deg", (dots,)),
-        Panel(f"touching pairs and groups, {amplitude_in_words(r)}", "time / s", "number", (pairs, found), zero=True),
+        Panel(
+            f"contacts in the nut, {theta_amplitude_in_words(history)}",
+            "time / s",
+            "place along the nut's track / deg",
+            (dots,),
+        ),
+        Panel(
+            f"touching pairs and groups, {theta_amplitude_in_words(history)}",
+            "time / s",
+            "number",
+            (pairs, found),
+            zero=True,
+        ),
     )
 
 
-def amplitude_in_words(r: History) -> str:
+def theta_amplitude_in_words(history: TravelHistory) -> str:
     """Return as text the amplitude of the contact angles' deviation theta in a simulation, such as "θ of 3°"."""
-    return f"θ of {np.degrees(r.setting.amplitude):g}°"
+    return f"θ of {np.degrees(history.setting.amplitude):g}°"
 
 
 def simulation_figure() -> Figure:
@@ -358,20 +388,23 @@ def simulation_figure() -> Figure:
     three, two, open_grooves = screw.simulate_screw(3.0), screw.simulate_screw(2.0), screw.simulate_without_oversize()
     panels = (
         angle_deviation_panel(three.setting),
-        torque_panel(f"torque, {amplitude_in_words(three)}, {1e6 * three.setting.oversize:g} µm", three),
-        torque_panel(f"torque, {amplitude_in_words(two)}, {1e6 * two.setting.oversize:g} µm", two),
-        *contact_panels(three),
-        torque_panel(
-            f"torque, {amplitude_in_words(open_grooves)}, {1e6 * open_grooves.setting.oversize:g} µm, coupled", open_grooves
+        simulated_torque_panel(f"torque, {theta_amplitude_in_words(three)}, {1e6 * three.setting.oversize:g} µm", three),
+        simulated_torque_panel(f"torque, {theta_amplitude_in_words(two)}, {1e6 * two.setting.oversize:g} µm", two),
+        *ball_contact_panels(three),
+        simulated_torque_panel(
+            f"torque, {theta_amplitude_in_words(open_grooves)}, {1e6 * open_grooves.setting.oversize:g} µm, coupled",
+            open_grooves,
         ),
     )
-    high, low = summarise(three), summarise(two)
+    high, low = summarise_history(three), summarise_history(two)
     caption = (
         "With four loaded contacts the grooves' torque is nearly constant. Ball-to-ball torque builds up to "
-        f"{high.largest:.0%} of it at {high.at:.0f}° of the nut ({amplitude_in_words(three)}) or {low.largest:.0%} at "
-        f"{low.at:.0f}° ({amplitude_in_words(two)}), vanishes, and returns weaker. Contacts form {high.groups} "
+        f"{high.largest:.0%} of it at {high.at:.0f}° of the nut ({theta_amplitude_in_words(three)}) or {low.largest:.0%} "
+        "at "
+        f"{low.at:.0f}° ({theta_amplitude_in_words(two)}), vanishes, and returns weaker. Contacts form {high.groups} "
         "groups, one in each cycle of θ. Without oversize the grooves' torque is lower and varies by "
-        f"{screw.torque_variation(open_grooves):.0%} after the first step, whose loads are computed without friction. "
+        f"{screw.relative_groove_torque_variation(open_grooves):.0%} after the first step, whose loads are computed "
+        "without friction. "
         "Amplitude, phase and oversize are assumed; the thesis prints none of them."
     )
     return Figure(
@@ -395,17 +428,17 @@ def oversize_map_panels(case: str, coupling: Coupling) -> list[Panel]:
     for key, values, label in (("force", m.force, "force / N"), ("increase", 100.0 * m.increase, "increase / %")):
         values = np.where(m.converged, values, np.nan)
         curves = [
-            Series(f"{f:g} N", x, plain_numbers(values[:, j]), "line", emphasis=f == LOAD)
+            Series(f"{f:g} N", x, scale_to_python_floats(values[:, j]), "line", emphasis=f == LOAD)
             for j, f in enumerate(screw.AXIAL)
         ]
-        printed = value_of("lin-3.7", f"{key}_{case}")
+        printed = printed_value("lin-3.7", f"{key}_{case}")
         curves.append(Series("printed", [x[0], x[-1]], [printed, printed], "line"))
         title = f"{'ball-to-ball force' if key == 'force' else 'friction increase'}, θ = {screw.THETA[case]:g}°, {words}"
         panels.append(Panel(title, "oversize of the ball's radius / µm", label, curves, zero=True))
     return panels
 
 
-def force_ratio_without_oversize(case: str, coupling: Coupling) -> float:
+def force_without_oversize_over_printed(case: str, coupling: Coupling) -> float:
     """Return the ball-to-ball force of two balls without oversize divided by the printed force, at an axial load of `LOAD`.
 
     ``case``: of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, as in
@@ -413,10 +446,10 @@ def force_ratio_without_oversize(case: str, coupling: Coupling) -> float:
     """
     m = screw.oversize_and_load_map(case, coupling)
     at = int(np.argmin(np.abs(np.array(screw.OVERSIZE))))
-    return float(m.force[at, screw.AXIAL.index(LOAD)]) / value_of("lin-3.7", f"force_{case}")
+    return float(m.force[at, screw.AXIAL.index(LOAD)]) / printed_value("lin-3.7", f"force_{case}")
 
 
-def oversizes_at_printed(key: str) -> str:
+def oversizes_at_printed_value_in_words(key: str) -> str:
     """Return in words the oversizes at which a computed quantity at the axial load `LOAD` equals the printed value.
 
     They are given for cases (a) and (b) of Lin's Table 3.7. ``key``: "force" (ball-to-ball force) or "increase" (of the
@@ -424,15 +457,16 @@ def oversizes_at_printed(key: str) -> str:
     """
     words = []
     for case in ("a", "b"):
-        m, printed = screw.oversize_and_load_map(case, "none"), value_of("lin-3.7", f"{key}_{case}")
+        m, printed = screw.oversize_and_load_map(case, "none"), printed_value("lin-3.7", f"{key}_{case}")
         values = (m.force if key == "force" else 100.0 * m.increase)[:, screw.AXIAL.index(LOAD)]
         words.append(
-            f"{' and '.join(f'{x:.1f}' for x in find_crossings(values, printed)) or 'no oversize'} µm in case ({case})"
+            f"{' and '.join(f'{x:.1f}' for x in oversizes_at_crossings(values, printed)) or 'no oversize'} µm in case "
+            f"({case})"
         )
     return ", ".join(words)
 
 
-def find_crossings(values: Array, level: float) -> list[float]:
+def oversizes_at_crossings(values: Array, level: float) -> list[float]:
     """Return the oversizes [µm] at which a quantity equals a given value, by linear interpolation.
 
     ``values``: the quantity at the oversizes `screw.OVERSIZE`; ``level``: the given value, in the unit of the quantity.
@@ -451,12 +485,15 @@ def oversize_map_figure() -> Figure:
         "oversize whatever the axial force is, while the relative increase of friction falls because the grooves' losses "
         f"grow faster. Before the bend forces are small: without oversize, at {LOAD:g} N and θ = {screw.THETA['a']:g}°, "
         "friction that displaces the balls changes the force by a factor of "
-        f"{force_ratio_without_oversize('a', 'ball') / force_ratio_without_oversize('a', 'none'):.1f}, to "
-        f"{force_ratio_without_oversize('a', 'ball'):.2f} of the printed one. "
-        f"The curves of {LOAD:g} N meet the printed forces at {oversizes_at_printed('force')}, and the printed "
+        f"{force_without_oversize_over_printed('a', 'ball') / force_without_oversize_over_printed('a', 'none'):.1f}, to "
+        f"{force_without_oversize_over_printed('a', 'ball'):.2f} of the printed one. "
+        f"The curves of {LOAD:g} N meet the printed forces at {oversizes_at_printed_value_in_words('force')}, and the "
+        "printed "
         f"increases at "
-        f"{oversizes_at_printed('increase')}; oversize and load of the other figures are inferred from both together: "
-        f"{1000000.0 * pair_with_inferred_oversize().oversize:g} µm, {pair_with_inferred_oversize().force[0]:g} N."
+        f"{oversizes_at_printed_value_in_words('increase')}; oversize and load of the other figures are inferred from "
+        "both together: "
+        f"{1000000.0 * screw_pair_with_inferred_oversize().oversize:g} µm, "
+        f"{screw_pair_with_inferred_oversize().force[0]:g} N."
     )
     return Figure(
         "friction-pair-maps",
@@ -475,7 +512,7 @@ def first_angle_beyond_two_contacts(found: TorqueCurve) -> float:
     return float(np.degrees(screw.ANGLES[np.flatnonzero(found.four)[0]]))
 
 
-def bearing_figure() -> Figure:
+def bearing_torque_figure() -> Figure:
     """Draw Lin's Figure 4.7: friction torque of a four-point and a double-row bearing over the load angle."""
     curves = [
         ("four-point, tilt free", screw.torque_over_load_angle("4P", True)),
@@ -483,7 +520,7 @@ def bearing_figure() -> Figure:
         ("double row, tilt free", screw.torque_over_load_angle("DR", True)),
         ("double row, tilt held", screw.torque_over_load_angle("DR", False)),
     ]
-    x, label = plain_numbers(np.degrees(screw.ANGLES)), "load angle / deg"
+    x, label = scale_to_python_floats(np.degrees(screw.ANGLES)), "load angle / deg"
 
     def draw_panel(title: str, unit: str, pick: Callable[[TorqueCurve], Array]) -> Panel:
         """Draw a quantity of both bearings, with and without tilt of the inner ring, over the load angle.
@@ -492,13 +529,14 @@ def bearing_figure() -> Figure:
         bearing.
         """
         drawn = [
-            Series(name, x, plain_numbers(pick(c)), "line+markers", emphasis=k == 0) for k, (name, c) in enumerate(curves)
+            Series(name, x, scale_to_python_floats(pick(c)), "line+markers", emphasis=k == 0)
+            for k, (name, c) in enumerate(curves)
         ]
         return Panel(title, label, unit, drawn, zero=True)
 
     ratio, printed = (
         draw_panel("torque over that at 0°", "ratio", lambda c: c.torque / c.torque[0]),
-        value_of("lin-4.3", "ratio_4p"),
+        printed_value("lin-4.3", "ratio_4p"),
     )
     panels = (
         draw_panel("friction torque", "torque / N mm", lambda c: 1e3 * c.torque),
@@ -510,7 +548,7 @@ def bearing_figure() -> Figure:
         "The four-point bearing's torque climbs with the load's angle, steeply once balls take more than two contacts "
         f"(from {first_angle_beyond_two_contacts(free):.0f}° on, with an inner ring free to tilt); the double row's "
         f"stays within "
-        f"{screw.torque_ratio_up_to(curves[2][1], END):.2f} times of its smallest up to {END:g}°. "
+        f"{screw.largest_over_smallest_torque(curves[2][1], END):.2f} times of its smallest up to {END:g}°. "
         f"With the inner ring held against "
         "tilting "
         + (
@@ -536,7 +574,9 @@ def bearing_figure() -> Figure:
 
 def pair_interpretations_table() -> Table:
     """Return the table of ball-to-ball force and loss increase for each interpretation of Lin's Table 3.7."""
-    printed = {case: [entry("lin-3.7", f"{what}_{case}").printed for what in ("force", "increase")] for case in screw.THETA}
+    printed = {
+        case: [printed_entry("lin-3.7", f"{what}_{case}").printed for what in ("force", "increase")] for case in screw.THETA
+    }
     note = (
         f"Printed: {', '.join(f'{force} N and {increase} % ({case})' for case, (force, increase) in printed.items())}. "
         "Oversize is of the ball's radius; it was chosen so "
@@ -545,7 +585,7 @@ def pair_interpretations_table() -> Table:
     return Table.of(
         "friction-readings",
         "Lin, Table 3.7: ball-to-ball force and loss increase by interpretation of the text",
-        screw.pair_interpretation_rows(),
+        screw.load_state_interpretation_rows(),
         note,
     )
 
@@ -555,19 +595,20 @@ def simulation_sensitivity_table() -> Table:
 
     They concern section 3.4.4; a row of the table has one assumption changed.
     """
-    largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
+    largest, at, none_at = (printed_entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
         "finding as in Lin's thesis, where neighbours touch if they are near and approach when alone (3.77): overlapping "
         "balls that separate count as free, and fewer forces are found. The rows below change one assumption at a time "
-        f"from theta = 3°, {run_of_section_3_4_4().force[0]:g} N, {screw.oversize_in_words()} oversize, "
+        f"from theta = 3°, {simulation_inputs_of_section_3_4_4().force[0]:g} N, {screw.inferred_oversize_in_words()} "
+        "oversize, "
         "loads not coupled, over one turn "
         "of the nut in steps of 7.2°. A run that loses no contact within that turn has no entry there."
     )
     return Table.of(
         "friction-run-sensitivity",
         "Whole screw over two seconds: change of the results with each assumption",
-        screw.simulation_rows(),
+        screw.simulation_sensitivity_rows(),
         note,
     )
 
@@ -577,7 +618,7 @@ def simulation_interpretations_table() -> Table:
 
     It also contains the differences from the printed results.
     """
-    largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
+    largest, at, none_at = (printed_entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, in steps of 3.6°. The text leaves open from which "
         "part the azimuth of Figure 3.23 counts, amplitude, oversize, and whether both contacts of the screw deviate; "
@@ -598,7 +639,7 @@ def bearing_torque_table() -> Table:
     The torque ratios are those of the largest to the smallest torque over a range of load angles.
     """
     note = (
-        f"Printed for the four-point bearing: {entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
+        f"Printed for the four-point bearing: {printed_entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
         f"{four_point_bearing().groove.mu:g} and the freedom to tilt are assumed; the "
         "ratio does not depend on the friction coefficient. Range of load angles read off Lin's figure."
     )
@@ -623,15 +664,15 @@ def ball_contact_onset_table(study: Study) -> Table:
     return Table.of("friction-onset", title, screw.ball_contact_onset_rows(study), note)
 
 
-def introduction(pairs: Table, runs: Table) -> Text:
+def screw_friction_introduction(pairs: Table, simulations: Table) -> Text:
     """Return the text that introduces the results on two balls and on the whole screw.
 
-    ``pairs``: table of two balls by interpretation; ``runs``: table of the whole-screw simulations by assumption.
+    ``pairs``: table of two balls by interpretation; ``simulations``: table of the whole-screw simulations by assumption.
     """
-    return Text((_pair_paragraph(pairs), _simulation_paragraph(runs)))
+    return Text((_ball_pair_paragraph(pairs), _simulation_paragraph(simulations)))
 
 
-def _pair_paragraph(pairs: Table) -> str:
+def _ball_pair_paragraph(pairs: Table) -> str:
     """Return the paragraph on the contact loads of two balls in Lin's Table 3.7; ``pairs``: results by interpretation."""
     rows = {str(row["reading"]): row for row in pairs.rows}
     loose, coupled = rows[screw.UNCOUPLED], rows[screw.AS_TEXT]
@@ -641,22 +682,22 @@ def _pair_paragraph(pairs: Table) -> str:
     )
     return (
         f"Lin does not print the load state of the two balls in 3.4.3. Read literally (no oversize, "
-        f"{pair_as_printed().force[0]:g} "
+        f"{screw_pair_as_printed().force[0]:g} "
         f"N along the axis), one diagonal carries nearly all: {uncoupled} of the printed forces (cases a and b), {moved} "
         "where friction moves the balls and loads a third contact. Printed force and increase together imply a contact "
         f"load of {screw.implied_contact_load():.0f} N per ball, against {float(coupled['load_a'] or 0.0):.0f} N here; "
-        f"{screw.oversize_in_words()} of oversize would give "
-        f"{float(rows[screw.oversize_label()]['load_a'] or 0.0):.0f} N. The "
+        f"{screw.inferred_oversize_in_words()} of oversize would give "
+        f"{float(rows[screw.label_of_inferred_oversize()]['load_a'] or 0.0):.0f} N. The "
         "literal reading is compared with the printed numbers; the inferred one is shown with it and labelled so, because "
         "its oversize was inferred from these numbers."
     )
 
 
-def _simulation_paragraph(runs: Table) -> str:
-    """Return the paragraph on the whole-screw simulation of Lin's section 3.4.4; ``runs``: results by assumption."""
-    cases = [row for row in runs.rows if row["assumption"] == screw.AS_CASE]
-    source = next(row for row in runs.rows if row["assumption"] == screw.SOURCE_RULE)
-    at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest_at", "none_at"))
+def _simulation_paragraph(simulations: Table) -> str:
+    """Return the paragraph on the whole-screw simulation of Lin's section 3.4.4; ``simulations``: results by assumption."""
+    cases = [row for row in simulations.rows if row["assumption"] == screw.AS_CASE]
+    source = next(row for row in simulations.rows if row["assumption"] == screw.SOURCE_RULE)
+    at, none_at = (printed_entry("lin-3.4.4", key).printed for key in ("largest_at", "none_at"))
     found = "; ".join(
         f"theta of {a:g}°: largest at {row['at']:.0f}°, none from {row['none_at']:.0f}°"
         for a, row in zip(screw.AMPLITUDES, cases, strict=True)
@@ -685,5 +726,5 @@ def screw_section(study: Study, step: Callable[[str], None]) -> Section:
     return Section(
         "friction-screw",
         "Lin 3.4 and 4.3: friction in a ball screw and in two bearings",
-        (introduction(pairs[0], whole[2]), *pairs, *whole, *last),
+        (screw_friction_introduction(pairs[0], whole[2]), *pairs, *whole, *last),
     )

@@ -18,13 +18,13 @@ from rollbench.compare.cases.lin.reconstruction.readings import (
     SOLID,
     Combination,
     combination_key,
-    largest_change_by_friction,
+    largest_relative_rise_by_friction,
     tilt_at_onset_of_sliding,
 )
 from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import value_of
+from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.scenes import catalogue
@@ -49,7 +49,7 @@ FORCES = {
 }
 
 
-def other_statements_table(study: Study) -> Table:
+def model_comparison_statements_table(study: Study) -> Table:
     """Return the table of Lin's further statements that compare his model with ANSYS, with computed values and conclusions.
 
     ``study``: solved scenes and stored 3D references.
@@ -57,7 +57,7 @@ def other_statements_table(study: Study) -> Table:
     rows = [
         _run_time_row(study),
         _lateral_displacement_row(study),
-        *(_case_3_row(study, model) for model in ("lin", DEFAULT)),
+        *(_case_3_support_row(study, model) for model in ("lin", DEFAULT)),
         *map(_ball_force_row, FORCES),
     ]
     return Table.of(
@@ -65,19 +65,19 @@ def other_statements_table(study: Study) -> Table:
     )
 
 
-def _statement_row(place: str, printed: str, computed: str, verdict: str) -> Row:
+def _statement_row(location: str, printed: str, computed: str, verdict: str) -> Row:
     """Return the table row of one statement in Lin's thesis.
 
-    ``place``: section, table or figure of the statement; ``printed``: the statement; ``computed``: what is computed for
+    ``location``: section, table or figure of the statement; ``printed``: the statement; ``computed``: what is computed for
     it; ``verdict``: conclusion.
     """
-    return {"place": place, "printed": printed, "computed here": computed, "verdict": verdict}
+    return {"place": location, "printed": printed, "computed here": computed, "verdict": verdict}
 
 
 def _run_time_row(study: Study) -> Row:
     """Return the table row on run times: printed for ANSYS, and measured for a 3D model with cells of equal size."""
     run = load_run(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
-    hours, elements = (value_of("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
+    hours, elements = (printed_value("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
     time = (
         "no stored run"
         if run is None
@@ -108,7 +108,7 @@ def _lateral_displacement_row(study: Study) -> Row:
     )
 
 
-def _case_3_row(study: Study, model: str) -> Row:
+def _case_3_support_row(study: Study, model: str) -> Row:
     """Return the table row on Lin's case 3, in which the right end of the screw is displaced laterally.
 
     It names the supports of this end for which the displacement changes the contact loads as printed. ``model``: name of
@@ -145,8 +145,8 @@ def _ball_force_row(case: str) -> Row:
     `FORCES`.
     """
     table, low_key, ansys_key, name = FORCES[case]
-    low, ansys = (value_of(table, key) for key in (low_key, ansys_key))
-    scene = cast("KindScene", catalogue.shipped(name))
+    low, ansys = (printed_value(table, key) for key in (low_key, ansys_key))
+    scene = cast("KindScene", catalogue.shipped_scene(name))
     coarse, fine = (rolling.load_run(scene, level, [shipped_store()]) for level in (SOURCE_LEVEL, 3))
     printed = f"{low:g} N, ANSYS {ansys:g} N: {float(error_percent(low, ansys)):.2f} %"
     if coarse is None or fine is None:
@@ -187,34 +187,34 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("combinations of readings")
-    found = study.once(combined.evaluate_combinations)
+    found = study.compute_once(combined.evaluate_combinations)
     return Section(
         "reconstruction",
         "Origin of the largest model error of 5.38 % that Lin prints (2.4.1)",
         (
             Text(
                 (
-                    first_paragraph(found),
+                    origin_of_error_paragraph(found),
                     ABOUT_IT,
                     penalty_paragraph(study),
-                    scatter_paragraph(study, found),
+                    mesh_scatter_paragraph(study, found),
                     friction_paragraph(study),
                 )
             ),
-            explanation_table(found),
-            deviations_table(found),
+            ratios_and_errors_by_explanation_table(found),
+            deviations_from_print_table(found),
             combinations_figure(found),
             single_interpretation_table(found),
             combination_table(found),
-            other_statements_table(study),
+            model_comparison_statements_table(study),
         ),
-        conclusion=conclusion(found),
+        conclusion=origin_of_error_conclusion(found),
     )
 
 
-def combination_in_words(readings: Combination) -> str:
+def combination_in_words(combination: Combination) -> str:
     """Return a combination of interpretations of Lin's text in words, such as "modelling choice: interpretation; ..."."""
-    return "; ".join(f"{r.choice}: {r.label}" for r in readings) or "as by default"
+    return "; ".join(f"{r.choice}: {r.label}" for r in combination) or "as by default"
 
 
 def _errors_in_words(values: Sequence[float]) -> str:
@@ -222,7 +222,7 @@ def _errors_in_words(values: Sequence[float]) -> str:
     return f"{values[0]:.2f} / {values[1]:.2f} % (case 1) and {values[2]:.2f} / {values[3]:.2f} % (case 2)"
 
 
-def error_fall_and_rise(errors: Sequence[float]) -> tuple[float, float]:
+def error_changes_to_case_2(errors: Sequence[float]) -> tuple[float, float]:
     """Return by how much the largest error falls, then by how much the RMS error rises, from Lin's case 1 to case 2.
 
     Both are in percentage points. ``errors``: largest and RMS error of case 1, then of case 2 [%].
@@ -230,14 +230,14 @@ def error_fall_and_rise(errors: Sequence[float]) -> tuple[float, float]:
     return errors[0] - errors[2], errors[3] - errors[1]
 
 
-def conclusion(found: list[combined.CombinationResult]) -> str:
+def origin_of_error_conclusion(found: list[combined.CombinationResult]) -> str:
     """Return the conclusion on the printed largest error of 5.38 %: its origin is not identified.
 
     It states the range of this error over all combinations of interpretations. ``found``: results of all combinations, of
     which the first has all choices by default.
     """
-    errors = [c.errors["own"][0] for c in found if not c.against_text]
-    missed = float(np.sqrt(np.mean(combined.nearest_combination(found).misses ** 2)))
+    errors = [c.errors["own"][0] for c in found if not c.contradicts_text]
+    missed = float(np.sqrt(np.mean(combined.combination_nearest_to_print(found).misses ** 2)))
     return (
         f"Where the printed {combined.printed_errors()[0]:.2f} % comes from is not identified. It is "
         f"{found[0].errors['own'][0]:.2f} % by default on level {combined.LEVEL} of the 3D mesh, as all combinations "
@@ -249,12 +249,12 @@ def conclusion(found: list[combined.CombinationResult]) -> str:
     )
 
 
-def first_paragraph(found: list[combined.CombinationResult]) -> str:
+def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
     """Return the paragraph that answers where the printed errors come from: two explanations come near them.
 
     ``found``: results of all combinations of interpretations, of which the first has all choices by default.
     """
-    printed, shown = combined.printed_errors(), combined.shown_combinations(found)
+    printed, shown = combined.printed_errors(), combined.combinations_shown_in_report(found)
     near, soft = (
         shown["nearest in the ratio, no penalty"],
         [c for c in shown.values() if not c.low and any(r.penalty for r in c.solid)],
@@ -269,17 +269,18 @@ def first_paragraph(found: list[combined.CombinationResult]) -> str:
         f"largest / RMS, and a "
         f"ratio of about {combined.printed_load_ratio():g} in both models. Two explanations come near, and each misses "
         f"some of it. The interpretations nearest to the ratio ({combination_in_words(near.low)}; "
-        f"{combination_in_words(near.solid)}) have {_ratios_and_errors(near)}. "
+        f"{combination_in_words(near.solid)}) have {_ratios_and_errors_in_words(near)}. "
         "Contacts of the 3D model that a penalty makes softer, all else by default, have a ratio of "
         f"{_range_in_words([c.solid_ratio for c in soft], 3)} with {soft[0].low_ratio:.3f} in the low-order model, "
         f"{errors}, and "
         f"{_range_in_words([_fall_in_percent_of_printed(c) for c in soft], 0)} % of the printed fall. By default: "
-        f"{_ratios_and_errors(found[0])}. Nearest in all six "
-        f"numbers ({combination_in_words(best.low)}; {combination_in_words(best.solid)}): {_ratios_and_errors(best)}."
+        f"{_ratios_and_errors_in_words(found[0])}. Nearest in all six "
+        f"numbers ({combination_in_words(best.low)}; {combination_in_words(best.solid)}): "
+        f"{_ratios_and_errors_in_words(best)}."
     )
 
 
-def _ratios_and_errors(c: combined.CombinationResult) -> str:
+def _ratios_and_errors_in_words(c: combined.CombinationResult) -> str:
     """Return in words the load ratios and errors of one combination of interpretations."""
     return (
         f"ratios of {c.low_ratio:.3f} and {c.solid_ratio:.3f}, errors of {_errors_in_words(c.errors['own'])}, "
@@ -290,7 +291,7 @@ def _ratios_and_errors(c: combined.CombinationResult) -> str:
 
 def _fall_in_percent_of_printed(c: combined.CombinationResult) -> float:
     """Return the fall of the largest error from case 1 to case 2, in per cent of the fall that Lin prints."""
-    return 100.0 * error_fall_and_rise(c.errors["own"])[0] / error_fall_and_rise(combined.printed_errors())[0]
+    return 100.0 * error_changes_to_case_2(c.errors["own"])[0] / error_changes_to_case_2(combined.printed_errors())[0]
 
 
 def _range_in_words(values: Sequence[float], digits: int = 2) -> str:
@@ -303,16 +304,20 @@ def penalty_paragraph(study: Study) -> str:
 
     ``study``: solved scenes and stored 3D results.
     """
-    soft = [(r, combined.relative_penalty_approach(study, (r,))) for r in SOLID if r.penalty]
+    soft = [(r, combined.penalty_over_hertz_approach(study, (r,))) for r in SOLID if r.penalty]
     sizes = ", ".join(f"{r.label}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
     levels = PENALTY_LEVEL, PENALTY_LEVEL + 1
     coarse, fine = (
         np.array(
-            combined.model_errors(combined.low_order_loads(study, ()), combined.loads_in_3d(study, FINER, level))["own"]
+            combined.low_order_errors(
+                combined.low_order_loads(study, ()), combined.required_loads_in_3d(study, FINER, level)
+            )["own"]
         )
         for level in levels
     )
-    ratios = [combined.load_ratio(combined.loads_in_3d(study, FINER, level)[0]) for level in levels]
+    ratios = [
+        combined.largest_over_smallest_load(combined.required_loads_in_3d(study, FINER, level)[0]) for level in levels
+    ]
     return (
         "The one thing that the text prints of the contacts is their formulation, an augmented Lagrangian, with all other "
         "settings by default. It leaves a penetration below a tolerance, as a penalty does: the contacts are softer. Size "
@@ -323,15 +328,15 @@ def penalty_paragraph(study: Study) -> str:
     )
 
 
-def scatter_paragraph(study: Study, found: list[combined.CombinationResult]) -> str:
+def mesh_scatter_paragraph(study: Study, found: list[combined.CombinationResult]) -> str:
     """Return the paragraph on the scatter of contact stiffness between meshes as a cause of the printed errors.
 
     It states the probability of half of the printed change from case 1 to case 2, for several sizes of the scatter.
     ``study``: solved scenes and stored 3D results; ``found``: results of all combinations of interpretations.
     """
-    falls, rises = error_fall_and_rise(combined.printed_errors())
-    best = combined.nearest_combination(combined.combinations_without_penalty(found), 2)
-    loads = combined.low_order_loads(study, best.low), combined.loads_in_3d(study, best.solid)
+    falls, rises = error_changes_to_case_2(combined.printed_errors())
+    best = combined.combination_nearest_to_print(combined.combinations_without_penalty(found), 2)
+    loads = combined.low_order_loads(study, best.low), combined.required_loads_in_3d(study, best.solid)
     odds = {
         s: combined.fraction_with_fall_and_rise(combined.errors_on_random_meshes(*loads, s), 0.5 * falls, 0.5 * rises)
         for s in (combined.SCATTER, *TRIED)
@@ -352,17 +357,21 @@ def friction_paragraph(study: Study) -> str:
 
     ``study``: solved scenes and stored 3D results.
     """
-    scene, base = study.scene(CASES[0]), combined.loads_in_3d(study, ())
-    changed = {r.key: combined.loads_in_3d(study, (r,)) for r in SOLID if r.choice == FRICTION}
+    scene, base = study.scene(CASES[0]), combined.required_loads_in_3d(study, ())
+    changed = {r.key: combined.required_loads_in_3d(study, (r,)) for r in SOLID if r.choice == FRICTION}
     moved = {
-        key: float(error_percent(combined.load_ratio(loads[0]), combined.load_ratio(base[0])))
+        key: float(
+            error_percent(combined.largest_over_smallest_load(loads[0]), combined.largest_over_smallest_load(base[0]))
+        )
         for key, loads in changed.items()
     }
     most = max(
         float(np.abs(error_percent(a, b, mean_load(b))).max()) for a, b in zip(changed["off-line"], base, strict=True)
     )
     mean = {key: float(error_percent(mean_load(loads[0]), mean_load(base[0]))) for key, loads in changed.items()}
-    worst = 100.0 * largest_change_by_friction(scene, lambda s: combined.load_ratio(study.solve(s, "lin").load))
+    worst = 100.0 * largest_relative_rise_by_friction(
+        scene, lambda s: combined.largest_over_smallest_load(study.solve(s, "lin").load)
+    )
     slope = float(np.abs(study.solve(scene, "lin").centreline[:, 3:5]).max())
     return (
         f"Friction of {MU:g} is computed, too. Two forces act on a ball, on the line through its contacts. One that rolls "
@@ -379,13 +388,16 @@ def friction_paragraph(study: Study) -> str:
     )
 
 
-def explanation_table(found: list[combined.CombinationResult]) -> Table:
+def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResult]) -> Table:
     """Return the table of the load ratios and errors that Lin prints, and of those computed by each explanation.
 
     ``found``: results of all combinations of interpretations.
     """
     printed = combined.printed_load_ratio(), combined.printed_load_ratio(), *combined.printed_errors()
-    given = {name: (c.low_ratio, c.solid_ratio, *c.errors["own"]) for name, c in combined.shown_combinations(found).items()}
+    given = {
+        name: (c.low_ratio, c.solid_ratio, *c.errors["own"])
+        for name, c in combined.combinations_shown_in_report(found).items()
+    }
     rows: list[Row] = [
         {"explanation": name, **_ratio_and_error_cells(values, ".3f", ".2f")}
         for name, values in [("printed", printed), *given.items()]
@@ -393,15 +405,15 @@ def explanation_table(found: list[combined.CombinationResult]) -> Table:
     return Table.of("reconstruction", "Load ratios and errors printed in Lin 2.4.1, and computed by each explanation", rows)
 
 
-def deviations_table(found: list[combined.CombinationResult]) -> Table:
+def deviations_from_print_table(found: list[combined.CombinationResult]) -> Table:
     """Return the table of differences between computed and printed load ratios and errors, by explanation.
 
     ``found``: results of all combinations of interpretations.
     """
-    printed = error_fall_and_rise(combined.printed_errors())
+    printed = error_changes_to_case_2(combined.printed_errors())
     rows: list[Row] = []
-    for name, c in combined.shown_combinations(found).items():
-        fall, rise = (float(a - b) for a, b in zip(error_fall_and_rise(c.errors["own"]), printed, strict=True))
+    for name, c in combined.combinations_shown_in_report(found).items():
+        fall, rise = (float(a - b) for a, b in zip(error_changes_to_case_2(c.errors["own"]), printed, strict=True))
         row: Row = {"explanation": name, "low order": combination_in_words(c.low), "3D": combination_in_words(c.solid)}
         row |= _ratio_and_error_cells(tuple(c.misses), "+.1f", "+.2f", "%")
         row[Quantity("fall_off", "fall of the largest, case 1 to 2", "points", "+.2f")] = fall
@@ -432,7 +444,7 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
     return row
 
 
-def _error_cells(c: combined.CombinationResult) -> Row:
+def _cells_by_error_definition(c: combined.CombinationResult) -> Row:
     """Return table cells of a combination: load ratios by both models, and errors in per cent of each and of mean load."""
     row: Row = {
         Quantity("low_ratio", "ratio, low order", "", ".3f"): c.low_ratio,
@@ -462,7 +474,7 @@ def single_interpretation_table(found: list[combined.CombinationResult]) -> Tabl
             "text": reading[0].by_text if reading else "",
             Quantity("moves", "moves the ratio by", "%", "+.2f"): float(error_percent(ratio, before)),
         }
-        rows.append(row | _error_cells(c))
+        rows.append(row | _cells_by_error_definition(c))
     return Table.of("reconstruction-alone", "Largest and RMS error for each interpretation of Lin's text taken alone", rows)
 
 
@@ -473,7 +485,7 @@ def combination_table(found: list[combined.CombinationResult]) -> Table:
     """
     rows = [
         _combination_row(c)
-        | {"text": "against it" if c.against_text else "silent"}
+        | {"text": "against it" if c.contradicts_text else "silent"}
         | {Quantity("missed", "RMS of the six misses", "", ".2f"): float(np.sqrt(np.mean(c.misses**2)))}
         for c in found
     ]
@@ -492,7 +504,7 @@ def combination_table(found: list[combined.CombinationResult]) -> Table:
 def _combination_row(c: combined.CombinationResult) -> Row:
     """Return the table row of a combination: keys of its interpretations, load ratios, errors."""
     row: Row = {"low order": combination_key(c.low), "3D": combination_key(c.solid)}
-    return row | _error_cells(c)
+    return row | _cells_by_error_definition(c)
 
 
 def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
@@ -500,7 +512,7 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
 
     ``found``: results of the combinations.
     """
-    shown, aim = [*combined.shown_combinations(found).values()], combined.printed_load_ratio()
+    shown, aim = [*combined.combinations_shown_in_report(found).values()], combined.printed_load_ratio()
     others = [c for c in found if c not in shown]
     printed_errors = combined.printed_errors()
 

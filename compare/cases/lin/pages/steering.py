@@ -9,7 +9,7 @@ import numpy as np
 from rollbench.compare.cases.lin.evidence import steering
 from rollbench.compare.cases.lin.evidence.steering import RACK, REACH, SCREW, steering_gear
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import value_of
+from rollbench.compare.printed import printed_value
 from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
@@ -41,15 +41,15 @@ def lash_figure(scene: Scene) -> Figure:
     degrees = [float(d) for d in around]
     axial, conical, peaks = [], [], []
     for pattern in steering.PATTERNS:
-        screw = steering.place_balls(scene, pattern)
-        axial.append(_displacement_curve(pattern, steering.solve_axial_lash(screw, course)))
-        conical.append(_displacement_curve(pattern, steering.solve_conical_lash(screw, 0.0, REACH, course)))
+        screw = steering.arrange_balls_in_pattern(scene, pattern)
+        axial.append(_displacement_over_load_curve(pattern, steering.solve_axial_lash(screw, course)))
+        conical.append(_displacement_over_load_curve(pattern, steering.solve_conical_lash(screw, 0.0, REACH, course)))
         displaced = [
             steering.peak_to_peak(steering.solve_conical_lash(screw, float(np.radians(d)), REACH)) for d in degrees
         ]
         peaks.append(Series(pattern, degrees, [1e6 * x for x in displaced], "line"))
-    spread = [steering.pattern_difference([s.y[k] for s in peaks]) for k in range(len(degrees))]
-    flat = steering.pattern_difference([s.y[-1] - s.y[0] for s in axial])
+    spread = [steering.relative_range_percent([s.y[k] for s in peaks]) for k in range(len(degrees))]
+    flat = steering.relative_range_percent([s.y[-1] - s.y[0] for s in axial])
     shown = (Series("conical", degrees, spread, "line"), Series("axial", degrees, [flat] * len(degrees), "line"))
     at = f"{1e3 * REACH:.0f} mm from the nut"
     panels = (
@@ -61,7 +61,7 @@ def lash_figure(scene: Scene) -> Figure:
     return Figure("lash", "Lash of one screw with its balls sorted in four ways (Lin 4.2)", panels, ABOUT[0])
 
 
-def _displacement_curve(name: str, test: LoadCurve) -> Series:
+def _displacement_over_load_curve(name: str, test: LoadCurve) -> Series:
     """Return the curve of displacement [um] over load [N] of a lash test; ``name``: legend; ``test``: load curve."""
     known = [(p.load, 1e6 * p.displacement) for p in test.points if p.displacement is not None]
     return Series(name, [f for f, _ in known], [u for _, u in known], "line")
@@ -82,13 +82,13 @@ def lash_rows(scene: Scene) -> list[Row]:
             Quantity("axial", "axial", "%", ".2f"): p.found.axial,
             Quantity("least", "conical, least direction", "%", ".1f"): min(p.found.conical),
             Quantity("most", "conical, largest direction", "%", ".1f"): max(p.found.conical),
-            Quantity("ordered", "axial below conical", "", "s"): _count_directions(p.found),
+            Quantity("ordered", "axial below conical", "", "s"): _directions_with_smaller_axial_difference(p.found),
         }
         for p in steering.vary_lash_inputs(scene)
     ]
 
 
-def _count_directions(found: steering.LashDifferences) -> str:
+def _directions_with_smaller_axial_difference(found: steering.LashDifferences) -> str:
     """Return in words in how many directions of the force the axial lash differs less between patterns than the conical.
 
     ``found``: differences of the lash between ball patterns.
@@ -97,7 +97,7 @@ def _count_directions(found: steering.LashDifferences) -> str:
     return f"{count} of {len(found.conical)} directions"
 
 
-def steering_gear_figure(points: list[steering.LayoutRatios]) -> Figure:
+def steering_gear_figure(points: list[steering.LoadRatiosOfLayout]) -> Figure:
     """Draw load ratios of the steering gear over the pinion's position, and largest loads over the tie-rod angle.
 
     A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``points``: load ratios of
@@ -106,14 +106,14 @@ def steering_gear_figure(points: list[steering.LayoutRatios]) -> Figure:
     gear = steering_gear()
     panels = []
     for key, words in (("screw", "ball screw"), ("bearing", "four-point bearing")):
-        printed = value_of("lin-4.2.1", f"ratio_{key}")
+        printed = printed_value("lin-4.2.1", f"ratio_{key}")
         stations = [1e3 * z for z in steering.PINIONS]
         series = [Series("printed", stations, [printed] * len(stations), "line", emphasis=True)]
         for (hold, opposed), layout in _group_by_layout(points).items():
             label = hold + (", side forces opposed" if opposed else "")
             series.append(Series(label, stations, [getattr(p, key) for p in layout], "line"))
         panels.append(Panel(words, "pinion at / mm", "largest load, 18 deg over 0 deg", series, zero=True))
-    loads = steering.loads_over_angles(gear)
+    loads = steering.largest_loads_over_tie_rod_angles(gear)
     for k, words in enumerate(("ball screw", "four-point bearing")):
         values = [pair[k] for pair in loads]
         panels.append(
@@ -134,19 +134,21 @@ def steering_gear_figure(points: list[steering.LayoutRatios]) -> Figure:
     )
 
 
-def _group_by_layout(points: list[steering.LayoutRatios]) -> dict[tuple[str, bool], list[steering.LayoutRatios]]:
+def _group_by_layout(
+    points: list[steering.LoadRatiosOfLayout],
+) -> dict[tuple[str, bool], list[steering.LoadRatiosOfLayout]]:
     """Group the load ratios of layouts with the bearing at the nut's centre.
 
     The keys are the pinion's restraint, and whether the lateral forces of both tie rods have opposite directions.
     """
-    out: dict[tuple[str, bool], list[steering.LayoutRatios]] = {}
+    out: dict[tuple[str, bool], list[steering.LoadRatiosOfLayout]] = {}
     for p in points:
         if p.offset == 0.0:
             out.setdefault((p.hold, p.opposed), []).append(p)
     return out
 
 
-def ratio_rows(points: list[steering.LayoutRatios]) -> list[Row]:
+def load_ratio_rows(points: list[steering.LoadRatiosOfLayout]) -> list[Row]:
     """Return the table rows of the steering gear's load ratios (18 deg over 0 deg of the tie rods), one for each layout."""
     return [
         {
@@ -161,16 +163,16 @@ def ratio_rows(points: list[steering.LayoutRatios]) -> list[Row]:
     ]
 
 
-def ratio_range_rows(points: list[steering.LayoutRatios]) -> list[Row]:
+def load_ratio_range_rows(points: list[steering.LoadRatiosOfLayout]) -> list[Row]:
     """Return the table rows of the ranges of the steering gear's load ratios by input that Lin does not print.
 
     ``points``: load ratios of all layouts, whose range is the last row.
     """
     rows = []
-    for b in (*steering.ratio_ranges(steering_gear()), steering.range_over_layouts(points)):
+    for b in (*steering.load_ratio_ranges(steering_gear()), steering.load_ratio_range_over_layouts(points)):
         row: Row = {"changed": b.changed, Quantity("values", "stated range", "", "s"): b.values}
         for key, words in (("screw", "ball screw"), ("bearing", "bearing")):
-            (low, high), printed = getattr(b, key), value_of("lin-4.2.1", f"ratio_{key}")
+            (low, high), printed = getattr(b, key), printed_value("lin-4.2.1", f"ratio_{key}")
             row |= {
                 Quantity(f"{key}_low", f"{words}, least", "", ".2f"): low,
                 Quantity(f"{key}_high", f"{words}, largest", "", ".2f"): high,
@@ -189,11 +191,11 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """
     step("lash tests")
     scene = study.scene(SCREW)
-    study.uses((RACK,))
+    study.record_used_scenes((RACK,))
     figures = [lash_figure(scene)]
     lash = lash_rows(scene)
     step("steering gear")
-    points = list(steering.vary_layout(steering_gear()))
+    points = list(steering.load_ratios_of_all_layouts(steering_gear()))
     figures.append(steering_gear_figure(points))
     return Section(
         "steering",
@@ -210,12 +212,12 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
             Table.of(
                 "rack-bands",
                 "Ranges of the steering gear's load ratios (Lin 4.2) over each input that is not printed",
-                ratio_range_rows(points),
+                load_ratio_range_rows(points),
             ),
             Table.of(
                 "rack-layouts",
                 "Load ratios of the steering gear (Lin 4.2) for each layout of pinion and rack",
-                ratio_rows(points),
+                load_ratio_rows(points),
                 SENSE,
             ),
         ),

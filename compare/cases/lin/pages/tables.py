@@ -8,31 +8,31 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from rollbench.compare.case import CASES
 from rollbench.compare.cases.lin.evidence import chapter_2
 from rollbench.compare.cases.lin.evidence.rotary_linear import solve_linear_pair
-from rollbench.compare.cases.lin.pages.friction import bearing_figure, torque_figure
+from rollbench.compare.cases.lin.pages.friction import bearing_torque_figure, rotary_bearing_torque_figure
 from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, RunTimes, stored_run_times
 from rollbench.compare.evidence import Evidence, evidence
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.study import Study, with_groove
-from rollbench.compare.printed import entry, tables, value_of
-from rollbench.compare.reference.convergence import representative_size
+from rollbench.compare.models.study import Study, with_conformity
+from rollbench.compare.printed import printed_entry, printed_table_names, printed_value
+from rollbench.compare.reference.convergence import relative_cell_size
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import load_run, shipped_store
-from rollbench.compare.scenes.catalogue import case as case_of
+from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as case_of
 from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.sections.curves import load_curve, load_panel
+from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel
 from rollbench.compare.sections.source_tables import (
-    Layout,
-    compared_table,
+    PrintedLayout,
     computation_tables,
-    counts_by_place,
-    inputs_table,
+    input_data_table,
+    printed_and_computed_table,
     read_layouts,
-    table_in_printed_layout,
+    reproduced_counts_table,
+    side_by_side_table_of_layout,
 )
-from rollbench.compare.sections.verdicts import printed_table
+from rollbench.compare.sections.verdicts import printed_numbers_table
 from rollbench.compare.studies.rolling import runs as rolling
-from rollbench.compare.studies.run_times import times_of_page
-from rollbench.meshes.section import fixed_partition
+from rollbench.compare.studies.run_times import run_times_for_page
+from rollbench.meshes.section import nodes_of_whole_beam
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 LIN = next(case for case in CASES if case.name == "lin")
@@ -64,18 +64,18 @@ TIMED |= {f"lin-3.7:time_{case}": (name, "numerical") for case, name in SCREW.it
 TIMED |= {f"lin-3.7:time_ansys_{case}": (name, "3D") for case, name in SCREW.items()}
 
 
-def printed_seconds(name: str) -> float:
+def printed_run_time(name: str) -> float:
     """Return a printed run time [s]; ``name``: table and key of the printed number, as ``table:key``."""
-    one = entry(*name.split(":"))
+    one = printed_entry(*name.split(":"))
     return UNITS[one.unit] * (one.value or 0.0)
 
 
-def printed_count(table: str, key: str) -> str:
+def printed_element_count(table: str, key: str) -> str:
     """Return the number of elements that Lin's thesis prints, as text; ``table``, ``key``: names of the printed number."""
-    return f"{value_of(table, key):,.0f}"
+    return f"{printed_value(table, key):,.0f}"
 
 
-def model_size_in_3d(study: Study, name: str) -> str:
+def model_size_in_3d_in_words(study: Study, name: str) -> str:
     """Return in words the number of unknowns or cells of a scene's finest stored 3D model; empty if none is stored.
 
     ``study``: stored 3D results; ``name``: name of the scene.
@@ -89,37 +89,40 @@ def model_size_in_3d(study: Study, name: str) -> str:
     return "" if run is None else f"{run.shape[0]} x {run.shape[1]} cells a contact"
 
 
-def beam_element_count(study: Study, name: str) -> str:
+def beam_element_count_in_words(study: Study, name: str) -> str:
     """Return in words the number of beam elements in the low-order model of a scene, and with Lin's partition.
 
     ``study``: shipped scenes; ``name``: name of the scene.
     """
-    return f"{len(fixed_partition(study.scene(name))) - 1} ({chapter_2.partition_elements(study)} with Lin's partition)"
+    return (
+        f"{len(nodes_of_whole_beam(study.scene(name))) - 1} ({chapter_2.beam_element_count_of_lin_partition(study)} with "
+        "Lin's partition)"
+    )
 
 
-def model_sizes(study: Study, name: str, way: str) -> tuple[str, str]:
+def printed_and_own_model_size(study: Study, name: str, model: str) -> tuple[str, str]:
     """Return in words the printed size of a model whose run time is printed, then the size of this package's model.
 
     Both are numbers of elements, unknowns or cells, and empty if the model has none. ``name``: name of the scene;
-    ``way``: "lin" (static model), "numerical" (friction model of two balls), "formula" (Lin's formula) or "3D".
+    ``model``: "lin" (static model), "numerical" (friction model of two balls), "formula" (Lin's formula) or "3D".
     ``study``: solved scenes.
     """
-    if way == "lin":
-        return printed_count("lin-2.2", "elements_proposed"), beam_element_count(study, name)
-    if way != "3D":
+    if model == "lin":
+        return printed_element_count("lin-2.2", "elements_proposed"), beam_element_count_in_words(study, name)
+    if model != "3D":
         return "", ""
     table, key = ("lin-2.2", "elements_ansys") if name in STATIC.values() else ("lin-3.5", "elements_ansys")
     if name in SCREW.values():
         table, key = "lin-3.7", f"elements_{name[-1]}"
-    return printed_count(table, key), model_size_in_3d(study, name)
+    return printed_element_count(table, key), model_size_in_3d_in_words(study, name)
 
 
-def speed_ratio(slow: float | None, fast: float | None) -> float | None:
+def run_time_ratio(slow: float | None, fast: float | None) -> float | None:
     """Return the ratio of a longer to a shorter run time; None if one of them is missing."""
     return None if not slow or not fast else slow / fast
 
 
-def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Table:
+def run_times_table(study: Study, layout: PrintedLayout, found: Mapping[str, Evidence]) -> Table:
     """Return the table of run times and model sizes for a table of Lin's thesis: printed and measured, with their ratios.
 
     ``study``: stored run times; ``layout``: rows and columns of the table in the thesis; ``found``: printed values with
@@ -128,7 +131,7 @@ def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> 
     names = [
         (label, head, n) for label, row in layout.rows for head, n in zip(layout.columns, row, strict=True) if n in TIMED
     ]
-    ansys = {TIMED[n][0]: printed_seconds(n) for _, _, n in names if TIMED[n][1] == "3D"}
+    ansys = {TIMED[n][0]: printed_run_time(n) for _, _, n in names if TIMED[n][1] == "3D"}
     rows: list[Row] = []
     for label, head, name in names:
         scene, way = TIMED[name]
@@ -139,18 +142,18 @@ def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> 
                 Quantity("label", "number", "", "s"): label,
                 Quantity("column", "column", "", "s"): head,
                 Quantity("printed", "printed", "", "s"): f"{found[name].printed.printed} {found[name].printed.unit}",
-                RATIO["printed"]: speed_ratio(slow, printed_seconds(name)),
+                RATIO["printed"]: run_time_ratio(slow, printed_run_time(name)),
                 LOW[0]: own.cold,
                 LOW[1]: own.further,
                 OLDER: own.older,
-                RATIO["cold"]: speed_ratio(solid.cold, own.cold),
-                RATIO["further"]: speed_ratio(solid.further, own.further),
-                **dict(zip(ELEMENTS, model_sizes(study, scene, way), strict=True)),
+                RATIO["cold"]: run_time_ratio(solid.cold, own.cold),
+                RATIO["further"]: run_time_ratio(solid.further, own.further),
+                **dict(zip(ELEMENTS, printed_and_own_model_size(study, scene, way), strict=True)),
                 "verdict": found[name].verdict,
                 "how": f"how-{found[name].printed.table}",
             }
         )
-    note = f"The text: {SPEED[layout.number]}. {times_note(study)}"
+    note = f"The text: {SPEED[layout.number]}. {run_times_note(study)}"
     return Table.of(
         layout.stem("times"), f"Table {layout.number}: run times and elements, printed and ours", rows, note, unfolded=True
     )
@@ -178,9 +181,9 @@ def table_3_5_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - eve
     They are printed differences from ANSYS [%], and the ball-to-ball force [N] under the contact loads that section
     3.3.4.1 of the thesis assumes, equal at both contacts of each diagonal. ``study``: not used here.
     """
-    low, ansys = (value_of("lin-3.5", f"a_force_{way}") for way in ("analytic", "ansys"))
+    low, ansys = (printed_value("lin-3.5", f"a_force_{way}") for way in ("analytic", "ansys"))
     numerical: Row = {
-        SOURCES_OWN: value_of("lin-3.5", "error_numerical"),
+        SOURCES_OWN: printed_value("lin-3.5", "error_numerical"),
         DIAGONAL: solve_linear_pair(loads="diagonal").force,
     }
     return {"lin-3.5:a_force_numerical": numerical, "lin-3.5:a_force_analytic": {SOURCES_OWN: error_or_none(low, ansys)}}
@@ -191,7 +194,7 @@ def table_3_7_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - eve
 
     ``study``: not used here.
     """
-    return {f"lin-3.7:force_{case}": {SOURCES_OWN: value_of("lin-3.7", f"difference_{case}")} for case in SCREW}
+    return {f"lin-3.7:force_{case}": {SOURCES_OWN: printed_value("lin-3.7", f"difference_{case}")} for case in SCREW}
 
 
 def table_b_1_extra_cells(study: Study) -> dict[str, Row]:
@@ -200,7 +203,7 @@ def table_b_1_extra_cells(study: Study) -> dict[str, Row]:
     They are the correct values for the groove with which Lin computed the table; his Table 2.1 states another groove.
     ``study``: solved scenes.
     """
-    scene = with_groove(study.scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
+    scene = with_conformity(study.scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
     return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.correct_table_b_1(scene).items()}
 
 
@@ -249,7 +252,7 @@ def reason_without_3d(name: str) -> str:
     return next((text for start, text in WHY.items() if name.startswith(start)), "")
 
 
-def substitute_texts(study: Study) -> dict[str, str]:
+def run_time_and_size_texts(study: Study) -> dict[str, str]:
     """Return texts on run times and model sizes, by name of the printed number for which Lin's tables show no computed one.
 
     ``study``: stored run times and 3D results.
@@ -264,17 +267,17 @@ def substitute_texts(study: Study) -> dict[str, str]:
 
     out = {name: time_text(*of) for name, of in TIMED.items()}
     out |= {
-        "lin-2.2:elements_proposed": beam_element_count(study, STATIC[1]),
-        "lin-2.2:elements_ansys": model_size_in_3d(study, STATIC[1]),
+        "lin-2.2:elements_proposed": beam_element_count_in_words(study, STATIC[1]),
+        "lin-2.2:elements_ansys": model_size_in_3d_in_words(study, STATIC[1]),
     }
-    out |= {f"lin-3.7:elements_{case}": model_size_in_3d(study, name) for case, name in SCREW.items()}
-    return out | {"lin-3.5:elements_ansys": model_size_in_3d(study, LINEAR["a"])}
+    out |= {f"lin-3.7:elements_{case}": model_size_in_3d_in_words(study, name) for case, name in SCREW.items()}
+    return out | {"lin-3.5:elements_ansys": model_size_in_3d_in_words(study, LINEAR["a"])}
 
 
 # --- figures
 
 
-def load_figure(study: Study) -> Figure:
+def case_study_loads_figure(study: Study) -> Figure:
     """Draw contact loads over the ball's number in Lin's case studies: low-order model, 3D reference, printed statements.
 
     ``study``: solved scenes and stored 3D references.
@@ -282,14 +285,18 @@ def load_figure(study: Study) -> Figure:
     panels = []
     for k, name in STATIC.items():
         low, found = study.solve(name), study.reference(name)
-        series = [load_curve("low-order (the source's model)", low, 0, emphasis=True)]
+        series = [contact_load_curve("low-order (the source's model)", low, 0, emphasis=True)]
         if found is not None:
-            series.append(load_curve(f"3D reference, level {found.best.level}", found, 0, "line"))
-        panels.append(load_panel(f"case study {k}, SL", *series, *MARKS[k](study)))
+            series.append(contact_load_curve(f"3D reference, level {found.best.level}", found, 0, "line"))
+        panels.append(contact_load_panel(f"case study {k}, SL", *series, *MARKS[k](study)))
     plain, offset = study.solve("lin-case3"), study.solve("lin-case3-offset")
     last = Series("printed: SR and NL of the last few balls increase most", [32.0], [float(offset.load[31, 1])], "markers")
-    curves = load_curve("SR, offset of 300 µm", offset, 1, emphasis=True), load_curve("SR, no offset", plain, 1), last
-    panels.append(load_panel("case study 3, SR", *curves))
+    curves = (
+        contact_load_curve("SR, offset of 300 µm", offset, 1, emphasis=True),
+        contact_load_curve("SR, no offset", plain, 1),
+        last,
+    )
+    panels.append(contact_load_panel("case study 3, SR", *curves))
     caption = "NR follows SL and NL follows SR. Markers and lines: statements of the text; loads are in its figures alone."
     return Figure(
         "lin-loads",
@@ -305,8 +312,8 @@ def _case_1_marks(study: Study) -> list[Series]:
     The ratio is that of the largest to the smallest load. ``study``: solved scenes.
     """
     load = study.solve("lin-case1").load[:, 0]
-    printed = value_of("lin-2.4.1", "case1_ratio") * float(load.min())
-    mei = load_curve("Mei: uniformly decreasing", study.solve("lin-case1", "mei"), 0, "line")
+    printed = printed_value("lin-2.4.1", "case1_ratio") * float(load.min())
+    mei = contact_load_curve("Mei: uniformly decreasing", study.solve("lin-case1", "mei"), 0, "line")
     return [mei, Series("printed: largest is 1.34 times the smallest", [1.0, 32.0], [printed, printed], "line")]
 
 
@@ -318,13 +325,13 @@ def _case_2_marks(study: Study) -> list[Series]:
 
 def _case_3_marks(study: Study) -> list[Series]:
     """Return the curve of case 3's contact loads without lateral offset of the right end."""
-    return [load_curve("low-order, no offset", study.solve("lin-case3"), 0, "line")]
+    return [contact_load_curve("low-order, no offset", study.solve("lin-case3"), 0, "line")]
 
 
 MARKS: Mapping[int, Callable[[Study], list[Series]]] = {1: _case_1_marks, 2: _case_2_marks, 3: _case_3_marks}
 
 
-def mesh_figure(study: Study) -> Figure:
+def error_over_cell_size_figure(study: Study) -> Figure:
     """Draw the errors of contact loads and ball-to-ball forces in 3D over the cell size, against the finest grid.
 
     ``study``: solved scenes and stored 3D references.
@@ -336,12 +343,12 @@ def mesh_figure(study: Study) -> Figure:
             continue
         coarse = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
         runs = [*([coarse] if coarse is not None else []), *found.runs[:-1]]
-        sizes = [representative_size(r.settings) / found.sizes[-1] for r in runs]
+        sizes = [relative_cell_size(r.settings) / found.sizes[-1] for r in runs]
         errors = [load_error(r.load, found.load, found.contacts).own_max_percent for r in runs]
         static.append(Series(f"{name}, 3D", sizes, errors))
         low = load_error(study.solve(name).load, found.load, found.contacts).own_max_percent
         static.append(Series(f"{name}, low-order", [1.0, max(sizes)], [low, low], "line", light=True))
-    printed = value_of("lin-2.4.1", "case1_max_error")
+    printed = printed_value("lin-2.4.1", "case1_max_error")
     static.append(Series("printed: low-order against ANSYS, case 1", [1.0, 4.0], [printed, printed], "line"))
     for name in (LINEAR["a"], *SCREW.values()):
         stores = study.stores or (shipped_store(),)
@@ -380,7 +387,7 @@ def case_study_rows(study: Study) -> Iterator[Row]:
         for model, value in answers.items():
             e = load_error(value, found.load, found.contacts)
             apart = model != "3D reference"
-            shown = " / ".join(entry("lin-2.4.1", key).printed for key in keys) if model == "lin" else ""
+            shown = " / ".join(printed_entry("lin-2.4.1", key).printed for key in keys) if model == "lin" else ""
             loaded = value[value > 0.0]
             yield {
                 Quantity("case", "case study", "", "s"): str(k),
@@ -388,7 +395,7 @@ def case_study_rows(study: Study) -> Iterator[Row]:
                 Quantity("model", "answer", "", "s"): model,
                 Quantity("max", "largest load", "N", ".2f"): float(loaded.max()),
                 Quantity("min", "smallest load", "N", ".2f"): float(loaded.min()),
-                Quantity("ratio", "largest : smallest on SL", "", ".4f"): chapter_2.load_ratio(value[:, 0]),
+                Quantity("ratio", "largest : smallest on SL", "", ".4f"): chapter_2.largest_over_smallest_load(value[:, 0]),
                 Quantity("own_max", "largest error", "% of own load", ".2f"): e.own_max_percent if apart else None,
                 Quantity("own_rms", "RMS error", "% of own load", ".2f"): e.own_rms_percent if apart else None,
                 Quantity("mean_max", "largest error", "% of mean", ".2f"): e.max_percent if apart else None,
@@ -407,9 +414,9 @@ def case_study_table(study: Study) -> Table:
 
 
 FIGURES: Mapping[str, tuple[Callable[[Study], Table | Figure], ...]] = {
-    "2.2": (case_study_table, load_figure, mesh_figure),
-    "3.2": (lambda _: torque_figure(),),
-    "4.2": (lambda _: bearing_figure(),),
+    "2.2": (case_study_table, case_study_loads_figure, error_over_cell_size_figure),
+    "3.2": (lambda _: rotary_bearing_torque_figure(),),
+    "4.2": (lambda _: bearing_torque_figure(),),
 }
 
 GUIDE = (
@@ -427,7 +434,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("printed numbers of the thesis")
-    names = [name for name in tables() if name.startswith("lin-")]
+    names = [name for name in printed_table_names() if name.startswith("lin-")]
     found = {f.printed.name: f for f in evidence(study, *names)}
     every = read_layouts(LIN)
     placed = {name for layout in every for name in layout.names}
@@ -436,30 +443,30 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     first = Section(
         "lin",
         "Contents of Lin's thesis: printed numbers by place and verdict",
-        (Text((GUIDE,)), counts_by_place(list(found.values()))),
-        conclusion=conclusion(found.values()),
+        (Text((GUIDE,)), reproduced_counts_table(list(found.values()))),
+        conclusion=printed_results_conclusion(found.values()),
     )
     last = (
         Section(
             "lin-claims",
             "Claims that the thesis makes in words",
-            (printed_table("lin-claims", "Claims that the thesis makes in words", claims, place=True),),
+            (printed_numbers_table("lin-claims", "Claims that the thesis makes in words", claims, with_place=True),),
         ),
         Section(
             "lin-others",
             "Numbers that the thesis prints elsewhere",
             (
-                printed_table(
-                    "lin-others", "Numbers that the thesis prints outside its tables and figures", others, place=True
+                printed_numbers_table(
+                    "lin-others", "Numbers that the thesis prints outside its tables and figures", others, with_place=True
                 ),
             ),
         ),
         Section("lin-how", "How each printed number is computed here", tuple(computation_tables(names))),
     )
-    return first, *(table_section(study, layout, found) for layout in every), *last
+    return first, *(printed_table_section(study, layout, found) for layout in every), *last
 
 
-def conclusion(found: Iterable[Evidence]) -> str:
+def printed_results_conclusion(found: Iterable[Evidence]) -> str:
     """Return the sentence on how many printed results are reproduced, contradicted or not determined by the text.
 
     ``found``: printed values and claims with the computed ones.
@@ -476,7 +483,7 @@ def conclusion(found: Iterable[Evidence]) -> str:
     )
 
 
-def table_section(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Section:
+def printed_table_section(study: Study, layout: PrintedLayout, found: Mapping[str, Evidence]) -> Section:
     """Return the report's section on one table of Lin's thesis, or on the numbers in its sentences.
 
     ``layout``: rows and columns of the table in the thesis; ``found``: printed values with the computed ones, by name.
@@ -484,22 +491,22 @@ def table_section(study: Study, layout: Layout, found: Mapping[str, Evidence]) -
     """
     items: list[Table | Figure] = []
     if layout.kind == "inputs":
-        items.append(inputs_table(layout, found))
+        items.append(input_data_table(layout, found))
     else:
         if layout.kind == "results":
-            items.append(table_in_printed_layout(layout, found, substitute_texts(study)))
+            items.append(side_by_side_table_of_layout(layout, found, run_time_and_size_texts(study)))
         more = MORE[layout.number](study) if layout.number in MORE else {}
         reasons = {name: reason_without_3d(name) for name in layout.names}
-        items.append(compared_table(layout, found, more, reasons, list(TIMED), NOTES.get(layout.number, "")))
+        items.append(printed_and_computed_table(layout, found, more, reasons, list(TIMED), NOTES.get(layout.number, "")))
         if any(name in TIMED for name in layout.names):
-            items.append(times_table(study, layout, found))
+            items.append(run_times_table(study, layout, found))
     items += [draw(study) for draw in FIGURES.get(layout.number, ())]
     return Section(f"lin-table-{layout.number}", layout.heading, items)
 
 
-def times_note(study: Study) -> str:
+def run_times_note(study: Study) -> str:
     """Return the note on how printed and measured run times were obtained; ``study``: stored run times."""
-    kept = study.once(times_of_page, "lin")
+    kept = study.compute_once(run_times_for_page, "lin")
     return (
         f"Printed: {MACHINE}. Ours, cold: a new process with empty caches, imports included; further: the next load case "
         "there; ANSYS rows: 3D, ours. Empty: not measured. Of another measuring run: its time, with its version; no "

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from rollbench.compare.cases.lin.reconstruction.readings import RUNS, compute_missing
-from rollbench.compare.running import on_terminal
-from rollbench.meshes.cache import default_root
+from rollbench.compare.running import show_progress_message
+from rollbench.meshes.cache import default_cache_folder
 
-compute_missing(on_terminal, default_root())
-on_terminal(f"all runs are in {RUNS}; what follows from them: rollbench report --only reconstruction")
+compute_missing(show_progress_message, default_cache_folder())
+show_progress_message(f"all runs are in {RUNS}; what follows from them: rollbench report --only reconstruction")

@@ -6,7 +6,7 @@ from the line through the arcs' centres. Both contact normals then turn by phi =
 contacts, with h the arc's radius less the ball's; friction holds the ball while tan(phi) <= mu. With arcs of equal
 radius, the line through the contacts stays parallel to the line through the arcs' centres, so friction turns no force.
 Both contacts shift by the arc's radius times phi, and the ball fills the grooves like a ball whose radius is larger by h
-phi^2/2 (`effective_oversize`).
+phi^2/2 (`oversize_of_displaced_ball`).
 
 How far a ball is displaced depends on its previous motion. A ball that rolls on both grooves moves by half of the
 relative motion of the surfaces. So does the midpoint between the arcs' centres, except for the tilt of one groove against
@@ -45,10 +45,10 @@ import numpy as np
 
 from rollbench.compare.measure import error_percent, load_error, mean_load
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import value_of
+from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.computing import compute_runs
-from rollbench.compare.reference.levels import SOURCE_LEVEL, ends_in_plain_shaft, scale_dimension, solid
-from rollbench.compare.reference.store import Run, load_run, save
+from rollbench.compare.reference.levels import SOURCE_LEVEL, change_solid_model, scale_dimension, with_shortened_groove
+from rollbench.compare.reference.store import Run, load_run, save_run
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.contacts import error_free_hertz
@@ -59,7 +59,7 @@ from rollbench.meshes.parts import Scene
 MU = 0.01
 
 
-def radius_difference(scene: Scene) -> float:
+def groove_less_ball_radius(scene: Scene) -> float:
     """Return the difference h [m] between groove radius and ball radius.
 
     Raises ValueError if screw and nut have different groove radii.
@@ -70,44 +70,45 @@ def radius_difference(scene: Scene) -> float:
     return scene.screw.groove_radius - scene.balls.radius
 
 
-def effective_oversize(scene: Scene, phi: float = MU) -> float:
+def oversize_of_displaced_ball(scene: Scene, normal_rotation: float = MU) -> float:
     """Return the oversize of the ball radius [m], h phi^2/2, that has the effect of a displaced ball.
 
-    The ball is displaced from the line of the arcs' centres, which turns its contact normals. ``phi``: angle of this turn
-    [rad]; h: groove radius less ball radius.
+    The ball is displaced from the line of the arcs' centres, which turns its contact normals. ``normal_rotation``: angle of
+    this turn [rad]; h: groove radius less ball radius.
     """
-    return 0.5 * radius_difference(scene) * phi**2
+    return 0.5 * groove_less_ball_radius(scene) * normal_rotation**2
 
 
 def tilt_at_onset_of_sliding(scene: Scene) -> float:
     """Return the tilt [rad] of the screw's groove against the nut's at which a rolling ball begins to slide."""
-    return 2.0 * MU * radius_difference(scene) / scene.screw.groove_radius
+    return 2.0 * MU * groove_less_ball_radius(scene) / scene.screw.groove_radius
 
 
 def displace_balls_by_friction(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
     """Return the scene with balls displaced from the line of the arcs' centres as far as friction can hold them.
 
-    The displacement is modelled by an oversize of the ball (`effective_oversize`). ``balls``: numbers of these balls,
-    from 1; by default all.
+    The displacement is modelled by an oversize of the ball (`oversize_of_displaced_ball`). ``balls``: numbers of these
+    balls, from 1; by default all.
     """
-    oversize, gap = dict(scene.errors.balls.listed), effective_oversize(scene)
+    oversize, gap = dict(scene.errors.balls.listed), oversize_of_displaced_ball(scene)
     for k in range(1, scene.ball_count + 1) if balls is None else balls:
         oversize[k] = oversize.get(k, 0.0) + gap
     listed = tuple(sorted(oversize.items()))
     return replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, listed=listed)))
 
 
-def largest_change_by_friction(scene: Scene, of: Callable[[Scene], float]) -> float:
+def largest_relative_rise_by_friction(scene: Scene, quantity: Callable[[Scene], float]) -> float:
     """Return the largest relative rise of a quantity that friction on some of the balls of a scene can cause.
 
-    Friction displaces each ball that, displaced alone, raises the quantity. ``of``: function that returns the quantity of
-    a scene.
+    Friction displaces each ball that, displaced alone, raises the quantity. ``quantity``: function that returns the
+    quantity of a scene.
     """
-    base = of(scene)
+    base = quantity(scene)
     return (
-        of(
+        quantity(
             displace_balls_by_friction(
-                scene, [k for k in range(1, scene.ball_count + 1) if of(displace_balls_by_friction(scene, (k,))) > base]
+                scene,
+                [k for k in range(1, scene.ball_count + 1) if quantity(displace_balls_by_friction(scene, (k,))) > base],
             )
         )
         / base
@@ -171,15 +172,28 @@ LOW = (
 #: Interpretations for the 3D model; default: shaft grooved all along, nut fixed at its whole left face, no friction.
 SOLID = (
     Interpretation(
-        "plain", SHAFT, "plain, of the lands' diameter", change=lambda s: solid(shaft_diameter=s.screw.outer_diameter)(s)
+        "plain",
+        SHAFT,
+        "plain, of the lands' diameter",
+        change=lambda s: change_solid_model(shaft_diameter=s.screw.outer_diameter)(s),
     ),
-    Interpretation("runout", SHAFT, "groove ends 12 mm beyond the nut", change=ends_in_plain_shaft),
-    Interpretation("outer-half", HELD, "outer half of the left face", change=solid(nut_held="left face, outer half")),
-    Interpretation("inner-half", HELD, "inner half of the left face", change=solid(nut_held="left face, inner half")),
+    Interpretation("runout", SHAFT, "groove ends 12 mm beyond the nut", change=with_shortened_groove),
     Interpretation(
-        "surface", HELD, "outer surface", change=solid(nut_held="outer surface"), by_text="its left end holds the nut"
+        "outer-half", HELD, "outer half of the left face", change=change_solid_model(nut_held="left face, outer half")
     ),
-    Interpretation("right", HELD, "right face", change=solid(nut_held="right face"), by_text="its left end holds the nut"),
+    Interpretation(
+        "inner-half", HELD, "inner half of the left face", change=change_solid_model(nut_held="left face, inner half")
+    ),
+    Interpretation(
+        "surface",
+        HELD,
+        "outer surface",
+        change=change_solid_model(nut_held="outer surface"),
+        by_text="its left end holds the nut",
+    ),
+    Interpretation(
+        "right", HELD, "right face", change=change_solid_model(nut_held="right face"), by_text="its left end holds the nut"
+    ),
     Interpretation(
         "narrow",
         LAND,
@@ -190,7 +204,7 @@ SOLID = (
         "wide", LAND, "0.6 mm wider", change=scale_dimension("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, 0.6e-3)
     ),
     Interpretation("hole", HOLE, "half as wide", change=scale_dimension("hole_diameter", lambda d: 2.0 * d.hole, 0.5)),
-    Interpretation("filled", ENDS, "filled beyond the balls", change=solid(nut_groove="loaded")),
+    Interpretation("filled", ENDS, "filled beyond the balls", change=change_solid_model(nut_groove="loaded")),
     Interpretation("tetrahedra", MESH, "first-order tetrahedra of 0.08 mm", level=SOURCE_LEVEL),
     Interpretation(
         "off-line",
@@ -213,39 +227,39 @@ FINER = tuple(r for r in SOLID if r.key == "penalty/4")
 Combination = tuple[Interpretation, ...]
 
 
-def combination_key(readings: Combination) -> str:
+def combination_key(combination: Combination) -> str:
     """Return the keys of a combination's interpretations joined by "+", such as "plain+tetrahedra"; "base" for none."""
-    return "+".join(r.key for r in readings) or "base"
+    return "+".join(r.key for r in combination) or "base"
 
 
-def combinations_of_choices(readings: tuple[Interpretation, ...], most: int) -> list[Combination]:
+def combine_interpretations(interpretations: tuple[Interpretation, ...], most: int) -> list[Combination]:
     """Return all combinations of interpretations, each with at most one interpretation of a modelling choice.
 
-    ``readings``: the interpretations; ``most``: largest number of them in a combination. The first combination is empty:
-    all choices by default.
+    ``interpretations``: the interpretations; ``most``: largest number of them in a combination. The first combination is
+    empty: all choices by default.
     """
     found: list[Combination] = [()]
     for count in range(1, most + 1):
-        found += [c for c in combinations(readings, count) if len({r.choice for r in c}) == count]
+        found += [c for c in combinations(interpretations, count) if len({r.choice for r in c}) == count]
     return found
 
 
-def scene_for_low_order(scene: Scene, readings: Combination) -> Scene:
+def change_scene_for_low_order(scene: Scene, combination: Combination) -> Scene:
     """Return a copy of the scene, changed for the low-order model as a combination of interpretations requires."""
-    ingredients = {k: v for r in readings for k, v in r.ingredients.items()}
+    ingredients = {k: v for r in combination for k, v in r.ingredients.items()}
     return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
 
-def scene_for_3d(scene: Scene, readings: Combination) -> Scene:
+def change_scene_for_3d(scene: Scene, combination: Combination) -> Scene:
     """Return a copy of the scene, changed for the 3D model as a combination of interpretations requires; not its mesh."""
-    for r in readings:
+    for r in combination:
         scene = scene if r.change is None else r.change(scene)
     return scene
 
 
-def mesh_level_of(readings: Combination) -> int:
+def mesh_level_of_combination(combination: Combination) -> int:
     """Return the mesh level on which a combination of interpretations is solved in 3D: the coarsest of their levels."""
-    return min((r.level for r in readings), default=LEVEL)
+    return min((r.level for r in combination), default=LEVEL)
 
 
 # --- 3D runs of the interpretations: computed if not stored, then stored in this folder
@@ -263,37 +277,37 @@ MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 def combinations_in_3d() -> list[Combination]:
     """Return the combinations of interpretations solved in 3D: default, single ones, pairs and triples of `MOVERS`."""
     movers = tuple(r for r in SOLID if r.key in MOVERS)
-    return [*combinations_of_choices(SOLID, 1), *(c for c in combinations_of_choices(movers, 3) if len(c) > 1)]
+    return [*combine_interpretations(SOLID, 1), *(c for c in combine_interpretations(movers, 3) if len(c) > 1)]
 
 
-def scenes_in_3d(readings: Combination) -> tuple[Scene, ...]:
+def case_scenes_in_3d(combination: Combination) -> tuple[Scene, ...]:
     """Return the scenes of Lin's cases 1 and 2, changed for the 3D model as a combination of interpretations requires.
 
-    ``readings``: the combination. The names of the scenes contain its key.
+    ``combination``: the combination. The names of the scenes contain its key.
     """
-    name = combination_key(readings).replace("/", "-")
-    return tuple(replace(scene_for_3d(catalogue.scene(c), readings), name=f"{c}-{name}") for c in CASES)
+    name = combination_key(combination).replace("/", "-")
+    return tuple(replace(change_scene_for_3d(catalogue.scene(c), combination), name=f"{c}-{name}") for c in CASES)
 
 
-def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, ...] | None:
+def stored_runs(combination: Combination, level: int | None = None) -> tuple[Run, ...] | None:
     """Return the stored 3D results of Lin's cases 1 and 2 under a combination of interpretations.
 
-    None if a result is missing or did not converge. ``readings``: the combination; ``level``: mesh level; None: that of
+    None if a result is missing or did not converge. ``combination``: the combination; ``level``: mesh level; None: that of
     the combination.
     """
-    level = mesh_level_of(readings) if level is None else level
-    found = [load_run(scene, level, stores=[RUNS]) for scene in scenes_in_3d(readings)]
+    level = mesh_level_of_combination(combination) if level is None else level
+    found = [load_run(scene, level, stores=[RUNS]) for scene in case_scenes_in_3d(combination)]
     runs = tuple(run for run in found if run is not None and run.status == "converged")
     return runs if len(runs) == len(CASES) else None
 
 
-def stored_loads(readings: Combination, level: int | None = None) -> tuple[Array, ...] | None:
+def stored_loads(combination: Combination, level: int | None = None) -> tuple[Array, ...] | None:
     """Return the stored contact loads of Lin's cases 1 and 2 in 3D under a combination; None if a result is missing.
 
-    Each array is (n, 4) [N] for n balls and the flanks SL, SR, NL and NR. ``readings``: combination of interpretations;
+    Each array is (n, 4) [N] for n balls and the flanks SL, SR, NL and NR. ``combination``: combination of interpretations;
     ``level``: mesh level; None: the combination's.
     """
-    runs = stored_runs(readings, level)
+    runs = stored_runs(combination, level)
     return None if runs is None else tuple(run.load for run in runs)
 
 
@@ -303,11 +317,11 @@ def compute_missing(step: Callable[[str], None], cache: Path | None = None) -> N
     ``step``: function that receives a message before each solution; ``cache``: folder for intermediate results, None for
     no such folder. Raises ValueError if a solution does not converge.
     """
-    for readings, level in [*((r, mesh_level_of(r)) for r in combinations_in_3d()), (FINER, PENALTY_LEVEL + 1)]:
+    for readings, level in [*((r, mesh_level_of_combination(r)) for r in combinations_in_3d()), (FINER, PENALTY_LEVEL + 1)]:
         if stored_loads(readings, level) is not None:
             continue
         step(f"3D: {combination_key(readings)}, level {level}")
-        pair = scenes_in_3d(readings)
+        pair = case_scenes_in_3d(readings)
         sliding, penalty = sum(r.sliding for r in readings), sum(r.penalty for r in readings)
         if penalty:
             from rollbench.compare.cases.lin.reconstruction.solvers import solve_with_penalty
@@ -321,7 +335,7 @@ def compute_missing(step: Callable[[str], None], cache: Path | None = None) -> N
 
             runs = solve_with_sliding(pair, runs, sliding, cache)
         for scene, run in zip(pair, runs, strict=True):
-            save(RUNS, scene, run)
+            save_run(RUNS, scene, run)
 
 
 #: Index of the oversize ball of case 2, and oversize of its radius [m].
@@ -338,15 +352,16 @@ APPROACH, BIAS, SCATTER = 6.4839e-6, -4.4, 0.33
 def load_change_per_approach(solid: tuple[Array, ...]) -> float:
     """Return the relative rise of a ball's load over the closure of one of its contacts, in units of the Hertz approach.
 
-    It follows from the load of the oversize ball of case 2, whose radius closes both of its contacts. ``solid``: contact
-    loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL, SR, NL and NR.
+    It follows from the load of the oversize ball of case 2, whose radius closes both of its contacts.
+    ``change_solid_model``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL, SR,
+    NL and NR.
     """
     before, after = (load[LARGE, 0] for load in solid)
     return float((after / before - 1.0) * 0.5 * APPROACH / OVERSIZE)
 
 
 def errors_on_random_meshes(
-    low: tuple[Array, ...], solid: tuple[Array, ...], percent: float, *, of_load: bool = True
+    low: tuple[Array, ...], solid: tuple[Array, ...], scatter_percent: float, *, of_load: bool = True
 ) -> Array:
     """Return the errors [%] of the low-order model against 3D if each case were solved on another random mesh, (DRAWN, 4).
 
@@ -359,14 +374,14 @@ def errors_on_random_meshes(
         Contact loads of cases 1 and 2 by the low-order model, each (n, 4) [N].
     solid
         Contact loads of cases 1 and 2 in 3D, each (n, 4) [N].
-    percent
+    scatter_percent
         Standard deviation of every contact's Hertz approach between meshes [%].
     of_load
         Whether errors are in per cent of each load instead of the mean load.
     """
     rng, share, out = np.random.default_rng(1), load_change_per_approach(solid), []
     for a, b in zip(low, solid, strict=True):
-        change = 0.01 * percent * share * rng.normal(size=(DRAWN, len(b), 2)).sum(axis=2)
+        change = 0.01 * scatter_percent * share * rng.normal(size=(DRAWN, len(b), 2)).sum(axis=2)
         meshed = b[:, 0] * (1.0 - change)
         meshed *= b[:, 0].sum() / meshed.sum(axis=1, keepdims=True)  # the axial force is the same
         errors = np.asarray(error_percent(a[:, 0], meshed, None if of_load else meshed.mean(axis=1, keepdims=True)))
@@ -402,9 +417,9 @@ ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_er
 class CombinationResult:
     """Results of one combination of interpretations: load ratios of case 1, and errors of the low-order model against 3D.
 
-    ``low``, ``solid``: interpretations for the low-order and for the 3D model; ``low_ratio``, ``solid_ratio``: largest
-    over smallest load of case 1 by these models; ``errors``: errors [%] by definition ("own": of each load, "mean": of
-    the mean load), each as largest and RMS error of case 1, then of case 2.
+    ``low``, ``change_solid_model``: interpretations for the low-order and for the 3D model; ``low_ratio``, ``solid_ratio``:
+    largest over smallest load of case 1 by these models; ``errors``: errors [%] by definition ("own": of each load, "mean":
+    of the mean load), each as largest and RMS error of case 1, then of case 2.
     """
 
     low: Combination
@@ -423,26 +438,26 @@ class CombinationResult:
         return np.concatenate([ratios, np.array(self.errors["own"]) - np.array(printed_errors())])
 
     @property
-    def against_text(self) -> bool:
+    def contradicts_text(self) -> bool:
         """Whether the combination contradicts the text of Lin's thesis."""
         return any(r.by_text for r in (*self.low, *self.solid))
 
 
 def printed_load_ratio() -> float:
     """Return the ratio of largest to smallest load that Lin prints for both models: about 1.34."""
-    return value_of("lin-2.4.1", "case1_ratio")
+    return printed_value("lin-2.4.1", "case1_ratio")
 
 
-def load_ratio(load: Array) -> float:
+def largest_over_smallest_load(load: Array) -> float:
     """Return the largest over the smallest load on flank SL; ``load``: contact loads (n, 4) [N] of n balls."""
     return float(load[:, 0].max() / load[:, 0].min())
 
 
-def model_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Definition, tuple[float, ...]]:
+def low_order_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Definition, tuple[float, ...]]:
     """Return the errors [%] of the low-order against the 3D loads, an entry for each `Definition` of the error.
 
-    Each entry has largest and RMS error of case 1, then of case 2. ``low``, ``solid``: contact loads of both cases,
-    each (n, 4) [N].
+    Each entry has largest and RMS error of case 1, then of case 2. ``low``, ``change_solid_model``: contact loads of both
+    cases, each (n, 4) [N].
     """
     found = [load_error(a, b) for a, b in zip(low, solid, strict=True)]
     of_load = tuple(x for e in found for x in (e.own_max_percent, e.own_rms_percent))
@@ -452,31 +467,31 @@ def model_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Defin
 def low_order_combinations() -> list[Combination]:
     """Return the combinations solved by the low-order model: default, single ones, pairs and triples of `LOW_MOVERS`."""
     movers = tuple(r for r in LOW if r.key in LOW_MOVERS)
-    return [*combinations_of_choices(LOW, 1), *(c for c in combinations_of_choices(movers, 3) if len(c) > 1)]
+    return [*combine_interpretations(LOW, 1), *(c for c in combine_interpretations(movers, 3) if len(c) > 1)]
 
 
-def low_order_loads(study: Study, readings: Combination) -> tuple[Array, ...]:
+def low_order_loads(study: Study, combination: Combination) -> tuple[Array, ...]:
     """Return the contact loads of Lin's cases 1 and 2 by the low-order model under a combination of interpretations.
 
-    Each array is (n, 4) [N] for n balls. ``study``: solved scenes; ``readings``: the combination.
+    Each array is (n, 4) [N] for n balls. ``study``: solved scenes; ``combination``: the combination.
     """
-    return tuple(study.solve(scene_for_low_order(catalogue.scene(c), readings), "lin").load for c in CASES)
+    return tuple(study.solve(change_scene_for_low_order(catalogue.scene(c), combination), "lin").load for c in CASES)
 
 
-def loads_in_3d(study: Study, readings: Combination, level: int | None = None) -> tuple[Array, ...]:
+def required_loads_in_3d(study: Study, combination: Combination, level: int | None = None) -> tuple[Array, ...]:
     """Return the contact loads of Lin's cases 1 and 2 by the 3D model under a combination of interpretations.
 
-    Each array is (n, 4) [N] for n balls. ``study``: keeps results that were read; ``readings``: the combination;
+    Each array is (n, 4) [N] for n balls. ``study``: keeps results that were read; ``combination``: the combination;
     ``level``: mesh level; None: the combination's. Raises LookupError if a result is not stored.
     """
-    return tuple(run.load for run in study.once(_require_runs, readings, level))
+    return tuple(run.load for run in study.compute_once(_require_runs, combination, level))
 
 
-def _require_runs(study: Study, readings: Combination, level: int | None = None) -> tuple[Run, ...]:  # noqa: ARG001
+def _require_runs(study: Study, combination: Combination, level: int | None = None) -> tuple[Run, ...]:  # noqa: ARG001
     """Return the stored 3D results of cases 1 and 2 under a combination; raises LookupError if one is missing."""
-    found = stored_runs(readings, level)
+    found = stored_runs(combination, level)
     if found is None:
-        raise LookupError(f"no stored 3D run of {combination_key(readings)!r}; compute it by: python -m {__package__}")
+        raise LookupError(f"no stored 3D run of {combination_key(combination)!r}; compute it by: python -m {__package__}")
     return found
 
 
@@ -487,25 +502,27 @@ def evaluate_combinations(study: Study) -> list[CombinationResult]:
     and stored 3D results.
     """
     low = [(c, low_order_loads(study, c)) for c in low_order_combinations()]
-    solid = [(c, loads_in_3d(study, c)) for c in combinations_in_3d()]
+    solid = [(c, required_loads_in_3d(study, c)) for c in combinations_in_3d()]
     return [
-        CombinationResult(a, b, load_ratio(x[0]), load_ratio(y[0]), model_errors(x, y)) for a, x in low for b, y in solid
+        CombinationResult(a, b, largest_over_smallest_load(x[0]), largest_over_smallest_load(y[0]), low_order_errors(x, y))
+        for a, x in low
+        for b, y in solid
     ]
 
 
 def printed_errors() -> tuple[float, ...]:
     """Return the four errors [%] against ANSYS that Lin prints: largest and RMS, of cases 1 and 2."""
-    return tuple(value_of("lin-2.4.1", key) for key in ERRORS)
+    return tuple(printed_value("lin-2.4.1", key) for key in ERRORS)
 
 
-def nearest_combination(found: list[CombinationResult], first: int = 6) -> CombinationResult:
+def combination_nearest_to_print(found: list[CombinationResult], count: int = 6) -> CombinationResult:
     """Return the combination whose results are nearest to the printed numbers, of those that the text does not contradict.
 
     The distance is the root sum of squares of the deviations `CombinationResult.misses`. ``found``: results of all
-    combinations; ``first``: how many of the deviations count; 2: only the load ratios, 6: all.
+    combinations; ``count``: how many of the deviations count; 2: only the load ratios, 6: all.
     """
-    allowed = [c for c in found if not c.against_text]
-    return min(allowed, key=lambda c: float(np.linalg.norm(c.misses[:first])))
+    allowed = [c for c in found if not c.contradicts_text]
+    return min(allowed, key=lambda c: float(np.linalg.norm(c.misses[:count])))
 
 
 def combinations_without_penalty(found: list[CombinationResult]) -> list[CombinationResult]:
@@ -513,7 +530,7 @@ def combinations_without_penalty(found: list[CombinationResult]) -> list[Combina
     return [c for c in found if not any(r.penalty for r in c.solid)]
 
 
-def shown_combinations(found: list[CombinationResult]) -> dict[str, CombinationResult]:
+def combinations_shown_in_report(found: list[CombinationResult]) -> dict[str, CombinationResult]:
     """Return the combinations that the report shows one by one, by their name in the report.
 
     These are: all choices by default; the nearest to the printed load ratio, without a penalty (some penalty would give
@@ -525,19 +542,19 @@ def shown_combinations(found: list[CombinationResult]) -> dict[str, CombinationR
     }
     return {
         "all by default": found[0],
-        "nearest in the ratio, no penalty": nearest_combination(combinations_without_penalty(found), 2),
+        "nearest in the ratio, no penalty": combination_nearest_to_print(combinations_without_penalty(found), 2),
         **softer,
-        "nearest in all six": nearest_combination(found),
+        "nearest in all six": combination_nearest_to_print(found),
     }
 
 
-def relative_penalty_approach(study: Study, readings: Combination) -> float:
+def penalty_over_hertz_approach(study: Study, combination: Combination) -> float:
     """Return the approach that a penalty adds at a contact of case 1, divided by the Hertz approach under the mean load.
 
-    ``study``: keeps results that were read; ``readings``: combination of interpretations that contains the penalty.
+    ``study``: keeps results that were read; ``combination``: combination of interpretations that contains the penalty.
     """
     scene = catalogue.scene(CASES[0])
-    still, moved = (study.once(_require_runs, r)[0] for r in ((), readings))
+    still, moved = (study.compute_once(_require_runs, r)[0] for r in ((), combination))
     track = scene.track
     lead = np.arctan(track.lead / (2.0 * np.pi * track.pitch_radius))
     added = (

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.reference.store import Run
-from rollbench.compare.reference.tasks import settings_of
-from rollbench.hifi.coupling import PlacedSet, mount_screw, normal_motion_of_nodes
+from rollbench.compare.reference.tasks import mesh_settings
+from rollbench.hifi.coupling import PlacedSet, mount_screw, normal_motion_by_modes
 from rollbench.hifi.reference import ROUNDS, ContactRound, LoadCase, solve_reference
 from rollbench.hifi.setup import Setup, prepare
 from rollbench.hifi.shaft.beam import Frame
@@ -40,16 +40,16 @@ def add_penalty_springs(setup: Setup, penalty: float) -> Setup:
     return replace(setup, patches=patches)
 
 
-def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: float, cache: Path | None) -> list[Run]:
+def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], penalty_ratio: float, cache: Path | None) -> list[Run]:
     """Solve scenes of one geometry in 3D with penalty contacts, starting from their solutions without a penalty.
 
-    ``runs``: stored solutions without a penalty, one for each scene; ``share``: penalty over E/h, with Young's modulus E
-    of the balls and Lin's element size h; ``cache``: folder for intermediate results, or None. Raises ValueError if a
-    solution does not converge.
+    ``runs``: stored solutions without a penalty, one for each scene; ``penalty_ratio``: penalty over E/h, with Young's
+    modulus E of the balls and Lin's element size h; ``cache``: folder for intermediate results, or None. Raises ValueError
+    if a solution does not converge.
     """
-    settings = settings_of(scenes, runs[0].level)
+    settings = mesh_settings(scenes, runs[0].level)
     settings = replace(settings, reach=(LARGER * settings.reach[0], LARGER * settings.reach[1]))
-    penalty = share * scenes[0].balls.material.youngs_modulus / settings.tet
+    penalty = penalty_ratio * scenes[0].balls.material.youngs_modulus / settings.tet
     setup = add_penalty_springs(prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache)), penalty)
     out = []
     for scene, run in zip(scenes, runs, strict=True):
@@ -96,7 +96,7 @@ class SlidingLoadCase(LoadCase):
         """
         across = self.across(last).ravel()
         self.at_rest = self.still + self.C.coupling @ self.C.amplitude(across)
-        self.load_motion = normal_motion_of_nodes(self.C, self.at_rest)
+        self.load_motion = normal_motion_by_modes(self.C, self.at_rest)
         self.mounted = replace(self.smooth, work=self.smooth.work + last.by_rigid.T @ across)
         return super().solve_next_round(last, moving=moving)
 
@@ -108,7 +108,7 @@ class SlidingLoadCase(LoadCase):
         (forces,), (normals,), (placed,) = last.forces, last.directions, self.sets
         section = placed.setup.map.axes()[[0, 2]]
         out = np.zeros_like(forces)
-        for nodes, _ in placed.zones:
+        for nodes, _ in placed.node_slices_of_flanks:
             for k in np.flatnonzero(forces[:, nodes].any(axis=1)):
                 load, n = forces[k, nodes], normals[k, nodes] @ section.T
                 x, z = load @ n
@@ -124,7 +124,7 @@ def solve_with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, 
     moves against its load; ``cache``: folder for intermediate results, or None. Returns the solutions with changed
     contact loads and contact angles. Raises ValueError if the iteration of load and friction does not converge.
     """
-    settings = settings_of(scenes, runs[0].level)
+    settings = mesh_settings(scenes, runs[0].level)
     setup = prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache))
     out = []
     for scene, run in zip(scenes, runs, strict=True):

@@ -17,7 +17,7 @@ from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.printed import value_of
+from rollbench.compare.printed import printed_value
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import BallRow
@@ -27,15 +27,15 @@ from rollbench.lowfi.bearings.axis import (
     TorqueBudget,
     acceleration_torque,
     angular_speed,
-    axis_stiffness,
-    equal_rows,
-    equilibrium,
+    carriage_to_frame_stiffness,
+    equal_rows_with_gap,
     lift_off_force,
+    shaft_and_support_stiffness,
     shaft_inertia,
-    shaft_stiffness,
     shaft_tension,
+    solve_set_equilibrium,
     support_loads,
-    unloading_warming,
+    warming_that_removes_tension,
 )
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.numerics import brentq
@@ -46,7 +46,7 @@ FIRST, PLACES = 2.0 * bearings.INCH, (0.1, 0.5, 0.9)
 
 
 @dataclass(frozen=True)
-class Layout:
+class SupportBearingLayout:
     """An arrangement of support bearings at both ends of the screw in Smith's thesis.
 
     ``scene``: name of its scene; ``words``: description; ``kind``: "ball" or "taper"; ``left``, ``right``: for each
@@ -64,23 +64,27 @@ class Layout:
         """Return the bearing rows of one end with their load-deflection laws; ``end``: "left" or "right"."""
         directions = self.left if end == "left" else self.right
         if directions == bearings.DIRECTIONS[self.kind][end]:
-            return bearings.bearing_set(self.kind, end)
-        return equal_rows(BallRow(bearings.ball_bearing()), directions, 0.0)
+            return bearings.bearing_rows_at_end(self.kind, end)
+        return equal_rows_with_gap(BallRow(bearings.ball_bearing()), directions, 0.0)
 
 
-TRIPLEX = Layout("smith-axis", "triplex, fixed-fixed", "ball", *bearings.DIRECTIONS["ball"].values())
+TRIPLEX = SupportBearingLayout("smith-axis", "triplex, fixed-fixed", "ball", *bearings.DIRECTIONS["ball"].values())
 
-SUPPORTED = Layout("smith-axis-supported", "triplex, fixed-supported", "ball", bearings.DIRECTIONS["ball"]["left"], ())
+SUPPORTED = SupportBearingLayout(
+    "smith-axis-supported", "triplex, fixed-supported", "ball", bearings.DIRECTIONS["ball"]["left"], ()
+)
 
-TANDEM = Layout("smith-axis-tandem", "tandem pairs, fixed-fixed", "ball", (1, 1), (1, 1))
+TANDEM = SupportBearingLayout("smith-axis-tandem", "tandem pairs, fixed-fixed", "ball", (1, 1), (1, 1))
 
-TAPERED = Layout("smith-axis-taper", "two-row tapered, fixed-fixed", "taper", *bearings.DIRECTIONS["taper"].values())
+TAPERED = SupportBearingLayout(
+    "smith-axis-taper", "two-row tapered, fixed-fixed", "taper", *bearings.DIRECTIONS["taper"].values()
+)
 
 LAYOUTS = TRIPLEX, SUPPORTED, TANDEM, TAPERED
 
 
 @dataclass(frozen=True)
-class EndThrusts:
+class EndThrustsAndStiffness:
     """Thrust on the supports of an axis, and its stiffness.
 
     ``left``, ``right``: thrust on the left and right supports, positive in tension of the screw [N]; ``stiffness``: axial
@@ -93,57 +97,63 @@ class EndThrusts:
 
 
 @cache
-def end_thrusts_by_formulas(layout: Layout, place: float, applied: float = bearings.APPLIED) -> EndThrusts:
+def thrusts_and_stiffness_by_formulas(
+    layout: SupportBearingLayout, nut_position: float, applied: float = bearings.APPLIED
+) -> EndThrustsAndStiffness:
     """Return end thrusts and stiffness of an axis by closed formulas, with all bearing rows of an end at one position.
 
-    ``place``: position of the nut over the length between the supports; ``applied``: axial load on the nut, towards the
-    left end [N]. The screw is stretched as in Smith's thesis, and the bearing rows are preloaded.
+    ``nut_position``: position of the nut over the length between the supports; ``applied``: axial load on the nut, towards
+    the left end [N]. The screw is stretched as in Smith's thesis, and the bearing rows are preloaded.
     """
-    a, first = bearings.screw_axis(), layout.bearings_at("left")
-    bars = np.array([place, 1.0 - place]) * a.length / (a.young * a.area)
+    a, first = bearings.screw_as_bar_between_supports(), layout.bearings_at("left")
+    bars = np.array([nut_position, 1.0 - nut_position]) * a.length / (a.young * a.area)
     if not layout.right:
-        k = equilibrium(first, -applied).stiffness
-        return EndThrusts(-applied, 0.0, 1.0 / (1.0 / k + float(bars[0])))
+        k = solve_set_equilibrium(first, -applied).stiffness
+        return EndThrustsAndStiffness(-applied, 0.0, 1.0 / (1.0 / k + float(bars[0])))
     second = layout.bearings_at("right")
 
     def stretch_error(left: float) -> float:
         """Return the elongation [m] of supports and screw at a left end thrust [N], less the imposed stretch."""
         forces = left, left + applied
-        moved = sum(equilibrium(rows, f).displacement for rows, f in zip((first, second), forces, strict=True))
+        moved = sum(solve_set_equilibrium(rows, f).displacement for rows, f in zip((first, second), forces, strict=True))
         return moved + float(bars @ forces) - bearings.STRETCH
 
     low = 1e-3 if min(layout.left) > 0 else -2e4  # tandem rows carry tension only
     left = float(brentq(stretch_error, low, 4e4, xtol=1e-6))
-    ends = [equilibrium(rows, f).stiffness for rows, f in ((first, left), (second, left + applied))]
-    return EndThrusts(left, left + applied, sum(1.0 / (1.0 / k + float(b)) for k, b in zip(ends, bars, strict=True)))
+    ends = [solve_set_equilibrium(rows, f).stiffness for rows, f in ((first, left), (second, left + applied))]
+    return EndThrustsAndStiffness(
+        left, left + applied, sum(1.0 / (1.0 / k + float(b)) for k, b in zip(ends, bars, strict=True))
+    )
 
 
-def end_thrusts_by_scene(study: Study, layout: Layout, place: float) -> EndThrusts:
+def thrusts_and_stiffness_by_scene(
+    study: Study, layout: SupportBearingLayout, nut_position: float
+) -> EndThrustsAndStiffness:
     """Return end thrusts and stiffness of an axis, solved as a beam with contacts, each bearing row at its own position.
 
-    ``study``: keeps the result; ``place``: position of the nut over the length between the supports.
+    ``study``: keeps the result; ``nut_position``: position of the nut over the length between the supports.
     """
-    return study.once(_solve_layout_scene, layout, place)
+    return study.compute_once(_solve_layout_scene, layout, nut_position)
 
 
-def _solve_layout_scene(study: Study, layout: Layout, place: float) -> EndThrusts:  # noqa: ARG001 - kept by the study
+def _solve_layout_scene(study: Study, layout: SupportBearingLayout, nut_position: float) -> EndThrustsAndStiffness:  # noqa: ARG001 - kept by the study
     """Solve the scene of an axis under a load at the nut; raises AssertionError if it does not converge.
 
-    ``place``: position of the nut over the length between the supports. ``study``: not used here.
+    ``nut_position``: position of the nut over the length between the supports. ``study``: not used here.
     """
-    found = catalogue.shipped(layout.scene)
+    found = catalogue.shipped_scene(layout.scene)
     if not isinstance(found, Assembly):
         raise AssertionError(f"{layout.scene}: expected a scene of an axis, got {type(found).__name__}")
-    at = FIRST + place * bearings.screw_axis().length
+    at = FIRST + nut_position * bearings.screw_as_bar_between_supports().length
     loads = tuple(replace(x, at=at, force=(0.0, 0.0, -bearings.APPLIED)) for x in found.loads)
     result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", Options(engine="compiled"))
     if not result.converged or result.stiffness is None:
         raise AssertionError(f"{layout.scene}: expected convergence and a stiffness, got status {result.status!r}")
     thrust = {end: sum(float(s.force[2]) for s in result.sets if s.of.name.startswith(end)) for end in ("left", "right")}
-    return EndThrusts(-thrust["left"], thrust["right"], float(result.stiffness[2, 2]))
+    return EndThrustsAndStiffness(-thrust["left"], thrust["right"], float(result.stiffness[2, 2]))
 
 
-def stiffness_sum_in_series(layout: Layout) -> float:
+def axis_stiffness_by_smith_sum(layout: SupportBearingLayout) -> float:
     """Return the axis stiffness [N/m] without the nut by Smith's equation (4.6), a sum of compliances in series.
 
     It contains the compliances of both supports and of the whole screw. The result is nan for a screw fixed at one end
@@ -151,23 +161,25 @@ def stiffness_sum_in_series(layout: Layout) -> float:
     """
     if not layout.right:
         return float("nan")
-    a, force = bearings.screw_axis(), end_thrusts_by_formulas(layout, 0.5, 0.0).left
-    ends = [equilibrium(layout.bearings_at(end), force).stiffness for end in ("left", "right")]
-    return as_printed.series_stiffness(ends, float(shaft_stiffness(a, 0.5 * a.length)), float("inf"))
+    a, force = bearings.screw_as_bar_between_supports(), thrusts_and_stiffness_by_formulas(layout, 0.5, 0.0).left
+    ends = [solve_set_equilibrium(layout.bearings_at(end), force).stiffness for end in ("left", "right")]
+    return as_printed.series_stiffness(ends, float(shaft_and_support_stiffness(a, 0.5 * a.length)), float("inf"))
 
 
-def layout_sentence(study: Study, layout: Layout) -> str:
+def thrusts_and_stiffness_in_words(study: Study, layout: SupportBearingLayout) -> str:
     """Return in words end thrusts and stiffness of an axis with the nut at mid-length, by beam model and by formulas.
 
     ``study``: solved scenes.
     """
-    scene, closed = end_thrusts_by_scene(study, layout, 0.5), end_thrusts_by_formulas(layout, 0.5)
+    scene, closed = thrusts_and_stiffness_by_scene(study, layout, 0.5), thrusts_and_stiffness_by_formulas(layout, 0.5)
     ends = [f"{x.left / bearings.POUND:.0f} and {x.right / bearings.POUND:.0f} lbf" for x in (scene, closed)]
     stiff = [f"{x.stiffness / bearings.POUND_PER_INCH / 1e6:.3f}e6 lbf/in" for x in (scene, closed)]
     return f"as a scene the ends carry {ends[0]} ({stiff[0]} without the nut), by formulas {ends[1]} ({stiff[1]})"
 
 
-def compare_layouts(study: Study) -> Iterator[tuple[Layout, float, EndThrusts, EndThrusts]]:
+def compare_scenes_with_formulas(
+    study: Study,
+) -> Iterator[tuple[SupportBearingLayout, float, EndThrustsAndStiffness, EndThrustsAndStiffness]]:
     """Yield end thrusts and stiffness of each layout of the axis and each position of the nut, computed in two ways.
 
     Each entry: layout; position of the nut over the length; thrusts and stiffness by the beam model of its scene; the
@@ -175,7 +187,12 @@ def compare_layouts(study: Study) -> Iterator[tuple[Layout, float, EndThrusts, E
     """
     for layout in LAYOUTS:
         for place in PLACES:
-            yield layout, place, end_thrusts_by_scene(study, layout, place), end_thrusts_by_formulas(layout, place)
+            yield (
+                layout,
+                place,
+                thrusts_and_stiffness_by_scene(study, layout, place),
+                thrusts_and_stiffness_by_formulas(layout, place),
+            )
 
 
 #: Lead [m] and rapid traverse [m/s] of the tested axis, section 5.1 of Smith's thesis.
@@ -192,7 +209,7 @@ KINDS = ("ball", "taper")
 
 def screw_tension() -> float:
     """Return the tension [N] of the stretched screw between rigid supports."""
-    return shaft_tension(bearings.screw_axis(), bearings.STRETCH)
+    return shaft_tension(bearings.screw_as_bar_between_supports(), bearings.STRETCH)
 
 
 @cache
@@ -202,11 +219,11 @@ def bearing_state_at_end(kind: str, end: str, state: str, preload: float = beari
     ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "preload" only, after the "stretch" of the screw, or
     with the carriage's load of Smith's section 4.2 "applied" as well; ``preload``: of the bearing rows [N].
     """
-    rows = bearings.bearing_set(kind, end, preload)
+    rows = bearings.bearing_rows_at_end(kind, end, preload)
     if state == "preload":
-        return equilibrium(rows)
+        return solve_set_equilibrium(rows)
     force = screw_tension() if state == "stretch" else _end_thrusts_under_load(screw_tension())[end]
-    return equilibrium(rows, force)
+    return solve_set_equilibrium(rows, force)
 
 
 def _end_thrusts_under_load(tensile: float) -> dict[str, float]:
@@ -214,7 +231,12 @@ def _end_thrusts_under_load(tensile: float) -> dict[str, float]:
 
     The load acts on the nut at mid-length towards the left end; ``tensile``: tension of the screw without it [N].
     """
-    left, right = support_loads(bearings.screw_axis(), 0.5 * bearings.screw_axis().length, -bearings.APPLIED, tensile)
+    left, right = support_loads(
+        bearings.screw_as_bar_between_supports(),
+        0.5 * bearings.screw_as_bar_between_supports().length,
+        -bearings.APPLIED,
+        tensile,
+    )
     return {"left": left, "right": right}
 
 
@@ -225,12 +247,12 @@ def row_loads_as_printed(kind: str, end: str, state: str, preload: tuple[float, 
     ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied"; ``preload``: preload of
     each row [lbf].
     """
-    loads = as_printed.shared_loads(
+    loads = as_printed.row_loads_by_smith(
         preload, bearings.DIRECTIONS[kind][end], 0.5 * round(screw_tension() / bearings.POUND, -1)
     )
     if state == "applied":
         sign = -1.0 if end == "left" else 1.0
-        loads = as_printed.shared_loads(
+        loads = as_printed.row_loads_by_smith(
             list(loads), bearings.DIRECTIONS[kind][end], sign * 0.5 * bearings.APPLIED / bearings.POUND
         )
     return [float(v) for v in loads]
@@ -241,7 +263,7 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
     ``e``: receives the computed value for each printed number. ``study``: not used here.
     """
-    a = bearings.screw_axis()
+    a = bearings.screw_as_bar_between_supports()
     diameter = 2.0 * float(np.sqrt(a.area / np.pi))
     e.numbers(
         {
@@ -251,11 +273,14 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
             "expansion": bearings.EXPANSION * bearings.DEG_F,
             "E": a.young / bearings.PSI,
             "eps": bearings.STRETCH / a.length,
-            "dT": unloading_warming(a, bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F,
+            "dT": warming_that_removes_tension(a, bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F,
         }
     )
     stiff = {kind: bearing_state_at_end(kind, "left", "stretch").stiffness for kind in KINDS}
-    elastic = [shaft_tension(bearings.screw_axis(k, k), bearings.STRETCH) / bearings.POUND for k in stiff.values()]
+    elastic = [
+        shaft_tension(bearings.screw_as_bar_between_supports(k, k), bearings.STRETCH) / bearings.POUND
+        for k in stiff.values()
+    ]
     words = f"{elastic[0]:.0f} and {elastic[1]:.0f} lbf if the stretch is of the ends and the bearings give way"
     e.number("F", screw_tension() / bearings.POUND, words)
     e.number("F_end", screw_tension() / bearings.POUND, as_printed=0.5 * round(screw_tension() / bearings.POUND, -1))
@@ -268,30 +293,33 @@ def section_4_2(e: Findings, study: Study) -> None:
     """
     for kind in KINDS:
         for end in bearings.DIRECTIONS[kind]:
-            _compute_end_rows(e, kind, end)
-    a = bearings.screw_axis()
-    least = float(shaft_stiffness(a, 0.5 * a.length))
+            _compute_bearing_row_loads(e, kind, end)
+    a = bearings.screw_as_bar_between_supports()
+    least = float(shaft_and_support_stiffness(a, 0.5 * a.length))
     e.numbers({"screw": least / bearings.POUND_PER_INCH, "nut": bearings.NUT / bearings.POUND_PER_INCH})
     e.number("applied", bearings.APPLIED / bearings.POUND)
     e.number("package_ball", bearing_state_at_end("ball", "left", "stretch").stiffness / bearings.POUND_PER_INCH)
     e.number("package_taper", 2.0 * e.printed("taper_left_stiffness_1"))
     for kind in KINDS:
         e.number(f"rows_{kind}", 2.0 * sum(len(rows) for rows in bearings.DIRECTIONS[kind].values()))
-    _compute_axis_stiffness(e, "ball", layout_sentence(study, TRIPLEX))
-    _compute_axis_stiffness(e, "taper", layout_sentence(study, TAPERED))
+    _compute_axis_stiffness(e, "ball", thrusts_and_stiffness_in_words(study, TRIPLEX))
+    _compute_axis_stiffness(e, "taper", thrusts_and_stiffness_in_words(study, TAPERED))
     places = np.linspace(0.0, a.length, 53)[1:-1]
-    both_ends, one = shaft_stiffness(a, places), shaft_stiffness(bearings.screw_axis(right=0.0), places)
+    both_ends, one = (
+        shaft_and_support_stiffness(a, places),
+        shaft_and_support_stiffness(bearings.screw_as_bar_between_supports(right=0.0), places),
+    )
     at = float(places[int(np.argmin(both_ends))] / a.length)
     e.claim("middle", abs(at - 0.5) < 0.01, f"least at {at:.2f} L")
     ratio = both_ends / one
     middle = float(ratio[ratio.size // 2])
-    scenes = [end_thrusts_by_scene(study, x, 0.5).stiffness for x in (TRIPLEX, SUPPORTED)]
+    scenes = [thrusts_and_stiffness_by_scene(study, x, 0.5).stiffness for x in (TRIPLEX, SUPPORTED)]
     words = f"ratio {ratio.min():.2f} to {ratio.max():.0f}, {middle:.1f} in the middle"
     words += f"; as scenes, between triplex sets and with one, {scenes[0] / scenes[1]:.2f} in the middle"
     e.claim("supported", bool(np.all(ratio > 1.0)), words)
 
 
-def _compute_end_rows(e: Findings, kind: str, end: str) -> None:
+def _compute_bearing_row_loads(e: Findings, kind: str, end: str) -> None:
     """Compute loads and stiffness of the bearing rows at one end of the axis, into ``e``.
 
     ``kind``: "ball" or "taper"; ``end``: "left" or "right".
@@ -317,8 +345,8 @@ def axis_stiffness_at_middle(supports: float) -> float:
 
     ``supports``: stiffness of each support [N/m].
     """
-    a = bearings.screw_axis(supports, supports)
-    return float(axis_stiffness(a, 0.5 * a.length, bearings.NUT))
+    a = bearings.screw_as_bar_between_supports(supports, supports)
+    return float(carriage_to_frame_stiffness(a, 0.5 * a.length, bearings.NUT))
 
 
 def _compute_axis_stiffness(e: Findings, kind: str, as_scenes: str) -> None:
@@ -341,9 +369,13 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
     ``e``: receives the computed value for each printed number. ``study``: not used here.
     """
-    rows = {"ball": (3, value_of("smith-2.3", "M")), "taper": (2, value_of("smith-3", "M"))}
+    rows = {"ball": (3, printed_value("smith-2.3", "M")), "taper": (2, printed_value("smith-3", "M"))}
     e.number("nut", 18.0)
-    shaft = shaft_inertia(STEEL, 2.0 * float(np.sqrt(bearings.screw_axis().area / np.pi)), bearings.screw_axis().length)
+    shaft = shaft_inertia(
+        STEEL,
+        2.0 * float(np.sqrt(bearings.screw_as_bar_between_supports().area / np.pi)),
+        bearings.screw_as_bar_between_supports().length,
+    )
     alone = acceleration_torque([shaft], angular_speed(TRAVERSE, LEAD), 1.0) / bearings.INCH_POUND
     words = f"the screw's own inertia takes {alone:.2f} in-lb in 1 s; the rest is not printed"
     e.number("acceleration", None, words)
@@ -358,9 +390,12 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 # --- chapter 5
 
 
-def _compute_drive(e: Findings) -> None:
+def _record_axis_and_drive_data(e: Findings) -> None:
     """Compute speed, resolution and further data of the tested axis and its drive: section 5.1 of Smith, into ``e``."""
-    warming = unloading_warming(bearings.screw_axis(), bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F
+    warming = (
+        warming_that_removes_tension(bearings.screw_as_bar_between_supports(), bearings.STRETCH, bearings.EXPANSION)
+        / bearings.DEG_F
+    )
     e.numbers(
         {
             "lead": 1e3 * LEAD,
@@ -382,15 +417,15 @@ def _compare_torque_tests(e: Findings) -> None:
     for kind in KINDS:
         for when in ("start", "constant"):
             key = f"{when}_{kind}"
-            predicted = value_of("smith-4.3", key)
+            predicted = printed_value("smith-4.3", key)
             off[key] = float(error_percent(predicted, e.printed(key)))
             e.number(key, predicted, "sum of the printed parts")
         e.number(f"used_{kind}", 100.0 * e.printed(f"start_{kind}") / MOTOR)
     words = ", ".join(f"{v:+.1f} %" for v in off.values())
     e.claim("torque_10", all(abs(v) <= 10.0 for v in off.values()), words)
-    single = [float(error_percent(value_of(t, "M"), value_of(t, "M_test"))) for t in ("smith-2.3", "smith-3")]
+    single = [float(error_percent(printed_value(t, "M"), printed_value(t, "M_test"))) for t in ("smith-2.3", "smith-3")]
     e.claim("torque_10_single", all(abs(v) <= 10.0 for v in single), ", ".join(f"{v:+.0f} %" for v in single))
-    ball, taper = (value_of(t, "M_test") for t in ("smith-2.3", "smith-3"))
+    ball, taper = (printed_value(t, "M_test") for t in ("smith-2.3", "smith-3"))
     e.claim("four_times", 3.5 <= taper / ball <= 4.0, f"{taper / ball:.1f} times")
     e.number("disparity", 4.0 * 2.0 / 3.0, f"measured {2.0 * taper / (3.0 * ball):.2f}")
 
@@ -400,7 +435,7 @@ def _compare_stiffness_tests(e: Findings) -> None:
     off = []
     for kind in KINDS:
         right = axis_stiffness_at_middle(bearing_state_at_end(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
-        measured, predicted = e.printed(f"S_{kind}"), value_of("smith-4.2", f"total_{kind}")
+        measured, predicted = e.printed(f"S_{kind}"), printed_value("smith-4.2", f"total_{kind}")
         off.append(float(error_percent(predicted, measured)))
         words = f"printed prediction {off[-1]:+.2f} %, right topology {float(error_percent(right, measured)):+.0f} %"
         e.number(f"S_{kind}", right, words)
@@ -411,9 +446,9 @@ def _compare_stiffness_tests(e: Findings) -> None:
 def _compare_temperature_rises(e: Findings) -> None:
     """Compare measured temperature rises with the torques that cause them: section 5.2.4 of Smith (1994), into ``e``."""
     torque = {
-        "rise_ball": value_of("smith-2.3", "M_test_3"),
-        "rise_nut": value_of("smith-4.3", "nut"),
-        "rise_taper": value_of("smith-3", "M_test_2"),
+        "rise_ball": printed_value("smith-2.3", "M_test_3"),
+        "rise_nut": printed_value("smith-4.3", "nut"),
+        "rise_taper": printed_value("smith-3", "M_test_2"),
     }
     a_pound = {key: e.printed(key) / value for key, value in torque.items()}
     spread = float(error_percent(max(a_pound.values()), min(a_pound.values())))
@@ -422,17 +457,19 @@ def _compare_temperature_rises(e: Findings) -> None:
     e.claim("three_times", 2.5 <= ratio <= 3.5, f"{ratio:.2f}")
 
 
-def unseating_load(preload: float) -> float:
+def carriage_load_at_lift_off(preload: float) -> float:
     """Return the load [N] on the carriage at mid-length that unloads the outer tapered-bearing row of one end of the axis.
 
     ``preload``: preload of the bearing rows [N]. The screw is stretched. The part of the carriage's load that acts on the
     end unloads the row when it equals the row's lift-off load less the screw's tension.
     """
-    share = support_loads(bearings.screw_axis(), 0.5 * bearings.screw_axis().length, 1.0)[0]
-    return (lift_off_force(bearings.bearing_set("taper", "left", preload)) - screw_tension()) / share
+    share = support_loads(
+        bearings.screw_as_bar_between_supports(), 0.5 * bearings.screw_as_bar_between_supports().length, 1.0
+    )[0]
+    return (lift_off_force(bearings.bearing_rows_at_end("taper", "left", preload)) - screw_tension()) / share
 
 
-def _compute_reduced_preload(e: Findings) -> None:
+def _compute_loads_at_reduced_preload(e: Findings) -> None:
     """Compute the bearing loads with the reduced preload of 750 lbf: section 5.3 of Smith (1994), into ``e``."""
     for end in ("left", "right"):
         printed = row_loads_as_printed("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
@@ -445,7 +482,7 @@ def _compute_reduced_preload(e: Findings) -> None:
     e.number("rise_750", e.printed("t750_left") / e.printed("t1500_left") * 20.0)
     least = e.printed("left_stretch_1")
     words = f"load on the carriage in the middle; {bearings.APPLIED / bearings.POUND:.0f} lbf is applied in 4.2"
-    e.number("unseat", unseating_load(REDUCED) / bearings.POUND, words, as_printed=2.0 * least)
+    e.number("unseat", carriage_load_at_lift_off(REDUCED) / bearings.POUND, words, as_printed=2.0 * least)
 
 
 def chapter_5(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
@@ -454,10 +491,10 @@ def chapter_5(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
     ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     for fill in (
-        _compute_drive,
+        _record_axis_and_drive_data,
         _compare_torque_tests,
         _compare_stiffness_tests,
         _compare_temperature_rises,
-        _compute_reduced_preload,
+        _compute_loads_at_reduced_preload,
     ):
         fill(e)

@@ -21,21 +21,32 @@ from rollbench.lowfi.bearings.angular_contact import (
     BallBearing,
     BallRow,
     ThrustState,
-    axial_displacement,
-    contact_parameters,
+    bearing_state_at_displacement,
+    dimensionless_hertz_parameters,
+    displacement_under_thrust,
     relative_curvatures,
-    thrust_state,
 )
-from rollbench.lowfi.bearings.axis import Axis, BearingSet, equal_rows, equilibrium, preloaded_rows
-from rollbench.lowfi.bearings.tapered_roller import CombinedState, combined_equilibrium, load_zone, load_zone_of_forces
+from rollbench.lowfi.bearings.axis import (
+    Axis,
+    BearingSet,
+    equal_rows_with_gap,
+    equal_rows_with_preload,
+    solve_set_equilibrium,
+)
+from rollbench.lowfi.bearings.tapered_roller import (
+    CombinedState,
+    load_zone_integrals,
+    load_zone_under_thrust_and_radial_load,
+    solve_thrust_and_radial_equilibrium,
+)
 from rollbench.lowfi.bearings.torque import (
     KILOGRAM_FORCE,
     LEAST_FILM,
     ball_torque,
-    load_torque,
-    static_rating,
-    taper_geometry,
-    taper_torque,
+    load_dependent_torque,
+    palmgren_static_rating,
+    timken_factor_from_torque,
+    timken_running_torque,
     viscous_torque,
 )
 from rollbench.lowfi.rollers import RollerContacts, SlicedRow, TaperedBearing, TaperedRow, circular_crown, roller_contacts
@@ -115,7 +126,7 @@ def taper_bearing() -> TaperedBearing:
 
 
 @cache
-def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
+def bearing_rows_at_end(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
     """Return the preloaded bearing rows at one end of the screw.
 
     ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``preload``: for tapered bearings, preload of the rows [N];
@@ -124,11 +135,11 @@ def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
     directions = DIRECTIONS[kind][end]
     if kind == "ball":
         row = BallRow(ball_bearing())
-        return equal_rows(row, directions, row.deflection(preload))
-    return preloaded_rows(TaperedRow(taper_bearing()), directions, preload)
+        return equal_rows_with_gap(row, directions, row.deflection(preload))
+    return equal_rows_with_preload(TaperedRow(taper_bearing()), directions, preload)
 
 
-def screw_axis(left: float = np.inf, right: float = np.inf) -> Axis:
+def screw_as_bar_between_supports(left: float = np.inf, right: float = np.inf) -> Axis:
     """Return the screw of Smith's section 4.1 as a bar between supports.
 
     ``left``, ``right``: axial stiffness of the supports [N/m]; infinite: rigid; 0: free to slide.
@@ -152,19 +163,23 @@ NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
 @cache
 def thrust_state_of_ball_bearing(load: float) -> ThrustState:
     """Return contact angle, ball load and stiffness of the ball bearing under a thrust [N], by exact elliptic integrals."""
-    return thrust_state(ball_bearing(), axial_displacement(ball_bearing(), load))
+    return bearing_state_at_displacement(ball_bearing(), displacement_under_thrust(ball_bearing(), load))
 
 
 @cache
-def ball_spreadsheet(pounds: float, difference: float | None = SHEET_DIFFERENCE) -> as_printed.Spreadsheet:
+def recompute_ball_spreadsheet(
+    pounds: float, curvature_difference: float | None = SHEET_DIFFERENCE
+) -> as_printed.Spreadsheet:
     """Return the results of Smith's spreadsheet (Figure 2-10), recomputed with its faults.
 
-    ``pounds``: thrust on the bearing [lbf]; ``difference``: curvature difference F(p)_o of the outer race, by default the
-    printed one; None: from the dimensions.
+    ``pounds``: thrust on the bearing [lbf]; ``curvature_difference``: curvature difference F(p)_o of the outer race, by
+    default the printed one; None: from the dimensions.
     """
     b = ball_bearing()
     mm = [1e3 * v for v in (b.ball_diameter, b.inner_groove, b.outer_groove, b.inner_raceway, b.outer_raceway)]
-    return as_printed.compute_spreadsheet(SHEET_POUND * pounds, b.balls, mm[0], (mm[1], mm[2]), (mm[3], mm[4]), difference)
+    return as_printed.compute_spreadsheet(
+        SHEET_POUND * pounds, b.balls, mm[0], (mm[1], mm[2]), (mm[3], mm[4]), curvature_difference
+    )
 
 
 def ball_spreadsheet_stiffness(pounds: float) -> float:
@@ -173,7 +188,12 @@ def ball_spreadsheet_stiffness(pounds: float) -> float:
     It is the difference quotient between two thrusts nearby.
     """
     step = 1e-3 * pounds
-    return 2.0 * step * 25.4 / (ball_spreadsheet(pounds + step).deflection - ball_spreadsheet(pounds - step).deflection)
+    return (
+        2.0
+        * step
+        * 25.4
+        / (recompute_ball_spreadsheet(pounds + step).deflection - recompute_ball_spreadsheet(pounds - step).deflection)
+    )
 
 
 def table_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
@@ -184,10 +204,10 @@ def table_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
     """
     for i, difference in enumerate(DIFFERENCES):
         e.number(f"F_{i}", difference)
-        for name, value in zip(("delta", "a", "b"), contact_parameters(difference), strict=True):
+        for name, value in zip(("delta", "a", "b"), dimensionless_hertz_parameters(difference), strict=True):
             e.number(f"{name}_{i}", value)
     e.number(f"F_{len(DIFFERENCES)}", 1.0)
-    limit = np.array([contact_parameters(f) for f in NEARLY_LINE])
+    limit = np.array([dimensionless_hertz_parameters(f) for f in NEARLY_LINE])
     for name, column, sign in (("delta", 0, -1.0), ("a", 1, 1.0), ("b", 2, -1.0)):
         steps = np.diff(np.log(limit[:, column])) * sign
         words = ", ".join(f"{v:.3g}" for v in limit[:, column])
@@ -219,9 +239,9 @@ def _compute_dimensions(e: Findings) -> None:
     )
 
 
-def _compute_loaded_cells(e: Findings) -> None:
+def _compute_spreadsheet_cells_under_load(e: Findings) -> None:
     """Compute the cells of Smith's Figure 2-10 that depend on the contact angle under load, into ``e``."""
-    source, s = ball_spreadsheet(SHEET_LOAD / POUND), thrust_state_of_ball_bearing(SHEET_LOAD)
+    source, s = recompute_ball_spreadsheet(SHEET_LOAD / POUND), thrust_state_of_ball_bearing(SHEET_LOAD)
     angle, q = float(s.angle), float(s.ball_load)
     e.number("F_N", SHEET_LOAD, as_printed=SHEET_POUND * SHEET_LOAD / POUND)
     e.number("Q", q / POUND, as_printed=source.ball_load / SHEET_POUND)
@@ -232,7 +252,7 @@ def _compute_loaded_cells(e: Findings) -> None:
         difference = (along - across) / (along + across)
         e.number(f"sum_{name}", across + along, as_printed=source.sums[i])
         e.number(f"F_{name}", difference, as_printed=source.differences[i] if name == "i" else None)
-        e.number(f"delta_{name}", contact_parameters(difference)[0], as_printed=source.delta[i])
+        e.number(f"delta_{name}", dimensionless_hertz_parameters(difference)[0], as_printed=source.delta[i])
         e.number(f"K_{name}", float(h.C) ** -1.5 * 1e-3**1.5, as_printed=source.race[i])
     e.number("K_n", float(s.inner.C + s.outer.C) ** -1.5 * 1e-3**1.5, as_printed=source.stiffness)
     e.number("alpha", degrees(angle), as_printed=degrees(source.angle))
@@ -254,24 +274,27 @@ def _compute_loaded_cells(e: Findings) -> None:
     )
 
 
-def _compute_triplex_set(e: Findings) -> None:
+def _compute_triplex_preload(e: Findings) -> None:
     """Compute the preload of the triplex bearing set: section 2.1.2 of Smith (1994), into ``e``."""
     for load in (1500.0, 1020.0):
         e.number(
             f"delta_{load:.0f}",
             float(thrust_state_of_ball_bearing(load * POUND).displacement) / INCH,
-            as_printed=ball_spreadsheet(load).deflection / 25.4,
+            as_printed=recompute_ball_spreadsheet(load).deflection / 25.4,
         )
     e.number(
         "gap",
         2.0 * float(thrust_state_of_ball_bearing(PRELOAD).displacement) / INCH,
-        as_printed=2.0 * ball_spreadsheet(1500.0).deflection / 25.4,
+        as_printed=2.0 * recompute_ball_spreadsheet(1500.0).deflection / 25.4,
     )
-    triplex = bearing_set("ball", "left")
-    ready, pulled = equilibrium(triplex).loads / POUND, equilibrium(triplex, 2000.0 * POUND).loads / POUND
+    triplex = bearing_rows_at_end("ball", "left")
+    ready, pulled = (
+        solve_set_equilibrium(triplex).loads / POUND,
+        solve_set_equilibrium(triplex, 2000.0 * POUND).loads / POUND,
+    )
     e.numbers({"P_tandem": float(ready[0]), "P_third": float(ready[2]), "ratio": float(ready[2] * POUND / PRELOAD)})
     e.number("stretch_end", 2000.0, as_printed=1000.0)
-    shared = as_printed.shared_loads((1020.0, 1020.0, 2040.0), (1, 1, -1), 1000.0)
+    shared = as_printed.row_loads_by_smith((1020.0, 1020.0, 2040.0), (1, 1, -1), 1000.0)
     words = "equilibrium under the shaft's whole tension, 2000 lbf, at the end"
     e.number("P_tandem_s", float(pulled[0]), words, as_printed=float(shared[0]))
     e.number("P_third_s", float(pulled[2]), words, as_printed=float(shared[2]))
@@ -286,7 +309,12 @@ def approach_fit_range() -> tuple[float, float, float]:
     def fit_error(difference: float) -> float:
         """Return the error [%] of the fit at a curvature difference F(p)."""
         return abs(
-            float(error_percent(as_printed.fitted_parameter(difference, "approach"), contact_parameters(difference)[0]))
+            float(
+                error_percent(
+                    as_printed.hertz_parameter_by_polynomial(difference, "approach"),
+                    dimensionless_hertz_parameters(difference)[0],
+                )
+            )
         )
 
     low = high = 0.9
@@ -303,12 +331,12 @@ def section_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     _compute_dimensions(e)
-    _compute_loaded_cells(e)
-    _compute_triplex_set(e)
+    _compute_spreadsheet_cells_under_load(e)
+    _compute_triplex_preload(e)
     low, high, worst = approach_fit_range()
     e.claim("fit_good", worst < 2.0, f"within 2 % for F(p) from {low:.3f} to {high:.3f}; {worst:.0f} % off at 0.5")
-    f = ball_spreadsheet(2040.0).differences[0]
-    minor, exact = as_printed.fitted_parameter(f, "minor"), contact_parameters(f)[2]
+    f = recompute_ball_spreadsheet(2040.0).differences[0]
+    minor, exact = as_printed.hertz_parameter_by_polynomial(f, "minor"), dimensionless_hertz_parameters(f)[2]
     percent = float(error_percent(minor, exact))
     e.claim("fit_minor", abs(percent) < 5.0, f"b* = {minor:.4f} for {exact:.4f}: {percent:+.0f} % at F(p) = {f:.3f}")
 
@@ -352,12 +380,12 @@ def section_2_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     e.claim("form", product >= 2000.0, f"v n = {product:.0f} cSt rpm")
     s = thrust_state_of_ball_bearing(BALL_TORQUE_LOAD)
     (across, along), _ = relative_curvatures(b, s.angle)
-    rating = static_rating(1, b.balls, b.ball_diameter, float(s.angle), float(across), float(along))
-    loaded = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating).torque / INCH_POUND
-    whole = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating, axial_factor=1.0).torque / INCH_POUND
-    three = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, 3.0 * rating).torque / INCH_POUND
+    rating = palmgren_static_rating(1, b.balls, b.ball_diameter, float(s.angle), float(across), float(along))
+    loaded = load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating).torque / INCH_POUND
+    whole = load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating, axial_factor=1.0).torque / INCH_POUND
+    three = load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, 3.0 * rating).torque / INCH_POUND
     radial = 1.25e6 * KILOGRAM_FORCE * b.balls * b.ball_diameter**2 * float(np.cos(b.free_angle))
-    nearest = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, radial, axial_factor=0.5).torque / INCH_POUND
+    nearest = load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, radial, axial_factor=0.5).torque / INCH_POUND
     share = float((s.inner.pressure(s.ball_load) / DENT_PRESSURE) ** 3)
     row = ball_torque("angular contact", float(s.angle), b.pitch_diameter, (BALL_TORQUE_LOAD, 0.0, share), None)
     low, high = (x / INCH_POUND for x in row.load)
@@ -404,7 +432,7 @@ CROWN, SLICES = 2.0, 101
 @cache
 def combined_load_state() -> CombinedState:
     """Return the equilibrium of Smith's tapered bearing (Figure 3-6) under thrust and radial load, by line contacts."""
-    return combined_equilibrium(taper_bearing(), SHEET_LOAD, RADIAL)
+    return solve_thrust_and_radial_equilibrium(taper_bearing(), SHEET_LOAD, RADIAL)
 
 
 @cache
@@ -483,8 +511,8 @@ def _compute_taper_spreadsheet(e: Findings) -> None:
             "Z": float(np.tan(b.cup_angle)) * RADIAL / SHEET_LOAD,
         }
     )
-    zone = load_zone_of_forces(SHEET_LOAD, RADIAL, b.cup_angle, EXPONENT)
-    exact = load_zone(e.printed("eps"), EXPONENT)
+    zone = load_zone_under_thrust_and_radial_load(SHEET_LOAD, RADIAL, b.cup_angle, EXPONENT)
+    exact = load_zone_integrals(e.printed("eps"), EXPONENT)
     ratio = e.printed("J_r") / e.printed("J_a")
     words = f"printed J_r/J_a = {ratio:.6g}, Z = {e.printed('Z'):.6g}; "
     words += f"exact at the printed eps: {exact.axial:.6f}, {exact.radial:.6g}"
@@ -571,8 +599,8 @@ def _compute_taper_tests(e: Findings) -> None:
     )
     e.number("F_torque", load)
     viscosity = VISCOSITY * DENSITY
-    implied = taper_geometry(e.printed("M") * INCH_POUND, viscosity, SPEED, TAPER_TORQUE_LOAD)
-    unit = taper_torque(1.0, viscosity, SPEED, TAPER_TORQUE_LOAD) / INCH_POUND
+    implied = timken_factor_from_torque(e.printed("M") * INCH_POUND, viscosity, SPEED, TAPER_TORQUE_LOAD)
+    unit = timken_running_torque(1.0, viscosity, SPEED, TAPER_TORQUE_LOAD) / INCH_POUND
     e.number("M", None, f"{unit:.4f} in-lb times G_1: needs G_1 = {implied:.0f}")
     test = e.printed("M_test")
     e.number("M_test", None, f"needs G_1 = {test / unit:.0f}")

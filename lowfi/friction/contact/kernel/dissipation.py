@@ -39,7 +39,7 @@ def _carlson_series(x: float, y: float, mean: float) -> float:
 
 
 @kernel
-def _carlson_series_slope(x: float, y: float, dx: float, dy: float) -> float:
+def _carlson_series_derivative(x: float, y: float, dx: float, dy: float) -> float:
     """Return the derivative of the polynomial in `_carlson_series` in the direction (dx, dy) of the deviations x, y."""
     z, dz = -(x + y) / 3.0, -(dx + dy) / 3.0
     xy, zz = x * y, z * z
@@ -55,7 +55,7 @@ def _carlson_series_slope(x: float, y: float, dx: float, dy: float) -> float:
 
 
 @kernel
-def rd_and_slope(x: float, y: float, z: float) -> tuple[float, float]:
+def carlson_rd_and_slope(x: float, y: float, z: float) -> tuple[float, float]:
     """Return Carlson's elliptic integral R_D(x, y, z) and -(4/3) dR_D/dy, for x >= 0 and y, z > 0.
 
     The second value is the integral over t = 0 to infinity of (t+x)^(-1/2) (t+y)^(-3/2) (t+z)^(-3/2). It equals (2/3)
@@ -82,7 +82,7 @@ def rd_and_slope(x: float, y: float, z: float) -> tuple[float, float]:
     mean, d_mean = (x + y + 3.0 * z) / 5.0, (dx + dy + 3.0 * dz) / 5.0
     ux, uy = 1.0 - x / mean, 1.0 - y / mean
     end = _carlson_series(ux, uy, mean)
-    bend = _carlson_series_slope(ux, uy, (x * d_mean / mean - dx) / mean, (y * d_mean / mean - dy) / mean)
+    bend = _carlson_series_derivative(ux, uy, (x * d_mean / mean - dx) / mean, (y * d_mean / mean - dy) / mean)
     slope = 3.0 * d_total + scale * (bend / (mean * sqrt(mean)) - 1.5 * end * d_mean / mean)
     return 3.0 * total + scale * end, -4.0 / 3.0 * slope
 
@@ -127,7 +127,7 @@ def confocal_coordinate(x: float, y: float, h: float, b2: float) -> float:
 
 
 @kernel
-def potential_near(x: float, y: float, h: float, b2: float, low: float) -> Potential:
+def mean_distance_near_ellipse(x: float, y: float, h: float, b2: float, low: float) -> Potential:
     """Return the mean distance psi and its derivatives by Carlson's integrals, for confocal coordinates ``low`` <= 1.
 
     x, y, h: point in units of the semi-axis a, with the height h above the ellipse; b2: square of the ratio of the
@@ -135,7 +135,7 @@ def potential_near(x: float, y: float, h: float, b2: float, low: float) -> Poten
     """
     # moments i_... of the ellipsoid's potential from R_D; edge: the integrals' lower end
     cy, cx = low + b2, low + 1.0
-    p, t = rd_and_slope(low, cy, cx)
+    p, t = carlson_rd_and_slope(low, cy, cx)
     q = p + 1.5 * (1.0 - b2) * t
     edge = sqrt(low / (cy * cx))
     i_x, i_y = 2.0 * (edge + b2 * q / 3.0), 2.0 * (edge + p / 3.0)
@@ -169,12 +169,12 @@ def potential_near(x: float, y: float, h: float, b2: float, low: float) -> Poten
 
 
 @kernel
-def potential_far(x: float, y: float, h: float, b2: float, low: float) -> Potential:
+def mean_distance_far_from_ellipse(x: float, y: float, h: float, b2: float, low: float) -> Potential:
     """Return the mean distance psi and its derivatives by Gauss sums, for confocal coordinates ``low`` >= 1.
 
-    The arguments are those of `potential_near`. The variable is u = sqrt(low/s). N and H r are summed without cancellation:
-    integration by parts of s U^2/S gives N = (3/16) int (s/S) U (e U - 4 f) ds with e = 1/(1 + s) + b^2/(b^2 + s) and f =
-    x^2/(1 + s)^2 + b^2 y^2/(b^2 + s)^2, and H r = -grad N.
+    The arguments are those of `mean_distance_near_ellipse`. The variable is u = sqrt(low/s). N and H r are summed without
+    cancellation: integration by parts of s U^2/S gives N = (3/16) int (s/S) U (e U - 4 f) ds with e = 1/(1 + s) + b^2/(b^2
+    + s) and f = x^2/(1 + s)^2 + b^2 y^2/(b^2 + s)^2, and H r = -grad N.
     """
     rho = sqrt(low)
     x, y, h = x / rho, y / rho, h / rho
@@ -236,7 +236,7 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
     x, y, h, b2 = vz / turn, -vx / turn, speed / size, (b / a) * (b / a)
     low = confocal_coordinate(x, y, h, b2)
     value, g_x, g_y, g_h, moment, xx, xy, yy, r_x, r_y, r_r = (
-        potential_near(x, y, h, b2, low) if low <= 1.0 else potential_far(x, y, h, b2, low)
+        mean_distance_near_ellipse(x, y, h, b2, low) if low <= 1.0 else mean_distance_far_from_ellipse(x, y, h, b2, low)
     )
     sign, lever = copysign(1.0, turn), a / size
     return DissipationTerms(

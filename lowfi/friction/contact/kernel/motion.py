@@ -4,11 +4,11 @@ The unknown is the motion q (n,) of the body. Contact i has (vx, vz, spin) = ``m
 bound strength_i = mu F. The convex function sum_i strength_i D_i(v_i; speed) - push . q is minimised by Newton's method for
 a sequence of decreasing regularising speeds. Then contacts that nearly stand still are set to rest exactly.
 
-The functions of this module share their arguments. m: number of contacts, n: number of unknowns. shape (m, 3): semi-axes
-a, b [m] and friction bound mu F [N] of the contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts by
-unit of each unknown; drives (m, 3): their motion at q = 0, which the drive imposes; push (n,): generalised forces other
-than friction [W per unit of the unknown]; units (n,): surface speed per unit of each unknown (`column_units`); speed:
-regularising speed [m/s].
+The functions of this module share their arguments. m: number of contacts, n: number of unknowns. shape (m, 3): semi-axes a,
+b [m] and friction bound mu F [N] of the contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts by unit
+of each unknown; drives (m, 3): their motion at q = 0, which the drive imposes; push (n,): generalised forces other than
+friction [W per unit of the unknown]; units (n,): surface speed per unit of each unknown (`surface_speed_per_unknown`);
+speed: regularising speed [m/s].
 """
 
 from math import sqrt
@@ -61,11 +61,11 @@ def evaluate_dissipation(
 
 
 @kernel
-def newton_step(hess: Array, grad: Array, units: Array, step: Array) -> None:
+def write_motion_newton_step(hess: Array, grad: Array, units: Array, step: Array) -> None:
     """Write Newton's step to ``step`` (n,), by Cholesky factors of the Hessian with pivots bounded below.
 
     hess (n, n): Hessian, of which the lower triangle is overwritten by its factors; grad (n,): gradient; units (n,):
-    surface speed per unit of each unknown (`column_units`).
+    surface speed per unit of each unknown (`surface_speed_per_unknown`).
     """
     n = grad.shape[0]
     top = 0.0
@@ -93,7 +93,7 @@ def newton_step(hess: Array, grad: Array, units: Array, step: Array) -> None:
 
 
 @kernel
-def column_units(shape: Array, maps: Array) -> Array:
+def surface_speed_per_unknown(shape: Array, maps: Array) -> Array:
     """Return the surface speed of the loaded contacts per unit of each unknown (n,); 1 for one that moves none of them.
 
     It is the root of the sum of squares of vx, vz and a spin over the contacts, a being the larger semi-axis. shape (m, 3):
@@ -115,7 +115,7 @@ def column_units(shape: Array, maps: Array) -> Array:
 def largest_imbalance(grad: Array, units: Array) -> float:
     """Return the largest unbalanced force [N]: the gradient of the dissipation, grad (n,), over units (n,).
 
-    units: surface speed per unit of each unknown (`column_units`).
+    units: surface speed per unit of each unknown (`surface_speed_per_unknown`).
     """
     worst = 0.0
     for j in range(grad.shape[0]):
@@ -146,13 +146,13 @@ def minimise_dissipation(
     n = q.shape[0]
     grad, step, trial, next_grad = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     hess, next_hess = np.empty((n, n)), np.empty((n, n))
-    units = column_units(shape, maps)
+    units = surface_speed_per_unknown(shape, maps)
     goal = tolerance * np.sum(shape[:, 2])
     value, excess = evaluate_dissipation(shape, maps, drives, push, speed, q, grad, hess)
     count = 0
     while count < limit and largest_imbalance(grad, units) > goal and np.max(np.abs(q) * units) <= reach:
         count += 1
-        newton_step(hess, grad, units, step)
+        write_motion_newton_step(hess, grad, units, step)
         slope = 0.0
         for j in range(n):
             slope += grad[j] * step[j]
@@ -179,7 +179,7 @@ def minimise_dissipation(
 
 
 @kernel
-def rolling_start(shape: Array, maps: Array, drives: Array) -> Array:
+def motion_nearest_to_rolling(shape: Array, maps: Array, drives: Array) -> Array:
     """Return the motion q (n,) nearest to pure rolling: least squared surface speed, weighted by the friction bounds.
 
     It solves a linear system and is unique except for motions without surface speed. shape (m, 3): semi-axes a, b [m] and
@@ -195,12 +195,12 @@ def rolling_start(shape: Array, maps: Array, drives: Array) -> Array:
                 grad[j] += w * maps[i, r, j] * drives[i, r]
                 for k in range(j + 1):
                     hess[j, k] += w * maps[i, r, j] * maps[i, r, k]
-    newton_step(hess, grad, column_units(shape, maps), q)
+    write_motion_newton_step(hess, grad, surface_speed_per_unknown(shape, maps), q)
     return q
 
 
 @kernel
-def drive_speed(shape: Array, drives: Array) -> float:
+def largest_imposed_speed(shape: Array, drives: Array) -> float:
     """Return the largest surface speed [m/s] that the drive imposes on a loaded contact.
 
     shape (m, 3): semi-axes a, b [m] and friction bound [N] of m contacts; drives (m, 3): motion vx, vz [m/s], spin [rad/s]
@@ -240,7 +240,7 @@ ROLLING, GIVEN, NEAR = 0, 1, 2
 
 
 @kernel
-def friction_gradients(shape: Array, motion: Array, speed: float, forces: Array) -> None:
+def write_friction_gradients(shape: Array, motion: Array, speed: float, forces: Array) -> None:
     """Write the gradient of each contact's dissipation by (vx, vz, spin) to forces (m, 3); friction is its negative.
 
     shape (m, 3): semi-axes a, b [m] and friction bound [N]; motion (m, 3): vx, vz [m/s] and spin [rad/s] of the contacts;
@@ -266,7 +266,7 @@ def contact_can_stick(shape: Array, force: Array) -> bool:
 
 
 @kernel
-def minimise_free_motion(
+def minimise_over_free_motions(
     slipping: Array, maps: Array, drives: Array, push: Array, basis: Array, q: Array, reach: float
 ) -> int:
     """Minimise the dissipation without regularisation over q plus any combination of the rows of ``basis``.
@@ -285,7 +285,7 @@ def minimise_free_motion(
 
 
 @kernel
-def sticking_reactions(
+def write_sticking_reactions(
     slipping: Array,
     maps: Array,
     drives: Array,
@@ -300,13 +300,13 @@ def sticking_reactions(
 
     slipping (m, 3): semi-axes and friction bounds of the contacts, the bounds of sticking ones being zero; maps, drives,
     push, q: as in `evaluate_dissipation`; resting (k,): numbers of the sticking contacts, whose previous reactions are read
-    from ``forces``; units: see `column_units`; inverse (n, 3k): see `rest_space`. Returns the largest unbalanced force that
-    remains [N].
+    from ``forces``; units: see `surface_speed_per_unknown`; inverse (n, 3k): see `kinematic_inverse_and_null_space`.
+    Returns the largest unbalanced force that remains [N].
     """
     n = maps.shape[2]
     out, hess, held = np.zeros(n), np.zeros((n, n)), forces[resting]
     evaluate_dissipation(slipping, maps, drives, push, 0.0, q, out, hess)
-    friction_gradients(slipping, contact_speeds(slipping, maps, drives, q)[0], 0.0, forces)
+    write_friction_gradients(slipping, contact_speeds(slipping, maps, drives, q)[0], 0.0, forces)
     for k in range(resting.shape[0]):
         out += held[k] @ maps[resting[k]]
     change = -(out / units) @ inverse
@@ -320,7 +320,7 @@ def sticking_reactions(
 
 
 @kernel
-def rest_space(rows: Array, units: Array) -> tuple[Array, Array]:
+def kinematic_inverse_and_null_space(rows: Array, units: Array) -> tuple[Array, Array]:
     """Return the pseudo-inverse (n, 3k) of the kinematic equations of k sticking contacts, and their null space (f, n).
 
     rows (3k, n): surface speeds of these contacts by each of the n unknowns times its entry of ``units``. The rows of the
@@ -336,7 +336,7 @@ def rest_space(rows: Array, units: Array) -> tuple[Array, Array]:
 
 
 @kernel
-def impose_rest(
+def set_slow_contacts_to_rest(
     shape: Array, maps: Array, drives: Array, push: Array, q: Array, forces: Array, rest: Array, still: float
 ) -> tuple[bool, float, int]:
     """Set contacts slower than ``still`` [m/s] to rest and minimise the dissipation of the others.
@@ -346,7 +346,7 @@ def impose_rest(
     the result is the least dissipation (rest is kinematically possible, and every reaction lies inside its limit surface),
     the largest unbalanced force [N], and the number of steps.
     """
-    n, units, count = maps.shape[2], column_units(shape, maps), 0
+    n, units, count = maps.shape[2], surface_speed_per_unknown(shape, maps), 0
     (motion, size), slipping = contact_speeds(shape, maps, drives, q), shape.copy()
     rest[:] = np.where((shape[:, 2] > 0.0) & (size < still), 1.0, 0.0)
     slipping[:, 2] *= 1.0 - rest
@@ -358,11 +358,11 @@ def impose_rest(
             i, r = resting[k // 3], k % 3
             unit = shape[i, 0] if r == 2 else 1.0
             rows[k], seen[k] = unit * maps[i, r] / units, unit * motion[i, r]
-        inverse, basis = rest_space(rows, units)
+        inverse, basis = kinematic_inverse_and_null_space(rows, units)
         q -= inverse @ seen / units
     if basis.shape[0] > 0:
-        count = minimise_free_motion(slipping, maps, drives, push, basis, q, 1e9 * still)
-    balance = sticking_reactions(slipping, maps, drives, push, resting, units, inverse, q, forces)
+        count = minimise_over_free_motions(slipping, maps, drives, push, basis, q, 1e9 * still)
+    balance = write_sticking_reactions(slipping, maps, drives, push, resting, units, inverse, q, forces)
     _, size = contact_speeds(shape, maps, drives, q)
     good = balance <= 1e-9 * np.sum(shape[:, 2])
     for i in resting:
@@ -384,7 +384,7 @@ def least_dissipation(
     (start from q), or ``NEAR`` (start from q with the speed 1e-6 at once, and from ``ROLLING`` if this fails). Returns the
     status (``EXACT``, ``REGULARISED``, ``AT_REST``), the largest unbalanced force [N], and the number of steps.
     """
-    top = drive_speed(shape, drives)
+    top = largest_imposed_speed(shape, drives)
     if top == 0.0 and np.sum(np.abs(push)) == 0.0:
         q[:] = 0.0
         forces[:] = 0.0
@@ -394,7 +394,7 @@ def least_dissipation(
     if top == 0.0:
         top = 1.0  # [m/s]: only ``push`` acts, and no other speed is known
     if start == ROLLING:
-        q[:] = rolling_start(shape, maps, drives)
+        q[:] = motion_nearest_to_rolling(shape, maps, drives)
     n = q.shape[0]
     grad, hess = np.empty(n), np.empty((n, n))
     ratio, count, balance, near = 0.1, 0, 0.0, start == NEAR
@@ -410,14 +410,16 @@ def least_dissipation(
         count += steps
         if near and balance > goal * np.sum(shape[:, 2]):
             ratio, near = 0.1, False
-            q[:] = rolling_start(shape, maps, drives)
+            q[:] = motion_nearest_to_rolling(shape, maps, drives)
             continue
         near = False
         if at_end:
             bounds[0] = value - excess
-            friction_gradients(shape, contact_speeds(shape, maps, drives, q)[0], ratio * top, forces)
+            write_friction_gradients(shape, contact_speeds(shape, maps, drives, q)[0], ratio * top, forces)
             exact_q, exact_forces = q.copy(), forces.copy()
-            good, left, steps = impose_rest(shape, maps, drives, push, exact_q, exact_forces, rest, 100.0 * ratio * top)
+            good, left, steps = set_slow_contacts_to_rest(
+                shape, maps, drives, push, exact_q, exact_forces, rest, 100.0 * ratio * top
+            )
             count += steps
             if good:
                 q[:] = exact_q

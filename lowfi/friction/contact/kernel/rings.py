@@ -74,7 +74,7 @@ def contact_energy(cell: CellArrays, p: Array, u: Array, state: CellState) -> fl
 
 
 @kernel
-def newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du: Array) -> None:
+def write_position_newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du: Array) -> None:
     """Write Newton's step of the balls to dp (N, 2) and of the inner body to du (m,) [m], by eliminating the balls.
 
     state: gradient and stiffness that `contact_energy` has written; floor: stiffness that is added on the diagonal [N/m],
@@ -153,7 +153,7 @@ def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: Ce
     while steps < limit and worst > goal * (load + np.sum(state.force)):
         steps += 1
         floor = 1e-12 * np.max(state.stiffness) + 1e-12 * max(load, 1e-9) / reach
-        newton_step(cell, state, floor, dp, du)
+        write_position_newton_step(cell, state, floor, dp, du)
         length = min(1.0, LONGEST_STEP * reach / max(largest_entry(dp, du), 1e-300))
         slope = np.sum(state.ball * dp) + np.sum(state.inner * du)
         work = np.sum(cell.push * dp) + np.sum(cell.pull * du)

@@ -14,10 +14,10 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.linear.kernel_types import Array, ChainArrays, ChainPoint, Smoothing, Work
-from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, kernels
+from rollbench.lowfi.friction.linear.kernel_types import Array, ChainArrays, ChainPoint, NewtonArrays, Smoothing
+from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, load_kernel_package
 
-_OTHER = kernels(CONTACT, compiled=is_compiled(__name__))
+_OTHER = load_kernel_package(CONTACT, compiled=is_compiled(__name__))
 
 dissipation, solve_with_pivots = _OTHER.dissipation, _OTHER.solve_with_pivots
 
@@ -32,7 +32,7 @@ FILLED = 16
 
 
 @kernel
-def solve_banded(K: Array, A: Array, x: Array, y: Array) -> float:
+def solve_two_banded_systems(K: Array, A: Array, x: Array, y: Array) -> float:
     """Solve two linear systems with one banded matrix; return the sign of its determinant.
 
     K (n, 11): the matrix; A (n, 16): work array, which becomes its factors; x, y (n,): right-hand sides, which are
@@ -187,7 +187,7 @@ def assemble_equations(chain: ChainArrays, point: ChainPoint, law: Smoothing, K:
 
 
 @kernel
-def _add_ball_motions(contacts: Array, point: ChainPoint, x: Array) -> None:
+def _add_contact_slips(contacts: Array, point: ChainPoint, x: Array) -> None:
     """Add the relative motions that motions x (N, 3) of the balls cause at all contacts to ``slip`` and ``pair``.
 
     x: velocity and ball radius times two spins, over the carriage's speed; contacts: field of `ChainArrays`; point: has the
@@ -202,10 +202,10 @@ def _add_ball_motions(contacts: Array, point: ChainPoint, x: Array) -> None:
 
 
 @kernel
-def rebuild_slips(chain: ChainArrays, point: ChainPoint) -> None:
+def write_contact_slips(chain: ChainArrays, point: ChainPoint) -> None:
     """Compute the relative motions at all contacts, ``slip`` and ``pair`` of the point, from the balls' motions."""
     point.slip[:, :, 0], point.slip[:, :, 1], point.pair[:] = -chain.contacts[:, :, 2], 0.0, 0.0
-    _add_ball_motions(chain.contacts, point, chain.nominal + point.drift)
+    _add_contact_slips(chain.contacts, point, chain.nominal + point.drift)
 
 
 @kernel
@@ -215,7 +215,7 @@ def apply_step(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> 
     change = t * step[: 4 * n].reshape(n, 4)
     point.z[:] += change[:-1, 3]
     point.drift[:] += change[:, :3]
-    _add_ball_motions(chain.contacts, point, change)
+    _add_contact_slips(chain.contacts, point, change)
 
 
 @kernel
@@ -269,7 +269,7 @@ def _step_limit(step: Array) -> float:
 
 @kernel
 def semismooth_newton(
-    chain: ChainArrays, point: ChainPoint, law: Smoothing, work: Work, tolerance: float, limit: int, firmest: float
+    chain: ChainArrays, point: ChainPoint, law: Smoothing, work: NewtonArrays, tolerance: float, limit: int, firmest: float
 ) -> tuple[int, float]:
     """Solve the equations of a chain by a semismooth Newton method, with steps halved until the residual falls.
 
@@ -288,7 +288,7 @@ def semismooth_newton(
             if i % 4 != 3:
                 K[i, HALF] += damping
         step[:] = -g
-        solve_banded(K, factors, step, other)
+        solve_two_banded_systems(K, factors, step, other)
         t, at, trial = _step_limit(step), 0.0, size
         for _ in range(12):
             apply_step(chain, point, step, t - at)
@@ -315,7 +315,7 @@ def semismooth_newton(
 
 @kernel
 def undamped_newton(
-    chain: ChainArrays, point: ChainPoint, law: Smoothing, work: Work, tolerance: float, limit: int
+    chain: ChainArrays, point: ChainPoint, law: Smoothing, work: NewtonArrays, tolerance: float, limit: int
 ) -> tuple[int, float]:
     """Solve the equations of a chain by undamped Newton steps, because at kinks the residual rises before it falls.
 
@@ -328,7 +328,7 @@ def undamped_newton(
     start, kept = largest_entry(g), copy_point(point)
     for iteration in range(limit):
         step[:] = -g
-        solve_banded(K, factors, step, other)
+        solve_two_banded_systems(K, factors, step, other)
         apply_step(chain, point, step, _step_limit(step))
         assemble_equations(chain, point, law, K, g)
         if largest_entry(g) <= tolerance:

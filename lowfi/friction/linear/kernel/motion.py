@@ -12,7 +12,7 @@ from math import exp, log, sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.linear.kernel_types import Array, ChainArrays, ChainPoint, Smoothing, Work
+from rollbench.lowfi.friction.linear.kernel_types import Array, ChainArrays, ChainPoint, NewtonArrays, Smoothing
 from rollbench.lowfi.jit import kernel
 
 from .equations import (
@@ -20,12 +20,12 @@ from .equations import (
     assemble_equations,
     copy_point,
     largest_entry,
-    rebuild_slips,
     reset_open_gaps,
     restore_point,
     semismooth_newton,
-    solve_banded,
+    solve_two_banded_systems,
     undamped_newton,
+    write_contact_slips,
 )
 
 #: Creeping speed at the beginning of the path, over the carriage's speed.
@@ -46,7 +46,7 @@ LENGTH, SHORTEST, KINK = 0.05, 1e-9, 1e-5
 
 
 @kernel
-def path_smoothing(s: float, eps: float) -> Smoothing:
+def smoothing_on_path(s: float, eps: float) -> Smoothing:
     """Return the smoothing of the equations at parameter s of the path, 0 to 1.
 
     With s, the friction between balls rises to its full value, early on the path, and the creeping speed falls to ``eps``
@@ -58,7 +58,7 @@ def path_smoothing(s: float, eps: float) -> Smoothing:
 
 
 @kernel
-def convex_sign(point: ChainPoint) -> float:
+def determinant_sign_without_ball_friction(point: ChainPoint) -> float:
     """Return the sign of the Jacobian's determinant for a chain without friction between balls, whose problem is convex.
 
     The row of each of the N - 1 gaps, and the unused last row, changes the sign once.
@@ -67,8 +67,8 @@ def convex_sign(point: ChainPoint) -> float:
 
 
 @kernel
-def _path_tangent(
-    chain: ChainArrays, point: ChainPoint, s: float, eps: float, work: Work, change: Array, tau: Array
+def _write_path_tangent(
+    chain: ChainArrays, point: ChainPoint, s: float, eps: float, work: NewtonArrays, change: Array, tau: Array
 ) -> float:
     """Write the tangent of the path at a point; return 1 if the path goes on along it, or -1 if against it.
 
@@ -77,25 +77,25 @@ def _path_tangent(
     by s. Both are overwritten. ``work`` must have the equations at the point.
     """
     K, factors, g, _, other = work
-    assemble_equations(chain, point, path_smoothing(s + DIFFERENCE, eps), factors, other)
+    assemble_equations(chain, point, smoothing_on_path(s + DIFFERENCE, eps), factors, other)
     n = g.shape[0]
     for i in range(n):
         change[i] = (other[i] - g[i]) / DIFFERENCE
         tau[i] = -change[i]
         other[i] = 0.0
     tau[n] = 1.0
-    sign = solve_banded(K, factors, tau[:n], other)
+    sign = solve_two_banded_systems(K, factors, tau[:n], other)
     tau /= sqrt(np.dot(tau, tau))
-    return sign * convex_sign(point)
+    return sign * determinant_sign_without_ball_friction(point)
 
 
 @kernel
-def _correct_point(
+def _correct_to_path(
     chain: ChainArrays,
     point: ChainPoint,
     s: float,
     eps: float,
-    work: Work,
+    work: NewtonArrays,
     change: Array,
     tau: Array,
     length: float,
@@ -110,13 +110,13 @@ def _correct_point(
     K, factors, g, step, other = work
     n, moved = g.shape[0], 0.0
     for newton in range(STEPS + 1):
-        law = path_smoothing(s, eps)
+        law = smoothing_on_path(s, eps)
         assemble_equations(chain, point, law, K, g)
         if largest_entry(g) <= max(ON_PATH, 1e-5 * law.eps):
             return True, newton, s
         step[:] = -g
         other[:] = -change
-        solve_banded(K, factors, step, other)
+        solve_two_banded_systems(K, factors, step, other)
         ds = 0.0 if fixed else -np.dot(tau[:n], step) / (tau[n] + np.dot(tau[:n], other))
         step += ds * other
         moved += sqrt(np.dot(step, step) + ds * ds)
@@ -128,7 +128,7 @@ def _correct_point(
 
 
 @kernel
-def _longest_step(tau: Array) -> float:
+def _longest_path_step(tau: Array) -> float:
     """Return the longest step along the path that moves no velocity by more than 0.5, and s by no more than 0.1.
 
     tau (4 N + 1,): tangent of the path, with four entries for each ball and the last one for s. Velocities are over the
@@ -139,7 +139,7 @@ def _longest_step(tau: Array) -> float:
 
 
 @kernel
-def trace_path(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, limit: int) -> tuple[int, bool]:
+def follow_path(chain: ChainArrays, point: ChainPoint, eps: float, work: NewtonArrays, limit: int) -> tuple[int, bool]:
     """Follow the path of solutions from a point near its beginning, while friction between balls rises to its full value.
 
     Returns the number of Newton steps, and whether the end of the path was reached. The sign of the Jacobian's determinant
@@ -148,24 +148,24 @@ def trace_path(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, li
     """
     n: int = work.g.shape[0]
     change, tau, ahead = np.zeros(n), np.zeros(n + 1), np.zeros(n + 1)
-    total, left = semismooth_newton(chain, point, path_smoothing(0.0, eps), work, 0.1 * ON_PATH, int(np.int64(100)), 1.0)
+    total, left = semismooth_newton(chain, point, smoothing_on_path(0.0, eps), work, 0.1 * ON_PATH, int(np.int64(100)), 1.0)
     if not left <= ON_PATH:
         return total, False
-    _path_tangent(chain, point, 0.0, eps, work, change, tau)
+    _write_path_tangent(chain, point, 0.0, eps, work, change, tau)
     kept = copy_point(point)
     s, length = 0.0, LENGTH
     while total < limit and length > SHORTEST:
-        length = min(length, _longest_step(tau))
+        length = min(length, _longest_path_step(tau))
         last = s + length * tau[n] >= 1.0
         if last:
             length = (1.0 - s) / tau[n]
         apply_step(chain, point, tau, length)
-        good, used, found = _correct_point(chain, point, s + length * tau[n], eps, work, change, tau, length, last)
+        good, used, found = _correct_to_path(chain, point, s + length * tau[n], eps, work, change, tau, length, last)
         total += used
         if good and last:
             return total, True
         if good and -0.01 < found < 1.0:
-            ahead *= _path_tangent(chain, point, found, eps, work, change, ahead)
+            ahead *= _write_path_tangent(chain, point, found, eps, work, change, ahead)
             total += 1
             good = np.dot(tau, ahead) > 0.5 or length < KINK
         else:
@@ -209,12 +209,12 @@ STARTS, PRESSED = 3, 3.0
 
 
 @kernel
-def _solve_without_ball_friction(chain: ChainArrays, point: ChainPoint, work: Work) -> int:
+def _solve_without_ball_friction(chain: ChainArrays, point: ChainPoint, work: NewtonArrays) -> int:
     """Solve a chain without friction between balls at the creeping speed ``FIRST``; return the number of Newton steps.
 
     The search begins from the ``drift`` of ``point``, which is overwritten by the solution.
     """
-    rebuild_slips(chain, point)
+    write_contact_slips(chain, point)
     total = 0
     for smooth in (ROUND, 0.0):
         law = Smoothing(FIRST, 0.0, smooth, SPRING * FIRST)
@@ -231,7 +231,7 @@ def _all_balls_supported(contacts: Array) -> bool:
 
 @kernel
 def _reduce_creeping_speed(
-    chain: ChainArrays, point: ChainPoint, work: Work, eps_end: float, share: float, limit: int
+    chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps_end: float, share: float, limit: int
 ) -> tuple[int, bool]:
     """Solve a chain at creeping speeds that fall from ``FIRST`` to ``eps_end``, each solution being the next start.
 
@@ -249,19 +249,21 @@ def _reduce_creeping_speed(
         if eps <= eps_end:
             break
         eps = max(eps_end, 0.1 * eps)
-    return total, solve_banded(work.K, work.factors, work.step, work.other) == convex_sign(point)
+    return total, solve_two_banded_systems(
+        work.K, work.factors, work.step, work.other
+    ) == determinant_sign_without_ball_friction(point)
 
 
 @kernel
 def chain_motion(
-    chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float, limit: int
+    chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float, limit: int
 ) -> tuple[int, float]:
     """Solve for the motion of the balls and the forces between them, from the ``drift`` of the point, which is moved.
 
     eps: creeping speed of the result; tolerance: largest residual aimed at; limit: most Newton steps on the path. The first
     step has no ball-to-ball friction, so that only a convex problem decides where the solution starts from.
     Where friction between balls may bring further solutions, and where Newton's method does not follow from there at
-    once while creeping speeds fall, the path by `trace_path` decides, unless the balls all part without that friction.
+    once while creeping speeds fall, the path by `follow_path` decides, unless the balls all part without that friction.
     Returns the number of Newton steps and the largest residual.
     """
     total = _solve_without_ball_friction(chain, point, work)
@@ -278,7 +280,7 @@ def chain_motion(
         good = good and not np.any(point.z > 0.0)
     if not good:
         restore_point(point, first)
-        used, _ = trace_path(chain, point, eps, work, limit)
+        used, _ = follow_path(chain, point, eps, work, limit)
         total += used
         reset_open_gaps(point, eps)
     used, residual = _solve_exact_equations(chain, point, work, eps, tolerance)
@@ -287,7 +289,7 @@ def chain_motion(
 
 @kernel
 def motion_from_other_start(
-    chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float, limit: int, start: int
+    chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float, limit: int, start: int
 ) -> tuple[int, float]:
     """Solve for motion and forces as `chain_motion`, from one of ``STARTS`` other starts.
 
@@ -297,7 +299,7 @@ def motion_from_other_start(
     """
     total = _solve_without_ball_friction(chain, point, work)
     if start == 0:
-        used, _ = trace_path(chain, point, eps, work, limit)
+        used, _ = follow_path(chain, point, eps, work, limit)
     elif start == 1:
         used, _ = _reduce_creeping_speed(chain, point, work, eps, 0.0, int(np.int64(MANY)))
     else:
@@ -310,7 +312,9 @@ def motion_from_other_start(
 
 
 @kernel
-def motion_from_state(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
+def motion_from_state(
+    chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float
+) -> tuple[int, float]:
     """Solve for motion and forces as `chain_motion`, but by Newton's method only, from the state of a similar chain.
 
     ``point``: this state, which is overwritten; eps: creeping speed; tolerance: largest residual aimed at. Returns the
@@ -322,7 +326,7 @@ def motion_from_state(chain: ChainArrays, point: ChainPoint, work: Work, eps: fl
 
 @kernel
 def _solve_exact_equations(
-    chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float
+    chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float
 ) -> tuple[int, float]:
     """Solve the equations with all friction between balls and exact complementarity, starting from ``point``.
 

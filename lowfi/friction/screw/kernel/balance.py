@@ -12,9 +12,11 @@ import numpy as np
 
 from rollbench.lowfi.friction.contact.kernel_types import Array
 from rollbench.lowfi.friction.screw.kernel_types import BalanceParts, BallArrays, GrooveArrays
-from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, kernels
+from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, load_kernel_package
 
-_OTHER = kernels(CONTACT, compiled=is_compiled(__name__))  # the kernels of one contact, compiled where these are
+_OTHER = load_kernel_package(
+    CONTACT, compiled=is_compiled(__name__)
+)  # the kernels of one contact, compiled where these are
 
 dissipation, least_dissipation = _OTHER.dissipation, _OTHER.least_dissipation
 
@@ -37,7 +39,7 @@ def semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
 
 
 @kernel
-def contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> None:
+def write_contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> None:
     """Write to out (3, 4) the map from a ball's motion to sliding vx, vz [m/s] and spin [rad/s] at one contact.
 
     n_x, n_z: contact normal along x3, z3. The motion (4,) is given as surface speeds over the nut's speed along the path.
@@ -49,10 +51,10 @@ def contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> Non
 
 
 @kernel
-def contact_motion(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, float, float]:
+def relative_contact_motion(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, float, float]:
     """Return the relative motion of ball and groove at contact i: vx, vz [m/s] and spin [rad/s].
 
-    rows (3, 4): map of the contact (`contact_map`); x (4,): motion of the ball, surface speeds over the nut's speed.
+    rows (3, 4): map of the contact (`write_contact_map`); x (4,): motion of the ball, surface speeds over the nut's speed.
     """
     orbit = x[0] - groove.ride[i]
     return (
@@ -88,7 +90,7 @@ def contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pul
 
 
 @kernel
-def ball_sliding(groove: GrooveArrays, this: Array, other: Array, eps: float) -> tuple[float, float, float]:
+def ball_on_ball_sliding(groove: GrooveArrays, this: Array, other: Array, eps: float) -> tuple[float, float, float]:
     """Return two components u, v of the sliding of a ball on the next one, and the size sqrt(u^2 + v^2 + eps^2).
 
     All speeds are over the nut's speed along the path. this, other (4,): motions of the ball and of the next one; eps:
@@ -124,7 +126,7 @@ def neighbour_forces(
     on_ball[:] = 0.0
     for k in range(n):
         ahead = (k + 1) % n
-        u, v, size = ball_sliding(groove, x[k], x[ahead], eps)
+        u, v, size = ball_on_ball_sliding(groove, x[k], x[ahead], eps)
         bite = balls.mu[k] * f[k] / size
         loss[k] = bite * (u * u + v * v) * groove.speed
         for r in range(3):
@@ -185,7 +187,7 @@ def balance_residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array
     # what neighbours add: sliding friction and the force along the path (Lin 3.73-3.75)
     for k in range(n):
         ahead = (k + 1) % n
-        u, v, size = ball_sliding(groove, x[k], x[ahead], eps)
+        u, v, size = ball_on_ball_sliding(groove, x[k], x[ahead], eps)
         bite = balls.mu[k] * max(f[k], 0.0) / size
         for j in range(4):
             balance[k, j] += bite * (u * first[0, j] + v * first[1, j])
@@ -207,7 +209,7 @@ def largest_residual(parts: BalanceParts) -> float:
 
 
 @kernel
-def pair_blocks(
+def write_pair_derivatives(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, slopes: Array, eps: float, k: int, out: Array
 ) -> None:
     """Write the derivatives of the forces between ball k and the next ball to ``out``, four blocks (4, 5, 5).
@@ -218,7 +220,7 @@ def pair_blocks(
     complementarity by force and gap.
     """
     first, second, closing = groove.first, groove.second, groove.closing
-    u, v, size = ball_sliding(groove, x[k], x[(k + 1) % f.shape[0]], eps)
+    u, v, size = ball_on_ball_sliding(groove, x[k], x[(k + 1) % f.shape[0]], eps)
     u, v = u / size, v / size
     bite = balls.mu[k] * max(f[k], 0.0) / size
     sliding = balls.mu[k] if f[k] > 0.0 else 0.0
@@ -259,7 +261,7 @@ def balance_jacobian(
         for i in range(4):
             for j in range(4):
                 K[row + i, HALF + j - i] += parts.hessian[k, i, j]
-        pair_blocks(groove, balls, x, f, parts.slopes, eps, k, out)
+        write_pair_derivatives(groove, balls, x, f, parts.slopes, eps, k, out)
         last = row == 5 * (n - 1)
         other = 0 if last else row + 5
         for i in range(5):
@@ -286,7 +288,7 @@ def ball_after_open_gap(groove: GrooveArrays, balls: BallArrays, x: Array, f: Ar
 
 
 @kernel
-def newton_step(
+def write_balance_newton_step(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, dx: Array, df: Array
 ) -> None:
     """Write Newton's step of the motions to dx (N, 4) and of the ball-to-ball forces to df (N,).
@@ -336,7 +338,7 @@ def solve_balance(
     for count in range(limit):
         if size <= goal:
             return size, count
-        newton_step(groove, balls, x, f, parts, eps, dx, df)
+        write_balance_newton_step(groove, balls, x, f, parts, eps, dx, df)
         length, new, better = min(1.0, REACH / max(np.max(np.abs(dx)), 1e-300)), size, False
         for _ in range(3 if size <= near else 25):
             new = balance_residual(groove, balls, x + length * dx, f + length * df, eps, trial)

@@ -3,9 +3,10 @@
 Unknowns of a ball, in this order: position p (x3, z3) in units of ``length``, motion x (4,), force f on the next ball;
 after all balls the screw's u (m,), in units of ``length`` too. Forces are in the unit of ``BallArrays``.
 
-`ball_rows` computes what one ball adds to the equations: forces out of balance and their derivatives. In all functions x
-(4,) are a ball's surface speeds over the nut's speed along the path, ``eps`` is the regularising speed over the same speed,
-and ``share`` is the fraction of the friction that acts on the loads, by which the search approaches the solution.
+`write_ball_equations` computes what one ball adds to the equations: forces out of balance and their derivatives. In all
+functions x (4,) are a ball's surface speeds over the nut's speed along the path, ``eps`` is the regularising speed over the
+same speed, and ``share`` is the fraction of the friction that acts on the loads, by which the search approaches the
+solution.
 """
 
 from math import sqrt
@@ -13,20 +14,20 @@ from math import sqrt
 import numpy as np
 
 from rollbench.lowfi.friction.contact.kernel_types import Array
-from rollbench.lowfi.friction.screw.kernel_types import GrooveArrays, JointMatrix, JointSystem, Place
+from rollbench.lowfi.friction.screw.kernel_types import GrooveArrays, JointMatrix, JointSystem, JointUnknowns
 from rollbench.lowfi.jit import kernel
 
 from .balance import (
     REACH,
     ball_after_open_gap,
-    ball_sliding,
-    contact_map,
-    contact_motion,
+    ball_on_ball_sliding,
     dissipation,
     hertz_contact,
-    pair_blocks,
+    relative_contact_motion,
     remaining_slack,
     solve_with_pivots,
+    write_contact_map,
+    write_pair_derivatives,
 )
 
 #: Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut.
@@ -38,18 +39,18 @@ OWN_ROWS, OWN_COLUMNS = 9, 8
 
 
 @kernel
-def _dissipation_derivatives(
+def _write_dissipation_derivatives(
     groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: float, g: Array, h: Array
 ) -> None:
     """Write the derivatives of the dissipation D of contact i over its friction bound mu F.
 
-    f: contact force F [N]; rows (3, 4): map of the contact (`contact_map`); x (4,): motion of the ball, surface speeds over
-    the nut's speed; eps: regularising speed over the nut's speed. Written are the gradient g (3,) by (vx, vz, spin), the
-    Hessian in h[:3], and the derivative of F g by F in h[3]. The semi-axes grow with F^(1/3), and D(s a, s b, vx, vz, spin)
-    = D(a, b, vx, vz, s spin).
+    f: contact force F [N]; rows (3, 4): map of the contact (`write_contact_map`); x (4,): motion of the ball, surface
+    speeds over the nut's speed; eps: regularising speed over the nut's speed. Written are the gradient g (3,) by (vx, vz,
+    spin), the Hessian in h[:3], and the derivative of F g by F in h[3]. The semi-axes grow with F^(1/3), and D(s a, s b,
+    vx, vz, spin) = D(a, b, vx, vz, s spin).
     """
     cube = f ** (1.0 / 3.0)
-    vx, vz, spin = contact_motion(groove, i, rows, x)
+    vx, vz, spin = relative_contact_motion(groove, i, rows, x)
     d = dissipation(groove.C_a[i] * cube, groove.C_b[i] * cube, vx, vz, spin, eps * groove.speed)
     g[0], g[1], g[2] = d.by_vx, d.by_vz, d.by_spin
     # rows 0 to 2: Hessian by (vx, vz, spin)
@@ -62,15 +63,15 @@ def _dissipation_derivatives(
 
 
 @kernel
-def _force_effects(
+def _write_force_effects(
     n_x: float, n_z: float, rows: Array, speed: float, share: float, along: float, on: bool, load: Array, pull: Array
 ) -> None:
-    """Write how the forces of one contact act on the nine rows of `ball_rows`.
+    """Write how the forces of one contact act on the nine rows of `write_ball_equations`.
 
     load (9,): effect of a unit normal force; pull (9, 3): effect of each component (vx, vz, spin) of the friction. n_x,
-    n_z: contact normal; rows (3, 4): map of the contact (`contact_map`); speed: speed of the nut along the path [m/s];
-    share: fraction of the friction that acts on the loads; along: fraction of the friction along the path that acts on the
-    screw; on: whether the contact is on the screw. The result is linear in (n_x, n_z, rows, along).
+    n_z: contact normal; rows (3, 4): map of the contact (`write_contact_map`); speed: speed of the nut along the path
+    [m/s]; share: fraction of the friction that acts on the loads; along: fraction of the friction along the path that acts
+    on the screw; on: whether the contact is on the screw. The result is linear in (n_x, n_z, rows, along).
     """
     load[:] = 0.0
     pull[:] = 0.0
@@ -82,7 +83,7 @@ def _force_effects(
 
 
 @kernel
-def ball_rows(
+def write_ball_equations(
     system: JointSystem, k: int, p: Array, shift: Array, x: Array, share: float, eps: float, out: Array, by: Array
 ) -> None:
     """Write what ball k adds to the equations to out (9,) [N], and its derivatives to by (9, 8).
@@ -106,16 +107,16 @@ def ball_rows(
         f, n_x, n_z, d, size = hertz_contact(start[k, i, 0], start[k, i, 1], m_x, m_z, interference[k, i], C[i])
         if f == 0.0:
             continue
-        contact_map(groove, n_x, n_z, rows)
+        write_contact_map(groove, n_x, n_z, rows)
         g[:] = 0.0
         h[:] = 0.0
         if np.max(balls.force[k]) > 0.0:  # others count as unloaded
-            _dissipation_derivatives(groove, i, f, rows, x, eps, g, h)
-        _force_effects(n_x, n_z, rows, speed, share, share, on, load, pull)
+            _write_dissipation_derivatives(groove, i, f, rows, x, eps, g, h)
+        _write_force_effects(n_x, n_z, rows, speed, share, share, on, load, pull)
         out += f * load + mu * f * (pull @ g)
         by[:, 2:6] += mu * f * (pull @ (h[:3] @ rows))  # columns 2 to 5: by the ball's motion
         for c in range(2):  # derivatives by n_x and by n_z, taken as independent
-            _force_effects(1.0 - c, float(c), affine[1 + c], speed, share, 0.0, on, d_load, d_pull)
+            _write_force_effects(1.0 - c, float(c), affine[1 + c], speed, share, 0.0, on, d_load, d_pull)
             seen_more = affine[1 + c] @ x - affine[1 + c, :, 0] * groove.ride[i]
             turned[c] = f * d_load + mu * f * (d_pull @ g + pull @ (h[:3] @ seen_more))
         # by the position: dF/d(approach) along the normal, and the turn of the normal across it
@@ -138,7 +139,9 @@ LONGEST_STEP = 0.1
 
 
 @kernel
-def _add_pair(system: JointSystem, at: Place, k: int, share: float, eps: float, start: int, matrix: JointMatrix) -> None:
+def _add_ball_to_ball_contact(
+    system: JointSystem, at: JointUnknowns, k: int, share: float, eps: float, start: int, matrix: JointMatrix
+) -> None:
     """Add the force and friction between ball k and the next ball to the equations in ``matrix``, with their derivatives.
 
     at: present unknowns; share: fraction of the friction that acts on the loads; eps: regularising speed over the nut's
@@ -151,7 +154,7 @@ def _add_pair(system: JointSystem, at: Place, k: int, share: float, eps: float, 
     n, ahead = f.shape[0], (k + 1) % f.shape[0]
     row, other = SIZE * ((k - start) % n), SIZE * ((ahead - start) % n)
     last = row == SIZE * (n - 1)
-    u, v, size = ball_sliding(groove, x[k], x[ahead], eps)
+    u, v, size = ball_on_ball_sliding(groove, x[k], x[ahead], eps)
     u, v = u / size, v / size
     mu = balls.mu[k]
     bite = mu * max(f[k], 0.0)
@@ -169,7 +172,7 @@ def _add_pair(system: JointSystem, at: Place, k: int, share: float, eps: float, 
         root = max(sqrt(f[k] * f[k] + left * left), 1e-300)
         side[row + 6] = f[k] + left - root
         slopes[k, 0], slopes[k, 1] = 1.0 - f[k] / root, 1.0 - left / root
-    pair_blocks(groove, balls, x, f, slopes, eps, k, blocks)
+    write_pair_derivatives(groove, balls, x, f, slopes, eps, k, blocks)
     # blocks: ball k with itself, the next ball with itself, k with next, next with k
     for i in range(5):
         for j in range(5):
@@ -179,11 +182,11 @@ def _add_pair(system: JointSystem, at: Place, k: int, share: float, eps: float, 
                 K[row + 2 + i, HALF + SIZE + j - i] += blocks[1, i, j]
                 K[other + 2 + i, HALF - SIZE + j - i] += blocks[2, i, j]
     for which in range(2):
-        _add_pair_force(system, which, row, other, (u, v, size), f[k], mu, share, matrix)
+        _add_ball_to_ball_force(system, which, row, other, (u, v, size), f[k], mu, share, matrix)
 
 
 @kernel
-def _add_pair_force(
+def _add_ball_to_ball_force(
     system: JointSystem,
     which: int,
     row: int,
@@ -222,7 +225,9 @@ def _add_pair_force(
 
 
 @kernel
-def assemble_joint(system: JointSystem, at: Place, share: float, eps: float, start: int, matrix: JointMatrix) -> float:
+def assemble_joint(
+    system: JointSystem, at: JointUnknowns, share: float, eps: float, start: int, matrix: JointMatrix
+) -> float:
     """Write residual and Jacobian of all equations to ``matrix``; return the root of the residual's sum of squares.
 
     at: unknowns; share: fraction of the friction that acts on the loads; eps: regularising speed over the nut's speed;
@@ -244,7 +249,7 @@ def assemble_joint(system: JointSystem, at: Place, share: float, eps: float, sta
             shift[c] = offset[k, c]
             for q in range(m):
                 shift[c] += section[k, c, q] * u[q]
-        ball_rows(system, k, p[k], shift, x[k], share, eps, out, by)
+        write_ball_equations(system, k, p[k], shift, x[k], share, eps, out, by)
         # ball's rows: residual, its position and motion, columns of the screw
         for i in range(6):
             side[row + i] += out[i] / unit
@@ -266,12 +271,12 @@ def assemble_joint(system: JointSystem, at: Place, share: float, eps: float, sta
                     for o in range(m):
                         corner[q, o] -= rows[k, r, q] * by[6 + r, 6 + c] * section[k, c, o] * length / unit
     for k in range(n):
-        _add_pair(system, at, k, share, eps, start, matrix)
+        _add_ball_to_ball_contact(system, at, k, share, eps, start, matrix)
     return float(sqrt(np.sum(side * side) + np.sum(side_u * side_u)))
 
 
 @kernel
-def joint_newton_step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
+def write_joint_newton_step(matrix: JointMatrix, start: int, length: float, d: JointUnknowns) -> None:
     """Write Newton's step to d, with positions in m; overwrite ``matrix`` of `assemble_joint` by its factors.
 
     start: ball whose rows come first; length: unit of positions [m]. Positions that no contact resists do not move.
@@ -308,7 +313,9 @@ def joint_newton_step(matrix: JointMatrix, start: int, length: float, d: Place) 
 
 
 @kernel
-def newton_joint(system: JointSystem, at: Place, share: float, eps: float, goal: float, limit: int) -> tuple[float, int]:
+def newton_joint(
+    system: JointSystem, at: JointUnknowns, share: float, eps: float, goal: float, limit: int
+) -> tuple[float, int]:
     """Solve loads and motion together by Newton's method, with steps halved until the residual falls.
 
     ``at`` is the start and is overwritten by the solution; ``share``: fraction of the friction that acts on the loads;
@@ -326,18 +333,20 @@ def newton_joint(system: JointSystem, at: Place, share: float, eps: float, goal:
         np.empty((m, SIZE * n)),
         np.empty((m, m)),
     )
-    d = Place(np.empty_like(p), np.empty_like(u), np.empty_like(x), np.empty_like(f))
+    d = JointUnknowns(np.empty_like(p), np.empty_like(u), np.empty_like(x), np.empty_like(f))
     start = ball_after_open_gap(system.groove, system.balls, x, f)
     size = assemble_joint(system, at, share, eps, start, matrix)
     for count in range(limit):
         if size <= goal:
             return size, count
-        joint_newton_step(matrix, start, length, d)
+        write_joint_newton_step(matrix, start, length, d)
         moved = max(np.max(np.abs(d.ball)), np.max(np.abs(d.screw)) if m > 0 else 0.0)
         part_of = min(1.0, REACH / max(np.max(np.abs(d.motion)), 1e-300), LONGEST_STEP * reach / max(moved, 1e-300))
         better = False
         for _ in range(30):
-            trial = Place(p + part_of * d.ball, u + part_of * d.screw, x + part_of * d.motion, f + part_of * d.ball_force)
+            trial = JointUnknowns(
+                p + part_of * d.ball, u + part_of * d.screw, x + part_of * d.motion, f + part_of * d.ball_force
+            )
             start = ball_after_open_gap(system.groove, system.balls, trial.motion, trial.ball_force)
             new = assemble_joint(system, trial, share, eps, start, matrix)
             if new < (1.0 - 0.1 * part_of) * size:

@@ -8,13 +8,18 @@ from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, found, keys, of_source
 
 from rollbench.compare.cases.external import evidence
-from rollbench.compare.evidence import audit, numbers_left_out
-from rollbench.compare.gate.gate import band_row, band_rows
+from rollbench.compare.evidence import evidence_of_all_tables, uncompared_number_rows
+from rollbench.compare.gate.gate import check_external_bands, check_of_band
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
 from rollbench.compare.studies.friction.whole import friction_coefficients
-from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, axial_displacement, bearing_of_contact_angle
-from rollbench.lowfi.bearings.axis import equilibrium, lift_off_force, preloaded_rows
+from rollbench.lowfi.bearings.angular_contact import (
+    BallBearing,
+    BallRow,
+    bearing_of_contact_angle,
+    displacement_under_thrust,
+)
+from rollbench.lowfi.bearings.axis import equal_rows_with_preload, lift_off_force, solve_set_equilibrium
 from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.meshes.parts import Friction
 
@@ -29,7 +34,7 @@ def test_entry(key: str) -> None:
 def test_every_case_is_run_or_left_out_with_its_reason() -> None:
     makers = ("gmn", "harris", "masta", "nsk", "sjovall", "snfa", "thk", "vm63")
     assert of_source("external") == [f"{evidence.PREFIX}{name}" for name in ("contact", "equivalent", *makers)]
-    assert [row["place"] for row in numbers_left_out() if row["source"] == "other programs, makers, textbooks"] == [
+    assert [row["place"] for row in uncompared_number_rows() if row["source"] == "other programs, makers, textbooks"] == [
         "eng-tools.dev, calculator of a 6206",
         "GMN, series KH, 25 deg",
         "SNFA, catalogue of spindle bearings",
@@ -38,15 +43,15 @@ def test_every_case_is_run_or_left_out_with_its_reason() -> None:
 
 def test_what_was_inferred_is_said_of_every_scene_and_case() -> None:
     names = [name for name in catalogue.scene_names() if name.startswith(evidence.PREFIX)]
-    assert [bool(catalogue.shipped(name).assumed) for name in names] == 13 * [True]
-    assert set(evidence.assumptions()) == {"vm63", "contact", "wheel", "snfa", "thk", "gmn"}
+    assert [bool(catalogue.shipped_scene(name).assumed) for name in names] == 13 * [True]
+    assert set(evidence.assumptions_by_case()) == {"vm63", "contact", "wheel", "snfa", "thk", "gmn"}
 
 
 def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
-    rows = band_rows(STUDY)
+    rows = check_external_bands(STUDY)
     assert [row.passed for row in rows] == 79 * [True]
     tilt = found("external-masta:tilt")
-    beyond, within = (band_row(replace(tilt, value=share * tilt.printed.high)) for share in (1.001, 0.999))
+    beyond, within = (check_of_band(replace(tilt, value=share * tilt.printed.high)) for share in (1.001, 0.999))
     assert (beyond.verdict, beyond.limit_percent, within.verdict) == ("FAIL", pytest.approx(2.0), "ok")
 
 
@@ -64,13 +69,13 @@ def test_masta_axial_load_by_the_formulas_of_a_bearing() -> None:
     """From a contact angle of zero, as the scene of sets on a shaft has it."""
     b = BallBearing(7, 11.5e-3, 32e-3, 55e-3, 5.98e-3, 6.095e-3, 210e9, 0.3)
     assert b.free_angle == 0.0
-    assert axial_displacement(b, 1000.0) * 1e6 == pytest.approx(133.5381, rel=2e-4)
+    assert displacement_under_thrust(b, 1000.0) * 1e6 == pytest.approx(133.5381, rel=2e-4)
 
 
 def test_gmn_series_by_one_inferred_number() -> None:
-    assert evidence.gmn_rms_percent() < 1.0
+    assert evidence.gmn_rigidity_rms_error_percent() < 1.0
     for conformity in evidence.ANY:
-        growth = evidence.gmn_rigidity_growth_ratios(conformity)
+        growth = evidence.gmn_rigidity_growth_over_printed(conformity)
         assert np.median(growth) == pytest.approx(1.0, abs=0.02)
         assert np.ptp(growth) < 0.05
 
@@ -78,23 +83,27 @@ def test_gmn_series_by_one_inferred_number() -> None:
 def test_snfa_catalogue_has_frozen_its_angles() -> None:
     """Balls as good as rigid keep the angle: then rigidity grows as 6^(1/3), and a row opens at 2^1.5 times the preload."""
     rigid = bearing_of_contact_angle(12, 2.38e-3, 14.5e-3, (0.53, 0.53), np.radians(15.0), 208e15, 0.3)
-    light, heavy = (preloaded_rows(BallRow(rigid), (1, -1), p) for p in (10.0, 60.0))
-    assert equilibrium(heavy).stiffness / equilibrium(light).stiffness == pytest.approx(6.0 ** (1 / 3), rel=1e-3)
+    light, heavy = (equal_rows_with_preload(BallRow(rigid), (1, -1), p) for p in (10.0, 60.0))
+    assert solve_set_equilibrium(heavy).stiffness / solve_set_equilibrium(light).stiffness == pytest.approx(
+        6.0 ** (1 / 3), rel=1e-3
+    )
     assert lift_off_force(heavy) / 60.0 == pytest.approx(2.0**1.5, rel=1e-3)
-    assert equilibrium(heavy).stiffness == pytest.approx(evidence.constant_angle_rigidity(rigid, 60.0), rel=1e-3)
+    assert solve_set_equilibrium(heavy).stiffness == pytest.approx(
+        evidence.pair_rigidity_at_constant_angle(rigid, 60.0), rel=1e-3
+    )
 
 
 @pytest.mark.parametrize("size", [*evidence.THK, *evidence.HIWIN])
 def test_bodies_make_a_nut_softer_than_its_contacts(size: str) -> None:
-    scene = STUDY.scene(evidence.scene_name(size))
-    alone, bodies = evidence.rigidity_by_parts(scene, scene.loads[0].force[2])
+    scene = STUDY.scene(evidence.scene_name_of_catalogue_size(size))
+    alone, bodies = evidence.rigidities_without_and_with_bodies(scene, scene.loads[0].force[2])
     assert 0.85 * alone < bodies < alone
 
 
 def test_double_nut_of_contacts_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """2^(3/2)/3^(1/3): where the load that unloads one nut is 2^(3/2) times the preload."""
-    monkeypatch.setattr(evidence, "body_compliance", lambda scene: 0.0)  # noqa: ARG005 - rigid bodies
-    assert evidence.double_nut_rigidity_ratio(STUDY) == pytest.approx(2.0**1.5 / 3.0 ** (1 / 3), rel=1e-5)
+    monkeypatch.setattr(evidence, "axial_compliance_of_bodies", lambda scene: 0.0)  # noqa: ARG005 - rigid bodies
+    assert evidence.double_over_single_nut_rigidity(STUDY) == pytest.approx(2.0**1.5 / 3.0 ** (1 / 3), rel=1e-5)
 
 
 def test_friction_moves_balls_wherever_nothing_else_is_said():
@@ -102,6 +111,6 @@ def test_friction_moves_balls_wherever_nothing_else_is_said():
     assert Friction(0.1, 0.1).feedback is Friction.feedback is FrictionKeys.model_fields["feedback"].default is True
     nut = catalogue.scene("external-thk-bnf-3205-5")
     assert [f.feedback for f in friction_coefficients(replace(nut, friction=None), (0.1,))] == [True]
-    drag = next(e for e in audit(STUDY, "external-thk") if e.printed.key == "drag")
+    drag = next(e for e in evidence_of_all_tables(STUDY, "external-thk") if e.printed.key == "drag")
     assert drag.value == pytest.approx(941.0, rel=2e-3)
     assert "1.09 times the printed torque" in drag.reason

@@ -3,11 +3,17 @@
 import numpy as np
 from tests.sources.entries import of_source, rows
 
-from rollbench.compare.cases.external.page import SOURCES, TITLES, agreement_sentence, assumptions_table, rigidities_table
+from rollbench.compare.cases.external.page import (
+    SOURCES,
+    TITLES,
+    agreement_sentence,
+    assumptions_table,
+    nut_rigidities_table,
+)
 from rollbench.compare.evidence import Evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import Scatter, Validated
-from rollbench.compare.sections.u_val import scatter_figure, scatter_table, u_val_table
+from rollbench.compare.sections.u_val import bias_and_scatter_figure, bias_and_scatter_table, u_val_table
 from rollbench.reports.figures import draw_figure
 
 
@@ -24,14 +30,14 @@ def test_summary_counts_what_comes_out():
 
 def test_what_was_inferred_is_listed():
     study = Study()
-    study.uses(("external-masta-radial", "external-thk-bnf-4010-5"))
+    study.record_used_scenes(("external-masta-radial", "external-thk-bnf-4010-5"))
     cases = {row["case"] for row in assumptions_table(study).rows}
     assert {"external-masta-radial", "external-thk-bnf-4010-5", "external-gmn", "external-snfa"} <= cases
 
 
 def test_catalogue_over_the_three_rigidities():
     rigidities = {"contacts": 1000.0, "bodies": 900.0, "unequal": 800.0, "printed": 600.0}
-    (row,) = rigidities_table(Study(stores=()), [("a", 5000.0, rigidities)], ()).rows
+    (row,) = nut_rigidities_table(Study(stores=()), [("a", 5000.0, rigidities)], ()).rows
     shares = [row[f"share_{key}"] for key in ("contacts", "bodies", "unequal")]
     assert np.allclose(shares, [0.6, 2.0 / 3.0, 0.75])
 
@@ -42,5 +48,5 @@ def test_u_val_says_what_an_error_is_worth_and_bias_and_scatter_are_drawn():
     says = [row["says"] for row in u_val_table([small, large]).rows]
     assert says == ["E within u_val", "error of the model, E ± u_val"]
     found = [Scatter("lin", "contact loads", 15, 900, 0.3, 2.9, 0.8, 0.5)]
-    assert scatter_table(found).rows[0]["within_own"] == 50.0
-    assert "<svg" in draw_figure(scatter_figure(found))
+    assert bias_and_scatter_table(found).rows[0]["within_own"] == 50.0
+    assert "<svg" in draw_figure(bias_and_scatter_figure(found))

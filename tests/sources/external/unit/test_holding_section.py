@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.external import page as holding
-from rollbench.compare.cases.external.evidence import scene_name
+from rollbench.compare.cases.external.evidence import scene_name_of_catalogue_size
 from rollbench.compare.measure import load_error, mean_load
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
@@ -16,14 +16,14 @@ from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.condensation import points_in_bolt_circles
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
-from rollbench.meshes.solid import solid_dimensions
+from rollbench.meshes.solid import dimensions_of_3d_parts
 from rollbench.reports.content import Table
 
 
 def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
-    scene = catalogue.scene(scene_name("bnf-4010-5"))
-    found = holding.scenes_by_fixation(scene)
-    held = [solid_dimensions(x).nut_held for x in found.values()]
+    scene = catalogue.scene(scene_name_of_catalogue_size("bnf-4010-5"))
+    found = holding.scenes_by_nut_fixation(scene)
+    held = [dimensions_of_3d_parts(x).nut_held for x in found.values()]
     flange = ["flange face"] * 3 + ["flange face, 6 bolts", "flange face and centring"]
     assert held == ["left face", "right face", "outer surface", *flange]
     for other in found.values():
@@ -46,7 +46,7 @@ def test_a_model_with_a_rigid_nut_sees_no_difference(monkeypatch: pytest.MonkeyP
 
 def stored_ways() -> list[dict[str, Any]]:
     """Ways of a size made up: on bolts every other ball carries twice the load, and the nut is half as stiff."""
-    common = {"scene": scene_name("bnf-4010-5"), "level": 1, "status": "converged"}
+    common = {"scene": scene_name_of_catalogue_size("bnf-4010-5"), "level": 1, "status": "converged"}
     return [
         {**common, "held": held, "rigidity": 4e8 / k, "load": dict.fromkeys(("SL", "NR"), 51 * [60.0 * k, 20.0])}
         for held, k in ((holding.BOLTED, 2), (holding.WHOLE, 1), ("left face", 1))
@@ -57,7 +57,7 @@ def fixation_rows(monkeypatch: pytest.MonkeyPatch, stored: list[dict[str, Any]])
     """Rows of a size by the cheap model and by these stored runs."""
     monkeypatch.setattr(holding, "DEFAULT", "lin")
     monkeypatch.setattr(holding, "stored_results", lambda _: stored)
-    return holding.fixation_rows(Study(), "bnf-4010-5")
+    return holding.fixation_table_rows(Study(), "bnf-4010-5")
 
 
 def test_rows_and_words_of_3d_are_those_of_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -89,8 +89,8 @@ def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.Mon
     bars = {(row["by"], row["held"]): row["mesh"] for row in rows if row["mesh"] is not None}
     known = estimate.read_experience(shipped_store())
     assert bars["3D, level 1", holding.WHOLE] == pytest.approx(known.single[0] + 1.0)  # 0.4 N of a mean of 40 N
-    both = {x["level"]: holding.stored_contact_loads(x) for x in stored if x["held"] == holding.WHOLE}
-    bar = estimate.parts(both, known).bars(both).max()
+    both = {x["level"]: holding.contact_loads_of_stored_result(x) for x in stored if x["held"] == holding.WHOLE}
+    bar = estimate.mesh_uncertainty(both, known).bars(both).max()
     assert bars["3D, level 2", holding.WHOLE] == pytest.approx(bar + 0.4 / mean_load(both[2]) * 100.0, rel=1e-9)
     assert bars["3D, level 2", holding.WHOLE] > bars["3D, level 2", "left face"]
     words = holding.mesh_uncertainty_sentence(rows)
@@ -111,15 +111,15 @@ SOLVED = sorted({(row["scene"], row["level"]) for row in holding.stored_results(
 @pytest.mark.parametrize(("name", "level"), SOLVED)
 def test_the_record_has_annulus_and_left_face_of_a_size(name: str, level: int) -> None:
     """Bolts hold less than the annulus; the loads of either way carry the scene's axial load."""
-    scene = catalogue.shipped(name)
+    scene = catalogue.shipped_scene(name)
     kept = {
         row["held"]: row for row in holding.stored_results(shipped_store()) if (row["scene"], row["level"]) == (name, level)
     }
-    assert {"left face", holding.WHOLE} <= set(kept) <= set(holding.scenes_by_fixation(scene))
+    assert {"left face", holding.WHOLE} <= set(kept) <= set(holding.scenes_by_nut_fixation(scene))
     if holding.BOLTED in kept:
         assert kept[holding.BOLTED]["rigidity"] < kept[holding.WHOLE]["rigidity"]
     for row in kept.values():
-        load = holding.stored_contact_loads(row)
+        load = holding.contact_loads_of_stored_result(row)
         assert row["status"] == "converged"
         assert load.shape == (scene.ball_count, 4)
         assert load.max(axis=1).sum() * approach_per_displacement(scene) == pytest.approx(scene.loads[0].force[2], rel=0.05)
@@ -133,16 +133,18 @@ ON_FLANGES = [row for row in STORED if row["held"].startswith("flange") and row[
 def test_refined_is_as_near_to_3d_on_a_flange_as_on_a_face(row: dict[str, Any]) -> None:
     """Within 0.6 % of the mean load (0.2 % RMS), whichever annulus is held; 1.1 % (0.4 %) of the outer half while what is
     far from a face rested on nothing."""
-    scene = holding.scenes_by_fixation(catalogue.shipped(row["scene"]))[row["held"]]
-    off = load_error(run_model(scene, "refined", Options(discretisation=False)).load, holding.stored_contact_loads(row))
+    scene = holding.scenes_by_nut_fixation(catalogue.shipped_scene(row["scene"]))[row["held"]]
+    off = load_error(
+        run_model(scene, "refined", Options(discretisation=False)).load, holding.contact_loads_of_stored_result(row)
+    )
     assert off.max_percent < 0.6
     assert off.rms_percent < 0.2
 
 
 def test_six_bolts_hold_six_circles_of_the_annulus() -> None:
     """Of points spread evenly over the annulus, the share that is held is that of the circles' areas."""
-    scene = holding.scenes_by_fixation(catalogue.scene(scene_name(holding.SIZES[0])))[holding.BOLTED]
-    low, high = solid_dimensions(scene).held_radii
+    scene = holding.scenes_by_nut_fixation(catalogue.scene(scene_name_of_catalogue_size(holding.SIZES[0])))[holding.BOLTED]
+    low, high = dimensions_of_3d_parts(scene).held_radii
     x, y = np.meshgrid(*2 * [np.linspace(-high, high, 801)])
     held = points_in_bolt_circles(x.ravel(), y.ravel(), (low, high), holding.BOLTS)
     width = high - low

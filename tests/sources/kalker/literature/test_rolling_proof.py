@@ -5,7 +5,7 @@ from functools import partial
 import pytest
 from tests.evidence_study import GROUP
 
-from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, solve_example
+from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, solve_rolling_example
 from rollbench.compare.cases.kalker import evidence as rolling_proof
 from rollbench.compare.cases.kalker.evidence import FINER, Verification, verifications
 from rollbench.hifi.rolling.bodies import Sizes
@@ -18,7 +18,7 @@ def test_known_answers_are_reached(monkeypatch):
     """On finite bodies of a quarter of the report's cells, which the answers do not tell from those."""
     monkeypatch.setattr(rolling_proof, "Sizes", partial(Sizes, cells=(2, 2)))
     found = verifications.__wrapped__(meshing=False)
-    assert [(p.case, p.quantity, p.error) for p in found if not p.reached] == []
+    assert [(p.case, p.quantity, p.error) for p in found if not p.within_permitted_error] == []
     strict = [p for p in found if p.case.startswith(("Carter", "Cattaneo", "full slip")) and "alone" not in p.case]
     strict = [p.reach for p in strict if "no order" not in p.quantity]
     assert max(strict) == 0.5
@@ -27,7 +27,7 @@ def test_known_answers_are_reached(monkeypatch):
 
 def test_contact_of_another_program_to_its_digits():
     """CONTACT's example fastsim.ref_out, case 1, by its own differences: what its other digits print too."""
-    found = solve_example(EXAMPLE_CELLS, by_cells=True)
+    found = solve_rolling_example(EXAMPLE_CELLS, as_contact=True)
     assert (found.cells, found.sticking) == (1276, 356)
     assert 30.0 * found.power == pytest.approx(540.4, abs=0.05)
 
@@ -44,7 +44,7 @@ def test_a_narrow_strip_of_stick_has_no_order_and_says_so():
     """Its width changes with where cells lie: errors of -1.9, 0.3 and 0.8 % on ever finer grids."""
     narrow = [p for p in rolling_proof._verify_carter() if "0.95" in p.case]
     assert [p.order for p in narrow] == [None, None]
-    assert all("no order" in p.quantity and p.reached for p in narrow)
+    assert all("no order" in p.quantity and p.within_permitted_error for p in narrow)
     width = narrow[1]
     errors = [100.0 * (v / width.exact - 1.0) for v in width.values]
     assert errors == pytest.approx([-1.916, 0.304, 0.807], abs=0.02)

@@ -15,7 +15,13 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling import rows as rolling_changes
 from rollbench.compare.studies.rolling import rows as rolling_rows
-from rollbench.compare.studies.rolling.rows import KNOWN, ChoiceEffect, RunFromRest, effects_of_choices, runs_from_rest
+from rollbench.compare.studies.rolling.rows import (
+    KNOWN,
+    ChoiceEffect,
+    RunFromRest,
+    force_changes_by_numerical_choices,
+    runs_from_rest,
+)
 from rollbench.compare.studies.rolling.runs import (
     FILE,
     FINITE,
@@ -25,9 +31,9 @@ from rollbench.compare.studies.rolling.runs import (
     SCENES,
     BodyVariant,
     StoredVariants,
-    body_variants,
     load_run,
     run_path,
+    scenes_and_sizes_of_body_variants,
 )
 from rollbench.reports.content import PressureMap, Text
 from rollbench.reports.figures import draw_map
@@ -70,7 +76,7 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     field = PatchField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
     monkeypatch.setattr(rolling, "patch_fields", lambda: (field,))
     beyond = ChoiceEffect("lin-pair-a", "grid", "finer", 0.5, 0.4)
-    monkeypatch.setattr(rolling, "effects_of_choices", lambda *_: (beyond, replace(beyond, change=0.3)))
+    monkeypatch.setattr(rolling, "force_changes_by_numerical_choices", lambda *_: (beyond, replace(beyond, change=0.3)))
     section = rolling.make_section(Study(), lambda _: None)
     tables = {item.name: item for item in section.items if hasattr(item, "rows")}
     assert tables["rolling-verification"].rows[0]["verdict"] == "reached"
@@ -100,19 +106,26 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
 
 @pytest.mark.usefixtures("_low")
 def test_gate_fails_where_the_low_order_model_is_off_and_for_a_known_exceedance_that_is_none(monkeypatch):
-    rows = rolling_rows.rolling_rows(Study(), 7.0)
+    rows = rolling_rows.gate_rows_of_rolling_balls(Study(), 7.0)
     assert ([row.name for row in rows if not row.passed], len(rows)) == ([], len(LOW))
     monkeypatch.setitem(LOW, "lin-screw-pair-a", 1.05)
-    assert sum(not row.passed for row in rolling_rows.rolling_rows(Study(), 7.0)) == 1
+    assert sum(not row.passed for row in rolling_rows.gate_rows_of_rolling_balls(Study(), 7.0)) == 1
     monkeypatch.setitem(KNOWN, ("lin-rotary-2", "torque"), "made up")
-    assert any("made up" in row.name and not row.passed for row in rolling_rows.rolling_rows(Study(), 7.0))
+    assert any("made up" in row.name and not row.passed for row in rolling_rows.gate_rows_of_rolling_balls(Study(), 7.0))
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_no_choice_behind_finite_bodies_moves_an_answer_by_more_than_its_uncertainty(name):
     kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
-    tried = [v["values"] for v in kept if body_variants()[v["choice"]][0] == name and "half spaces" not in v["choice"]]
-    rows = {f"{row.quantity} {row.unit}": row for row in rolling_rows.stored_rows(name, (shipped_store(),), FINITE)}
+    tried = [
+        v["values"]
+        for v in kept
+        if scenes_and_sizes_of_body_variants()[v["choice"]][0] == name and "half spaces" not in v["choice"]
+    ]
+    rows = {
+        f"{row.quantity} {row.unit}": row
+        for row in rolling_rows.compare_scene_with_stored_runs(name, (shipped_store(),), FINITE)
+    }
     first, others = tried[0], tried[1:]
     assert len(others) >= 2
     for quantity in NAMES[:3]:
@@ -121,7 +134,7 @@ def test_no_choice_behind_finite_bodies_moves_an_answer_by_more_than_its_uncerta
 
 
 def test_texts_of_a_scene_leave_its_stored_runs_valid():
-    scene = catalogue.case("lin-pair-a", KindScene)
+    scene = catalogue.shipped_scene_of_kind("lin-pair-a", KindScene)
     other = replace(scene, name="copy", title="Another title", source="", assumed=("Another assumption.",))
     assert load_run(other, 1, (shipped_store(),)) == load_run(scene, 1, (shipped_store(),)) is not None
 
@@ -135,7 +148,7 @@ def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty(monke
     assert all(cells > most for cells, most in zip(BEYOND, LEVELS[max(LEVELS)], strict=True))
     kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     series = runs_from_rest.__wrapped__()
-    found = effects_of_choices((shipped_store(),), series, [BodyVariant(**row) for row in kept])
+    found = force_changes_by_numerical_choices((shipped_store(),), series, [BodyVariant(**row) for row in kept])
     assert [(c.scene, c.choice) for c in found] == [
         *((SCENES[0], choice) for choice in ("grid", "finite bodies", "time step", "path of regularisation")),
         *((SCENES[1], choice) for choice in ("grid", "finite bodies", "path of regularisation")),
@@ -143,7 +156,7 @@ def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty(monke
     assert [c for c in found if not c.within] == []
     assert all(c.change < 1e-8 for c in found if c.choice.startswith("path"))
     assert all(c.change > 1e-6 for c in found if not c.choice.startswith("path"))
-    assert effects_of_choices((), series, ()) == ()
+    assert force_changes_by_numerical_choices((), series, ()) == ()
 
 
 def test_every_shipped_run_has_the_key_of_its_scene():

@@ -14,18 +14,18 @@ from rollbench.compare.cases.lin.evidence.screw import AMPLITUDES, simulate_in_2
 from rollbench.lowfi.friction.screw.run import (
     BOTH,
     SHIFTED,
-    PairResult,
     RunSummary,
-    implied_load,
+    ScrewPairSolution,
+    load_implied_by_ball_force,
+    pair_sliding_speed,
     simulate_equal_steps,
-    sliding_speed,
     solve_pair,
-    summarise,
+    summarise_history,
 )
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
-THETA = {case: source_cases.pair_angle_deviation(case) for case in source_cases.PAIR_SCENES}
+THETA = {case: source_cases.second_ball_angle_deviation(case) for case in source_cases.PAIR_SCENES}
 
 
 @pytest.mark.parametrize("key", keys("lin-3.6", "lin-3.7", "lin-3.4.4"))
@@ -34,10 +34,10 @@ def test_entry(key: str) -> None:
 
 
 @cache
-def reading(name: str, case: str) -> PairResult:
+def reading(name: str, case: str) -> ScrewPairSolution:
     theta = THETA[case]
     if name == "radial":
-        return solve_pair(replace(source_cases.pair_as_printed(theta), free="r", force=(100.0,), coupling="none"))
+        return solve_pair(replace(source_cases.screw_pair_as_printed(theta), free="r", force=(100.0,), coupling="none"))
     return solve_screw_pair(case, "plain" if name == "plain" else "inferred")
 
 
@@ -62,7 +62,7 @@ def test_plain_reading(case: str, force: float, increase: float) -> None:
     assert r.friction_increase == pytest.approx(increase, rel=1e-4)
     printed = rows("lin-3.7")[f"force_{case}"].value
     assert 0.44 < r.force / printed < 0.52
-    decoupled = solve_pair(replace(source_cases.pair_as_printed(THETA[case]), coupling="none"))
+    decoupled = solve_pair(replace(source_cases.screw_pair_as_printed(THETA[case]), coupling="none"))
     assert decoupled.force < 0.4 * printed
 
 
@@ -71,7 +71,7 @@ def test_inferred_reading(case: str) -> None:
     """With 1.7 um of oversize forces come out within 2.5 %, increases within half a per cent point."""
     table = rows("lin-3.7")
     for coupling in ("none", "ball"):
-        r = solve_pair(replace(source_cases.pair_with_inferred_oversize(THETA[case]), coupling=coupling))
+        r = solve_pair(replace(source_cases.screw_pair_with_inferred_oversize(THETA[case]), coupling=coupling))
         assert r.force == pytest.approx(table[f"force_{case}"].value, rel=0.025)
         assert 100.0 * r.friction_increase == pytest.approx(table[f"increase_{case}"].value, abs=0.8)
     assert np.all(r.free.load.force > 0.0)
@@ -84,7 +84,7 @@ def test_ratio_of_the_printed_forces_tells_the_pattern() -> None:
     off = {}
     for pattern in (BOTH, (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), SHIFTED):
         two = [
-            solve_pair(replace(source_cases.pair_with_inferred_oversize(t), pattern=(pattern, pattern))).force
+            solve_pair(replace(source_cases.screw_pair_with_inferred_oversize(t), pattern=(pattern, pattern))).force
             for t in THETA.values()
         ]
         off[pattern] = abs(two[1] / two[0] - printed)
@@ -92,7 +92,9 @@ def test_ratio_of_the_printed_forces_tells_the_pattern() -> None:
     assert off[BOTH] < 0.005
     for pattern in ((-1.0, 1.0, 0.0, 0.0), (-1.0, -1.0, 0.0, 0.0)):
         assert (
-            solve_pair(replace(source_cases.pair_with_inferred_oversize(THETA["a"]), pattern=(pattern, pattern))).closing
+            solve_pair(
+                replace(source_cases.screw_pair_with_inferred_oversize(THETA["a"]), pattern=(pattern, pattern))
+            ).closing
             < 0.0
         )
 
@@ -105,19 +107,20 @@ def test_printed_numbers_imply_four_loaded_contacts() -> None:
     table = rows("lin-3.7")
     for case in THETA:
         force, increase = table[f"force_{case}"].value, 1e-2 * table[f"increase_{case}"].value
-        implied = implied_load(source_cases.pair_with_inferred_oversize(THETA[case]), force, increase)
+        implied = load_implied_by_ball_force(source_cases.screw_pair_with_inferred_oversize(THETA[case]), force, increase)
         assert implied == pytest.approx(141.0, abs=2.0)
         assert reading("inferred", case).ball_loads.mean() == pytest.approx(implied, rel=0.03)
         assert implied > 1.7 * reading("plain", case).ball_loads.mean()
     with_oversize, without = (
-        sliding_speed(of(THETA["a"])) for of in (source_cases.pair_with_inferred_oversize, source_cases.pair_as_printed)
+        pair_sliding_speed(of(THETA["a"]))
+        for of in (source_cases.screw_pair_with_inferred_oversize, source_cases.screw_pair_as_printed)
     )
     assert with_oversize == pytest.approx(without, rel=0.02)
 
 
 def test_oversize_is_what_matters() -> None:
     """Half and one and a half times the oversize miss the forces by 20 % and more; half the axial load hardly."""
-    base = source_cases.pair_with_inferred_oversize(THETA["a"])
+    base = source_cases.screw_pair_with_inferred_oversize(THETA["a"])
     printed = rows("lin-3.7")["force_a"].value
     for factor in (0.5, 1.5):
         other = replace(base, oversize=factor * source_cases.inferred_oversize())
@@ -127,7 +130,7 @@ def test_oversize_is_what_matters() -> None:
 
 
 def test_hertz_constants_of_the_source_change_little() -> None:
-    exact = source_cases.pair_with_inferred_oversize(THETA["a"])
+    exact = source_cases.screw_pair_with_inferred_oversize(THETA["a"])
     printed = replace(exact, groove=source_cases.groove_of_table_3_6(hertz="as printed"))
     assert solve_pair(printed).force == pytest.approx(solve_pair(exact).force, rel=0.13)
     b1, h = rows("lin-B1"), printed.groove.constants
@@ -138,15 +141,15 @@ def test_hertz_constants_of_the_source_change_little() -> None:
 @cache
 def run_summary(amplitude: float, phase: float = 0.0) -> RunSummary:
     if phase == 0.0:
-        return summarise(simulate_in_200_steps(amplitude))
-    run = source_cases.run_of_section_3_4_4(amplitude=np.radians(amplitude), phase=phase)
-    return summarise(simulate_equal_steps(run))
+        return summarise_history(simulate_in_200_steps(amplitude))
+    run = source_cases.simulation_inputs_of_section_3_4_4(amplitude=np.radians(amplitude), phase=phase)
+    return summarise_history(simulate_equal_steps(run))
 
 
 def test_largest_torque_of_3_4_4_is_not_identifiable() -> None:
     """Amplitudes of 2 and 3 deg at phase zero, and 3 deg at two other phases, no volume of the tube: what is not printed
     moves it by more than a quarter of its middle, and the printed number lies between."""
-    assert source_cases.run_of_section_3_4_4().tube == 0.0
+    assert source_cases.simulation_inputs_of_section_3_4_4().tube == 0.0
     row = rows("lin-3.4.4")["largest"]
     runs = [*((a, 0.0) for a in AMPLITUDES), (3.0, 0.5 * np.pi), (3.0, np.pi)]
     values = [100.0 * run_summary(*run).largest for run in runs]
@@ -171,7 +174,7 @@ def test_times_of_3_4_4_are_open_because_nothing_tried_gives_them(key: str, name
 def test_without_oversize_only_coupled_friction_makes_contact() -> None:
     """Two contacts leave the balls' speeds nearly alike; the third contact that friction brings makes them differ."""
     short = {"oversize": 0.0, "steps": 70, "duration": 0.7}
-    assert not simulate_equal_steps(source_cases.run_of_section_3_4_4(**short)).contact.any()
-    coupled = simulate_equal_steps(source_cases.run_of_section_3_4_4(coupling="ball and screw", **short))
+    assert not simulate_equal_steps(source_cases.simulation_inputs_of_section_3_4_4(**short)).contact.any()
+    coupled = simulate_equal_steps(source_cases.simulation_inputs_of_section_3_4_4(coupling="ball and screw", **short))
     assert coupled.contact.any()
-    assert summarise(coupled).groove_variation > 0.1
+    assert summarise_history(coupled).groove_variation > 0.1

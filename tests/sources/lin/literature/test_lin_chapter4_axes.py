@@ -7,7 +7,7 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys
 
-from rollbench.compare.cases.lin.evidence.steering import PATTERNS, ball_azimuths, load_ratios, steering_gear
+from rollbench.compare.cases.lin.evidence.steering import PATTERNS, ball_azimuths, solve_load_ratios, steering_gear
 from rollbench.compare.cases.smith.evidence import axis
 from rollbench.compare.cases.smith.evidence.bearings import APPLIED
 from rollbench.compare.scenes import catalogue
@@ -43,22 +43,25 @@ def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
     gear = steering_gear()
     (pinion,) = gear.supports
     free = replace(pinion, fixed=(("ux", 0.0), ("uy", 0.0), ("rz", 0.0)))
-    clamped, pinned = load_ratios(gear), load_ratios(replace(gear, supports=(free,)))
+    clamped, pinned = solve_load_ratios(gear), solve_load_ratios(replace(gear, supports=(free,)))
     assert min(pinned[0] / clamped[0], pinned[1] / clamped[1]) > 1.2
 
 
 @pytest.mark.parametrize("layout", axis.LAYOUTS, ids=lambda x: x.scene)
-def test_smiths_axis_as_scenes_agrees_with_the_formulas(layout: axis.Layout) -> None:
+def test_smiths_axis_as_scenes_agrees_with_the_formulas(layout: axis.SupportBearingLayout) -> None:
     """Rows apart from one another on an elastic shaft share less evenly: a few per cent of the tension."""
-    scene, closed = axis.end_thrusts_by_scene(STUDY, layout, 0.5), axis.end_thrusts_by_formulas(layout, 0.5)
+    scene, closed = (
+        axis.thrusts_and_stiffness_by_scene(STUDY, layout, 0.5),
+        axis.thrusts_and_stiffness_by_formulas(layout, 0.5),
+    )
     assert scene.right - scene.left == pytest.approx(APPLIED, abs=1e-6)
     assert scene.left == pytest.approx(closed.left, abs=0.03 * max(closed.right, APPLIED))
     assert scene.stiffness == pytest.approx(closed.stiffness, rel=0.015)
 
 
 def test_sum_in_series_is_no_stiffness_of_any_layout() -> None:
-    of = {layout: axis.end_thrusts_by_scene(STUDY, layout, 0.5).stiffness for layout in axis.LAYOUTS}
+    of = {layout: axis.thrusts_and_stiffness_by_scene(STUDY, layout, 0.5).stiffness for layout in axis.LAYOUTS}
     for layout in (axis.TRIPLEX, axis.TAPERED):
-        assert axis.stiffness_sum_in_series(layout) < 0.75 * of[layout]
-    assert np.isnan(axis.stiffness_sum_in_series(axis.SUPPORTED))
+        assert axis.axis_stiffness_by_smith_sum(layout) < 0.75 * of[layout]
+    assert np.isnan(axis.axis_stiffness_by_smith_sum(axis.SUPPORTED))
     assert of[axis.TRIPLEX] / of[axis.SUPPORTED] == pytest.approx(2.0, abs=0.05)

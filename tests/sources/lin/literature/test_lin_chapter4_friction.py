@@ -11,10 +11,18 @@ from tests.sources.entries import check, keys, rows
 
 from rollbench.compare.cases.lin.evidence.source_cases import double_row_bearing, four_point_bearing
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, TorqueCurve, solve_bearing, torque_curve
-from rollbench.lowfi.friction.screw.groove import contact_spacing
-from rollbench.lowfi.friction.whole.circuit import NUT, Onset, contact_onset
-from rollbench.lowfi.friction.whole.losses import ball_path
+from rollbench.lowfi.friction.bearing import (
+    ALL,
+    DIAGONAL,
+    OTHER,
+    BallRow,
+    TorqueCurve,
+    solve_bearing,
+    torque_over_force_angles,
+)
+from rollbench.lowfi.friction.screw.groove import azimuth_between_touching_balls
+from rollbench.lowfi.friction.whole.circuit import NUT, ContactOnset, contact_onset
+from rollbench.lowfi.friction.whole.losses import ball_kinematics
 from rollbench.lowfi.statics.static import solve_static
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -30,7 +38,7 @@ def test_entry(key: str) -> None:
 @cache
 def curve(name: str, tilt: bool, **changes) -> TorqueCurve:
     make = four_point_bearing if name == "4P" else double_row_bearing
-    return torque_curve(make(tilt=tilt, **changes), ANGLES)
+    return torque_over_force_angles(make(tilt=tilt, **changes), ANGLES)
 
 
 @cache
@@ -38,7 +46,7 @@ def assumptions() -> list[float]:
     ratios = []
     for phase, clearance, hertz in product((0.0, 0.25, 0.5), (0.0, 5e-6, -1e-6), ("right", "as printed")):
         case = four_point_bearing(tilt=True, phase=phase, clearance=clearance)
-        found = torque_curve(replace(case, groove=replace(case.groove, hertz=hertz)), ANGLES)
+        found = torque_over_force_angles(replace(case, groove=replace(case.groove, hertz=hertz)), ANGLES)
         assert found.converged.all()
         ratios.append(found.ratio)
     return ratios
@@ -57,7 +65,7 @@ def test_ratio_of_the_four_point_bearing() -> None:
 def test_an_inner_ring_that_cannot_tilt_shows_no_transition() -> None:
     assert curve("4P", False).ratio < 1.03
     assert np.all(curve("4P", False).four == 0)
-    later = torque_curve(four_point_bearing(tilt=False), np.radians([0.0, 30.0, 45.0]))
+    later = torque_over_force_angles(four_point_bearing(tilt=False), np.radians([0.0, 30.0, 45.0]))
     assert later.ratio > 3.0
     assert later.four[-1] > 0
 
@@ -66,7 +74,9 @@ def test_double_row_varies_less() -> None:
     for tilt, most in ((False, 1.03), (True, 1.28)):
         dr = curve("DR", tilt)
         assert (dr.converged.all(), dr.four.any(), dr.ratio < most) == (True, False, True)
-    face = torque_curve(double_row_bearing(rows=(BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER)), tilt=True), ANGLES)
+    face = torque_over_force_angles(
+        double_row_bearing(rows=(BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER)), tilt=True), ANGLES
+    )
     assert face.ratio < 1.28
     assert min(assumptions()) > 3.0 * face.ratio
 
@@ -117,9 +127,9 @@ def test_torque_goes_with_friction_and_not_with_speed() -> None:
 
 
 @cache
-def onset(name: str, idle: float) -> Onset:
+def onset(name: str, idle: float) -> ContactOnset:
     s = scene(name)
-    return contact_onset(s, solve_static(s), idle=idle)
+    return contact_onset(s, solve_static(s), unloaded_speed_ratio=idle)
 
 
 def test_roundness_brings_balls_together_sooner_than_pitch() -> None:
@@ -145,7 +155,9 @@ def test_onset_is_gap_over_closing_speed_and_lost_balls_that_roll_along_do_not_m
     first, second = o.pair[k]
     assert o.loaded[first] > 0.0 == o.loaded[second]
     assert o.first == pytest.approx(o.gap[k] / o.orbit[first], rel=1e-12)
-    assert o.gap[k] == pytest.approx(2.0 * np.pi * 3.75 / 71 - contact_spacing(ball_path(s, NUT, s.balls.radius)), rel=1e-9)
+    assert o.gap[k] == pytest.approx(
+        2.0 * np.pi * 3.75 / 71 - azimuth_between_touching_balls(ball_kinematics(s, NUT, s.balls.radius)), rel=1e-9
+    )
 
 
 def test_scenes_and_bearings_that_friction_cannot_take() -> None:

@@ -12,8 +12,8 @@ from rollbench.compare.evidence import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import load_run
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.contact.block import JOBS, SOURCE_COARSE, solve_on_mesh
-from rollbench.meshes.block import Influence, tetrahedral_block
+from rollbench.hifi.contact.block import JOBS, SOURCE_COARSE, solve_hertz_contact_on_mesh
+from rollbench.meshes.block import BodyOfInfluence, mesh_block_with_tetrahedra
 
 pytestmark = pytest.mark.xdist_group("reconstruction")
 
@@ -26,17 +26,19 @@ def study():
 def test_readings_that_are_combined_are_those_that_move_the_ratio(study):
     for these, loads, movers in (
         (readings.LOW, readings.low_order_loads, readings.LOW_MOVERS),
-        ([r for r in readings.SOLID if not r.penalty], readings.loads_in_3d, readings.MOVERS),
+        ([r for r in readings.SOLID if not r.penalty], readings.required_loads_in_3d, readings.MOVERS),
     ):
-        base = readings.load_ratio(loads(study, ())[0])
+        base = readings.largest_over_smallest_load(loads(study, ())[0])
         moves = {
-            r.key for r in these if not r.by_text and abs(readings.load_ratio(loads(study, (r,))[0]) / base - 1.0) > 0.005
+            r.key
+            for r in these
+            if not r.by_text and abs(readings.largest_over_smallest_load(loads(study, (r,))[0]) / base - 1.0) > 0.005
         }
         assert moves == set(movers)
 
 
 def test_combinations_are_of_different_choices():
-    for c in readings.combinations_of_choices(readings.SOLID, 3):
+    for c in readings.combine_interpretations(readings.SOLID, 3):
         assert len({r.choice for r in c}) == len(c)
     assert (
         len(readings.combinations_in_3d())
@@ -48,15 +50,15 @@ def test_combinations_are_of_different_choices():
 
 def test_no_combination_has_all_that_is_printed(study):
     """One has the ratio and not the fall of the largest error, the penalties have more of the fall and too small an RMS."""
-    found = study.once(readings.evaluate_combinations)
-    shown, printed = readings.shown_combinations(found), readings.printed_errors()
+    found = study.compute_once(readings.evaluate_combinations)
+    shown, printed = readings.combinations_shown_in_report(found), readings.printed_errors()
     base, near = shown["all by default"], shown["nearest in the ratio, no penalty"]
     assert (base.low_ratio, base.solid_ratio) == pytest.approx((1.308, 1.406), abs=1e-3)
     assert (readings.combination_key(near.low), readings.combination_key(near.solid)) == ("squared+source", "plain")
     assert near.errors["own"] == pytest.approx((5.36, 2.51, 5.32, 2.51), abs=0.02)
     soft = [c for c in shown.values() if not c.low and any(r.penalty for r in c.solid)]
-    falls = [reconstruction.error_fall_and_rise(c.errors["own"])[0] for c in (near, *soft)]
-    printed_fall = reconstruction.error_fall_and_rise(printed)[0]
+    falls = [reconstruction.error_changes_to_case_2(c.errors["own"])[0] for c in (near, *soft)]
+    printed_fall = reconstruction.error_changes_to_case_2(printed)[0]
     assert falls == sorted(falls)  # the softer, the more of it
     assert falls[0] < 0.1 * printed_fall
     assert 0.5 * printed_fall < falls[-1] < printed_fall
@@ -81,14 +83,14 @@ def test_a_little_penalty_adds_what_hertz_pressure_makes_it(study):
     size = np.cbrt(force / exact.load) ** 2  # of the ellipse's area
     mean = force / (np.pi * exact.semi_x * exact.semi_y * size)
     share = 0.75 * mean / run.settings["penalty_N_m3"] / (exact.approach * size)
-    assert readings.relative_penalty_approach(
+    assert readings.penalty_over_hertz_approach(
         study, tuple(r for r in readings.SOLID if r.key == "penalty")
     ) == pytest.approx(share, rel=0.1)
 
 
 def test_the_page_answers_first_and_says_what_friction_does(study):
-    found = study.once(readings.evaluate_combinations)
-    text = reconstruction.first_paragraph(found)
+    found = study.compute_once(readings.evaluate_combinations)
+    text = reconstruction.origin_of_error_paragraph(found)
     assert text.startswith("Where does 5.38 % come from? It is not identified.")
     assert "penalty" in text
     text = reconstruction.friction_paragraph(study)
@@ -104,8 +106,8 @@ def test_scatter_of_the_mesh_is_what_is_measured():
     job, found = JOBS["B"], []
     sizes = (0.074e-3, 0.076e-3, 0.078e-3, 0.079e-3, 0.080e-3, 0.081e-3, 0.082e-3, 0.084e-3, 0.086e-3)
     for size in sizes:
-        mesh = tetrahedral_block(1, Influence(size, (0.6e-3,) * 3, 0.3, SOURCE_COARSE), 4e-3)
-        found.append(solve_on_mesh(job, mesh, job.exact.semi_y / size).approach)
+        mesh = mesh_block_with_tetrahedra(1, BodyOfInfluence(size, (0.6e-3,) * 3, 0.3, SOURCE_COARSE), 4e-3)
+        found.append(solve_hertz_contact_on_mesh(job, mesh, job.exact.semi_y / size).approach)
     error = 100.0 * (np.array(found) / job.exact.approach - 1.0)
     trend = np.polyval(np.polyfit(sizes, error, 1), sizes)
     alone = float(np.linalg.norm(error - trend) / np.sqrt(len(sizes) - 2))
@@ -115,10 +117,10 @@ def test_scatter_of_the_mesh_is_what_is_measured():
 
 
 def test_drawn_errors_are_those_of_the_loads_without_scatter(study):
-    best = readings.nearest_combination(
-        readings.combinations_without_penalty(study.once(readings.evaluate_combinations)), 2
+    best = readings.combination_nearest_to_print(
+        readings.combinations_without_penalty(study.compute_once(readings.evaluate_combinations)), 2
     )
-    loads = readings.low_order_loads(study, best.low), readings.loads_in_3d(study, best.solid)
+    loads = readings.low_order_loads(study, best.low), readings.required_loads_in_3d(study, best.solid)
     for of_load, definition in ((True, "own"), (False, "mean")):
         still = readings.errors_on_random_meshes(*loads, 0.0, of_load=of_load)
         assert np.ptp(still, axis=0) == pytest.approx(0.0, abs=1e-9)
@@ -142,7 +144,7 @@ def test_the_shape_of_case_3_is_a_rise_on_the_inner_flanks_of_the_last_balls():
 
 def test_other_statements(study):
     verdicts = defaultdict(list)
-    for row in reconstruction.other_statements_table(study).rows:
+    for row in reconstruction.model_comparison_statements_table(study).rows:
         verdicts[row["place"]].append(row["verdict"])
     assert {verdict.count("held") for verdict in verdicts["2.4.1.3, case 3"]} == {3}
     assert "may be its mesh" in verdicts["Table 3.5 (a)"][0]
@@ -150,7 +152,7 @@ def test_other_statements(study):
 
 
 def test_the_table_of_combinations_has_every_pair_once_and_what_it_misses(study):
-    found = study.once(readings.evaluate_combinations)
+    found = study.compute_once(readings.evaluate_combinations)
     table = reconstruction.combination_table(found).rows
     assert len({(row["low order"], row["3D"]) for row in table}) == len(table) == len(found)
     printed = {"case1_max_error": 5.38, "case1_rms_error": 2.30, "case2_max_error": 4.85, "case2_rms_error": 2.60}
@@ -159,7 +161,7 @@ def test_the_table_of_combinations_has_every_pair_once_and_what_it_misses(study)
         misses += [row[f"own_{key}"] - value for key, value in printed.items()]
         assert row["missed"] == pytest.approx(np.sqrt(np.mean(np.square(misses))))
     best = min((row for row in table if row["text"] == "silent"), key=lambda row: row["missed"])
-    shown = {row["explanation"]: row for row in reconstruction.deviations_table(found).rows}
+    shown = {row["explanation"]: row for row in reconstruction.deviations_from_print_table(found).rows}
     assert shown["nearest in all six"]["own_case1_max_error"] == pytest.approx(best["own_case1_max_error"] - 5.38)
 
 
@@ -170,7 +172,7 @@ FRICTION = {r.key: (r,) for r in readings.SOLID if r.key in ("off-line", "slidin
 def rolled(shift: float, tilt: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray]:
     """Middle of a ball that rolls on two arcs of one radius, and the centre of the first arc, which has moved by ``shift``
     across the load [m] and turned about its own middle by ``tilt`` [rad]; the other one stays, its centre at -h on x."""
-    r, ball, h = SCENE.screw.groove_radius, SCENE.balls.radius, readings.radius_difference(SCENE)
+    r, ball, h = SCENE.screw.groove_radius, SCENE.balls.radius, readings.groove_less_ball_radius(SCENE)
     middle, centre = np.zeros(2), np.array([h, 0.0])
     for _ in range(steps):
         normal = (middle - centre) / np.linalg.norm(middle - centre)  # from the first arc's centre to the ball
@@ -184,7 +186,7 @@ def rolled(shift: float, tilt: float, steps: int = 2000) -> tuple[np.ndarray, np
 
 @pytest.mark.parametrize(("shift", "tilt"), [(5e-6, 0.0), (-2e-6, 1e-4), (5e-6, 3e-4)])
 def test_a_ball_that_rolls_stays_on_its_line_but_for_the_tilt_of_the_grooves(shift, tilt):
-    h, r = readings.radius_difference(SCENE), SCENE.screw.groove_radius
+    h, r = readings.groove_less_ball_radius(SCENE), SCENE.screw.groove_radius
     middle, centre = rolled(shift, tilt)
     phi = np.linalg.norm(middle - 0.5 * (centre + np.array([-h, 0.0]))) / h
     assert phi == pytest.approx(abs(tilt) * r / (2.0 * h), abs=2e-5)
@@ -193,13 +195,13 @@ def test_a_ball_that_rolls_stays_on_its_line_but_for_the_tilt_of_the_grooves(shi
 
 def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fills_the_grooves_more():
     """By the forces themselves: normals at both contacts, friction across them."""
-    h, ball, pressed = readings.radius_difference(SCENE), SCENE.balls.radius, 6e-6
+    h, ball, pressed = readings.groove_less_ball_radius(SCENE), SCENE.balls.radius, 6e-6
     arcs = np.array([[h + pressed, 0.0], [-h - pressed, 0.0]])
     middle = np.array([0.0, h * readings.MU])
     away = middle - arcs
     distance = np.linalg.norm(away, axis=1)
     normal = away / distance[:, None]  # on the groove
-    assert distance - h == pytest.approx(pressed + readings.effective_oversize(SCENE), rel=1e-3)
+    assert distance - h == pytest.approx(pressed + readings.oversize_of_displaced_ball(SCENE), rel=1e-3)
     across = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
     places = middle + ball * normal
     line = (places[1] - places[0]) / np.linalg.norm(places[1] - places[0])
@@ -210,19 +212,21 @@ def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fill
 
 
 def test_balls_as_far_off_their_lines_as_friction_holds_them_change_loads_as_little_in_both_models(study):
-    solid = readings.loads_in_3d(study, FRICTION["off-line"])
+    solid = readings.required_loads_in_3d(study, FRICTION["off-line"])
     low = [study.solve(readings.displace_balls_by_friction(catalogue.scene(c)), "lin").load for c in readings.CASES]
-    for found, base in ((solid, readings.loads_in_3d(study, ())), (low, readings.low_order_loads(study, ()))):
+    for found, base in ((solid, readings.required_loads_in_3d(study, ())), (low, readings.low_order_loads(study, ()))):
         for a, b in zip(found, base, strict=True):
             assert np.abs(a - b).max() < 1e-4 * b[:, 0].mean()
-            assert readings.load_ratio(a) / readings.load_ratio(b) - 1.0 == pytest.approx(2e-5, abs=3e-5)
+            assert readings.largest_over_smallest_load(a) / readings.largest_over_smallest_load(b) - 1.0 == pytest.approx(
+                2e-5, abs=3e-5
+            )
 
 
 @pytest.mark.parametrize(("key", "sense"), [("sliding", 1.0), ("sliding-back", -1.0)])
 def test_friction_of_sliding_grooves_bears_its_part_of_the_axial_force(study, key, sense):
     """Summed from stored loads and angles; and the loads as of a contact angle that is turned by that of friction."""
     alpha = float(np.arctan(SCENE.track.lead / (2.0 * np.pi * SCENE.track.pitch_radius)))
-    for scene, name in zip(readings.scenes_in_3d(FRICTION[key]), readings.CASES, strict=True):
+    for scene, name in zip(readings.case_scenes_in_3d(FRICTION[key]), readings.CASES, strict=True):
         run = load_run(scene, readings.LEVEL, stores=[readings.RUNS])
         force, angle = run.load[:, 0], np.radians(run.angle[:, 0])
         axial = np.cos(alpha) * (force * (np.sin(angle) + sense * readings.MU * np.cos(angle))).sum()
@@ -232,5 +236,5 @@ def test_friction_of_sliding_grooves_bears_its_part_of_the_axial_force(study, ke
             case, track=replace(case.track, contact_angle=case.track.contact_angle + sense * np.arctan(readings.MU))
         )
         low, base = (study.solve(s, "lin").load[:, 0].mean() for s in (turned, case))
-        solid = readings.loads_in_3d(study, ())[readings.CASES.index(name)][:, 0].mean()
+        solid = readings.required_loads_in_3d(study, ())[readings.CASES.index(name)][:, 0].mean()
         assert force.mean() / solid - 1.0 == pytest.approx(low / base - 1.0, rel=0.05)

@@ -17,7 +17,7 @@ from rollbench.compare.cases.lin.extremes import BALLS, GroupResult, SolutionTal
 from rollbench.compare.cases.lin.pages import friction
 from rollbench.lowfi.friction.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain
-from rollbench.lowfi.friction.screw.chain import solve_chain
+from rollbench.lowfi.friction.screw.chain import solve_motion_of_chain
 from rollbench.reports.content import Section
 
 pytestmark = [pytest.mark.xdist_group(GROUP), pytest.mark.slow]
@@ -49,7 +49,7 @@ def records() -> list[GroupResult]:
             patch.setattr(extremes, name, value)
         for name in ("linear_solutions_from_starts", "pair_solutions_from_starts"):
             patch.setattr(extremes, name, every_fourth(getattr(extremes, name)))
-        return friction_stability.all_group_results()
+        return friction_stability.solve_all_groups()
 
 
 def test_both_readings_stand_side_by_side(section):
@@ -84,8 +84,8 @@ def test_whole_runs_the_parts_of_their_torque_and_what_the_first_step_makes_with
         assert ball.max() > 0.0
         assert 1.99 <= panel.series[0].x[-1] < 2.0
     loose = screw.simulate_without_oversize()
-    assert screw.summarise(loose).groove_variation > 0.3
-    assert screw.torque_variation(loose) < 0.08
+    assert screw.summarise_history(loose).groove_variation > 0.3
+    assert screw.relative_groove_torque_variation(loose) < 0.08
     assert all(share in found("lin-3.4.4:groove_steady").words for share in ("6.8%", "37%"))
 
 
@@ -114,8 +114,8 @@ def test_ours_has_no_failure_and_unique_answers_and_solves_the_longest_chains(re
         assert max(r.energy, r.spread) < 1e-8, r
     groups = {r.group for r in records}
     assert {"k_S 100", "k_S 1000", "k_S 10000", "two-point transition", "zero speed", "chains"} <= groups
-    linear = solve_linear_chain(extremes.linear_chain(max(BALLS), 0.5).chain())
-    screws = solve_chain(extremes.screw_chain(max(BALLS)))
+    linear = solve_linear_chain(extremes.linear_bearing_balls_at_random(max(BALLS), 0.5).chain())
+    screws = solve_motion_of_chain(extremes.screw_balls_at_random(max(BALLS)))
     assert (linear.status, screws.converged) == ("converged", True)
     assert linear.power == pytest.approx(linear.loss, rel=1e-8)
     assert screws.input_power == pytest.approx(screws.loss, rel=1e-8)
@@ -132,12 +132,12 @@ def test_root_finding_of_the_source_fails(records):
 def test_a_failure_would_be_counted(records):
     """Wrong answers, lost power and failures show up in a record."""
     tally = SolutionTally()
-    tally.count_solution(True, 1.0, 1.0, 0.0)
-    tally.count_solution(False, 1.1, 1.0, 0.2)
+    tally.count_own_solution(True, 1.0, 1.0, 0.0)
+    tally.count_own_solution(False, 1.1, 1.0, 0.2)
     r = tally.to_group_result("group", "model")
     assert (r.ours, r.tries, r.source) == (1, 2, None)
     assert (r.energy, r.spread) == pytest.approx((0.1, 0.2))
-    text, table = friction_stability.table_section_items([r, replace(records[0], source=3, source_tries=9)])
+    text, table = friction_stability.extreme_cases_text_and_table([r, replace(records[0], source=3, source_tries=9)])
     assert table.rows[0]["ours"] == "1 of 2"
     assert [row["source"] for row in table.rows] == ["–", "3 of 9"]
     assert "3 of 9" in text.paragraphs[0]

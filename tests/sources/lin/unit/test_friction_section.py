@@ -11,8 +11,8 @@ from rollbench.compare.cases.lin.pages import friction
 from rollbench.compare.evidence import evidence
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.scene_file import scene_hash
-from rollbench.compare.sections.how_to_read import collect_assumptions
+from rollbench.compare.scenes.scene_file import hash_of_scene_text
+from rollbench.compare.sections.how_to_read import assumption_rows
 from rollbench.reports.content import Section
 
 TABLES = ("lin-3.2", "lin-3.3", "lin-3.4", "lin-3.5", "lin-G")
@@ -105,7 +105,7 @@ def test_figures_have_data_and_can_be_drawn(section):
 
 def test_curves_pass_through_the_printed_cases_and_differences_add_up(section):
     """As printed, the torque's curve meets Table 3.2 where the table's cases lie."""
-    torque, force = friction.torque_figure(), figures(section)[-1]
+    torque, force = friction.rotary_bearing_torque_figure(), figures(section)[-1]
     panel = next(p for p in torque.panels if p.title == "friction torque")
     curve, dots = panel.series[1], panel.series[2]
     good = np.isfinite(curve.y)
@@ -127,9 +127,9 @@ def test_scenes_of_friction_are_hashed_and_their_assumptions_shown():
     study = Study()
     evidence(study, *TABLES)
     assert set(study.used) == set(SCENES)
-    rows = {row["assumed"]: row["scenes"] for row in collect_assumptions(study)}
+    rows = {row["assumed"]: row["scenes"] for row in assumption_rows(study)}
     for name, scene in study.used.items():
-        assert scene_hash(catalogue.scene_text(name))
+        assert hash_of_scene_text(catalogue.shipped_scene_text(name))
         for sentence in scene.assumed:
             assert rows[sentence] == "all" or name in rows[sentence].split(", ")
     study.scene("lin-case1")

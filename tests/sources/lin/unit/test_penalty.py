@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.compare.cases.lin.reconstruction.solvers import add_penalty_springs
 from rollbench.hifi.condensation import SidePatches
-from rollbench.hifi.contact.balls import block_of_dense_matrix, press_ball
+from rollbench.hifi.contact.balls import ball_block_from_dense_matrix, solve_contacts_of_one_ball
 from rollbench.hifi.setup import Setup
 
 
@@ -22,5 +22,7 @@ def test_rigid_bodies_press_by_the_penalty_alone():
     setup = Setup.__new__(Setup)
     setup.__dict__.update(dict.fromkeys(Setup.__dataclass_fields__), patches={0: pair})
     local = add_penalty_springs(setup, penalty).patches[0].local
-    force = press_ball(block_of_dense_matrix(local), gap - pressed, np.zeros(gap.size, dtype=bool)).forces.sum()
+    force = solve_contacts_of_one_ball(
+        ball_block_from_dense_matrix(local), gap - pressed, np.zeros(gap.size, dtype=bool)
+    ).forces.sum()
     assert force == pytest.approx(np.pi * penalty * pressed**2 * np.sqrt(radii[0] * radii[1]), rel=5e-3)

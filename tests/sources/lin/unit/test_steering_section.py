@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence import steering as gear
-from rollbench.compare.cases.lin.evidence.steering import REACH, load_ratios, solve_at_tie_rod_angle, steering_gear
+from rollbench.compare.cases.lin.evidence.steering import REACH, solve_at_tie_rod_angle, solve_load_ratios, steering_gear
 from rollbench.compare.cases.lin.pages import steering
 from rollbench.compare.scenes import catalogue
 from rollbench.reports.content import Table
@@ -15,7 +15,7 @@ SCENE = catalogue.scene("lin-nominal-4p1")
 
 @pytest.fixture(scope="module")
 def points():
-    return list(gear.vary_layout(steering_gear()))
+    return list(gear.load_ratios_of_all_layouts(steering_gear()))
 
 
 def test_ratios_span_the_printed_ones_so_that_they_identify_no_layout(points):
@@ -30,27 +30,27 @@ def test_ratios_span_the_printed_ones_so_that_they_identify_no_layout(points):
 def test_layouts_are_what_they_say():
     shipped = steering_gear()
     (pinion,) = shipped.supports
-    same = gear.change_layout(shipped, pinion.at, "held but along the rack", 0.0)
-    assert load_ratios(same) == pytest.approx(load_ratios(shipped), rel=1e-12)
-    moved = gear.change_layout(shipped, 0.5, "pinned across", 0.02)
+    same = gear.change_gear_layout(shipped, pinion.at, "held but along the rack", 0.0)
+    assert solve_load_ratios(same) == pytest.approx(solve_load_ratios(shipped), rel=1e-12)
+    moved = gear.change_gear_layout(shipped, 0.5, "pinned across", 0.02)
     assert moved.sets[0] == shipped.sets[0]
     assert moved.sets[1].position == pytest.approx(shipped.sets[1].position + 0.02)
     assert moved.sets[1].parts.nut.position == moved.sets[1].position
     assert solve_at_tie_rod_angle(shipped, 0.0, opposed=True).sets[0].force == pytest.approx(
         solve_at_tie_rod_angle(shipped, 0.0).sets[0].force
     )
-    held = gear.change_layout(shipped, 0.55, "held but along the rack", 0.0)
-    assert load_ratios(held, opposed=True) == pytest.approx(load_ratios(held), rel=1e-9)
+    held = gear.change_gear_layout(shipped, 0.55, "held but along the rack", 0.0)
+    assert solve_load_ratios(held, opposed=True) == pytest.approx(solve_load_ratios(held), rel=1e-9)
 
 
 def test_bands_of_the_ratios_hold_the_shipped_ones_and_say_what_lies_in_them(points):
-    shipped, bands = load_ratios(steering_gear()), gear.ratio_ranges(steering_gear())
+    shipped, bands = solve_load_ratios(steering_gear()), gear.load_ratio_ranges(steering_gear())
     assert len(bands) >= 8
     for b in bands:
         for (low, high), value in zip((b.screw, b.bearing), shipped, strict=True):
             assert low - 1e-9 <= value <= high + 1e-9
         assert b.screw[1] > b.screw[0]
-    rows = [{getattr(k, "key", k): v for k, v in row.items()} for row in steering.ratio_range_rows(points)]
+    rows = [{getattr(k, "key", k): v for k, v in row.items()} for row in steering.load_ratio_range_rows(points)]
     for row in rows:
         for key, printed in (("screw", 3.32), ("bearing", 1.47)):
             assert row[f"{key}_in"] == ("yes" if row[f"{key}_low"] <= printed <= row[f"{key}_high"] else "no")
@@ -60,7 +60,7 @@ def test_bands_of_the_ratios_hold_the_shipped_ones_and_say_what_lies_in_them(poi
 
 def test_lash_tests_are_load_curves_of_the_screw():
     """A screw without play or preload: no lash, and more displacement under more load; a direction is its opposite."""
-    screw = gear.place_balls(SCENE, "half-half")
+    screw = gear.arrange_balls_in_pattern(SCENE, "half-half")
     test = gear.solve_axial_lash(screw, "-200N:200N:3")
     moved = [p.displacement for p in test.points]
     assert (test.lash, gear.peak_to_peak(test)) == (0.0, moved[2] - moved[0])
@@ -73,6 +73,6 @@ def test_figures_and_tables_are_whole(points):
     figure = steering.steering_gear_figure(points)
     assert [len(p.series) for p in figure.panels[:2]] == [4, 4]
     assert draw_figure(figure).startswith("<?xml")
-    rows = steering.ratio_rows(points)
+    rows = steering.load_ratio_rows(points)
     assert len(rows) == len(gear.PINIONS) * len(gear.OFFSETS) * 3
     assert len(Table.of("ratios", "", rows).columns) == 6

@@ -12,9 +12,9 @@ from rollbench.compare.evidence import Evidence, evidence
 from rollbench.compare.printed import load_table
 from rollbench.lowfi.random_errors.chain import (
     calibrate_compliance,
-    end_ratio,
+    last_to_first_load_ratio,
     percentile_rank,
-    solve_chain,
+    solve_ball_screw,
     solve_ensemble,
 )
 
@@ -44,7 +44,7 @@ def test_entry(key: str) -> None:
 
 def place(row):
     half = 0.0 if "loaded" in row.key else row.tolerance
-    return percentile_rank(liu.sample_for_printed_number(row.key), row.value, half)
+    return percentile_rank(liu.drawn_values_for_printed_number(row.key), row.value, half)
 
 
 @pytest.mark.parametrize("row", RANDOM, ids=lambda r: r.key)
@@ -54,18 +54,18 @@ def test_open_where_no_likely_draw_gives_it_or_all_would(row) -> None:
     Class open: fewer, or the draws spread wider; the words say how many.
     """
     p = place(row)
-    low, high = np.quantile(liu.sample_for_printed_number(row.key), [0.005, 0.995])
+    low, high = np.quantile(liu.drawn_values_for_printed_number(row.key), [0.005, 0.995])
     narrow = high - low <= 0.25 * (high + low)
-    assert (row.cls == "band") == (p.tail >= liu.UNLIKELY and narrow), (row.key, p, low, high)
+    assert (row.cls == "band") == (p.tail_probability >= liu.UNLIKELY and narrow), (row.key, p, low, high)
     words = by_key(row.key).words
     assert f"percentile {p.middle:.1f} ± {p.error:.1f}" in words
-    assert f"probability {p.tail:.4f}" in words
+    assert f"probability {p.tail_probability:.4f}" in words
 
 
 @pytest.mark.parametrize("row", [r for r in RANDOM if r.cls == "band"], ids=lambda r: r.key)
 def test_bands_are_those_of_the_ensemble(row) -> None:
     """The range in the data holds the central 99 % and no more than the central 99.98 % and a twentieth of its width."""
-    values = liu.sample_for_printed_number(row.key)
+    values = liu.drawn_values_for_printed_number(row.key)
     low, high = np.quantile(values, [0.005, 0.995])
     assert row.low <= low + 0.02 * (high - low)
     assert row.high >= high - 0.02 * (high - low)
@@ -83,7 +83,7 @@ def test_other_draws_give_the_same_percentiles() -> None:
         a, b = place(row), percentile_rank(other.values_at("largest", load), row.value, row.tolerance)
         assert abs(a.middle - b.middle) < 4.0 * np.hypot(a.error, b.error)
     for half_range in liu.LOADS:
-        ensemble = liu.drawn_ensemble(half_range)
+        ensemble = liu.solve_drawn_screws(half_range)
         assert ensemble.failed == 0
         assert ensemble.kept.shape == (liu.MEMBERS, len(liu.LOADS[half_range]), 6)
 
@@ -92,9 +92,9 @@ def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
     """Given about 42 loaded balls at 500 N and +-3 um, no random screw has as few as 43 at 1000 N. Medians of the
     counts at 1000 N add up to all balls, and the printed ones are too many."""
     assert " 0 have at most 43 at 1000 N" in by_key("unloaded_3_1000").words
-    assert all(words in liu.count_matching_screws(3, 42, 78) for words in ("1707 screws", " 1707 have"))
+    assert all(words in liu.matching_screws_in_words(3, 42, 78) for words in ("1707 screws", " 1707 have"))
     for key, half_range in (("unloaded_2_1000", 2), ("unloaded_3_1000", 3)):
-        loaded = float(np.median(liu.sample_of_drawn_screws(half_range, "loaded", 1000.0)))
+        loaded = float(np.median(liu.quantity_of_drawn_screws(half_range, "loaded", 1000.0)))
         assert by_key(key).value == 78 - loaded < by_key(key).printed.value
 
 
@@ -103,8 +103,10 @@ def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
 
 def test_what_the_calibration_implies() -> None:
     assert liu.calibrated_model().compliance == pytest.approx(3.874e-12, rel=1e-3)
-    assert 1e6 * liu.implied_area(26.0) == pytest.approx(387.4, abs=0.1)
-    assert end_ratio(liu.calibrated_model(), liu.calibration_load()) == pytest.approx(liu.printed_load_ratio(), abs=1e-9)
+    assert 1e6 * liu.implied_series_cross_section(26.0) == pytest.approx(387.4, abs=0.1)
+    assert last_to_first_load_ratio(liu.calibrated_model(), liu.calibration_load()) == pytest.approx(
+        liu.printed_last_over_first_load(), abs=1e-9
+    )
 
 
 def test_only_the_implicit_angle_gives_all_ratios() -> None:
@@ -112,8 +114,8 @@ def test_only_the_implicit_angle_gives_all_ratios() -> None:
     hits = {}
     for law in ("constant", "implicit", "exact"):
         chain = liu.calibrated_model(law)
-        q = solve_chain(chain, liu.errors_of_ball_33(-2e-6), 1000.0).load
-        mei = end_ratio(replace(chain, law="constant"), 5000.0)
+        q = solve_ball_screw(chain, liu.errors_of_ball_33(-2e-6), 1000.0).load
+        mei = last_to_first_load_ratio(replace(chain, law="constant"), 5000.0)
         hits[law] = abs(q[-1] / q[0] - 0.919) <= 5e-4, abs(mei - 0.87) <= 1e-3
     assert hits == {"constant": (False, False), "implicit": (True, True), "exact": (False, False)}
 
@@ -122,26 +124,26 @@ def test_two_digits_exchanged() -> None:
     q = by_key("plus_Q33_5000").value
     assert q == pytest.approx(142.55, rel=4e-3)
     assert abs(q / 124.55 - 1.0) > 0.14
-    assert liu.error_for_load(124.55) == pytest.approx(1.36, abs=0.01)
+    assert liu.error_of_ball_33_for_load(124.55) == pytest.approx(1.36, abs=0.01)
 
 
 def test_a_step_of_load_gives_all_stiffnesses_and_the_tangent_does_not() -> None:
     """(22) is a difference over a step that is not printed: what only it decides is not identifiable."""
     rows = [row for row in load_table("liu-4.4") if row.key.startswith("K_")]
-    out = [row.key for row in rows if not liu.stiffness_agrees(row, 0.0)]
+    out = [row.key for row in rows if not liu.printed_stiffness_agrees(row, 0.0)]
     assert (len(rows), len(out)) == (19, 8)
-    assert all(liu.stiffness_agrees(row, 0.12) for row in rows)
+    assert all(liu.printed_stiffness_agrees(row, 0.12) for row in rows)
     assert {by_key(key).verdict for key in out if key != "K_0_3000"} == {"not identifiable"}
 
 
 def test_no_contact_stiffness_mends_the_offset() -> None:
     """K 3.4 % larger gives the printed stiffness without errors, and takes Q33 at -2 um out of its per cent."""
     stiffer = replace(liu.calibrated_model(), stiffness=1.034 * liu.calibrated_model().stiffness)
-    stiffer = calibrate_compliance(stiffer, liu.printed_load_ratio(), liu.calibration_load())
-    assert solve_chain(stiffer, np.zeros(78), 3000.0).stiffness == pytest.approx(8.196e8, rel=1e-3)
-    assert solve_chain(stiffer, liu.errors_of_ball_33(-2e-6), 5000.0).load[32] < 43.55 * 0.99
-    assert liu.secant_stiffness(3000.0, 1.0) == pytest.approx(by_key("K_0_3000").value, rel=1e-4)
-    assert liu.secant_stiffness(3000.0, 100.0) == pytest.approx(8.071, abs=1e-3)
+    stiffer = calibrate_compliance(stiffer, liu.printed_last_over_first_load(), liu.calibration_load())
+    assert solve_ball_screw(stiffer, np.zeros(78), 3000.0).stiffness == pytest.approx(8.196e8, rel=1e-3)
+    assert solve_ball_screw(stiffer, liu.errors_of_ball_33(-2e-6), 5000.0).load[32] < 43.55 * 0.99
+    assert liu.secant_stiffness_without_errors(3000.0, 1.0) == pytest.approx(by_key("K_0_3000").value, rel=1e-4)
+    assert liu.secant_stiffness_without_errors(3000.0, 100.0) == pytest.approx(8.071, abs=1e-3)
 
 
 def test_single_ball_by_hand() -> None:
@@ -149,5 +151,5 @@ def test_single_ball_by_hand() -> None:
     first, last = liu.first_carrying_loads()
     assert first == pytest.approx(liu.calibrated_model().slope * liu.calibrated_model().stiffness * 2e-6**1.5, rel=0.02)
     assert first < last
-    low, high = liu.load_change_of_other_balls(-2.0)
+    low, high = liu.load_change_range_of_other_balls(-2.0)
     assert 0.0 < low < high

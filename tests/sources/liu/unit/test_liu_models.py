@@ -6,10 +6,10 @@ import pytest
 from rollbench.compare.cases.liu import evidence, page
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.random_errors.chain import solve_chain
+from rollbench.lowfi.random_errors.chain import solve_ball_screw
 from rollbench.meshes.parts import Scene
 
-SCENE = catalogue.case(page.SCENE, Scene)
+SCENE = catalogue.shipped_scene_of_kind(page.SCENE, Scene)
 
 
 def test_grooves_and_materials_of_screw_and_nut_are_alike_as_the_chain_takes_them():
@@ -27,7 +27,7 @@ def test_an_error_is_the_diameter_of_a_ball():
 def test_chain_shares_the_load_as_the_beam_does_on_average():
     errors = np.zeros(evidence.ball_count())
     beam = Study().solve(page.change_errors_and_load(SCENE, errors, 5000.0)).load[:, 0]
-    axial = solve_chain(page.rigid_nut_model(SCENE).chain, errors, 5000.0).load
+    axial = solve_ball_screw(page.axial_model_with_rigid_nut(SCENE).chain, errors, 5000.0).load
     assert beam.mean() == pytest.approx(axial.mean(), rel=2e-3)
     turns, chain = (load.reshape(3, 26).mean(axis=1) for load in (beam, axial))
     assert turns == pytest.approx(chain, rel=0.01)

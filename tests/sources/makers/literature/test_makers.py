@@ -11,53 +11,55 @@ from rollbench.compare.cases.makers.outside import (
     BIAS,
     MEASURED,
     NUMBER,
-    Band,
+    ComputedBand,
     MakerTable,
-    Outside,
-    bias_and_scatter,
-    half_step,
-    read_table,
-    summary_table,
+    PublishedValue,
+    bias_and_scatter_table,
+    error_statistics,
+    half_step_of_last_digit,
+    read_maker_table,
 )
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
 
-def one(value: float, computed: Band, **said: object) -> Outside:
+def one(value: float, computed: ComputedBand, **said: object) -> PublishedValue:
     shared = {"quantity": "rigidity", "law": "law", "maker": "maker", "item": "item", "cls": "class", "origin": ""}
-    return Outside(**shared, unit="N/um", value=value, rounding=0.5, computed=computed, **said)
+    return PublishedValue(**shared, unit="N/um", value=value, rounding=0.5, computed=computed, **said)
 
 
 def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
     """Closed forms: a row of a pair deflects by u; of three rows, one by P^(2/3), two by (P/2)^(2/3), 2 u in all."""
     preload = (2.0 / (1.0 + 2.0 ** (-2 / 3))) ** 1.5
-    found = bearings.ratios_of_set_to_pair("DBD")
+    found = bearings.bearing_set_over_pair_ratios("DBD")
     grown = (preload ** (k / 3) * 0.5 * (1.0 + 2.0 * 2.0 ** (-k / 3)) for k in (1, 4))
     assert found == pytest.approx((preload, *grown), rel=1e-12)
-    assert bearings.ratios_of_set_to_pair("DBB") == pytest.approx((2.0, 2.0, 2.0), rel=1e-12)
-    assert bearings.ratios_of_set_to_pair("DBT")[0] == pytest.approx((2.0 / (1.0 + 3.0 ** (-2 / 3))) ** 1.5, rel=1e-12)
+    assert bearings.bearing_set_over_pair_ratios("DBB") == pytest.approx((2.0, 2.0, 2.0), rel=1e-12)
+    assert bearings.bearing_set_over_pair_ratios("DBT")[0] == pytest.approx(
+        (2.0 / (1.0 + 3.0 ** (-2 / 3))) ** 1.5, rel=1e-12
+    )
 
 
 @pytest.mark.parametrize(("quantity", "number", "bias", "scatter"), [("preload", 80, 0.5, 1.0), ("rigidity", 77, 1.0, 2.0)])
 def test_nsk_sets_follow_from_their_pairs(quantity: str, number: int, bias: float, scatter: float) -> None:
-    values = [x for x in bearings.compare_bearing_sets() if x.quantity == quantity and not x.item.endswith(" DB")]
-    found = bias_and_scatter(values)
+    values = [x for x in bearings.compare_nsk_bearing_sets() if x.quantity == quantity and not x.item.endswith(" DB")]
+    found = error_statistics(values)
     assert (found.number, abs(found.bias) < bias, found.scatter < scatter) == (number, True, True)
     wrong = [x.item for x in values if x.left == "a misprint"]
     assert wrong == ([f"{bore}TAC47B C9 DBD" for bore in (15, 17, 20)] if quantity == "rigidity" else [])
 
 
 def test_nsk_clearances_and_rigidities_without_a_free_parameter() -> None:
-    found = list(bearings.compare_ball_bearings())
+    found = list(bearings.compare_nsk_ball_bearings())
     clear = np.array([x.computed.value - x.value for x in found if x.quantity == "displacement"])
     assert (clear.size, np.sqrt((clear**2).mean()) < 0.6, (np.abs(clear) <= 1.0).mean() > 0.94) == (728, True, True)
     for quantity, number, bias, scatter in (("rigidity", 546, 0.6, 2.0), ("rating", 91, 0.1, 1.0)):
-        of = bias_and_scatter([x for x in found if x.quantity == quantity])
+        of = error_statistics([x for x in found if x.quantity == quantity])
         assert (of.number, abs(of.bias) < bias, of.scatter < scatter) == (number, True, True)
 
 
 def test_balls_come_back_from_their_ratings() -> None:
-    ring = bearings.bearing_scene(14, 6e-3, 40e-3, np.radians(15.0))
+    ring = bearings.single_row_bearing_scene(14, 6e-3, 40e-3, np.radians(15.0))
     both = bearings.dynamic_rating(ring), bearings.static_rating(ring)
     count, ball = bearings.balls_from_ratings(*both, 40e-3, np.radians(15.0))
     assert (count, ball) == pytest.approx((14.0, 6e-3), rel=1e-4)
@@ -66,14 +68,14 @@ def test_balls_come_back_from_their_ratings() -> None:
 def test_two_ratings_of_a_nut_count_the_same_balls() -> None:
     """C and C_0 are two formulas; HIWIN's nuts of deflectors are rated with two thirds of a turn, the others with all."""
     shares: dict[str, list[float]] = {}
-    source = read_table("nuts-hiwin")
+    source = read_maker_table("nuts-hiwin")
     for row in source.rows:
-        if not source.misprinted(row["nut"]):
-            nut = nuts.read_nut(source, row)
+        if not source.lists_as_misprint(row["nut"]):
+            nut = nuts.nut_of_catalogue_row(source, row)
             dynamic, static = nuts.nut_load_ratings(nut, nuts.CONFORMITY, 1.0)
             by_static, by_dynamic = source.number(row["C0"]) / static, (source.number(row["C"]) / dynamic) ** 1.5
-            shares.setdefault(nuts.maker_and_type(source, row), []).append(by_static)
-            shares.setdefault(nuts.maker_and_type(source, row) + " by C", []).append(by_dynamic)
+            shares.setdefault(nuts.maker_and_nut_type(source, row), []).append(by_static)
+            shares.setdefault(nuts.maker_and_nut_type(source, row) + " by C", []).append(by_dynamic)
     middle = {name: float(np.median(x)) for name, x in shares.items()}
     for name, share in (("HIWIN, whole recirculation", 1.0), ("HIWIN, one-turn recirculation", 2.0 / 3.0)):
         assert middle[name] == pytest.approx(share, rel=0.03)
@@ -81,15 +83,15 @@ def test_two_ratings_of_a_nut_count_the_same_balls() -> None:
 
 
 def test_ratings_of_fewer_balls_and_more_turns() -> None:
-    one = nuts.Nut(6.35e-3, 41.4e-3, 10e-3, 1.0, short=False)
+    one = nuts.CatalogueNut(6.35e-3, 41.4e-3, 10e-3, 1.0, short=False)
     full, half = nuts.nut_load_ratings(one, 0.52, 1.0), nuts.nut_load_ratings(replace(one, turns=3.0), 0.52, 0.5)
     assert half[0] / full[0] == pytest.approx(0.5 ** (2 / 3) * 3.0**0.86)
     assert half[1] / full[1] == pytest.approx(1.5)
 
 
 def test_formulas_in_disguise_are_computed_and_not_judged() -> None:
-    found = list(bearings.compare_constant_angle_pairs())
-    assert (len(found), bias_and_scatter(found)) == (1020, None)
+    found = list(bearings.compare_snfa_pair_rigidities())
+    assert (len(found), error_statistics(found)) == (1020, None)
     ratio = np.median([x.computed.value / x.value for x in found])
     assert ratio == pytest.approx(1.0, abs=0.25)
 
@@ -98,7 +100,7 @@ def test_four_fifths_of_the_computed_rigidity_is_what_makers_print() -> None:
     judged = [x for x in nuts.compare_nut_rigidity() if not x.left]
     errors = np.array([(x.practice or 0.0) / x.value - 1.0 for x in judged])
     assert (len(judged), abs(np.median(errors)) < 0.1, (np.abs(errors) < 0.2).mean() > 0.85) == (472, True, True)
-    growth = bias_and_scatter([x for x in nuts.compare_preloaded_nuts() if x.law == "growth with preload"])
+    growth = error_statistics([x for x in nuts.compare_preloaded_nuts() if x.law == "growth with preload"])
     assert (growth.number, abs(growth.bias) < 2.0, growth.scatter < 2.0) == (126, True, True)
 
 
@@ -106,28 +108,28 @@ def test_turns_as_printed() -> None:
     known = {("4", "T4 of the name"): 4.0, ("31", "rows x turns"): 3.0, ("1x4", "1x4"): 4.0}
     other = {("4", "K4 of the name"): 4.0, ("22.8", "rows x turns"): 5.6, ("2", "1.7"): 3.4, ("", "1,2x4"): 4.8}
     for (circuits, turns), expected in (known | other).items():
-        found = nuts.read_turns({"circuits": circuits, "turns": turns})
+        found = nuts.read_loaded_turns({"circuits": circuits, "turns": turns})
         assert found == (pytest.approx(expected), (circuits, turns) in known)
 
 
 def test_drag_torque_of_the_measured_screws() -> None:
     """New screws lie in the band of what is not printed; over the lead sliding grows less than all formulas but one."""
-    new = [x for x in nuts.compare_measured_torques() if x.item.endswith("new")]
+    new = [x for x in nuts.compare_measured_drag_torques() if x.item.endswith("new")]
     assert [x.verdict for x in new] == ["in the band"] * 2
     assert {x.cls for x in new} == {MEASURED}
     rows = nuts.compare_drag_over_lead()
-    grows = nuts.power_exponent([r.single for r in rows], [r.lead for r in rows])
+    grows = nuts.fit_power_exponent([r.single for r in rows], [r.lead for r in rows])
     assert 0.1 < grows < 0.2
     assert nuts.drag_torque_thk(3000.0, 41.75e-3, 10e-3) == pytest.approx(0.865, rel=2e-3)  # THK's example
 
 
 def test_all_values_and_their_table() -> None:
-    found = page.published_values(STUDY)
+    found = page.compared_published_values(STUDY)
     judged = [x for x in found if not x.left]
     assert len(judged) >= 1500
     assert {"contact load", "displacement", "pressure", "torque", "rigidity", "rating"} <= {x.quantity for x in judged}
     assert all(x.computed.low <= x.computed.value <= x.computed.high and x.origin for x in found)
-    assert len(summary_table(found).rows) <= 31
+    assert len(bias_and_scatter_table(found).rows) <= 31
     from rollbench.compare.cases.makers.page import first_page
 
     columns = first_page(STUDY)
@@ -137,24 +139,24 @@ def test_all_values_and_their_table() -> None:
 
 def test_section_says_its_conclusion_first() -> None:
     found = page.make_section(STUDY, lambda _: None)
-    judged = [x for x in page.published_values(STUDY) if not x.left]
+    judged = [x for x in page.compared_published_values(STUDY) if not x.left]
     assert found.conclusion.startswith(f"Of {len(judged)} values")
     assert "1020: a formula in disguise" in found.items[1].note
 
 
 def test_half_of_the_last_step() -> None:
     steps = {"2 150": 5.0, "0.14": 0.005, "7": 0.5, "1,5": 0.05, "-12": 0.5, "300": 50.0}
-    assert {text: half_step(text) for text in steps} == pytest.approx(steps)
+    assert {text: half_step_of_last_digit(text) for text in steps} == pytest.approx(steps)
 
 
 def test_verdicts_and_what_does_not_count() -> None:
-    band = Band.within(100.0, 0.02)
+    band = ComputedBand.within(100.0, 0.02)
     verdicts = [one(x, band).verdict for x in (97.4, 97.6, 102.4, 102.6)]
     assert verdicts == ["below the band", *2 * ["in the band"], "above the band"]
     formula = replace(one(97.0, band), left="a formula in disguise")
     assert formula.verdict == "a formula in disguise"
-    assert bias_and_scatter([formula]) is None
-    both = bias_and_scatter([one(80.0, band), one(125.0, band), formula])
+    assert error_statistics([formula]) is None
+    both = error_statistics([one(80.0, band), one(125.0, band), formula])
     assert (both.number, both.bias, both.scatter) == (2, pytest.approx(2.5), pytest.approx(22.5))
 
 

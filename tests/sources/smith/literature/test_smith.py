@@ -9,8 +9,8 @@ from rollbench.compare.cases.smith.evidence import axis, bearings
 from rollbench.compare.evidence import Findings
 from rollbench.compare.printed import load_table
 from rollbench.lowfi.bearings import as_printed
-from rollbench.lowfi.bearings.angular_contact import contact_parameters
-from rollbench.lowfi.bearings.axis import equilibrium
+from rollbench.lowfi.bearings.angular_contact import dimensionless_hertz_parameters
+from rollbench.lowfi.bearings.axis import solve_set_equilibrium
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -38,7 +38,7 @@ def test_as_printed_in_that_mode_only(key: str) -> None:
 def test_table_2_1_is_right_to_four_parts_in_ten_thousand_but_for_one_entry() -> None:
     off = {}
     for i, difference in enumerate(bearings.DIFFERENCES[1:], 1):
-        for key, value in zip(("delta", "a", "b"), contact_parameters(difference), strict=True):
+        for key, value in zip(("delta", "a", "b"), dimensionless_hertz_parameters(difference), strict=True):
             printed = found(f"smith-table-2-1:{key}_{i}").printed.value
             off[key, i] = abs(printed / value - 1.0)
     assert off.pop(("b", 21)) == pytest.approx(0.0349, abs=1e-3)
@@ -47,7 +47,7 @@ def test_table_2_1_is_right_to_four_parts_in_ten_thousand_but_for_one_entry() ->
 
 def test_everything_after_one_cell_of_figure_2_10_hangs_on_it() -> None:
     """With F(p)_o of the geometry the sheet would have given 58.30 deg and 0.000746 in."""
-    faulty, right = bearings.ball_spreadsheet(2040.0), bearings.ball_spreadsheet(2040.0, None)
+    faulty, right = bearings.recompute_ball_spreadsheet(2040.0), bearings.recompute_ball_spreadsheet(2040.0, None)
     assert right.differences[1] == pytest.approx(0.88444, abs=1e-5)
     assert np.degrees(faulty.angle) == pytest.approx(58.27003, abs=2e-3)
     assert right.deflection / 25.4 == pytest.approx(0.000746, abs=1e-6)
@@ -56,12 +56,14 @@ def test_everything_after_one_cell_of_figure_2_10_hangs_on_it() -> None:
 
 @pytest.mark.parametrize("difference", [0.70, 0.80, 0.90, 0.96])
 def test_fits(difference: float) -> None:
-    delta, a, b = contact_parameters(difference)
-    assert as_printed.fitted_parameter(difference, "approach") == pytest.approx(delta, rel=0.02)
-    assert as_printed.fitted_parameter(difference, "major") == pytest.approx(a, rel=0.02)
-    assert as_printed.fitted_parameter(difference, "minor") / b == pytest.approx(1.415, abs=0.03)
+    delta, a, b = dimensionless_hertz_parameters(difference)
+    assert as_printed.hertz_parameter_by_polynomial(difference, "approach") == pytest.approx(delta, rel=0.02)
+    assert as_printed.hertz_parameter_by_polynomial(difference, "major") == pytest.approx(a, rel=0.02)
+    assert as_printed.hertz_parameter_by_polynomial(difference, "minor") / b == pytest.approx(1.415, abs=0.03)
     rows = bearings.DIFFERENCES[:-1]
-    assert np.interp(difference, rows, [contact_parameters(f)[0] for f in rows]) == pytest.approx(delta, rel=0.01)
+    assert np.interp(difference, rows, [dimensionless_hertz_parameters(f)[0] for f in rows]) == pytest.approx(
+        delta, rel=0.01
+    )
 
 
 def test_sheet_s_curvature_differences() -> None:
@@ -128,10 +130,12 @@ def test_roundings_of_figure_3_6_do_not_explain_its_deflection() -> None:
 
 def test_unseating_takes_three_times_the_printed_load() -> None:
     """The outer row of the set is just loose there, and not before."""
-    limit = axis.unseating_load(axis.REDUCED)
+    limit = axis.carriage_load_at_lift_off(axis.REDUCED)
     assert limit / bearings.POUND == pytest.approx(645.5, abs=0.5)
-    rows = bearings.bearing_set("taper", "left", axis.REDUCED)
-    before, after = (equilibrium(rows, axis.screw_tension() + 0.5 * limit * share).loads[0] for share in (0.999, 1.001))
+    rows = bearings.bearing_rows_at_end("taper", "left", axis.REDUCED)
+    before, after = (
+        solve_set_equilibrium(rows, axis.screw_tension() + 0.5 * limit * share).loads[0] for share in (0.999, 1.001)
+    )
     assert before > 0.0 == after
 
 
