@@ -211,8 +211,8 @@ def _block_with_named_boundaries(mesh: Mesh, size: float) -> BlockMesh:
 
 def _set_element_sizes(gmsh: Any, influence: BodyOfInfluence) -> None:
     """Set the element sizes of gmsh's model to those of ``influence``, and disable all other rules for sizes."""
-    field = gmsh.model.mesh.track_velocity_field.add("MathEval")
-    gmsh.model.mesh.track_velocity_field.setString(field, "F", influence.size_expression())
-    gmsh.model.mesh.track_velocity_field.setAsBackgroundMesh(field)
+    field = gmsh.model.mesh.field.add("MathEval")
+    gmsh.model.mesh.field.setString(field, "F", influence.size_expression())
+    gmsh.model.mesh.field.setAsBackgroundMesh(field)
     for name in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
         gmsh.option.setNumber(f"Mesh.{name}", 0)

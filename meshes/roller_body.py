@@ -107,10 +107,10 @@ def mesh_section(zone: RollerContactZone, width: float, depth: float, *, round: 
         geo.synchronize()
         for surface in (block, far):
             gmsh.model.mesh.setRecombine(2, surface)
-        size = gmsh.model.mesh.track_velocity_field.add("MathEval")
+        size = gmsh.model.mesh.field.add("MathEval")
         away = f"Sqrt(Max(0,x-{w!r})^2+Max(0,y-{d!r})^2)"
-        gmsh.model.mesh.track_velocity_field.setString(size, "F", f"2*({cell / unit!r}+{zone.grading!r}*{away})")
-        gmsh.model.mesh.track_velocity_field.setAsBackgroundMesh(size)
+        gmsh.model.mesh.field.setString(size, "F", f"2*({cell / unit!r}+{zone.grading!r}*{away})")
+        gmsh.model.mesh.field.setAsBackgroundMesh(size)
         for name in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
             gmsh.option.setNumber(f"Mesh.{name}", 0)
         gmsh.model.mesh.generate(2)

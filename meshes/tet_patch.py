@@ -136,7 +136,7 @@ def _set_element_sizes(gmsh: Any, box: TetBox) -> None:
     across, along, depth = (MM * length for length in box.influence)
     away = "+".join(f"Max(0,Abs({x})-{half:.17g})^2" for x, half in (("x", across), ("y", depth), ("z", along)))
     edge = f"Min({MM * box.far:.17g},{MM * box.fine:.17g}+{box.growth:.17g}*Sqrt({away}))"
-    field = gmsh.model.mesh.track_velocity_field
+    field = gmsh.model.mesh.field
     on_faces, within, inside, finest = (field.add(name) for name in ("MathEval", "MathEval", "Restrict", "Min"))
     field.setString(on_faces, "F", edge)
     field.setString(within, "F", f"{edge}/{LARGER}")

@@ -23,6 +23,7 @@ from rollbench.compare.running import gmsh_fault, usable_cores
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.libraries import MESHING, PICTURES, apt_command
 from rollbench.reports.content import FieldPicture, LoadedScrew, Page, Section, Table
+from rollbench.reports.offscreen import reason_drawing_fails
 
 #: Titles of the pages by name. A publication's page has the name and title of its case, or its first section's title.
 PAGES = {

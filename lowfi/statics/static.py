@@ -185,9 +185,7 @@ class BeamEquations(OneSetEquations):
         problem, gradient, force = self.problem, np.zeros(self.state.q.shape), self.force.copy()
         motion, centre, normal = self.state.q.copy(), self.state.p.copy(), self.state.contact[..., 1:3].copy()
         if problem.basis is None:
-            self.engine.evaluate_energy(
-                self.given, self.state, EnergyDerivatives(gradient, np.zeros((len(problem.C), 4, 4)))
-            )
+            self.engine.evaluate(self.given, self.state, EnergyDerivatives(gradient, np.zeros((len(problem.C), 4, 4))))
         held = np.where(problem.fixed, gradient, 0.0)
         return SolvedState(problem, motion, centre, force, normal, held, flank_motions_of_beam(problem, motion), self.scale)
 
@@ -270,7 +268,11 @@ class StaticInput:
             Extra lever arms of the contacts ``(N, 4, 2)`` [m]; None: none.
         """
         parts = self.scene, self.drawn, self.layout, self.use
-        how: dict[str, Any] = {"everything": self.everything, "refine": self.refine, "known": self.known}
+        how: dict[str, Any] = {
+            "everything": self.everything,
+            "refine": self.refine,
+            "distances_and_interference": self.known,
+        }
         found = build_problem(*parts, arms=arms, section=self.section, **how)
         held = self.held
         return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])

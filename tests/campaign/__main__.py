@@ -71,13 +71,11 @@ def main(arguments: list[str] | None = None) -> int:
     if axes and asked.model not in AXIS_MODELS:
         parser.error(f"--model of axes: {', '.join(AXIS_MODELS)}")
     campaign = Campaign(asked.seed, count, asked.model, asked.files, asked.kills, axes, command_line())
-    part = asked.keep_vectors and asked.keep_vectors.with_name(
-        f"{asked.keep_vectors.name}{campaign.option}.{asked.model}-{asked.seed}.part"
-    )
+    part = asked.keep and asked.keep.with_name(f"{asked.keep.name}{campaign.option}.{asked.model}-{asked.seed}.part")
     kept = part and Part(part, asked.seed, asked.model)
     found = record.run_campaign(campaign, progress, kept)
-    if asked.keep_vectors:
-        replace_file(asked.keep_vectors, record.text(found, asked.keep_vectors))
+    if asked.keep:
+        replace_file(asked.keep, record.text(found, asked.keep))
         part.unlink(missing_ok=True)
     print("\n".join(record.lines(found)))
     return 1 if found["bad"] else 0

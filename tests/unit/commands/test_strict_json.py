@@ -41,7 +41,7 @@ def strict(command, *tokens):
 
 def test_no_command_is_forgotten():
     functions = (complete()[name].default_command for name in complete() if not name.startswith("-"))
-    commands = {f.__name__ for f in functions if "as_json" in inspect.signature(f).kernel_parameters}
+    commands = {f.__name__ for f in functions if "as_json" in inspect.signature(f).parameters}
     assert commands == OTHERS.keys() | ELSEWHERE.keys()
 
 

@@ -247,7 +247,7 @@ def test_formats_go_by_the_suffix_unless_given(tmp_path: Path, monkeypatch):
     assert mesh_format(Path("a.VTU")) == "vtu"
     for name, options, why in (
         ("a.stl", {}, r"suffix '\.stl', expected one of \.vtu, \.msh, \.med, \.inp"),
-        ("a.vtu", {"form": "stl"}, "format 'stl'"),
+        ("a.vtu", {"file_format": "stl"}, "format 'stl'"),
         ("a.vtu", {"fields": {"p": np.zeros(3)}}, "field 'p' has 3 values"),
         ("a.msh", {"fields": {"s": np.ones((mesh.nvertices, 6))}}, "field 's' has 6 components"),
         ("a.inp", {"fields": {"u": node_coordinates(mesh)}}, "cannot contain fields"),

@@ -155,21 +155,23 @@ def test_gaps_of_a_ring_close_around():
 )
 def test_contacts_beyond_edge_or_apex_are_refused_with_both_numbers(case, half, changes, match):
     with pytest.raises(ValueError, match=match):
-        fitted(case, need=(half, 0.1e-3), **changes)
+        fitted(case, contact_half_lengths=(half, 0.1e-3), **changes)
 
 
 def test_long_contacts_get_long_sockets_or_are_refused():
     case = scene("lin-case1")
-    assert fitted(case, need=(0.2e-3, 0.9e-3)).phi == pytest.approx(0.9e-3 / rules.FILLED / GrooveMap.of(case).R)
+    assert fitted(case, contact_half_lengths=(0.2e-3, 0.9e-3)).phi == pytest.approx(
+        0.9e-3 / rules.FILLED / GrooveMap.of(case).R
+    )
     close = with_balls(small_screw(4), [0.0, 1.0, 1.12])
-    assert fitted(close, need=(0.2e-3, 0.5e-3)).phi == pytest.approx(0.12 / 2.6)
+    assert fitted(close, contact_half_lengths=(0.2e-3, 0.5e-3)).phi == pytest.approx(0.12 / 2.6)
     with pytest.raises(ValueError, match=r"too short.*balls 2 and 3"):
-        fitted(close, need=(0.2e-3, 0.8e-3))
+        fitted(close, contact_half_lengths=(0.2e-3, 0.8e-3))
 
 
 def test_sockets_beside_the_next_turn_stay_as_wide_as_their_contacts():
     case = with_lead(5.2e-3)
-    m, size = GrooveMap.of(case), fitted(case, need=(0.58e-3, 0.05e-3))
+    m, size = GrooveMap.of(case), fitted(case, contact_half_lengths=(0.58e-3, 0.05e-3))
     assert size.gamma >= 0.58e-3 / m.radius.min() / rules.ZONE * (1.0 - 1e-12)
     assert size.depth < rules.DEPTH * m.ball
 
