@@ -68,7 +68,7 @@ def decode_text(data: bytes) -> str:
 
     Examples
     --------
-    >>> text_of("µ".encode("utf-16")), text_of("µ".encode("utf-8"))
+    >>> decode_text("µ".encode("utf-16")), decode_text("µ".encode("utf-8"))
     ('µ', 'µ')
     """
     encoding = next((encoding for mark, encoding in _MARKS.items() if data.startswith(mark)), "utf-8")

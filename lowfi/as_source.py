@@ -202,7 +202,7 @@ def _contact_geometry_and_forces(
     -------
     tuple
         Normal n, tangent t and dt/dgamma of each contact; distance of ball centre and flank; contact force [N] and its
-        derivative by the approach [N/m]; then the first three values of `System.motion_of_flank`.
+        derivative by the approach [N/m]; then the first three values of `System.flank_motion_matrices`.
     """
     problem = system.problem
     a, t, t1 = system.flank(side, gamma)

@@ -73,8 +73,8 @@ def line_contact_half_width(line_load: Array | float, curvature: Array | float, 
     --------
     A steel cylinder of 10 mm on a flat under 100 N/mm:
 
-    >>> b = half_width(1e5, 1 / 5e-3, contact_modulus(210e9, 0.3, 210e9, 0.3))
-    >>> round(float(b) * 1e6, 2), round(float(pressure(1e5, b)) / 1e6, 1)
+    >>> b = line_contact_half_width(1e5, 1 / 5e-3, contact_modulus(210e9, 0.3, 210e9, 0.3))
+    >>> round(float(b) * 1e6, 2), round(float(line_contact_pressure(1e5, b)) / 1e6, 1)
     (74.28, 857.1)
     """
     k = np.asarray(curvature, dtype=float)

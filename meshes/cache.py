@@ -390,7 +390,7 @@ def record_to_bytes(value: object) -> bytes:
 
     Examples
     --------
-    >>> unpack_record(pack_record((1, {"a": [2.5, None]})))
+    >>> record_from_bytes(record_to_bytes((1, {"a": [2.5, None]})))
     (1, {'a': [2.5, None]})
     """
     arrays: list[Any] = []

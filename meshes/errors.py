@@ -258,7 +258,7 @@ def draw_specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen
     >>> import rollbench
     >>> from rollbench.meshes.helix import ball_layout
     >>> scene = rollbench.read("lin-case1")
-    >>> specimen(scene, ball_layout(scene)).ball_radius[:2].tolist()
+    >>> draw_specimen(scene, ball_layout(scene)).ball_radius[:2].tolist()
     [0.002778, 0.002778]
     """
     return _evaluate_at_balls(scene, layout, draw_errors(scene, member))

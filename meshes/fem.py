@@ -413,7 +413,7 @@ def scaled_jacobians(mesh: Mesh) -> Array:
     Examples
     --------
     >>> edge = np.array([0.0, 1.0])
-    >>> scaled_jacobians(tensor_grid(edge, edge, edge, "Q1")).round(12).tolist()
+    >>> scaled_jacobians(mesh_rectangular_grid(edge, edge, edge, "Q1")).round(12).tolist()
     [1.0]
     """
     return _smallest_jacobian_of_cells(mesh, mesh.dofs.element_dofs.T)
@@ -650,7 +650,7 @@ def largest_arc_deviation(x3: Array, z3: Array, centre: Array, radius: float) ->
 
     Examples
     --------
-    >>> arc_deviation(np.array([3.0, 0.0]), np.array([0.0, 3.5]), np.zeros(2), 3.0)
+    >>> largest_arc_deviation(np.array([3.0, 0.0]), np.array([0.0, 3.5]), np.zeros(2), 3.0)
     0.5
     """
     return float(np.abs(np.hypot(x3 - centre[0], z3 - centre[1]) - radius).max(initial=0.0))

@@ -119,7 +119,7 @@ def grooved_volume_ratio(scene: Scene) -> float:
     Examples
     --------
     >>> import rollbench
-    >>> round(volume_ratio(rollbench.read("lin-case1")), 4)
+    >>> round(grooved_volume_ratio(rollbench.read("lin-case1")), 4)
     0.9368
     """
     track = scene.track

@@ -227,7 +227,7 @@ def sine_of_smallest_angle(corners: Array) -> Array:
 
     Examples
     --------
-    >>> corner_sine(np.array([[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]])).round(4).tolist()
+    >>> sine_of_smallest_angle(np.array([[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]])).round(4).tolist()
     [0.7071]
     """
     u, v, w = (corners[:, (k + 1) % 3] - corners[:, k] for k in range(3))

@@ -119,7 +119,7 @@ def replace_um_by_micrometre(text: str) -> str:
 
     Examples
     --------
-    >>> micro_sign("2 um larger, in N/um; the sum")
+    >>> replace_um_by_micrometre("2 um larger, in N/um; the sum")
     '2 µm larger, in N/µm; the sum'
     """
     return re.sub(r"\bum\b", "µm", text)
@@ -130,7 +130,7 @@ def with_typographic_signs(text: str) -> str:
 
     Examples
     --------
-    >>> typeset_text("-0.3 to 5 um, +-2 N")
+    >>> with_typographic_signs("-0.3 to 5 um, +-2 N")
     '−0.3 to 5 µm, ±2 N'
     """
     text = re.sub(r"(?<![^\s(=])-(?=\d)", "−", replace_um_by_micrometre(text).replace("+-", "±"))

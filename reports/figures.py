@@ -114,7 +114,7 @@ def spread_label_heights(heights: Sequence[float], gap: float, low: float, high:
 
     Examples
     --------
-    >>> move_apart([1.0, 1.0, 5.0], 2.0, 0.0, 10.0).tolist()
+    >>> spread_label_heights([1.0, 1.0, 5.0], 2.0, 0.0, 10.0).tolist()
     [0.0, 2.0, 5.0]
     """
     order = np.argsort(heights, kind="stable")

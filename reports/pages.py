@@ -179,9 +179,9 @@ def split_headline(conclusion: str, title: str) -> tuple[str, str]:
 
     Examples
     --------
-    >>> page_headline("All 174 scenes are solved. The other method solves 145.", "Stability")
+    >>> split_headline("All 174 scenes are solved. The other method solves 145.", "Stability")
     ('All 174 scenes are solved', 'The other method solves 145.')
-    >>> page_headline("", "Stability")
+    >>> split_headline("", "Stability")
     ('Stability', '')
     """
     first, *rest = re.split(r"(?<=[^A-Z]{2})\. (?=[A-Z])", conclusion.removesuffix("."), maxsplit=1)

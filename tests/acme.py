@@ -37,11 +37,11 @@ def table_1(sheet, study):
 ''',
     "page.py": '''
 from rollbench.compare.evidence import evidence
-from rollbench.compare.sections.verdicts import printed_table
+from rollbench.compare.sections.verdicts import printed_numbers_table
 from rollbench.reports.content import Section
 def make_section(study, step):
     """Section of the report."""
-    return Section("acme", "Acme (1901)", (printed_table("acme-1", "Table 1", evidence(study, "acme-1")),))
+    return Section("acme", "Acme (1901)", (printed_numbers_table("acme-1", "Table 1", evidence(study, "acme-1")),))
 ''',
 }
 

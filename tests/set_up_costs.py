@@ -49,7 +49,7 @@ from rollbench.meshes.solid import dimensions_of_3d_parts
 WORK = {
     "meshing": ("best_of", (ball_body, grooved_body)),
     "assembly": ("assemble", (forms, cell, patch)),
-    "elimination": ("gram_of_inverse", (linear_algebra,)),
+    "elimination": ("product_with_inverse", (linear_algebra,)),
     "dense": ("_eliminate_front", (linear_algebra,)),
 }
 #: Jobs whose stages are measured: scene and level.

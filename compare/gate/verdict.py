@@ -225,7 +225,7 @@ def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> W
 
     Examples
     --------
-    >>> decide(-6.0, 0.5, 7.0), decide(6.8, 0.5, 7.0), decide(8.0, 0.5, 7.0)
+    >>> verdict_on_error(-6.0, 0.5, 7.0), verdict_on_error(6.8, 0.5, 7.0), verdict_on_error(8.0, 0.5, 7.0)
     ('pass', 'undecided', 'fail')
     """
     if uncertainty is None:

@@ -217,7 +217,7 @@ def descriptors_with_ranges(scene: Scene, among: Sequence[Scene] | None = None) 
     Raises
     ------
     ValueError
-        If the scene has no solid dimensions (`meshes.solid.solid_dimensions`).
+        If the scene has no solid dimensions (`meshes.solid.dimensions_of_3d_parts`).
     """
     ring = scene.track.lead == 0.0
     out = []
@@ -245,7 +245,7 @@ def descriptors_outside_range(scene: Scene) -> tuple[str, ...]:
     Raises
     ------
     ValueError
-        If the scene has no solid dimensions (`meshes.solid.solid_dimensions`).
+        If the scene has no solid dimensions (`meshes.solid.dimensions_of_3d_parts`).
     """
     if not descriptors_of_shipped_scenes(ring=scene.track.lead == 0.0):
         return (f"the range of the compared scenes is not known; references/{PLACES} is missing or damaged",)

@@ -94,7 +94,8 @@ def parse_heading(heading: str) -> Column:
 
     Examples
     --------
-    >>> column("approach_um"), column("Contact angle [deg]").name, column("load / kN"), column("note")
+    >>> approach, angle, *others = map(parse_heading, ("approach_um", "Contact angle [deg]", "load / kN", "note"))
+    >>> approach, angle.name, *others
     (Column(name='approach', factor=1e-06), 'angle', Column(name='load', factor=1000.0), Column(name='', factor=1.0))
     """
     text = heading.strip()

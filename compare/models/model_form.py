@@ -199,7 +199,7 @@ def features_of_scene(scene: Scene, result: StaticResult) -> dict[str, float]:
     Raises
     ------
     ValueError
-        If the scene has no solid dimensions (`meshes.solid.solid_dimensions`).
+        If the scene has no solid dimensions (`meshes.solid.dimensions_of_3d_parts`).
     """
     dims, R, layout, load = dimensions_of_3d_parts(scene), scene.track.pitch_radius, ball_layout(scene), result.load
     flank_means = np.sort(np.array([load[:, [0, 3]].mean(), load[:, [1, 2]].mean()]))

@@ -409,7 +409,8 @@ def scene_key_of_error(error: ValueError) -> str:
 
     Examples
     --------
-    >>> key_of_error(UnfitKey("solid.nut_inner_diameter", "9 mm leave no groove")), key_of_error(ValueError("no"))
+    >>> error = UnfitKey("solid.nut_inner_diameter", "9 mm leave no groove")
+    >>> scene_key_of_error(error), scene_key_of_error(ValueError("no"))
     ('solid.nut_inner_diameter', 'scene')
     """
     return error.key if isinstance(error, UnfitKey) else "scene"

@@ -119,7 +119,7 @@ def _flange_from_keys(nut: schema.NutKeys) -> parts.Flange | None:
 def friction_from_keys(keys: schema.FrictionKeys) -> parts.Friction:
     """Return the record of a scene's friction: coefficients, and whether friction affects the loads of the balls."""
     screw, nut = (keys.coefficient if given is None else given for given in (keys.screw, keys.nut))
-    if screw is None or nut is None:  # choice_faults has refused this
+    if screw is None or nut is None:  # conflicting_key_faults has refused this
         raise AssertionError("a groove without a coefficient")
     assumed, feedback, neighbours = tuple(map(escape_unprintable, keys.assumed)), keys.feedback, keys.neighbours
     if keys.coupling is not None:
@@ -136,7 +136,7 @@ def material_from_keys(keys: MaterialKeys | None, default: MaterialKeys) -> part
     keys = keys or default
     modulus = default.youngs_modulus if keys.youngs_modulus is None else keys.youngs_modulus
     ratio = default.poissons_ratio if keys.poissons_ratio is None else keys.poissons_ratio
-    if modulus is None or ratio is None:  # choice_faults has refused this
+    if modulus is None or ratio is None:  # conflicting_key_faults has refused this
         raise AssertionError("material without a value")
     return parts.Material(modulus, ratio)
 

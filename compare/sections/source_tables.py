@@ -110,8 +110,8 @@ def format_like_printed_number(value: float | None, printed: str) -> str:
 
     Examples
     --------
-    >>> as_printed_digits(1.81234e-7, "1.812e-7"), as_printed_digits(2.3456, "2.30"), as_printed_digits(None, "1")
-    ('1.812e-7', '2.35', '–')
+    >>> [format_like_printed_number(*x) for x in ((1.81234e-7, "1.812e-7"), (2.3456, "2.30"), (None, "1"))]
+    ['1.812e-7', '2.35', '–']
     """
     if value is None:
         return "–"

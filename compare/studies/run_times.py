@@ -151,11 +151,11 @@ import sys
 sys.path[:] = {path!r}
 from time import perf_counter, time
 from pathlib import Path
-from rollbench.meshes.processes import one_thread
-one_thread()
+from rollbench.meshes.processes import limit_to_one_thread
+limit_to_one_thread()
 import json
 from rollbench.compare.scenes import catalogue
-from rollbench.meshes.processes import peak_MB
+from rollbench.meshes.processes import peak_memory_MB
 from rollbench.compare.models.registry import Options, run_model
 ask = json.loads({ask!r})
 scene = catalogue.scene(ask["scene"])
@@ -167,7 +167,7 @@ for _ in range(1 + ask["repeats"]):
     result = run_model(scene, ask["model"], options)
     spent.append(perf_counter() - start)
     if len(spent) == 1:
-        done, memory = time(), peak_MB()
+        done, memory = time(), peak_memory_MB()
 print(json.dumps({{"done": done, "first": spent[0], "warm": min(spent[1:]), "memory": memory, "status": result.status}}))
 """
 
@@ -177,8 +177,8 @@ CALL_CHILD = """
 import sys
 sys.path[:] = {path!r}
 from time import perf_counter, time
-from rollbench.meshes.processes import one_thread, peak_MB
-one_thread()
+from rollbench.meshes.processes import limit_to_one_thread, peak_memory_MB
+limit_to_one_thread()
 import json
 ask = json.loads({ask!r})
 space = {{}}
@@ -190,7 +190,7 @@ for _ in range(1 + ask["repeats"]):
     eval(call, space)
     spent.append(perf_counter() - start)
     if len(spent) == 1:
-        done, memory = time(), peak_MB()
+        done, memory = time(), peak_memory_MB()
 print(json.dumps({{"done": done, "warm": min(spent[1:]), "memory": memory}}))
 """
 
@@ -200,15 +200,15 @@ LEVEL_CHILD = """
 import sys
 sys.path[:] = {path!r}
 from time import time
-from rollbench.meshes.processes import one_thread
-one_thread()
+from rollbench.meshes.processes import limit_to_one_thread
+limit_to_one_thread()
 import json
 from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.running import cores
+from rollbench.compare.running import usable_cores
 ask = json.loads({ask!r})
-(run,) = compute_runs(Task((catalogue.scene(ask["scene"]),), ask["level"], processes=cores()))
+(run,) = compute_runs(Task((catalogue.scene(ask["scene"]),), ask["level"], processes=usable_cores()))
 contacts = int((run.load > 0.0).sum())
 own = {{"memory": run.peak_MB, "status": run.status, "contacts": contacts, "load_case": run.solve_seconds}}
 print(json.dumps({{"done": time(), "stages": run.stages, **own}}))

@@ -127,8 +127,8 @@ def format_cell(value: Any, number_format: str) -> str:
 
     Examples
     --------
-    >>> cell(-0.001, ".2f"), cell(-0.001, "+.2f"), cell(-0.001, ".2g"), cell(-3, "d"), cell(None, "s")
-    ('0.00', '+0.00', '-0.001', '-3', '–')
+    >>> [format_cell(*x) for x in ((-0.001, ".2f"), (-0.001, "+.2f"), (-0.001, ".2g"), (-3, "d"), (None, "s"))]
+    ['0.00', '+0.00', '-0.001', '-3', '–']
     """
     if value is None:
         return "–"

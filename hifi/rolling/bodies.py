@@ -274,7 +274,7 @@ def cerruti_displacements(points: Array, sources: Array, shear: float, poisson: 
 
     Examples
     --------
-    >>> on_axis = cerruti(np.array([[0.0, 0.0, 1e-3]]), np.zeros((1, 2)), 80e9, 0.25)
+    >>> on_axis = cerruti_displacements(np.array([[0.0, 0.0, 1e-3]]), np.zeros((1, 2)), 80e9, 0.25)
     >>> f"{1e9 * on_axis[0, 0, 0]:.4f} nm/N"  # (1 + (1 - 2 nu) / 2) / (4 pi G z)
     '1.2434 nm/N'
     """

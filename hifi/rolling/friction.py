@@ -387,7 +387,7 @@ def solve_friction(
     ----------
     contacts : Sequence[Contact]
         The contacts.
-    balance : Balance, default zero_balance
+    balance : Balance, default balance_for_prescribed_motions
         Function that returns f of eq. (2) of this module and its derivative at the motions y; by default the motions are
         prescribed.
     y : (k,) Array, optional, default None

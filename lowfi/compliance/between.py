@@ -122,7 +122,7 @@ def grooved_ring_compliance(geometry: Scene, screw: bool) -> RingCompliance:
 def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
     """Return the motion of a contact by its own unit load beyond Hertz's law and the smooth body [m/N], on the true flank.
 
-    It holds for a narrow patch; `flank_size_correction` adds the influence of the contact's size.
+    It holds for a narrow patch; `contact_size_correction` adds the influence of the contact's size.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
     ``backend``: model of the bodies.

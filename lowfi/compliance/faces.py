@@ -101,7 +101,7 @@ class NearFace:
     #: Compliance added between contacts far from any face ``(n, 2, f)`` [m/N].
     far: Array
     #: Motion of a contact there by its own load beyond Hertz and the smooth body, for a narrow patch
-    #: (`flank_size_correction`) [m/N].
+    #: (`contact_size_correction`) [m/N].
     alone: float
     #: Motions by tension and moment on the contact's section, `contact_motions_by_tension_and_moment` ``(2, 2)``; zero for
     #: a body without a beam.

@@ -83,8 +83,8 @@ RIGID = "rigid apart from the Hertzian contacts"
 def idealisation_statements(backend: Backend, scene: Scene) -> tuple[str, ...]:
     """Return three phrases that say how a compliance model idealises the screw, the nut and the balls of a scene.
 
-    ``backend``: model of the bodies' compliance. Raises ValueError, as `meshes.solid.solid_dimensions`, if the dimensions
-    are impossible.
+    ``backend``: model of the bodies' compliance. Raises ValueError, as `meshes.solid.dimensions_of_3d_parts`, if the
+    dimensions are impossible.
     """
     ring = scene.track.lead == 0.0
     section = "Lin C.8" if backend.section == "scene" else "half a lead of its groove"

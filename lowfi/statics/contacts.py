@@ -296,7 +296,7 @@ def hertz_from_curvatures(scene: Scene, curvatures: Array) -> HertzConstants:
 def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
     """Return the Hertz constants of a screw flank and a nut flank with the mistakes of Lin's Table B.1.
 
-    Lin's principal radii there are no radii of curvature; see `meshes.surface.printed_radii`.
+    Lin's principal radii there are no radii of curvature; see `meshes.surface.printed_principal_radii`.
 
     Parameters
     ----------

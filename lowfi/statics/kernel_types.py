@@ -302,7 +302,8 @@ class BallContacts(NamedTuple):
     r_ball: Array
     #: Profile errors of the flanks (N, 4, d) [m]: coefficients of a polynomial of the contact angle, ascending powers.
     profile: Array
-    #: Contact data (N, 7) of balls between one diagonal pair of arcs, see `lowfi.statics.kernel.elastic.pair_balls`.
+    #: Contact data (N, 7) of balls between one diagonal pair of arcs, see
+    #: `lowfi.statics.kernel.elastic.solve_balls_of_flank_pair`.
     pair: Array
     #: Rollers; in arrays over all rolling elements they come after the balls.
     rollers: RollerContacts

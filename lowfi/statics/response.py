@@ -437,7 +437,7 @@ def flanks_of(problem: Problem, force: float, shaft: Shaft, response: BodyCompli
 
 
 def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Array:
-    """Return the contact data of N balls between one diagonal pair of flanks ``(N, 7)``, see `kernel.elastic.pair_balls`.
+    """Return the contact data of N balls between one diagonal pair of flanks ``(N, 7)`` (`solve_balls_of_flank_pair`).
 
     Parameters
     ----------

@@ -168,7 +168,7 @@ def test_displaced_supports_widen_the_patches():
 
 
 def test_what_does_not_fit_is_refused_before_anything_is_meshed(monkeypatch):
-    for name in ("build_body", "build_ball"):
+    for name in ("mesh_grooved_body", "mesh_ball_with_sockets"):
         monkeypatch.setattr(f"rollbench.hifi.meshing.part_meshes.{name}", lambda *_: pytest.fail("meshed"))
     with pytest.raises(Refusal) as refused:
         compute_runs(Task((pressed(with_conformity(CASE, 0.515), 4e9),), 1))

@@ -39,11 +39,11 @@ CALLS = {
         "formula_force(mated={mated})",
     ),
     "3D": (
-        "from rollbench.compare.running import cores\n"
-        "from rollbench.compare.scenes.catalogue import case\n"
+        "from rollbench.compare.running import usable_cores\n"
+        "from rollbench.compare.scenes.catalogue import shipped_scene_of_kind\n"
         "from rollbench.compare.scenes.friction_kinds.common import KindScene\n"
         "from rollbench.compare.studies.rolling.runs import compute_run",
-        "compute_run(case({name!r}, KindScene), {level}, processes=cores())",
+        "compute_run(shipped_scene_of_kind({name!r}, KindScene), {level}, processes=usable_cores())",
     ),
 }
 

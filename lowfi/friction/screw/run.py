@@ -56,7 +56,7 @@ class Pair:
     coupling: Coupling = frozen_default("none")
 
     def cell(self) -> BallsBetweenGrooves:
-        """Return both balls between screw and nut, with their loads, as data for `settle_load` and `solve_coupled_chain`.
+        """Return both balls between screw and nut, with their loads, as data for `solve_coupled_chain`.
 
         The balls lie half their spacing before and behind azimuth 0.
         """

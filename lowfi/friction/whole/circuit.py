@@ -185,7 +185,7 @@ class SceneGrooves(BallKinematics, GroovesInMotion):
     """Nominal grooves of a scene in motion.
 
     One object is used in a whole simulation, because the arrays for the compiled functions are cached for it
-    (`groove_arrays`).
+    (`kernel_groove_arrays`).
     """
 
     #: Largest coefficient of friction.

@@ -124,7 +124,7 @@ class FrictionState:
     bare: ScrewTorque
     #: Indices of balls for which no agreement of friction and position was found, in either direction of motion.
     unsettled: tuple[int, ...]
-    #: Largest force out of balance over a ball's contact loads (`FedBack.change`).
+    #: Largest force out of balance over a ball's contact loads (`FrictionEquilibrium.change`).
     change: float
     #: Whether friction displaces the balls in their grooves and so changes the contact loads.
     coupled: bool

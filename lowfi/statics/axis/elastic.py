@@ -538,8 +538,8 @@ def own_stiffness(elastic: ElasticAssemblyEquations, i: int, b: BallSet, S: list
 def elastic_stiffness(elastic: ElasticAssemblyEquations, S: list[Array]) -> Array | None:
     """Return the tangent stiffness ``(6, 6)`` of the whole assembly at the reported shaft node or housing.
 
-    None if that housing is fixed, or the assembly has no resistance to some motion. `whole_stiffness` is the counterpart
-    for rigid bodies (model lin).
+    None if that housing is fixed, or the assembly has no resistance to some motion. `stiffness_of_rigid_assembly` is the
+    counterpart for rigid bodies (model lin).
     """
     system, structure = elastic.system, elastic.system.structure
     row = reported_body_number(system)

@@ -144,10 +144,11 @@ def test_it_solves_beside_files_of_the_same_names(python: Path, tmp_path: Path, 
 def test_a_report_is_verified_alike_from_the_wheel_and_from_here(python: Path) -> None:
     """Hashes of the sources, scenes, printed data and stored runs: every one that a report rests on."""
     code = (
-        "import json; from rollbench.compare.provenance import inputs; "
-        "from rollbench.compare.scenes.catalogue import scene_names, scene_text; "
+        "import json; from rollbench.compare.provenance import hashes_of_report_inputs; "
+        "from rollbench.compare.scenes.catalogue import scene_names, shipped_scene_text; "
         "from rollbench.compare.reference.store import shipped_store; "
-        "print(json.dumps(inputs([shipped_store()], {name: scene_text(name) for name in scene_names()})))"
+        "texts = {name: shipped_scene_text(name) for name in scene_names()}; "
+        "print(json.dumps(hashes_of_report_inputs([shipped_store()], texts)))"
     )
     there = json.loads(ran(python, "-P", "-c", code, env=ALONE).stdout)
     here = hashes_of_report_inputs(

@@ -88,8 +88,8 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
     code = (
         "import sys, runpy; from rollbench.reports import offscreen\ntry: "
         "offscreen.draw_in_child('rollbench.reports.nowhere', None, 'x.png')\nexcept RuntimeError as error: "
-        "print(error)\nfrom rollbench.compare.studies.run_times import launch_process\nprint(launch_process(['-c', 'import "
-        "numpy; print(numpy.__file__)']).output)\n"
+        "print(error)\nfrom rollbench.compare.studies.run_times import run_timed_python_process as launch\n"
+        "print(launch(['-c', 'import numpy; print(numpy.__file__)']).output)\n"
     )
     root = str(Path(__file__).parents[3] / "src")
     done = python("-P", "-c", code, cwd=tmp_path, environ={"PYTHONPATH": root})

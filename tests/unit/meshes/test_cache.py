@@ -118,7 +118,7 @@ def test_key_covers_builder_class_versions_and_sources(monkeypatch):
     assert key_of_result(record, (RECIPE, None), Record) != key
     assert key_of_result(record, (RECIPE,), Inner) != key
     assert key_of_result(record, ({"a": 1, "b": 3.0},), Record) == key_of_result(record, ({"b": 3, "a": 1},), Record)
-    told = {"_installed_version": ("gmsh", "scikit-fem", "rollbench"), "sources_digest": ("rollbench.meshes", "tests")}
+    told = {"_installed_version": ("gmsh", "scikit-fem", "rollbench"), "digest_of_sources": ("rollbench.meshes", "tests")}
     real = {of: getattr(module, of) for of in told}
     for of, package in [(of, package) for of, packages in told.items() for package in packages]:
         with monkeypatch.context() as patch:

@@ -121,7 +121,9 @@ def test_another_default_of_any_field_changes_the_form_of_what_relies_on_it(name
 def test_any_field_that_static_loads_depend_on_changes_the_key_of_a_run(
     field: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rollbench.compare.reference.store.solid_dimensions", lambda _: example(RECORDS["Dimensions"]))
+    monkeypatch.setattr(
+        "rollbench.compare.reference.store.dimensions_of_3d_parts", lambda _: example(RECORDS["Dimensions"])
+    )
     scene = catalogue.scene("lin-case3-offset")
     value = other(getattr(scene, field), typing.get_type_hints(Scene)[field])
     assert content_key_of_run(dataclasses.replace(scene, **{field: value}), "", {}, (0, 3)) != content_key_of_run(

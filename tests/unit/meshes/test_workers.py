@@ -12,13 +12,13 @@ import pytest
 PARENT = """
 import os, sys, time
 from joblib import Parallel, delayed
-from rollbench.meshes.processes import local_workers
+from rollbench.meshes.processes import single_thread_workers
 def work(k):
     os.write(1, f"{os.getpid()}\\n".encode())
     if k == 0:
         time.sleep(120.0)
     return bytes(3_000_000)
-with local_workers():
+with single_thread_workers():
     Parallel(n_jobs=2, batch_size=1, max_nbytes=None)(delayed(work)(k) for k in range(2))
 """
 #: Parts of a set-up, of which a helper makes the first and the parent the other, for so many seconds.

@@ -78,7 +78,7 @@ def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -
     for name, value in (
         ("versions", lambda: {"gmsh": "0", "scikit-fem": "0"}),
         ("SCHEMA", -1),
-        ("solid_dimensions", lambda _: assumed),
+        ("dimensions_of_3d_parts", lambda _: assumed),
     ):
         with monkeypatch.context() as patch:
             patch.setattr(store, name, value)
