@@ -199,7 +199,7 @@ def main(tokens: list[str] | None = None) -> None:
         with guard_standard_output():
             sys.stdout.flush()
         if tokens is None and "rollbench.lowfi.jit" in sys.modules:
-            sys.modules["rollbench.lowfi.jit"].compile_afterwards()
+            sys.modules["rollbench.lowfi.jit"].run_compile_jobs()
     except InputError as error:
         _print_to_stderr(error_with_option_names(error).lines())
         sys.exit(error.code)

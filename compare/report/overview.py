@@ -233,7 +233,7 @@ def error_distribution_panel(screws: Mapping[str, Array]) -> Panel:
 def further_load_case_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
     """Draw the largest error of each model and mesh level over the time of a further load case of the same scene.
 
-    ``model_errors_on_shipped_scenes``: errors and run times of each model and mesh level, by scene.
+    ``points``: errors and run times of each model and mesh level, by scene.
     """
     warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
     panel = _error_over_time_panel(warm, errors_by_model(warm), "run time of a further load case / s", all_names=True)
@@ -249,7 +249,7 @@ def further_load_case_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figur
 def largest_errors_on_screws(points: Sequence[Point]) -> dict[str, Array]:
     """Return the sorted largest errors on all compared screws [% of the mean load], by model, without bearings.
 
-    ``model_errors_on_shipped_scenes``: errors of one model on one scene each.
+    ``points``: errors of one model on one scene each.
     """
     of_screws = [p for p in points if p.features["lead"] > 0.0]
     return {model: np.sort([p.percent for p in of_screws if p.model == model]) for model in KINDS}
@@ -258,7 +258,7 @@ def largest_errors_on_screws(points: Sequence[Point]) -> dict[str, Array]:
 def gate_errors_on_screws(points: Sequence[Point]) -> dict[str, Array]:
     """Return the largest errors on all compared screws by the gate's rule [%], by model, without bearings.
 
-    ``model_errors_on_shipped_scenes``: errors of one model on one scene each. The gate is ``rollbench check``.
+    ``points``: errors of one model on one scene each. The gate is ``rollbench check``.
     """
     known = [(p.model, p.gate_percent) for p in points if p.features["lead"] > 0.0 and p.gate_percent is not None]
     return {model: np.array([error for name, error in known if name == model]) for model in KINDS}

@@ -279,7 +279,7 @@ def is_from_finest_reference_run(answer: Loads, reference: Reference) -> bool:
 def reference_uncertainty_text(reference: Reference, total: LoadUncertainty) -> str:
     """Return a text on the uncertainty and the mesh levels of the reference.
 
-    ``uncertainty_of_loads``: uncertainty of the comparison. For a reference from a user's file, the text is what the file
+    ``total``: uncertainty of the comparison. For a reference from a user's file, the text is what the file
     states.
     """
     if reference.stated:

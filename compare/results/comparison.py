@@ -666,7 +666,7 @@ def cycle_summaries_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]
 def _cycle_summary_of_set(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
     """Return the JSON summary of a comparison over all load cases, for the nut or bearing called ``name``.
 
-    ``compare_each_set``: comparisons, by the name of the load case and the name of the nut or bearing. Lives are in 10^6
+    ``each``: comparisons, by the name of the load case and the name of the nut or bearing. Lives are in 10^6
     revolutions.
     """
     by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]

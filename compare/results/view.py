@@ -105,7 +105,7 @@ def _view_data_of_ball_row(
     """Return the data of one ball nut or ball bearing for the 3D view.
 
     ``name``, ``kind``: its name, and the text "ball nut" or "bearing". ``position``: its axial position [m]. ``found``: its
-    solution. ``solved``: whether there is an equilibrium. ``reference_of_scene``: its 3D reference.
+    solution. ``solved``: whether there is an equilibrium. ``reference``: its 3D reference.
     ``expected_load_error``: error to expect of the contact loads [N].
     """
     closer = clearance_reduction_by_errors(parts, found.member)

@@ -454,7 +454,7 @@ def _rounded_or_none(value: float | None, factor: float = 1.0) -> float | None:
 def _record_of_model_errors(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
     """Return a model's errors on a randomly drawn screw [%], and the errors estimated from those on other scenes.
 
-    ``result``: the model's solution; ``run``: solution of the 3D reference; ``measure_model_error``: errors of the model
+    ``result``: the model's solution; ``run``: solution of the 3D reference; ``point``: errors of the model
     against it.
     """
     error = load_error(result.load, run.load, nominal_contacts(scene))

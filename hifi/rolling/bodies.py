@@ -557,7 +557,7 @@ def ball_kernel(
 ) -> SmoothKernel:
     """Compute the kernel of a whole ball: its compliance at the contact less that of a half-space.
 
-    ``radius``: radius of the ball [m]; ``zone``: contact zone; ``shared_surface_curvatures``: curvatures along x and y of
+    ``radius``: radius of the ball [m]; ``zone``: contact zone; ``bends``: curvatures along x and y of
     the surface that ball and groove share [1/m]; ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio; ``degree``:
     degree of the kernel's polynomials.
     """

@@ -119,7 +119,7 @@ RUB_REACH = 0.01
 class Verification:
     """A verification of the 3D model of rolling contact: one quantity on three grids, and its exact or printed value.
 
-    ``shipped_scene_of_kind``: contact problem in words; ``quantity``: name with unit; ``values``: computed on the coarse,
+    ``case``: contact problem in words; ``quantity``: name with unit; ``values``: computed on the coarse,
     middle and fine grid; ``exact``: exact or printed value; ``reach``: permitted error of ``answer`` [%]; ``answer``: value
     that is compared with ``exact``, that of the finest grid unless stated otherwise; ``finer``: number of cells along an
     axis of the finest grid over that of the coarsest, None if no order of convergence is expected.

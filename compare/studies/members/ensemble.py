@@ -535,7 +535,7 @@ def _solve_axis_block(
 ) -> SpecimenBlock:
     """Solve a block of specimens of a shaft with several nuts and bearings.
 
-    ``load_kernel_package``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled");
+    ``kernels``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled");
     the other arguments are those of `solve_block`.
     """
     results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]

@@ -253,7 +253,7 @@ def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) ->
 def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
     """Return the solution with balls far apart, then the solution with balls that touch.
 
-    ``shipped_scene_of_kind``: both systems of balls; if they are the same, they are solved once. ``choices``: grid and
+    ``case``: both systems of balls; if they are the same, they are solved once. ``choices``: grid and
     bodies.
     """
     apart = balls.solve_rolling(case.apart, choices)
@@ -265,7 +265,7 @@ def forces_speeds_and_losses_by_name(
 ) -> dict[str, float]:
     """Return forces, speeds, losses and torque of a solved case, by names that end with the unit, such as "force 1-2 N".
 
-    ``shipped_scene_of_kind``: scene as the 3D model takes it; ``apart`` and ``touching``: its solution with balls far
+    ``case``: scene as the 3D model takes it; ``apart`` and ``touching``: its solution with balls far
     apart, and with balls that touch.
     """
     out: dict[str, float] = {}

@@ -41,7 +41,7 @@ class ClosedTrack(NamedTuple):
     def along(self, azimuth: Array, turned: float = 0.0) -> Array:
         """Return the angular distances of the track's balls from the beginning of its loaded arc, 0 to ``ring`` [rad].
 
-        ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``rotation_angle``: angle by which the track has turned about
+        ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``turned``: angle by which the track has turned about
         the axis [rad]. The result has one entry for each ball on this track.
         """
         return np.asarray(np.mod(azimuth[self.balls] - turned - self.first, self.ring))
@@ -50,7 +50,7 @@ class ClosedTrack(NamedTuple):
         """Return the time until one of the track's balls passes an end of the loaded arc [s]; inf if none moves.
 
         ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``rate``: their speeds relative to the track ``(N,)`` [rad/s];
-        ``rotation_angle``: angle by which the track has turned about the axis [rad].
+        ``turned``: angle by which the track has turned about the axis [rad].
         """
         along, rate = self.along(azimuth, turned), rate[self.balls]
         forward = np.where(along < self.arc, self.arc, self.ring) - along

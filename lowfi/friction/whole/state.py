@@ -167,7 +167,7 @@ def friction_state(
         Number of the specimen with random errors for which ``result`` was solved.
     fast
         Whether to use the compiled functions instead of plain Python. If None, they are used where they save time; a scene
-        with few balls does not wait until they are compiled, because `lowfi.jit.compile_afterwards` does that later.
+        with few balls does not wait until they are compiled, because `lowfi.jit.run_compile_jobs` does that later.
 
     Raises
     ------

@@ -51,7 +51,7 @@ def test_a_field_with_a_default_that_is_not_frozen_fails_at_import() -> None:
         known: float
         added: float = 0.25
 
-    with pytest.raises(TypeError, match=r"Forgotten\.added: its default is not frozen: write usual"):
+    with pytest.raises(TypeError, match=r"Forgotten\.added: its default is not frozen: write frozen_default"):
         register_frozen_defaults(Forgotten)
 
 

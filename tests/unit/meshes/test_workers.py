@@ -34,7 +34,7 @@ def command(program: str) -> str:
     """A program as the command line runs it."""
     return f"""
 from rollbench.compare import cli
-cli.commands = lambda _: lambda *_, **__: exec({program!r}, {{"__name__": "jobs"}})
+cli.app_with_commands = lambda _: lambda *_, **__: exec({program!r}, {{"__name__": "jobs"}})
 cli.main([])
 """
 

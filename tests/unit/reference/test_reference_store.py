@@ -76,7 +76,7 @@ def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -
     ]
     assumed = replace(solid.dimensions_of_3d_parts(CASE1), hole=2.0 * solid.dimensions_of_3d_parts(CASE1).hole)
     for name, value in (
-        ("versions", lambda: {"gmsh": "0", "scikit-fem": "0"}),
+        ("program_versions", lambda: {"gmsh": "0", "scikit-fem": "0"}),
         ("SCHEMA", -1),
         ("dimensions_of_3d_parts", lambda _: assumed),
     ):

@@ -60,7 +60,7 @@ SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "l
 def solve_screw_pair(case: str, interpretation: Literal["plain", "inferred"]) -> ScrewPairSolution:
     """Solve loads and motions of two balls of the screw in a case of Lin's Table 3.7.
 
-    ``shipped_scene_of_kind``: "a" or "b"; ``interpretation``: "plain" for the text as printed, "inferred" for balls with
+    ``case``: "a" or "b"; ``interpretation``: "plain" for the text as printed, "inferred" for balls with
     the inferred oversize.
     """
     return solve_pair(
@@ -207,7 +207,7 @@ def table_3_7(findings: Findings, study: Study) -> None:
 def _compute_force_and_increase(findings: Findings, case: str, solid: Mapping[str, float]) -> None:
     """Compute ball-to-ball force and loss increase in a case of Lin's Table 3.7, and record them in ``findings``.
 
-    ``shipped_scene_of_kind``: "a" or "b"; ``solid``: results of the 3D rolling model by name with unit, such as "force 1-2
+    ``case``: "a" or "b"; ``solid``: results of the 3D rolling model by name with unit, such as "force 1-2
     N".
     """
     force, percent = (printed_value("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
@@ -236,7 +236,7 @@ def _compare_force_with_ansys(findings: Findings, study: Study, case: str) -> No
     """Record the ball-to-ball force by the 3D rolling model in ``findings``, as the counterpart of Lin's ANSYS force.
 
     The remark states the force for both interpretations of the contact loads: the text as printed, and balls with the
-    inferred oversize. ``study``: stored 3D results; ``shipped_scene_of_kind``: "a" or "b" of Lin's Table 3.7.
+    inferred oversize. ``study``: stored 3D results; ``case``: "a" or "b" of Lin's Table 3.7.
     """
     scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
     as_text, oversized = (source_cases.stored_rolling_results_in_3d(study, scene).get("force 1-2 N") for scene in scenes)
@@ -562,7 +562,7 @@ def implied_contact_load() -> float:
 def oversize_and_load_map(case: str, coupling: Coupling) -> PairResultGrid:
     """Compute ball-to-ball force and loss increase of two balls of the screw over the balls' oversize and the axial load.
 
-    The oversizes are `OVERSIZE` [m], the axial loads `AXIAL` [N]. ``shipped_scene_of_kind``: of Lin's Table 3.7, "a" or
+    The oversizes are `OVERSIZE` [m], the axial loads `AXIAL` [N]. ``case``: of Lin's Table 3.7, "a" or
     "b"; ``coupling``: which parts the friction displaces, so that it changes the contact loads: "none", "ball" or "ball and
     screw".
     """

@@ -353,7 +353,7 @@ def load_change_per_approach(solid: tuple[Array, ...]) -> float:
     """Return the relative rise of a ball's load over the closure of one of its contacts, in units of the Hertz approach.
 
     It follows from the load of the oversize ball of case 2, whose radius closes both of its contacts.
-    ``change_solid_model``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL, SR,
+    ``solid``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL, SR,
     NL and NR.
     """
     before, after = (load[LARGE, 0] for load in solid)
@@ -417,7 +417,7 @@ ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_er
 class CombinationResult:
     """Results of one combination of interpretations: load ratios of case 1, and errors of the low-order model against 3D.
 
-    ``low``, ``change_solid_model``: interpretations for the low-order and for the 3D model; ``low_ratio``, ``solid_ratio``:
+    ``low``, ``solid``: interpretations for the low-order and for the 3D model; ``low_ratio``, ``solid_ratio``:
     largest over smallest load of case 1 by these models; ``errors``: errors [%] by definition ("own": of each load, "mean":
     of the mean load), each as largest and RMS error of case 1, then of case 2.
     """
@@ -456,7 +456,7 @@ def largest_over_smallest_load(load: Array) -> float:
 def low_order_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Definition, tuple[float, ...]]:
     """Return the errors [%] of the low-order against the 3D loads, an entry for each `Definition` of the error.
 
-    Each entry has largest and RMS error of case 1, then of case 2. ``low``, ``change_solid_model``: contact loads of both
+    Each entry has largest and RMS error of case 1, then of case 2. ``low``, ``solid``: contact loads of both
     cases, each (n, 4) [N].
     """
     found = [load_error(a, b) for a, b in zip(low, solid, strict=True)]
