@@ -137,8 +137,8 @@ def _shaft_displacement_at(found: AxisResult, station: float, freedom: str) -> f
 def deep_groove_bearing(findings: Findings, study: Study) -> None:
     """Compute displacements and lives of the deep-groove ball bearing that was also computed by the program MASTA.
 
-    The rings are rigid, and the inner ring moves along each load only. Lives refer to the load rating that MASTA was
-    given. ``findings``: receives the computed value for each published number; ``study``: keeps solved scenes.
+    The rings are rigid, and the inner ring moves along each load only. Lives refer to the load rating that MASTA was given.
+    ``findings``: receives the computed value for each published number; ``study``: gives the solved scenes.
     """
     rated = read_input("masta", "rating", "force")
     for key, name, freedom, unit in (
@@ -158,7 +158,7 @@ def deep_groove_bearing(findings: Findings, study: Study) -> None:
 def bearing_218(findings: Findings, study: Study) -> None:
     """Compute contact angle, displacement and ball load of the textbooks' 218 bearing under thrust (Jones, Harris).
 
-    ``findings``: receives the computed value for each published number; ``study``: keeps solved scenes.
+    ``findings``: receives the computed value for each published number; ``study``: gives the solved scenes.
     """
     result, ring = solve_bearing(study, "harris-218")
     assert ring.balls is not None
@@ -176,8 +176,8 @@ def bearing_218(findings: Findings, study: Study) -> None:
 def half_load_zone(findings: Findings, study: Study) -> None:
     """Compute the load distribution of a bearing whose load zone is half the circumference (Sjövall).
 
-    The ball loads are computed with a row of many balls, the thrust by load-distribution integrals. ``findings``:
-    receives the computed value for each published number; ``study``: keeps solved scenes.
+    The ball loads are computed with a row of many balls, the thrust by load-distribution integrals. ``findings``: receives
+    the computed value for each published number; ``study``: gives the solved scenes.
     """
     for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
         ring = solve_bearing(study, name)[1]
@@ -338,7 +338,8 @@ def equivalent_loads(findings: Findings, study: Study) -> None:
     """Compute makers' examples of equivalent loads.
 
     These are mean forces of duty cycles, forces and life of both halves of a preloaded nut, and factors e, X and Y of
-    bearings. ``findings``: receives the computed value for each printed number; ``study``: shipped scenes.
+    bearings. ``findings``: receives the computed value for each printed number; ``study``: gives the scenes included with
+    rollbench.
     """
     for key, case in EXAMPLES.items():
         findings.number(key, equivalent_force_of_duty_cycle(case))
@@ -561,7 +562,7 @@ def rigidities_without_and_with_bodies(scene: Scene, force: float) -> tuple[floa
 def rigidity_with_unequal_loads(study: Study, name: str, model: str) -> float:
     """Return the axial rigidity [N/m] of a nut by a model in which ball loads differ; zero if the model did not converge.
 
-    ``study``: solved scenes; ``name``: name of the scene; ``model``: name of the model.
+    ``study``: gives the solved scenes; ``name``: name of the scene; ``model``: name of the model.
     """
     scene, found = study.scene(name), study.solve(name, model)
     return axial_force(found) / axial_displacement(scene, found) if found.converged else 0.0
@@ -571,8 +572,8 @@ def nut_rigidities(findings: Findings, study: Study) -> None:
     """Compute the rigidities of THK's and HIWIN's nuts at 0.3 of their dynamic rating C, and related printed values.
 
     These are the growth of rigidity with the number of turns, the rigidity of a double nut, and its drag torque.
-    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved
-    scenes.
+    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives the
+    solved scenes.
     """
     alone, bodies = {}, {}
     for size in (*THK, *HIWIN):
@@ -595,8 +596,9 @@ def nut_rigidities(findings: Findings, study: Study) -> None:
 def double_over_single_nut_rigidity(study: Study) -> float:
     """Return the axial rigidity of a preloaded double nut divided by that of a single nut, contacts and bodies included.
 
-    The preload is a third of the single nut's load. The double nut's rigidity is taken at the load that just unloads one
-    of its nuts: its displacement is then the deflection of one nut under the preload. ``study``: shipped scenes.
+    The preload is a third of the single nut's load. The double nut's rigidity is taken at the load that just unloads one of
+    its nuts: its displacement is then the deflection of one nut under the preload. ``study``: gives the scenes included
+    with rollbench.
     """
     scene = study.scene(scene_name_of_catalogue_size(DOUBLE))
     full = scene.loads[0].force[2]
@@ -634,7 +636,7 @@ def _compute_double_nut_drag_torque(study: Study, findings: Findings) -> None:
 def double_nut_drag_torque(study: Study, preload: float, mu: float) -> float:
     """Return the friction torque [N m] of a preloaded double nut of the size `DOUBLE` by the sliding of its balls.
 
-    ``preload``: axial force between both nuts [N]; ``mu``: coefficient of friction. ``study``: solved scenes.
+    ``preload``: axial force between both nuts [N]; ``mu``: coefficient of friction. ``study``: gives the solved scenes.
     """
     scene = study.scene(scene_name_of_catalogue_size(DOUBLE))
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, preload)) for x in scene.loads))

@@ -123,7 +123,7 @@ def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float
     """Return the axial rigidities of each catalogue nut: computed with growing detail, and printed.
 
     Each entry: name of the scene; axial load [N]; rigidities [N/um] of the "contacts" alone, with the "bodies", with
-    "unequal" ball loads, and as "printed" in the catalogue, None where unknown. ``study``: solved scenes.
+    "unequal" ball loads, and as "printed" in the catalogue, None where unknown. ``study``: gives the solved scenes.
     """
     out: list[tuple[str, float, dict[str, float | None]]] = []
     for size in (*external.THK, *external.HIWIN):
@@ -154,7 +154,7 @@ def displacement_in_3d(scene: Scene, found: Reference) -> float:
 def nut_rigidity_row(study: Study, name: str) -> dict[str, Cell] | None:
     """Return the table row of a nut's rigidities [N/um]: by the effects included in the model, and by the 3D reference.
 
-    ``study``: solved scenes and stored 3D references; ``name``: name of the scene. Returns None without a stored
+    ``study``: gives solved scenes and stored 3D references; ``name``: name of the scene. Returns None without a stored
     reference, without axial load, or if the screw is displaced at zero load, which the reference's displacements do not
     subtract.
     """
@@ -187,7 +187,7 @@ def nut_rigidities_table(
 ) -> Table:
     """Return the table of nut rigidities by the effects included: catalogue sizes, then scenes with a 3D reference.
 
-    ``study``: solved scenes and stored 3D references; ``catalogue``: result of `catalogue_rigidities`;
+    ``study``: gives solved scenes and stored 3D references; ``catalogue``: result of `catalogue_rigidities`;
     ``referenced_scenes``: names of the scenes that are compared with the 3D reference.
     """
     rows: list[dict[str, Cell]] = []
@@ -230,7 +230,7 @@ def nut_rigidities_table(
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on values of other programs, makers' catalogues and textbooks.
 
-    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("values of other programs, makers and textbooks")
     tables = [name for name in computations_with_function() if name.startswith(PREFIX)]
@@ -378,8 +378,8 @@ def largest_mesh_uncertainty_percent(scene: Scene, loads: Mapping[int, Array]) -
 def fixation_table_rows(study: Study, size: str) -> list[dict[str, Cell]]:
     """Return table rows of a catalogue screw: largest load, life and rigidity for each fixation of its nut and each model.
 
-    ``study``: solved scenes; ``size``: name of the catalogue size, one of `SIZES`. The rows of the default model come
-    first, then those of every stored mesh level of the 3D reference. The default model fixes the whole annulus of a
+    ``study``: gives the solved scenes; ``size``: name of the catalogue size, one of `SIZES`. The rows of the default model
+    come first, then those of every stored mesh level of the 3D reference. The default model fixes the whole annulus of a
     flange, so it has no row for a flange fixed by bolts.
     """
     printed = printed_entry("external-thk", f"rigidity_{size}").value
@@ -507,7 +507,7 @@ def flanged_nuts_sentence() -> str:
 def fixation_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on the effect of the nut's fixation on contact loads, life and rigidity.
 
-    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     step("ways of holding a nut")
     rows = [row for size in SIZES for row in fixation_table_rows(study, size)]

@@ -51,7 +51,7 @@ CALLS = {
 def measure_run_times(study: Study, step: Callable[[str], None]) -> StoredRunTimes:
     """Measure all run times that are compared with the tables of Lin's thesis.
 
-    This takes ten to fifteen minutes on two idle cores. ``study``: solved scenes and stored 3D references; ``step``:
+    This takes ten to fifteen minutes on two idle cores. ``study``: gives solved scenes and stored 3D references; ``step``:
     function that receives a message before each measurement. Returns the times with the conditions of measurement, to be
     stored.
     """
@@ -92,7 +92,7 @@ def stored_run_times(study: Study, name: str, model: str) -> RunTimes:
     """Return the stored run times of one model for a scene; without any, the fields of the result are None or empty.
 
     ``name``: name of the scene; ``model``: model, "lin" (static model), "numerical" (friction model of two balls),
-    "formula" (Lin's formula for two balls) or "3D". ``study``: solved scenes and stored 3D results.
+    "formula" (Lin's formula for two balls) or "3D". ``study``: gives solved scenes and stored 3D results.
     """
     kept = study.compute_once(run_times_for_page, "lin")
     found = study.reference(name) if name in STATIC.values() and model == "3D" else None

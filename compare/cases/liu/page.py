@@ -157,7 +157,7 @@ def compare_models(study: Study) -> tuple[ModelLoads, ...]:
     """Return the contact loads of Liu's screw by the axial, the beam and the refined model.
 
     There is an entry for each axial load and each set of ball errors: none, ball 33 too small or too large by 2 um, and
-    random errors. ``study``: solved scenes.
+    random errors. ``study``: gives the solved scenes.
     """
     scene = study.scene(SCENE)
     chain = axial_model_with_rigid_nut(scene).chain
@@ -174,8 +174,8 @@ def compare_models(study: Study) -> tuple[ModelLoads, ...]:
 def _compute_loads(study: Study, scene: Scene, chain: BallScrewChain, name: str, errors: Array, load: float) -> ModelLoads:
     """Compute the contact loads of one screw under one axial load by Liu's axial, the beam and the refined model.
 
-    ``chain``: axial model of the scene; ``name``: ball errors in words; ``errors``: errors of the ball diameters (78,)
-    [m]; ``load``: axial load [N]. ``study``: solved scenes.
+    ``chain``: axial model of the scene; ``name``: ball errors in words; ``errors``: errors of the ball diameters (78,) [m];
+    ``load``: axial load [N]. ``study``: gives the solved scenes.
     """
     changed = change_errors_and_load(scene, errors, load)
     beam, refined = (study.solve(changed, model).load[:, 0] for model in ("lin", "refined"))
@@ -209,7 +209,8 @@ class DifferenceFrom3D:
 def compare_with_3d(study: Study) -> tuple[DifferenceFrom3D, ...]:
     """Return the differences of Liu's axial, the beam and the refined model from the 3D reference.
 
-    There are three entries for each scene that has a stored reference. ``study``: solved scenes and stored 3D references.
+    There are three entries for each scene that has a stored reference. ``study``: gives solved scenes and stored 3D
+    references.
     """
     rows = []
     for name, found in study.references(SOLID).items():
@@ -246,7 +247,7 @@ def scenes_to_solve_again_in_3d(fresh: bool) -> Iterator[tuple[tuple[str, ...], 
 def model_loads_table(study: Study) -> Table:
     """Return the table of contact loads of Liu's screw by the axial, the beam and the refined model, by ball errors.
 
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes.
     """
     rows: list[Row] = []
     for c in study.compute_once(compare_models):
@@ -276,7 +277,7 @@ def model_loads_table(study: Study) -> Table:
 def errors_against_3d_table(study: Study) -> Table:
     """Return the table of the low-order models' errors against the 3D reference, for scenes of Liu's screw.
 
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes.
     """
     words = {"axial": "axial only", "lin": "beam model", "refined": "refined model"}
     rows: list[Row] = [
@@ -310,7 +311,7 @@ def errors_against_3d_table(study: Study) -> Table:
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
     """Return the report's sections on Liu et al. (2025).
 
-    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("random errors of a ball screw")
     found = evidence(study, *PRINTED)

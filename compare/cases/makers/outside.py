@@ -347,7 +347,7 @@ OTHERS = {("external-contact", "approach"): "displacement"}
 def compare_external_tables(study: Study) -> Iterator[PublishedValue]:
     """Yield every number of the printed tables `PRINTED` that has a computed value, with this value.
 
-    Numbers of class "open", whose basis is not printed, are yielded but not judged. ``study``: solved scenes.
+    Numbers of class "open", whose basis is not printed, are yielded but not judged. ``study``: gives the solved scenes.
     """
     for name, (maker, cls) in PRINTED.items():
         if name not in computations_with_function():
@@ -377,8 +377,8 @@ def compare_external_tables(study: Study) -> Iterator[PublishedValue]:
 def compare_calculix(study: Study) -> Iterator[PublishedValue]:
     """Yield the contact loads [N] by the program CalculiX, each with the load by the 3D reference as the computed value.
 
-    CalculiX's loads are extrapolated over its meshes. Errors are in per cent of the mean contact load. ``study``: stored
-    3D references.
+    CalculiX's loads are extrapolated over its meshes. Errors are in per cent of the mean contact load. ``study``: gives
+    stored 3D references.
     """
     from rollbench.compare.studies.crosscheck.results import (
         compare_contact_loads,

@@ -49,7 +49,7 @@ def _compare_all(study: Study) -> tuple[outside.PublishedValue, ...]:
 def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
     """Return the cells for the report's first page with number, bias [%] and scatter [%] of the errors, by quantity.
 
-    The errors are those of computed against published values. ``study``: solved scenes and stored 3D references.
+    The errors are those of computed against published values. ``study``: gives solved scenes and stored 3D references.
     """
     return outside.statistics_cells_by_quantity(compared_published_values(study))
 
@@ -254,7 +254,7 @@ def sorted_errors_figure(found: Sequence[outside.PublishedValue]) -> Figure:
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section that compares computed values with makers' tables, measurements and other programs.
 
-    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("outside values")
     found = compared_published_values(study)

@@ -81,9 +81,9 @@ def correct_table_b_1(scene: Scene) -> dict[str, float]:
 def table_b_1(findings: Findings, study: Study) -> None:
     """Compute the Hertz parameters of Table B.1 of Lin's thesis.
 
-    ``findings``: receives two values for each printed number. One is computed as Lin did, with a conformity of 0.56 and
-    the thesis's faults; the other is correct and has the groove of Table 2.1, which the text names. ``study``: shipped
-    scenes.
+    ``findings``: receives two values for each printed number. One is computed as Lin did, with a conformity of 0.56 and the
+    thesis's faults; the other is correct and has the groove of Table 2.1, which the text names. ``study``: gives the scenes
+    included with rollbench.
     """
     scene = study.scene("lin-case1")
     right, faulty = (
@@ -103,7 +103,8 @@ def table_b_1(findings: Findings, study: Study) -> None:
 def table_2_1(findings: Findings, study: Study) -> None:
     """Record the inputs of Table 2.1 and section 2.4.1 of Lin's thesis, as the scenes contain them.
 
-    ``findings``: receives the value for each printed number, in the printed unit; ``study``: shipped scenes.
+    ``findings``: receives the value for each printed number, in the printed unit; ``study``: gives the scenes included with
+    rollbench.
     """
     scene, preloaded, offset = (study.scene(name) for name in ("lin-case1", "lin-case3", "lin-case3-offset"))
     track, nut, steel = scene.track, scene.nut, scene.screw.material
@@ -121,7 +122,7 @@ def table_2_1(findings: Findings, study: Study) -> None:
 def beam_element_count_of_lin_partition(study: Study) -> int:
     """Return the number of beam elements of Lin's model: 12 + 12 outside the nut, 3 of 15 mm inside it.
 
-    ``study``: shipped scenes.
+    ``study``: gives the scenes included with rollbench.
     """
     return nodes_of_whole_beam(study.changed("lin-case1", partition="source")).size - 1
 
@@ -129,7 +130,7 @@ def beam_element_count_of_lin_partition(study: Study) -> int:
 def table_2_2(findings: Findings, study: Study) -> None:
     """Compute the number of beam elements in Table 2.2 of Lin's thesis.
 
-    ``findings``: receives this number; ``study``: shipped scenes.
+    ``findings``: receives this number; ``study``: gives the scenes included with rollbench.
     """
     findings.number(
         "elements_proposed",
@@ -183,7 +184,7 @@ def load_ratio_range_in_words(study: Study) -> str:
     """Return in words the range of largest over smallest load in Lin's case 1, over two modelling choices.
 
     These are the partition of the beam into elements, and whether equation C.8 for the beam's section has a root.
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes.
     """
     variants = [
         study.changed("lin-case1", partition=p, section=s)
@@ -197,7 +198,7 @@ def load_ratio_range_in_words(study: Study) -> str:
 def section_2_4_1(findings: Findings, study: Study) -> None:
     """Compute the numbers and claims printed in section 2.4.1 of Lin's thesis.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved
+    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives solved
     scenes and stored 3D references.
     """
     _compute_case_1(study, findings)
@@ -253,7 +254,7 @@ def _compute_case_3(study: Study, findings: Findings) -> None:
     """Check Lin's claims on four-point contact and on the last balls in his case study 3, into ``findings``.
 
     In this case study the right end of the screw is displaced laterally, and the loads of the last balls rise most.
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes.
     """
     smallest = [float(study.solve(name).load.min()) for name in CASES[2:]]
     words = f"smallest load of any contact in all readings {min(smallest):.1f} N"
@@ -270,7 +271,7 @@ def _compare_with_ansys(study: Study, findings: Findings) -> None:
     """Compute counterparts of the errors that Lin prints for his model against ANSYS, into ``findings``.
 
     They are the errors of Lin's model against this project's 3D reference, as the ANSYS loads are not printed. ``study``:
-    solved scenes and stored 3D references.
+    gives solved scenes and stored 3D references.
     """
     every = [c.errors["own"] for c in study.compute_once(combined.evaluate_combinations) if not c.contradicts_text]
     readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
@@ -308,7 +309,7 @@ class ModelChoice:
 def case_1_by_choice(study: Study) -> list[ModelChoice]:
     """Solve Lin's case study 1 under each modelling choice that his thesis leaves open, and with each of its faults.
 
-    The first entry has all choices by default. ``study``: solved scenes.
+    The first entry has all choices by default. ``study``: gives the solved scenes.
     """
     base = study.solve("lin-case1")
     case = study.scene("lin-case1")
@@ -464,8 +465,8 @@ def scenes_with_open_inputs_varied(scene: Scene) -> list[tuple[str, Scene]]:
 def section_4_3_2(findings: Findings, study: Study) -> None:
     """Compute the numbers and claims on manufacturing errors printed in section 4.3.2 of Lin's thesis.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved
-    scenes.
+    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives the
+    solved scenes.
     """
     pitch, roundness = study.scene("lin-pitch-4p1"), study.scene("lin-roundness-4p1")
     findings.number("e_p", 1e6 * pitch.errors.SL.pitch[0].sin, "key of the scene")
@@ -478,8 +479,8 @@ def section_4_3_2(findings: Findings, study: Study) -> None:
 def _check_manufacturing_error_claims(study: Study, findings: Findings, screw: str) -> None:
     """Check the claims of section 4.3.2 of Lin's thesis on pitch and roundness errors for one screw, into ``findings``.
 
-    The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: key of `SCREWS`. ``study``: solved
-    scenes.
+    The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: key of `SCREWS`. ``study``: gives the
+    solved scenes.
     """
     pitch, roundness = study.solve(f"lin-pitch-{screw}"), study.solve(f"lin-roundness-{screw}")
     third = [float(r.load[:, [1, 2]].max()) for r in (pitch, roundness)]

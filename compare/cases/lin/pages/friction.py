@@ -654,7 +654,7 @@ def bearing_torque_table() -> Table:
 def ball_contact_onset_table(study: Study) -> Table:
     """Return the table of the nut angle at which neighbouring balls first touch (section 4.3.2 of Lin's thesis).
 
-    There is a row for each kind of geometric error and each velocity of unloaded balls. ``study``: solved scenes.
+    There is a row for each kind of geometric error and each velocity of unloaded balls. ``study``: gives the solved scenes.
     """
     note = (
         "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls at their instantaneous speeds. The conclusion of "
@@ -715,7 +715,7 @@ def _simulation_paragraph(simulations: Table) -> str:
 def screw_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on friction in a ball screw and in two bearings: sections 3.4 and 4.3 of Lin's thesis.
 
-    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     step("readings and maps of two balls")
     pairs = (pair_interpretations_table(), oversize_map_figure())

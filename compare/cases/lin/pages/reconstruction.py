@@ -52,7 +52,7 @@ FORCES = {
 def model_comparison_statements_table(study: Study) -> Table:
     """Return the table of Lin's further statements that compare his model with ANSYS, with computed values and conclusions.
 
-    ``study``: solved scenes and stored 3D references.
+    ``study``: gives solved scenes and stored 3D references.
     """
     rows = [
         _run_time_row(study),
@@ -112,7 +112,7 @@ def _case_3_support_row(study: Study, model: str) -> Row:
     """Return the table row on Lin's case 3, in which the right end of the screw is displaced laterally.
 
     It names the supports of this end for which the displacement changes the contact loads as printed. ``model``: name of
-    the model of the contact loads. ``study``: solved scenes.
+    the model of the contact loads. ``study``: gives the solved scenes.
     """
     largest, right = [], []
     for reading in END_SUPPORTS:
@@ -184,7 +184,7 @@ ABOUT_IT = (
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on the origin of the model errors printed in section 2.4.1 of Lin's thesis.
 
-    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("combinations of readings")
     found = study.compute_once(combined.evaluate_combinations)
@@ -302,7 +302,7 @@ def _range_in_words(values: Sequence[float], digits: int = 2) -> str:
 def penalty_paragraph(study: Study) -> str:
     """Return the paragraph on contacts with a penalty in 3D: how much softer they are, and the influence of the mesh.
 
-    ``study``: solved scenes and stored 3D results.
+    ``study``: gives solved scenes and stored 3D results.
     """
     soft = [(r, combined.penalty_over_hertz_approach(study, (r,))) for r in SOLID if r.penalty]
     sizes = ", ".join(f"{r.label}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
@@ -332,7 +332,7 @@ def mesh_scatter_paragraph(study: Study, found: list[combined.CombinationResult]
     """Return the paragraph on the scatter of contact stiffness between meshes as a cause of the printed errors.
 
     It states the probability of half of the printed change from case 1 to case 2, for several sizes of the scatter.
-    ``study``: solved scenes and stored 3D results; ``found``: results of all combinations of interpretations.
+    ``study``: gives solved scenes and stored 3D results; ``found``: results of all combinations of interpretations.
     """
     falls, rises = error_changes_to_case_2(combined.printed_errors())
     best = combined.combination_nearest_to_print(combined.combinations_without_penalty(found), 2)
@@ -355,7 +355,7 @@ def mesh_scatter_paragraph(study: Study, found: list[combined.CombinationResult]
 def friction_paragraph(study: Study) -> str:
     """Return the paragraph on the effect of the printed coefficient of friction in 3D, for rolling and sliding balls.
 
-    ``study``: solved scenes and stored 3D results.
+    ``study``: gives solved scenes and stored 3D results.
     """
     scene, base = study.scene(CASES[0]), combined.required_loads_in_3d(study, ())
     changed = {r.key: combined.required_loads_in_3d(study, (r,)) for r in SOLID if r.choice == FRICTION}

@@ -187,7 +187,7 @@ def load_ratio_range_rows(points: list[steering.LoadRatiosOfLayout]) -> list[Row
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on the lash tests and the steering gear of section 4.2 of Lin's thesis.
 
-    ``study``: shipped scenes; ``step``: function that receives a message before each step.
+    ``study``: gives the scenes included with rollbench; ``step``: function that receives a message before each step.
     """
     step("lash tests")
     scene = study.scene(SCREW)

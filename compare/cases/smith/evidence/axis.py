@@ -169,7 +169,7 @@ def axis_stiffness_by_smith_sum(layout: SupportBearingLayout) -> float:
 def thrusts_and_stiffness_in_words(study: Study, layout: SupportBearingLayout) -> str:
     """Return in words end thrusts and stiffness of an axis with the nut at mid-length, by beam model and by formulas.
 
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes.
     """
     scene, closed = thrusts_and_stiffness_by_scene(study, layout, 0.5), thrusts_and_stiffness_by_formulas(layout, 0.5)
     ends = [f"{x.left / bearings.POUND:.0f} and {x.right / bearings.POUND:.0f} lbf" for x in (scene, closed)]
@@ -182,8 +182,8 @@ def compare_scenes_with_formulas(
 ) -> Iterator[tuple[SupportBearingLayout, float, EndThrustsAndStiffness, EndThrustsAndStiffness]]:
     """Yield end thrusts and stiffness of each layout of the axis and each position of the nut, computed in two ways.
 
-    Each entry: layout; position of the nut over the length; thrusts and stiffness by the beam model of its scene; the
-    same by closed formulas. ``study``: solved scenes.
+    Each entry: layout; position of the nut over the length; thrusts and stiffness by the beam model of its scene; the same
+    by closed formulas. ``study``: gives the solved scenes.
     """
     for layout in LAYOUTS:
         for place in PLACES:
@@ -289,7 +289,8 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 def section_4_2(e: Findings, study: Study) -> None:
     """Compute loads and stiffness of support bearings and axis: section 4.2 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved scenes.
+    ``e``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives the solved
+    scenes.
     """
     for kind in KINDS:
         for end in bearings.DIRECTIONS[kind]:
