@@ -87,9 +87,9 @@ def assumptions_by_case() -> dict[str, tuple[str, ...]]:
 
 
 def shipped_shaft_scene(name: str) -> Assembly:
-    """Return the shipped scene ``external-NAME``, a shaft with bearing rows or nuts; ``name``: last part of its name.
+    """Return the scene ``external-NAME`` of a shaft with bearing rows or nuts, which is included with rollbench.
 
-    Raises AssertionError for a scene of another kind.
+    ``name``: NAME, such as "masta-radial". Raises AssertionError for a scene without such a shaft.
     """
     found = catalogue.shipped_scene(PREFIX + name)
     if not isinstance(found, Assembly):
@@ -98,19 +98,19 @@ def shipped_shaft_scene(name: str) -> Assembly:
 
 
 def solve_bearing(study: Study, name: str) -> tuple[AxisResult, SetResult]:
-    """Solve the shipped scene ``external-NAME`` of one bearing row between rigid rings by the beam model.
+    """Solve the scene ``external-NAME`` of one bearing row between rigid rings by the beam model.
 
-    ``study``: keeps the result, so that each scene is solved once; ``name``: last part of the scene's name. Returns the
-    result of the shaft, then that of its bearing row.
+    ``study``: caches the result, so that each scene is solved once; ``name``: NAME, such as "masta-radial". Returns the
+    result of the shaft, then the result of its bearing row.
     """
     result = study.compute_once(_solve_shaft_scene, name)
     return result, result.sets[0]
 
 
 def _solve_shaft_scene(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
-    """Solve the shipped scene ``external-NAME`` by the beam model; raises AssertionError if it does not converge.
+    """Solve the scene ``external-NAME`` by the beam model; raises AssertionError if it does not converge.
 
-    ``study``: not used; ``name``: last part of the scene's name.
+    ``study``: not used; ``name``: NAME, such as "masta-radial".
     """
     result = run_model(shipped_shaft_scene(name), "lin")
     if not result.converged:
@@ -120,8 +120,8 @@ def _solve_shaft_scene(study: Study, name: str) -> AxisResult:  # noqa: ARG001 -
 
 CLASSES = ("light", "medium", "strong")
 
-#: Usual range of conformity (groove radius over ball diameter). At its ends the growth of rigidity with preload is
-#: compared with GMN's, so that no conformity has to be inferred.
+#: Usual range of conformity (groove radius over ball diameter). The growth of rigidity with preload is compared with
+#: GMN's at both ends of the range, so that no conformity has to be inferred.
 ANY = (0.53, 0.56)
 
 
@@ -206,7 +206,7 @@ def _bearing_of_catalogue_row(case: str, row: Sequence[float], conformity: float
 
 
 def _preloaded_pair(bearing: BallBearing, preload: float) -> BearingSet:
-    """Return a pair of opposed bearings, preloaded against each other by a force [N]."""
+    """Return a pair of opposed bearings, preloaded against each other by the axial force ``preload`` [N]."""
     return equal_rows_with_preload(BallRow(bearing), (1, -1), preload)
 
 
@@ -253,7 +253,7 @@ def gmn_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - 
 def gmn_rigidity_rms_error_percent() -> float:
     """Return the RMS error [%] of the computed rigidities of bearing pairs against those printed by GMN.
 
-    Only printed values of class "band" count, whose agreement is judged within a stated band.
+    Only printed values of class "band" count, whose agreement is judged within a stated tolerance band.
     """
     inferred = float(read_inputs()["gmn"]["conformity"])
     rows = [(r.key.rsplit("_", 1), r.value) for r in load_table("external-gmn") if r.cls == "band" and r.value is not None]
@@ -264,8 +264,9 @@ def gmn_rigidity_rms_error_percent() -> float:
 def snfa_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute rigidity, its growth with preload, and lift-off load of a preloaded bearing pair in SNFA's catalogue.
 
-    The catalogue keeps contact angles constant ("as printed"); in the correct values they change under load.
-    ``findings``: receives both values for each printed number. ``study``: not used here.
+    The catalogue's formulas assume constant contact angles, from which the values "as printed" are computed; in the correct
+    values, the angles change under load. ``findings``: receives both values for each printed number. ``study``: not used
+    here.
     """
     case = read_inputs()["snfa"]
     row = [1e3 * read_input("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
@@ -337,9 +338,9 @@ def equivalent_force_of_duty_cycle(case: str) -> float:
 def equivalent_loads(findings: Findings, study: Study) -> None:
     """Compute makers' examples of equivalent loads.
 
-    These are mean forces of duty cycles, forces and life of both halves of a preloaded nut, and factors e, X and Y of
-    bearings. ``findings``: receives the computed value for each printed number; ``study``: gives the scenes included with
-    rollbench.
+    These are mean forces of duty cycles, forces and life of both halves of a preloaded nut, and the factors e, X and Y of
+    ISO 281 for the equivalent load of a bearing. ``findings``: receives the computed value for each printed number;
+    ``study``: gives the scenes included with rollbench.
     """
     for key, case in EXAMPLES.items():
         findings.number(key, equivalent_force_of_duty_cycle(case))
@@ -371,7 +372,8 @@ EXAMPLE_CELLS, EXAMPLE_MARGIN = 44, 1.1
 #: Cells of CONTACT's wheel example, along and across.
 WHEEL_CELLS = (48, 44)
 
-#: Steps of one cell that CONTACT's ball is rolled from rest, past the largest creepage; the example has 56 steps.
+#: Number of steps, of one cell's length each, that CONTACT's ball is rolled from rest. They go past the step with the
+#: largest creepage; the example has 56 steps.
 ONSET_STEPS = 20
 
 
@@ -446,8 +448,8 @@ class RollingExampleResult:
 def solve_rolling_example(cells: int, *, as_contact: bool = False) -> RollingExampleResult:
     """Solve the steady-rolling example of the program CONTACT, which has lateral creepage and spin.
 
-    ``cells``: number of cells of the grid along each axis; ``as_contact``: whether to use CONTACT's grid and its difference
-    scheme over one cell, instead of the scheme of this package.
+    ``cells``: number of cells of the grid along each axis; ``as_contact``: whether to use CONTACT's grid and its finite
+    differences of slip over one cell, instead of the scheme of this package.
     """
     case, touch = read_inputs()["contact"], _load_radii_and_material("contact")
     creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
@@ -501,8 +503,8 @@ def _compute_wheel_creep_curve(findings: Findings) -> None:
 def solve_push_and_roll_example(case: str, steps: int) -> list[OnsetStep]:
     """Solve an example of the program CONTACT in which a ball is pushed sideways at rest, and then rolls.
 
-    ``case``: name of the example; ``steps``: number of steps, each of one cell's length, that the ball rolls. The first
-    entry of the result is the state at rest.
+    ``case``: name of the example; ``steps``: number of steps, each of one cell's length, that the ball rolls. Returns the
+    state at rest, then the states after each step.
     """
     numbers, (load, circle) = read_inputs()[case], _load_and_hertz_constants(case)
     margin = 0.5 * read_input(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
@@ -535,24 +537,24 @@ HIWIN = ("hiwin-63-10k5",)
 #: Size of the single nut of which a double nut is made.
 DOUBLE = "bnf-4010-5"
 
-#: Rigidity in the catalogue over that of the Hertz contacts alone, as an independent program found it: lowest and highest
-#: ratio, by sizes of a maker.
+#: Rigidity in the catalogue divided by the rigidity of the Hertz contacts alone, computed by an independent program:
+#: lowest and highest ratio, by sizes of a maker.
 SHARES = {THK: (0.567, 0.586), HIWIN: (0.75, 0.75)}
 
-#: Relative error that number of balls and pitch diameter, which are not printed, may cause.
+#: Relative error of a rigidity that the number of balls and the pitch diameter may cause, which are not printed.
 UNPRINTED = 0.05
 
 
 def scene_name_of_catalogue_size(size: str) -> str:
-    """Return the name of the shipped scene for a nut of THK or HIWIN; ``size``: its size, such as "bnf-4010-5"."""
+    """Return the name of the scene for a nut of THK or HIWIN; ``size``: size of the nut, such as "bnf-4010-5"."""
     return f"{PREFIX}{size}" if size in HIWIN else f"{PREFIX}thk-{size}"
 
 
 def rigidities_without_and_with_bodies(scene: Scene, force: float) -> tuple[float, float]:
     """Return the axial rigidity [N/m] of a nut with equally loaded balls: of the contacts only, then also with the bodies.
 
-    The bodies are nut and screw as tubes. ``scene``: screw and nut; ``force``: axial load [N]. Raises ValueError if nut
-    or screw has no wall thickness.
+    The bodies are nut and screw, whose deformation as tubes is added to that of the Hertz contacts. ``scene``: screw and
+    nut; ``force``: axial load [N]. Raises ValueError if nut or screw has no wall thickness.
     """
     alone, body = displacement_by_contacts_only(scene, force), axial_compliance_of_bodies(scene)
     assert body is not None
@@ -607,7 +609,7 @@ def double_over_single_nut_rigidity(study: Study) -> float:
     moved = preload / rigidities_without_and_with_bodies(scene, preload)[1]
 
     def displacement_error(force: float) -> float:
-        """Return the single nut's displacement [m] at a force [N], less its displacement where the double nut lifts off."""
+        """Return the single nut's displacement [m] at a force [N], less its displacement when the double nut lifts off."""
         return force / rigidities_without_and_with_bodies(scene, force)[1] - 2.0 * moved
 
     unloads = float(brentq(displacement_error, preload, 4.0 * preload, rtol=1e-6))

@@ -1,6 +1,7 @@
 """Report pages on Liu et al. (2025): printed numbers and figures of each section, with the computed ones.
 
-The last page shows the error of Liu's axial-only model: the same screw by it, the beam model, the refined model and in 3D.
+The last page shows the error of Liu's model, which has axial displacements only: the same screw is computed by it, by the
+beam model, by the refined beam model and in 3D.
 """
 
 from __future__ import annotations
@@ -125,8 +126,8 @@ class ModelLoads:
     def difference_from_axial(self, model: Array) -> tuple[float, float, int]:
         """Return the differences of the axial model's loads from those of another model.
 
-        First: RMS difference; second: largest difference, with its sign [both in % of the mean load]; third: number of the
-        ball with the largest difference, from 1. ``model``: contact loads (78,) [N] by the other model.
+        First: RMS difference [% of the mean load]; second: largest difference, with its sign [% of the mean load]; third:
+        number of the ball with the largest difference, from 1. ``model``: contact loads (78,) [N] by the other model.
         """
         change = error_percent(model, self.axial, float(model.mean()))
         ball = int(np.abs(change).argmax())
@@ -196,11 +197,11 @@ class DifferenceFrom3D:
     rms: float
     #: Largest difference [% of the mean load].
     largest: float
-    #: Ball with the largest difference.
+    #: Number of the ball with the largest difference, from 1.
     ball: int
-    #: Grid uncertainty of the reference [% of the mean load].
+    #: Uncertainty of the 3D reference by its mesh [% of the mean load]; None if unknown.
     uncertainty: float | None
-    #: Number of loaded balls in the model.
+    #: Number of loaded balls by the model.
     loaded: int
     #: Number of loaded balls in 3D.
     loaded_in_3d: int

@@ -240,7 +240,7 @@ ROLLER_NOTE = (
 
 
 def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
-    """Return table and figure of one tapered roller in 3D and by low-order laws; empty without stored 3D results.
+    """Return table and figure of one tapered roller in 3D and by load-deflection laws; empty without stored 3D results.
 
     ``study``: records that the scene smith-axis-taper is used.
     """

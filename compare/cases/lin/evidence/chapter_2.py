@@ -55,7 +55,8 @@ def exact_hertz_parameters(scene: Scene) -> dict[str, dict[str, float]]:
     return out
 
 
-#: Quantities of Table B.1 by the key's first part: attribute as printed, name of the correct value, factor to the unit.
+#: Quantities of Table B.1 by the first part of the printed number's key: name of the value computed as Lin did, name of the
+#: correct value, factor from SI to the printed unit.
 QUANTITIES = {
     "e_": ("e", "e", 1.0),
     "C_": ("C", "C", 1.0),
@@ -120,7 +121,7 @@ def table_2_1(findings: Findings, study: Study) -> None:
 
 
 def beam_element_count_of_lin_partition(study: Study) -> int:
-    """Return the number of beam elements of Lin's model: 12 + 12 outside the nut, 3 of 15 mm inside it.
+    """Return the number of beam elements of Lin's model: 12 + 12 outside the nut, 3 of 15 mm each inside it.
 
     ``study``: gives the scenes included with rollbench.
     """
@@ -141,7 +142,7 @@ def table_2_2(findings: Findings, study: Study) -> None:
 
 @dataclass(frozen=True)
 class EndSupport:
-    """An interpretation of the support of the screw's right end in Lin's case study 3.
+    """An interpretation of the support of the screw's right end in Lin's case study 3, which his text leaves unclear.
 
     ``label``: restrained freedoms in words; ``plain``, ``offset``: names of the scenes without and with a lateral offset
     of the right end; ``of_text``: whether Lin's text states this support.
@@ -183,8 +184,8 @@ def is_two_point_contact(load: Array) -> bool:
 def load_ratio_range_in_words(study: Study) -> str:
     """Return in words the range of largest over smallest load in Lin's case 1, over two modelling choices.
 
-    These are the partition of the beam into elements, and whether equation C.8 for the beam's section has a root.
-    ``study``: gives the solved scenes.
+    These are the partition of the beam into elements, and whether equation C.8 for the beam's section is read with a square
+    root. ``study``: gives the solved scenes.
     """
     variants = [
         study.changed("lin-case1", partition=p, section=s)
@@ -432,7 +433,7 @@ def unloaded_ball_mask(result: StaticResult) -> np.ndarray[tuple[int, ...], np.d
 def dominant_harmonic_of_unloaded_balls(
     scene: Scene, unloaded: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
 ) -> tuple[int, float]:
-    """Return the strongest harmonic in the pattern of unloaded balls around the screw.
+    """Return the strongest Fourier harmonic in the pattern of unloaded balls around the screw.
 
     First: number of its cycles per turn, 1 to 4 (0 if no ball is unloaded); second: its share of the power of these four
     harmonics. ``scene``: the screw with its balls; ``unloaded``: for each ball (n,), whether it is unloaded.

@@ -44,14 +44,16 @@ THETA, WORST = (
 )
 #: Radial displacements [m] of cases I to III: not printed, inferred from the forces.
 CASES = {name: source_cases.rotary_scene(name).displacement for name in source_cases.ROTARY_SCENES}
-#: Slope of the normalised friction force, as printed.
+#: Slope that Lin prints: friction force over its largest value, per distance of the spin pole from the contact's centre
+#: over the major semi-axis.
 K_F = source_cases.printed_friction_slope()
-#: Lin's friction law, with the inferred parameters.
+#: Lin's sigmoid friction law, with the inferred parameters (sharpness, step of its maps).
 PRINTED_LAW = lin_sigmoid_law(
     ROTARY, source_cases.rotary_scene("I", printed=True).sharpness, source_cases.rotary_scene("I", printed=True).map_step
 )
+#: Ways in which the contact loads are computed, see `solve_linear_pair`.
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
-#: Yield strength [MPa], and allowable pressure of appendix G over it.
+#: Yield strength [MPa]; allowable pressure of appendix G divided by the yield strength.
 YIELD, MULTIPLE = 370.0, 4.2
 
 
@@ -128,8 +130,8 @@ def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 def value_for_table_3_2(s: bearing.BearingBallSolution, key: str) -> float:
     """Return the computed value for a row of Lin's Table 3.2, in the unit of the table.
 
-    ``s``: solved motion of the ball; ``key``: name of the row: "F_" (contact load) or "P_" (friction loss) with the name
-    of a contact or "sum"; "omega_" (rotation of the ball) with "B", "x" or "y"; or "torque".
+    ``s``: solved motion of the ball; ``key``: name of the table's row: "F_" (contact load) or "P_" (friction loss) with the
+    name of a contact or "sum"; "omega_" (rotation of the ball) with "B", "x" or "y"; or "torque".
     """
     kind, _, what = key.partition("_")
     if kind == "F":
@@ -146,15 +148,16 @@ def force_or_torque_increase(
 ) -> float:
     """Return the increase of a quantity between two cases of the rotary bearing.
 
-    ``first``, ``raised``: solved motions of the ball in both cases; ``quantity``: "force" for the sum of the contact
-    forces, whose increase is in per cent, else the friction torque, whose increase is a fraction.
+    ``first``, ``raised``: solved motions of the ball in the cases with the smaller and the larger value; ``quantity``:
+    "force" for the sum of the contact forces, whose increase is in per cent; any other text for the friction torque, whose
+    increase is a fraction.
     """
     if quantity == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
     return raised.torque / first.torque - 1.0
 
 
-#: Names of the 3D model's results by key of Table 3.2, with the factor to the table's unit.
+#: Name of the 3D model's result and factor to the table's unit, by key of Table 3.2.
 IN_3D = {"P_IL": ("loss IL mW", 1e-3), "P_IR": ("loss IR mW", 1e-3), "P_OL": ("loss OL mW", 1e-3)}
 IN_3D |= {"P_OR": ("loss OR mW", 1e-3), "torque": ("torque N mm", 1.0), "omega_B": ("orbit rad/s", 1.0)}
 IN_3D |= {"omega_x": ("omega x rad/s", 1.0), "omega_y": ("omega y rad/s", 1.0)}

@@ -21,7 +21,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import lead_per_radian
 from rollbench.meshes.parts import BallErrors, Errors, Scene, Support
 
-#: Loads of the axial lash test; those of the conical test are not printed and assumed to be the same.
+#: Loads of the axial lash test; the loads of the conical test are not printed and are assumed to be the same.
 ENDS = "-200N:200N:2"
 #: Length of the loaded track of Table 4.1 [turns]; directions of the lateral force [rad], each also reversed.
 TURNS, DIRECTIONS = 3.75, np.radians([0.0, 45.0, 90.0, 135.0])
@@ -107,9 +107,9 @@ def _solve_lash_test(scene: Scene, load_range: str, restrained: Sequence[str]) -
 
 
 def peak_to_peak(test: LoadCurve) -> float:
-    """Return the displacement [m] from one end load of a lash test to the other.
+    """Return the lash [m]: displacement from one end of a lash test's load range to the other end.
 
-    Raises ValueError if there is no equilibrium under an end load.
+    ``test``: load curve of the test. Raises ValueError if there is no equilibrium at an end of the load range.
     """
     if test.peak_to_peak is None:
         raise ValueError(f"{test.scene}: no equilibrium under an end load of the lash test")
@@ -127,9 +127,10 @@ def relative_range_percent(values: list[float]) -> float:
 
 @dataclass(frozen=True)
 class LashDifferences:
-    """Relative differences of the lash between ball patterns [%].
+    """Relative differences [%] of the lash of one ball screw between four patterns of its balls.
 
-    ``axial``: of the axial test; ``conical``: of the conical test, for each direction of the lateral force.
+    ``axial``: difference in the axial test; ``conical``: differences in the conical test (lateral force), one for each
+    direction of the force in `DIRECTIONS`.
     """
 
     axial: float
@@ -137,10 +138,10 @@ class LashDifferences:
 
 
 def lash_differences(scene: Scene, reach: float, restrained: Sequence[str] = TURNING) -> LashDifferences:
-    """Return the relative differences of the lash between ball patterns, by the axial and by the conical test.
+    """Return the relative differences of a ball screw's lash between its ball patterns, by the axial and the conical test.
 
-    ``reach``: distance of the lateral force from the nut's centre [m]; ``restrained``: freedoms that are restrained at the
-    screw's left end, such as "rz".
+    ``scene``: the ball screw; ``reach``: distance of the lateral force from the nut's centre [m]; ``restrained``: freedoms
+    that are restrained at the screw's left end, such as "rz".
     """
     screws = [arrange_balls_in_pattern(scene, p) for p in PATTERNS]
     cones = [
@@ -155,7 +156,8 @@ def lash_differences(scene: Scene, reach: float, restrained: Sequence[str] = TUR
 # --- lash tests of a ball screw; contact loads of bearing and ball screw in a steering gear
 
 
-#: Shipped scenes, total rack force [N], distance of the lateral force of the conical lash test from the nut [m].
+#: Names of the scenes of ball screw and steering gear; total rack force [N], distance of the lateral force of the conical
+#: lash test from the nut's centre [m].
 SCREW, RACK = "lin-nominal-4p1", "lin-steering-rack"
 RACK_FORCE, REACH = 14500.0, 0.3
 #: Tie-rod angles [deg].
@@ -163,7 +165,7 @@ TIE_ROD = (0.0, 6.0, 12.0, 18.0)
 
 
 def steering_gear() -> Assembly:
-    """Return the shipped scene of Lin's steering gear: a rack with ball screw and bearing."""
+    """Return the scene of Lin's steering gear, which is included with rollbench: a rack with ball screw and bearing."""
     found = catalogue.shipped_scene(RACK)
     if not isinstance(found, Assembly):
         raise AssertionError(f"{RACK}: expected a scene of a shaft with ball screw and bearing, got {type(found).__name__}")
@@ -186,7 +188,7 @@ def solve_at_tie_rod_angle(gear: Assembly, angle: float, *, opposed: bool = Fals
 def largest_screw_and_bearing_loads(result: AxisResult) -> tuple[float, float]:
     """Return the largest contact load [N] of the steering gear's ball screw, then that of its bearing.
 
-    ``result``: solution of the steering gear; a part without loads counts as zero.
+    ``result``: solution of the steering gear. The load of a part without contact loads is zero.
     """
     screw, bearing = (0.0 if s.balls is None else float(s.balls.load.max()) for s in result.sets)
     return screw, bearing
@@ -302,7 +304,7 @@ OFFSETS, ANGLES = (-0.02, 0.0, 0.02), (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
 
 @dataclass(frozen=True)
 class LashVariation:
-    """Differences of the lash between ball patterns with one input changed that Lin's lash tests leave open.
+    """Differences of the lash between ball patterns, with one input changed that Lin does not print for his lash tests.
 
     ``changed``: name of the input that differs; ``diameter``: outer diameter of the screw [m]; ``position``: axial
     position of the nut's centre [m]; ``reach``: distance of the lateral force from the nut's centre [m]; ``restraint``:
@@ -371,9 +373,9 @@ def change_gear_layout(gear: Assembly, pinion: float, hold: str, offset: float) 
 def load_ratios_of_all_layouts(gear: Assembly) -> Iterator[LoadRatiosOfLayout]:
     """Yield the load ratios of the steering gear for every layout.
 
-    A layout has a position and a restraint of the pinion, directions of the lateral forces, and an offset of the bearing.
-    A pinion that restrains the rack's tilting keeps the far end's lateral force from the nut, so that the direction of
-    this force has no influence and only one is solved.
+    A layout has a position and a restraint of the pinion, directions of both lateral forces, and an offset of the bearing.
+    A pinion that restrains the rack's tilting keeps the lateral force of the tie rod on its other side away from the nut.
+    The direction of this force then has no influence, so that only one direction is solved.
     """
     for hold in PINION_HOLDS:
         for opposed in (False, True)[: 1 if "rx" in PINION_HOLDS[hold] else 2]:
@@ -484,7 +486,10 @@ def gears_with_open_inputs_varied(gear: Assembly) -> Iterator[tuple[str, str, li
 
 @cache
 def load_ratio_ranges(gear: Assembly) -> tuple[LoadRatioRange, ...]:
-    """Return the ranges of the load ratios over inputs that Lin does not print, one input varied at a time."""
+    """Return the ranges of the load ratios over inputs that Lin does not print, one input varied at a time.
+
+    ``gear``: the steering gear with the usual inputs.
+    """
     out = []
     for changed, values, gears in gears_with_open_inputs_varied(gear):
         screw, bearing = zip(*(solve_load_ratios(one, opposed=opposed) for one, opposed in gears), strict=True)
