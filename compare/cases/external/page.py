@@ -63,8 +63,8 @@ SOURCES = {
     "external-equivalent": "makers, equivalent loads",
 }
 
-#: Largest axial displacement without loads over that with loads that is neglected. Scenes with more are left out, because
-#: the 3D reference has no solution without loads to subtract.
+#: Axial displacement without loads, divided by the displacement with loads, up to which it is neglected. Scenes with a
+#: larger ratio are left out, because the 3D reference has no solution without loads to subtract.
 STARTS = 0.01
 
 
@@ -88,7 +88,7 @@ def agreement_sentence(found: Sequence[Evidence]) -> str:
 def assumptions_table(study: Study) -> Table:
     """Return the table of assumptions made where a publication leaves inputs open.
 
-    ``study``: knows which scenes were used; the table has a row for each of their assumptions.
+    ``study``: lists the scenes used so far; the table has a row for each of their assumptions.
     """
     rows: list[dict[str, Cell]] = []
     for name, thing in study.used.items():
@@ -120,7 +120,7 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
 
 
 def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
-    """Return the axial rigidities of each catalogue nut: computed with growing detail, and printed.
+    """Return the axial rigidities of each catalogue nut: computed with more and more effects, and printed.
 
     Each entry: name of the scene; axial load [N]; rigidities [N/um] of the "contacts" alone, with the "bodies", with
     "unequal" ball loads, and as "printed" in the catalogue, None where unknown. ``study``: gives the solved scenes.
@@ -154,9 +154,9 @@ def displacement_in_3d(scene: Scene, found: Reference) -> float:
 def nut_rigidity_row(study: Study, name: str) -> dict[str, Cell] | None:
     """Return the table row of a nut's rigidities [N/um]: by the effects included in the model, and by the 3D reference.
 
-    ``study``: gives solved scenes and stored 3D references; ``name``: name of the scene. Returns None without a stored
-    reference, without axial load, or if the screw is displaced at zero load, which the reference's displacements do not
-    subtract.
+    ``study``: gives solved scenes and stored 3D references; ``name``: name of the scene. Returns None without a stored 3D
+    reference, without axial load, if a rigidity is not defined, or if the screw is displaced at zero load (the 3D
+    displacement contains this part, so that its rigidity is unknown).
     """
     scene, found = study.scene(name), study.reference(name)
     if found is None:
@@ -316,8 +316,8 @@ def scenes_by_nut_fixation(scene: Scene) -> dict[str, Scene]:
 def stored_results(store: Path) -> list[dict[str, Any]]:
     """Read the stored 3D results of nuts that are fixed at different surfaces.
 
-    Each entry has the scene, fixation, mesh level, status, rigidity [N/m], and ball loads [N] by flank. ``store``: folder
-    of the file `FIXATION_FILE`.
+    Each entry has the name of the scene, the fixation of the nut, mesh level, status, rigidity [N/m], and ball loads [N] by
+    flank. ``store``: folder of the file `FIXATION_FILE`.
     """
     return list(json.loads((store / FIXATION_FILE).read_text(encoding="utf-8")))
 
@@ -334,15 +334,15 @@ def contact_loads_of_stored_result(result: dict[str, Any]) -> Array:
 class FixationResult(NamedTuple):
     """Contact loads and rigidity of a screw by one model, for one fixation of its nut."""
 
-    #: Name of the model, or 3D reference with its mesh level.
+    #: Name of the model, or of the 3D reference with its mesh level.
     by: str
-    #: Name of the fixation.
+    #: Name of the fixation, a key of `scenes_by_nut_fixation`.
     way: str
-    #: Contact loads, (n, 4) [N].
+    #: Contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR.
     load: Array
     #: Axial rigidity [N/m].
     rigidity: float
-    #: Uncertainty of the loads by the mesh [% of the mean load].
+    #: Uncertainty of the loads by the mesh [% of the mean load]; None for models without a mesh.
     mesh: float | None = None
 
 
@@ -366,7 +366,7 @@ def largest_mesh_uncertainty_percent(scene: Scene, loads: Mapping[int, Array]) -
     Parameters
     ----------
     scene
-        The scene.
+        Ball screw and loads, which determine the error near free faces.
     loads
         Contact loads (n, 4) [N] of n balls in 3D, by mesh level.
     """
@@ -426,7 +426,7 @@ def fixation_table_rows(study: Study, size: str) -> list[dict[str, Cell]]:
 
 
 def bolts_sentence() -> str:
-    """Return the sentence on how loads and rigidity change in 3D if bolts fix the flange instead of its whole annulus."""
+    """Return the sentence on how loads and rigidity change in 3D if only bolts, not the whole annulus, fix the flange."""
     words = []
     for size in SIZES:
         scene = scene_name_of_catalogue_size(size)
@@ -482,8 +482,8 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
 def column_range_in_words(rows: list[dict[str, Cell]], column: str, fixation: str = "", form: str = "+.1f") -> str:
     """Return in words the smallest and largest value of a table column, over the rows of the default model.
 
-    ``rows``: table rows from `fixation_table_rows`; ``column``: key of the column; ``fixation``: only fixations whose names
-    begin so count; ``form``: format of the numbers.
+    ``rows``: table rows from `fixation_table_rows`; ``column``: key of the column; ``fixation``: beginning of the
+    fixations' names that count, empty for all; ``form``: format of the numbers.
     """
     values = [float(row[column] or 0.0) for row in rows if row["by"] == DEFAULT and str(row["held"]).startswith(fixation)]
     return f"{min(values):{form}} to {max(values):{form}}"

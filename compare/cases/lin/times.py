@@ -80,7 +80,8 @@ class RunTimes:
     """Measured run times of one model for one scene.
 
     ``cold``: time [s] of the first load case in a new process, imports included; ``further``: time [s] of the next load
-    case in the same process; either is None if it was not measured. ``older``: time of an earlier measurement, in words.
+    case in the same process; either is None if it was not measured. ``older``: if both are None, time by an earlier
+    measurement and its conditions in words, else empty.
     """
 
     cold: float | None = None
@@ -89,7 +90,7 @@ class RunTimes:
 
 
 def stored_run_times(study: Study, name: str, model: str) -> RunTimes:
-    """Return the stored run times of one model for a scene; without any, the fields of the result are None or empty.
+    """Return the stored run times of one model for a scene; without any, the result has default (empty) fields.
 
     ``name``: name of the scene; ``model``: model, "lin" (static model), "numerical" (friction model of two balls),
     "formula" (Lin's formula for two balls) or "3D". ``study``: gives solved scenes and stored 3D results.

@@ -31,7 +31,7 @@ COMPARISONS = (
 
 
 def compared_published_values(study: Study) -> tuple[outside.PublishedValue, ...]:
-    """Return all published values with their computed values, sorted by quantity; ``study``: keeps the result."""
+    """Return all published values with their computed values, sorted by quantity; ``study``: caches the result."""
     return study.compute_once(_compare_all)
 
 
@@ -69,13 +69,13 @@ def _error_statistics_of_quantity(
 
 
 def _clearance_errors(found: Sequence[outside.PublishedValue]) -> Array:
-    """Return the differences [um] between computed and printed axial clearances of preloaded bearings."""
+    """Return the differences [um] of computed from printed axial clearances of preloaded bearings in ``found``."""
     printed = (x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale)
     return np.array([x.computed.value - x.value for x in printed])
 
 
 def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
-    """Return the page's conclusion: how many values lie in the computed band, and errors where no input is assumed.
+    """Return the page's conclusion: how many published values lie in their computed bands; errors without assumed inputs.
 
     ``found``: all published values with the computed ones.
     """

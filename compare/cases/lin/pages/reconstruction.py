@@ -250,7 +250,7 @@ def origin_of_error_conclusion(found: list[combined.CombinationResult]) -> str:
 
 
 def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
-    """Return the paragraph that answers where the printed errors come from: two explanations come near them.
+    """Return the paragraph on the origin of the printed errors, and on two explanations whose errors come near them.
 
     ``found``: results of all combinations of interpretations, of which the first has all choices by default.
     """
@@ -281,7 +281,7 @@ def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
 
 
 def _ratios_and_errors_in_words(c: combined.CombinationResult) -> str:
-    """Return in words the load ratios and errors of one combination of interpretations."""
+    """Return in words the load ratios and errors of the combination of interpretations ``c``."""
     return (
         f"ratios of {c.low_ratio:.3f} and {c.solid_ratio:.3f}, errors of {_errors_in_words(c.errors['own'])}, "
         f"{_fall_in_percent_of_printed(c):.0f} % of "
@@ -295,7 +295,7 @@ def _fall_in_percent_of_printed(c: combined.CombinationResult) -> float:
 
 
 def _range_in_words(values: Sequence[float], digits: int = 2) -> str:
-    """Return in words the first and last of values that rise or fall steadily; ``digits``: decimals of the numbers."""
+    """Return in words the first and the last of some values; ``digits``: number of decimals."""
     return f"{values[0]:.{digits}f} to {values[-1]:.{digits}f}"
 
 
@@ -445,7 +445,7 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
 
 
 def _cells_by_error_definition(c: combined.CombinationResult) -> Row:
-    """Return table cells of a combination: load ratios by both models, and errors in per cent of each and of mean load."""
+    """Return table cells of a combination: load ratios by both models, errors in per cent of each and of the mean load."""
     row: Row = {
         Quantity("low_ratio", "ratio, low order", "", ".3f"): c.low_ratio,
         Quantity("solid_ratio", "ratio, 3D", "", ".3f"): c.solid_ratio,
@@ -481,7 +481,7 @@ def single_interpretation_table(found: list[combined.CombinationResult]) -> Tabl
 def combination_table(found: list[combined.CombinationResult]) -> Table:
     """Return the table of all combinations of interpretations, with the RMS of their deviations from the printed numbers.
 
-    ``found``: results of these combinations.
+    ``found``: results of all combinations.
     """
     rows = [
         _combination_row(c)

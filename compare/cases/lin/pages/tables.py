@@ -65,13 +65,16 @@ TIMED |= {f"lin-3.7:time_ansys_{case}": (name, "3D") for case, name in SCREW.ite
 
 
 def printed_run_time(name: str) -> float:
-    """Return a printed run time [s]; ``name``: table and key of the printed number, as ``table:key``."""
+    """Return a printed run time [s]; ``name``: table and key of the printed number, such as "lin-2.2:time_ansys_1"."""
     one = printed_entry(*name.split(":"))
     return UNITS[one.unit] * (one.value or 0.0)
 
 
 def printed_element_count(table: str, key: str) -> str:
-    """Return the number of elements that Lin's thesis prints, as text; ``table``, ``key``: names of the printed number."""
+    """Return a number of elements that Lin's thesis prints, as text.
+
+    ``table``: name of the printed table, such as "lin-2.2"; ``key``: key of the number in it, such as "elements_ansys".
+    """
     return f"{printed_value(table, key):,.0f}"
 
 
@@ -90,7 +93,7 @@ def model_size_in_3d_in_words(study: Study, name: str) -> str:
 
 
 def beam_element_count_in_words(study: Study, name: str) -> str:
-    """Return in words the number of beam elements in the low-order model of a scene, and with Lin's partition.
+    """Return in words the number of beam elements in a scene's low-order model, by default and with Lin's partition.
 
     ``study``: gives the scenes included with rollbench; ``name``: name of the scene.
     """
@@ -118,7 +121,7 @@ def printed_and_own_model_size(study: Study, name: str, model: str) -> tuple[str
 
 
 def run_time_ratio(slow: float | None, fast: float | None) -> float | None:
-    """Return the ratio of a longer to a shorter run time; None if one of them is missing."""
+    """Return the run time ``slow`` divided by ``fast``; None if one of them is missing or zero."""
     return None if not slow or not fast else slow / fast
 
 
@@ -248,12 +251,17 @@ WHY = {
 
 
 def reason_without_3d(name: str) -> str:
-    """Return the reason why a printed number has no 3D value; empty if none is given; ``name``: ``table:key``."""
+    """Return the reason why a printed number has no 3D value, empty if none is given.
+
+    ``name``: table and key of the printed number, such as "lin-2.2:time_ansys_1".
+    """
     return next((text for start, text in WHY.items() if name.startswith(start)), "")
 
 
 def run_time_and_size_texts(study: Study) -> dict[str, str]:
-    """Return texts on run times and model sizes, by name of the printed number for which Lin's tables show no computed one.
+    """Return texts on run times and model sizes, to be shown in Lin's tables instead of computed numbers.
+
+    The keys are names of printed numbers, such as "lin-2.2:time_ansys_1".
 
     ``study``: gives stored run times and 3D results.
     """
@@ -318,13 +326,19 @@ def _case_1_marks(study: Study) -> list[Series]:
 
 
 def _case_2_marks(study: Study) -> list[Series]:
-    """Return a marker at ball 17 of case 2, whose contact load rises according to Lin's text."""
+    """Return a marker at ball 17 of case 2, whose contact load rises according to Lin's text.
+
+    ``study``: gives the solved scenes.
+    """
     load = study.solve("lin-case2").load
     return [Series("printed: abrupt increase at ball 17 alone", [17.0], [float(load[16, 0])], "markers")]
 
 
 def _case_3_marks(study: Study) -> list[Series]:
-    """Return the curve of case 3's contact loads without lateral offset of the right end."""
+    """Return the curve of case 3's contact loads without lateral offset of the right end.
+
+    ``study``: gives the solved scenes.
+    """
     return [contact_load_curve("low-order, no offset", study.solve("lin-case3"), 0, "line")]
 
 
