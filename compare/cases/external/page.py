@@ -122,8 +122,9 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
 def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
     """Return the axial rigidities of each catalogue nut: computed with more and more effects, and printed.
 
-    Each entry: name of the scene; axial load [N]; rigidities [N/um] of the "contacts" alone, with the "bodies", with
-    "unequal" ball loads, and as "printed" in the catalogue, None where unknown. ``study``: gives the solved scenes.
+    Each item of the list: name of the scene; axial load [N]; rigidities [N/um], None where unknown: of the Hertz "contacts"
+    only, with the deformation of the "bodies", with "unequal" ball loads too, and as "printed" in the catalogue. ``study``:
+    gives the solved scenes.
     """
     out: list[tuple[str, float, dict[str, float | None]]] = []
     for size in (*external.THK, *external.HIWIN):
@@ -269,7 +270,7 @@ THREE = "3D"
 #: Number of bolts that fix a flange, and names of two fixations: of its whole annulus, or by bolts only.
 BOLTS = 6
 WHOLE, BOLTED = "flange, whole face", f"flange, {BOLTS} bolts"
-#: Length of the centring fit over the length of the nut beyond its flange.
+#: Length of the centring fit, divided by the length of the nut between flange and free end.
 FIT = 0.5
 #: Columns of the table of nuts fixed at different surfaces.
 FIXATION_COLUMNS = (
@@ -316,16 +317,17 @@ def scenes_by_nut_fixation(scene: Scene) -> dict[str, Scene]:
 def stored_results(store: Path) -> list[dict[str, Any]]:
     """Read the stored 3D results of nuts that are fixed at different surfaces.
 
-    Each entry has the name of the scene, the fixation of the nut, mesh level, status, rigidity [N/m], and ball loads [N] by
+    Each item has the name of the scene, the fixation of the nut, mesh level, status, rigidity [N/m], and ball loads [N] by
     flank. ``store``: folder of the file `FIXATION_FILE`.
     """
     return list(json.loads((store / FIXATION_FILE).read_text(encoding="utf-8")))
 
 
 def contact_loads_of_stored_result(result: dict[str, Any]) -> Array:
-    """Return the contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR, from one stored 3D result.
+    """Return the contact loads (n, 4) [N] of n balls on their four flanks, from one stored 3D result.
 
-    Loads on flanks that the result does not contain are zero. ``result``: the result, by key of the JSON file.
+    The columns are the flanks SL, SR, NL and NR (screw or nut, left or right). Loads on flanks that the result does not
+    contain are zero. ``result``: the result, by key of the JSON file.
     """
     by_side = result["load"]
     return np.stack([by_side.get(side, np.zeros(len(next(iter(by_side.values()))))) for side in SIDES], axis=1)

@@ -81,7 +81,8 @@ def table_e3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every 
 
 #: Contact in full slip: load [N], relative radii [m], Young's modulus [Pa], Poisson's ratio; friction coefficient.
 GROOVE, MU = (100.0, (5e-3, 46.667e-3), 210e9, 0.28), 0.1
-#: Creepages (along, across, spin [1/m]) of full slip with the spin pole outside and inside the contact ellipse.
+#: Creepages (along, across, spin [1/m]) of full slip. The spin pole, where slip is zero, lies outside or inside the contact
+#: ellipse.
 SLIPS = {"pole outside": verification.Creep(0.02, 0.004, 30.0), "pole inside": verification.Creep(0.02, 0.004, 400.0)}
 #: How full slip is computed on a grid: one slip per cell, slip resolved within cells, differences as in stored 3D results.
 BY_GRID, RESOLVED, AS_RUNS = "on a grid alone", "on a grid, slip resolved within cells", "as runs have it, worst level"
@@ -93,7 +94,7 @@ REACH = (0.5, 0.5, 0.1, 2.0)
 #: cell boundaries lie (errors of -1.9, 0.3, 0.8 % on 40, 80, 160 cells, without an order of convergence), and its permitted
 #: error [%].
 NARROW, NARROW_REACH = 0.95, 1.0
-#: Permitted error [%] of a grid whose spin pole lies inside a cell, before the rigid limit corrects it.
+#: Permitted error [%] on a grid if the spin pole lies inside a cell, before the correction by the rigid limit.
 ALONE = 2.0
 #: Factor on the tangential compliance at which the whole contact slips, as between rigid bodies.
 STIFF = 1e-3

@@ -214,9 +214,9 @@ def motion_problem_of_rotary_ball(bearing: Bearing, axial: float, u_y: float, sh
 def motion_problem_of_screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallProblem:
     """Return the motion problem of the second of two balls of a screw that do not touch each other.
 
-    ``pair``: both balls with their grooves; ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL, NR at the
-    nominal contact angle; None: loads and contact angles of the solved pair. ``sharpness``: k_S of Lin's sigmoid friction
-    law.
+    ``pair``: both balls with their grooves; ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL and NR (screw or
+    nut, left or right) at the nominal contact angle; None: loads and contact angles of the solved pair. ``sharpness``: k_S
+    of Lin's sigmoid friction law.
     """
     g = pair.groove
     angle = np.full(4, g.contact_angle)
@@ -278,7 +278,8 @@ def solve_ball_group(
 def screw_ball_with_unequal_diagonals(share: float) -> BallProblem:
     """Return the motion problem of a screw's ball whose two pairs of opposite contacts carry different loads.
 
-    ``share``: load of the pair SR and NL divided by that of the pair SL and NR, which is 100 N.
+    ``share``: load of the contacts SR and NL divided by the load of the contacts SL and NR, 100 N (S: screw, N: nut, L:
+    left, R: right).
     """
     return motion_problem_of_screw_ball(screw_pair_with_inferred_oversize(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
 
@@ -401,8 +402,8 @@ def solve_linear_bearing_group(
     """Solve neighbouring balls of a linear bearing by least dissipation and by Lin's method; return the group's results.
 
     ``group``: name of the inputs that are varied; ``cases``: rows of balls; ``model``: name of the model; ``starts``:
-    number of random starts in addition to the solver's own; ``most``: largest number of balls in a row that Lin's method
-    also solves; ``note``: remark for the table.
+    number of random starts in addition to the solver's default start; ``most``: largest number of balls in a row that Lin's
+    method also solves; ``note``: remark for the table.
     """
     rng, tally = np.random.default_rng(2), SolutionTally()
     for case in cases:
@@ -644,7 +645,7 @@ ROOT_STARTS = 8
 def groups_of_extreme_linear_pairs() -> list[tuple[str, list[LinearChain]]]:
     """Return groups of extreme cases of two balls in the linear bearing of Lin's section 3.3.
 
-    Each entry: names of the varied inputs with their ranges; then the ball pairs of the group, prepared for the solver.
+    Each item: names of the varied inputs with their ranges; then the ball pairs of the group, prepared for the solver.
     """
 
     def make_pair(theta: float, rho: float, vertical: float, mu: float) -> LinearChain:

@@ -24,7 +24,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import screw_section
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Series, Table
 
-#: Axial loads [N] of the curves, up to that of section 4, and up to that of the test; number of randomly drawn screws.
+#: Axial loads [N] of the curves, up to the largest load of section 4, and up to that of the test; number of random screws.
 LOADS = (50.0, 100.0, 200.0, 350.0, 500.0, 750.0, 1000.0, 1500.0, 2137.0, 3000.0, 4000.0, 5000.0)
 
 TEST_LOADS = (*LOADS, 7000.0, 9000.0, 10845.0)

@@ -68,7 +68,7 @@ QUANTITIES = {
     "R2_": ("R_2", "R2", 1e3),
     "rho_eq_": ("rho_eq", "rho_eq", 1e3),
 }
-#: The table's rows 1 and 2 of the nut are along and across the groove, those of the screw across and along.
+#: Rows 1 and 2 of the table are along and across the groove for the nut, but across and along it for the screw.
 SWAPPED = {"rho1_N": "rho2", "rho2_N": "rho1"}
 
 
@@ -154,7 +154,7 @@ class EndSupport:
     of_text: bool = False
 
 
-#: Interpretations of the right end's support; the first is that of the 3D reference.
+#: Interpretations of the right end's support; the 3D reference has the first one.
 END_SUPPORTS = (
     EndSupport("ux and uy held", "lin-case3", "lin-case3-offset"),
     EndSupport("ux, uy and rotations held", "lin-case3-clamped", "lin-case3-offset-clamped"),
@@ -176,7 +176,7 @@ def largest_over_smallest_load(load: Array) -> float:
 def is_two_point_contact(load: Array) -> bool:
     """Return whether every ball carries load on the flanks SL and NR, and no ball on the flanks SR and NL.
 
-    ``load``: contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR.
+    ``load``: contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR (screw or nut, left or right).
     """
     return bool(np.all(load[:, [0, 3]] > 0.0) and not np.any(load[:, [1, 2]] > 0.0))
 

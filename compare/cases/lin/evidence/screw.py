@@ -72,8 +72,8 @@ def solve_screw_pair(case: str, interpretation: Literal["plain", "inferred"]) ->
 def simulate_screw(amplitude: float) -> TravelHistory:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis over time, with a time-step error below `STEP_GOAL`.
 
-    ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg]. Returns motions and torques at each
-    time step.
+    ``amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg]. Returns motions and
+    torques at each time step.
     """
     return simulate_with_step_control(amplitude)[0]
 
@@ -82,8 +82,8 @@ def simulate_screw(amplitude: float) -> TravelHistory:
 def simulate_with_step_control(amplitude: float) -> tuple[TravelHistory, StepError | None]:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis, with a time-step error below `STEP_GOAL`.
 
-    ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg]. Returns the history of motions and
-    torques, then the error by the time step over the mean torque, None if it is unknown.
+    ``amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg]. Returns the history
+    of motions and torques, then the error by the time step over the mean torque, None if it is unknown.
     """
     run = source_cases.shipped_simulation_inputs(amplitude)
     return run_with_step_errors(run, run.duration, None, STEP_GOAL)
@@ -93,8 +93,8 @@ def simulate_with_step_control(amplitude: float) -> tuple[TravelHistory, StepErr
 def simulate_in_200_steps(amplitude: float) -> TravelHistory:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis in 200 equal time steps, as Lin does.
 
-    Loads and motions are constant over a step, with their values at its start. ``amplitude``: amplitude of the contact
-    angles' deviation theta, 2 or 3 [deg]. Returns motions and torques at each time step.
+    Loads and motions are constant over a step, with their values at its start. ``amplitude``: amplitude of theta, the
+    deviation of the contact angles from nominal, 2 or 3 [deg]. Returns motions and torques at each time step.
     """
     return simulate_equal_steps(source_cases.shipped_simulation_inputs(amplitude))
 
@@ -280,8 +280,8 @@ def contact_begins_again(history: TravelHistory) -> bool:
 def time_steps_in_words(amplitude: float) -> str:
     """Return in words the number of time steps of a simulation, its time-step error, and a result with Lin's 200 steps.
 
-    The result is the largest ratio [%] of the ball-to-ball contacts' torque to that of the ball-to-groove contacts.
-    ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg].
+    The result is the largest friction torque by ball-to-ball contacts over the torque by ball-to-groove contacts [%].
+    ``amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg].
     """
     (found, error), base = simulate_with_step_control(amplitude), simulate_in_200_steps(amplitude)
     size = "unknown" if error is None else f"{100.0 * error.largest:.2g} %"
@@ -315,8 +315,8 @@ def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - e
 def _compute_ball_contact_torque(findings: Findings) -> None:
     """Compute the largest torque by ball-to-ball contact, and the nut angles at which it occurs and at which contact ends.
 
-    The values are recorded in ``findings``: the torque over that of the ball-to-groove contacts [%], the angles in
-    degrees.
+    The values are recorded in ``findings``: the torque by ball-to-ball contacts over the torque by ball-to-groove contacts
+    [%], and the angles in degrees.
     """
     low, high = (summarise_history(simulate_screw(a)) for a in AMPLITUDES)
     assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * source_cases.inferred_oversize():g} µm oversize"
@@ -455,8 +455,8 @@ def label_of_inferred_oversize() -> str:
 def load_state_interpretations() -> list[tuple[str, str, Callable[[float], Pair]]]:
     """Return the interpretations of the contact loads of two balls that Lin's Table 3.7 leaves open.
 
-    Each entry: kind of interpretation, such as "plain"; its assumptions in words; function that returns the ball pair for
-    a deviation theta [rad] of the second ball's contact angle.
+    Each item of the list: short name, such as "plain"; assumptions in words; function that returns the ball pair for a
+    deviation theta [rad] of the second ball's contact angle from nominal.
     """
 
     def with_changes(make: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:

@@ -282,7 +282,7 @@ def _nonzero_loads(result: AxisResult, i: int) -> Array:
     """Return the nonzero contact loads [N] of one part of the steering gear; ``i``: 0 for ball screw, 1 for bearing."""
     balls = result.sets[i].balls
     if balls is None:
-        raise AssertionError(f"expected contact loads of balls in set {i} of the steering gear, got none")
+        raise AssertionError(f"expected contact loads in part {i} (0: ball screw, 1: bearing) of the gear, got none")
     return np.asarray(balls.load[balls.load > 0.0])
 
 

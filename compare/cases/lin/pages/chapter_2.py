@@ -1,9 +1,9 @@
 """Report sections on chapter 2, Table B.1 and section 4.3.2 of Lin's thesis.
 
 Case studies 1, 2 and 3 of 2.4.1: contact loads, centreline, interpretations of the right end's support, modelling choices.
-Geometric errors of 2.4.2: alone and combined, random errors as percentiles of random screws. Constants of Table B.1:
-as printed, with the thesis's faults, and correct. Pitch and roundness errors of 4.3.2 on two screws. Agreement of two
-solvers and of two kinematic forms of the same model.
+Geometric errors of 2.4.2: each kind of error, combined errors, random errors as percentiles of random screws. Constants of
+Table B.1: as printed, with the thesis's faults, and correct. Pitch and roundness errors of 4.3.2 on two screws. Agreement
+of two solvers and of two kinematic forms of the same model.
 """
 
 from __future__ import annotations
@@ -166,7 +166,7 @@ def largest_and_smallest_loads_table(study: Study) -> Table:
 def largest_opposite_load_difference(study: Study) -> float:
     """Return the largest difference [N] between the loads of opposite contacts of a ball, over all balls and case studies.
 
-    Opposite are SL and NR, and SR and NL. ``study``: gives the solved scenes.
+    Opposite contacts are SL and NR, and SR and NL (screw or nut, left or right). ``study``: gives the solved scenes.
     """
     return max(float(np.abs(study.solve(n).load[:, :2] - study.solve(n).load[:, :1:-1]).max()) for n in chapter_2.CASES)
 

@@ -132,7 +132,8 @@ def _case_3_support_row(study: Study, model: str) -> Row:
 def rises_most_at_last_balls(change: Array) -> bool:
     """Return whether the largest change of a contact load is a rise on flank SR or NL of one of the last balls.
 
-    ``change``: changes of the contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL, NR.
+    ``change``: changes of the contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR (screw or nut, left or
+    right).
     """
     ball, side = np.unravel_index(int(np.abs(change).argmax()), change.shape)
     return bool(side in (1, 2) and ball >= len(change) - LAST and change[ball, side] > 0.0)

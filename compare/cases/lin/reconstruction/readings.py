@@ -306,8 +306,8 @@ def stored_runs(combination: Combination, level: int | None = None) -> tuple[Run
 def stored_loads(combination: Combination, level: int | None = None) -> tuple[Array, ...] | None:
     """Return the stored contact loads of Lin's cases 1 and 2 in 3D under a combination; None if a result is missing.
 
-    Each array is (n, 4) [N] for n balls and the flanks SL, SR, NL and NR. ``combination``: combination of interpretations;
-    ``level``: mesh level; None: level of `mesh_level_of_combination`.
+    Each array is (n, 4) [N] for n balls and the flanks SL, SR, NL and NR (screw or nut, left or right). ``combination``:
+    combination of interpretations; ``level``: mesh level; None: level of `mesh_level_of_combination`.
     """
     runs = stored_runs(combination, level)
     return None if runs is None else tuple(run.load for run in runs)
@@ -355,7 +355,8 @@ def load_change_per_approach(solid: tuple[Array, ...]) -> float:
     """Return the relative rise of a ball's load over the closure of one of its contacts, in units of the Hertz approach.
 
     It follows from the load of the oversize ball of case 2, whose larger radius closes (compresses) both of its contacts.
-    ``solid``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL, SR, NL and NR.
+    ``solid``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL, SR, NL and NR
+    (screw or nut, left or right).
     """
     before, after = (load[LARGE, 0] for load in solid)
     return float((after / before - 1.0) * 0.5 * APPROACH / OVERSIZE)
@@ -433,7 +434,7 @@ class CombinationResult:
     def misses(self) -> Array:
         """Deviations from the printed numbers (6,): two load ratios [%], then four errors of loads [percentage points].
 
-        The load ratios are those of the low-order and of the 3D model, the errors those of `ERRORS`.
+        First the load ratio of the low-order, then of the 3D model; the errors are in the order of `ERRORS`.
         """
         ratios = error_percent(np.array([self.low_ratio, self.solid_ratio]), printed_load_ratio())
         return np.concatenate([ratios, np.array(self.errors["own"]) - np.array(printed_errors())])
@@ -492,7 +493,7 @@ def _require_runs(study: Study, combination: Combination, level: int | None = No
     """Return the stored 3D results of cases 1 and 2 under a combination; raises LookupError if one is missing."""
     found = stored_runs(combination, level)
     if found is None:
-        raise LookupError(f"no stored 3D run of {combination_key(combination)!r}; compute it by: python -m {__package__}")
+        raise LookupError(f"no stored 3D result {combination_key(combination)!r}; compute it by: python -m {__package__}")
     return found
 
 

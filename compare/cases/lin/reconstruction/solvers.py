@@ -56,7 +56,7 @@ def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], penalty_rat
     for scene, run in zip(scenes, runs, strict=True):
         found = solve_reference(setup, scene, frozen=True)
         if found.status != "converged" or found.frozen is None:
-            raise ValueError(f"{scene.name}: no convergence in 3D with penalty contacts, got status {found.status!r}")
+            raise ValueError(f"{scene.name}: expected convergence in 3D with penalty contacts, got status {found.status!r}")
         changed = replace(
             run,
             scene=scene.name,
@@ -132,6 +132,6 @@ def solve_with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, 
     for scene, run in zip(scenes, runs, strict=True):
         ended = SlidingLoadCase(setup, scene, mu).solve(ROUNDS)
         if ended.status != "converged":
-            raise ValueError(f"{scene.name}: no convergence in 3D with sliding balls, got status {ended.status!r}")
+            raise ValueError(f"{scene.name}: expected convergence in 3D with sliding balls, got status {ended.status!r}")
         out.append(replace(run, load=ended.load, angle=np.degrees(ended.contact_angle)))
     return out
