@@ -422,7 +422,7 @@ def _load_radii_and_material(case: str) -> tuple[float, tuple[float, float], flo
 
 
 def _load_and_hertz_constants(case: str) -> tuple[float, HertzConstants]:
-    """Return load [N], then Hertz's constants of the contact in an example of the program CONTACT; ``case``: its name."""
+    """Return load [N], then Hertz's constants, of the contact in the program CONTACT's example ``case``."""
     load, radii, young, poisson = _load_radii_and_material(case)
     modulus = contact_modulus(young, poisson, young, poisson)
     return load, hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
@@ -486,7 +486,10 @@ def rolling_examples(findings: Findings, study: Study) -> None:  # noqa: ARG001 
 
 
 def _compute_wheel_creep_curve(findings: Findings) -> None:
-    """Compute the creep-force curve of CONTACT's locomotive wheel, by CONTACT's difference scheme, into ``findings``."""
+    """Compute the creep-force curve of CONTACT's locomotive wheel, by CONTACT's difference scheme.
+
+    ``findings``: receives the results.
+    """
     load, hertz = _load_and_hertz_constants("wheel")
     cube, mu = float(np.cbrt(load)), float(read_inputs()["wheel"]["friction"])
     findings.number("wheel_a", 1e3 * float(hertz.C_b) * cube)
@@ -515,7 +518,10 @@ def solve_push_and_roll_example(case: str, steps: int) -> list[OnsetStep]:
 
 
 def _compute_push_and_roll_examples(findings: Findings) -> None:
-    """Compute CONTACT's examples of a ball pushed sideways, then rolled towards steady rolling, into ``findings``."""
+    """Compute CONTACT's examples of a ball pushed sideways, then rolled towards steady rolling.
+
+    ``findings``: receives the results.
+    """
     found = {
         "cattaneo": solve_push_and_roll_example("cattaneo", 0),
         "onset": solve_push_and_roll_example("onset", ONSET_STEPS),
@@ -617,7 +623,10 @@ def double_over_single_nut_rigidity(study: Study) -> float:
 
 
 def _compute_double_nut_drag_torque(study: Study, findings: Findings) -> None:
-    """Compute the drag torque of a preloaded double nut by THK's formula, and by sliding balls, into ``findings``."""
+    """Compute the drag torque of a preloaded double nut by THK's formula, and by sliding balls.
+
+    ``study``: gives the scenes, and caches the torque; ``findings``: receives the results.
+    """
     case = read_inputs()["thk"]
     preload, lead, mu = (
         read_input("thk", "preload", "force"),

@@ -31,7 +31,7 @@ def exact_hertz_parameters(scene: Scene) -> dict[str, dict[str, float]]:
     """Return the Hertz parameters of Lin's Table B.1 by exact elliptic integrals, in SI units.
 
     The outer keys are "S" for contacts with the screw and "N" for those with the nut; the inner ones are names of the
-    parameters, such as "C_a". ``scene``: the screw, whose geometric errors are left out.
+    parameters, such as "C_a". ``scene``: the ball screw; its geometric errors are ignored.
     """
     bare = replace(scene, errors=Errors())
     drawn = draw_specimen(bare, ball_layout(bare))
@@ -80,7 +80,7 @@ def correct_table_b_1(scene: Scene) -> dict[str, float]:
 
 
 def table_b_1(findings: Findings, study: Study) -> None:
-    """Compute the Hertz parameters of Table B.1 of Lin's thesis.
+    """Compute the Hertz parameters of Table B.1 of Lin's thesis, with his faults and without them.
 
     ``findings``: receives two values for each printed number. One is computed as Lin did, with a conformity of 0.56 and the
     thesis's faults; the other is correct and has the groove of Table 2.1, which the text names. ``study``: gives the scenes
@@ -216,7 +216,10 @@ def section_2_4_1(findings: Findings, study: Study) -> None:
 
 
 def _compute_case_1(study: Study, findings: Findings) -> None:
-    """Compute load ratio, two-point contact and lateral displacement in Lin's case study 1, into ``findings``."""
+    """Compute load ratio, two-point contact and lateral displacement in Lin's case study 1.
+
+    ``study``: gives solved scenes and stored 3D references; ``findings``: receives the results.
+    """
     load, line = study.solve("lin-case1").load, study.solve("lin-case1").centreline
     mei = study.solve("lin-case1", "mei").load[:, 0]
     lateral = 1e6 * float(np.hypot(line[:, 0], line[:, 1]).max())
@@ -243,7 +246,10 @@ def _compute_case_1(study: Study, findings: Findings) -> None:
 
 
 def _compute_case_2(study: Study, findings: Findings) -> None:
-    """Check the claim that in Lin's case study 2 the oversize ball 17 changes its own load only, into ``findings``."""
+    """Check the claim that in Lin's case study 2 the oversize ball 17 changes its own load only.
+
+    ``study``: gives the solved scenes; ``findings``: receives the results.
+    """
     case1, case2 = (study.solve(name).load[:, 0] for name in ("lin-case1", "lin-case2"))
     change = error_percent(case2, case1, float(case1.mean()))
     most = float(np.abs(np.delete(change, 16)).max())
@@ -252,10 +258,10 @@ def _compute_case_2(study: Study, findings: Findings) -> None:
 
 
 def _compute_case_3(study: Study, findings: Findings) -> None:
-    """Check Lin's claims on four-point contact and on the last balls in his case study 3, into ``findings``.
+    """Check Lin's claims on four-point contact and on the last balls in his case study 3.
 
     In this case study the right end of the screw is displaced laterally, and the loads of the last balls rise most.
-    ``study``: gives the solved scenes.
+    ``study``: gives the solved scenes. ``findings``: receives the results.
     """
     smallest = [float(study.solve(name).load.min()) for name in CASES[2:]]
     words = f"smallest load of any contact in all readings {min(smallest):.1f} N"
@@ -269,7 +275,7 @@ def _compute_case_3(study: Study, findings: Findings) -> None:
 
 
 def _compare_with_ansys(study: Study, findings: Findings) -> None:
-    """Compute counterparts of the errors that Lin prints for his model against ANSYS, into ``findings``.
+    """Compute counterparts of the errors that Lin prints for his model against ANSYS; ``findings`` receives the results.
 
     They are the errors of Lin's model against this project's 3D reference, as the ANSYS loads are not printed. ``study``:
     gives solved scenes and stored 3D references.
@@ -298,8 +304,8 @@ def _compare_with_ansys(study: Study, findings: Findings) -> None:
 class ModelChoice:
     """Contact loads of Lin's case study 1 under one modelling choice.
 
-    ``label``: the choice in words; ``result``: static solution; ``change``: difference of the contact loads from those by
-    default.
+    ``label``: the choice in words; ``result``: static solution; ``change``: difference of the contact loads from the loads
+    with all choices by default.
     """
 
     label: str
@@ -369,7 +375,10 @@ def section_2_4_2(findings: Findings, study: Study) -> None:
 
 
 def _record_error_amplitudes(study: Study, findings: Findings) -> None:
-    """Record the amplitudes of the geometric errors that Lin prints in ``findings``, as the scenes contain them."""
+    """Record the amplitudes of the geometric errors that Lin prints, as the scenes contain them.
+
+    ``study``: gives the scenes included with rollbench; ``findings``: receives the amplitudes, in the printed units.
+    """
     profile, pitch = (study.scene(name).errors for name in ("lin-profile", "lin-pitch"))
     for side in SIDES:
         findings.numbers({f"profile_{side}_{k}": 1e6 * c for k, c in enumerate(profile.side(side).profile)})
@@ -378,7 +387,10 @@ def _record_error_amplitudes(study: Study, findings: Findings) -> None:
 
 
 def _check_single_error_claims(study: Study, findings: Findings) -> None:
-    """Check Lin's claims on contact loads with profile errors only and with pitch errors only, into ``findings``."""
+    """Check Lin's claims on contact loads with profile errors only and with pitch errors only.
+
+    ``study``: gives the solved scenes; ``findings``: receives the results.
+    """
     base, profile, pitch = (study.solve(name).load for name in ("lin-case1", "lin-profile", "lin-pitch"))
     for name, load in (("profile", profile), ("pitch", pitch)):
         words = f"SL {count_text_of_mask(load[:, 0] > 0)}, SR {count_text_of_mask(load[:, 1] > 0)} loaded"
@@ -397,7 +409,10 @@ def _check_single_error_claims(study: Study, findings: Findings) -> None:
 
 
 def _check_random_error_claims(study: Study, findings: Findings) -> None:
-    """Check Lin's claims on contact loads with random ball errors by randomly drawn screws, into ``findings``."""
+    """Check Lin's claims on contact loads with random ball errors by randomly drawn screws.
+
+    ``study``: gives the solved scenes and the randomly drawn screws; ``findings``: receives the results.
+    """
     base = study.solve("lin-case1").load
     random, combined = (ensemble_of_study(study, name).loads for name in ("lin-random", "lin-combined"))
     kept = np.array([is_two_point_contact(load) for load in random])
@@ -478,10 +493,10 @@ def section_4_3_2(findings: Findings, study: Study) -> None:
 
 
 def _check_manufacturing_error_claims(study: Study, findings: Findings, screw: str) -> None:
-    """Check the claims of section 4.3.2 of Lin's thesis on pitch and roundness errors for one screw, into ``findings``.
+    """Check the claims of section 4.3.2 of Lin's thesis on pitch and roundness errors for one screw.
 
     The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: key of `SCREWS`. ``study``: gives the
-    solved scenes.
+    solved scenes. ``findings``: receives the results.
     """
     pitch, roundness = study.solve(f"lin-pitch-{screw}"), study.solve(f"lin-roundness-{screw}")
     third = [float(r.load[:, [1, 2]].max()) for r in (pitch, roundness)]

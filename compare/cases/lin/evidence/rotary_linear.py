@@ -89,7 +89,8 @@ def solve_linear_pair(
 
     ``theta``: deviation of the contact angle from nominal [rad]; ``loads``: how the contact loads are computed (equal on
     each "diagonal", "balanced" at the stated angles, or "elastic" with angles that follow the loads); ``mated``: whether
-    the top groove is made to match the bottom one, case (b); ``mu_balls``: friction coefficient between the balls.
+    the top groove is made to match the bottom groove, Lin's case (b), instead of case (a); ``mu_balls``: friction
+    coefficient between the balls.
     """
     return solve_pair(replace(LINEAR, mu_balls=mu_balls), theta, SIDE, VERTICAL, mated=mated, loads=loads)
 
@@ -130,8 +131,9 @@ def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 def value_for_table_3_2(s: bearing.BearingBallSolution, key: str) -> float:
     """Return the computed value for a row of Lin's Table 3.2, in the unit of the table.
 
-    ``s``: solved motion of the ball; ``key``: name of the table's row: "F_" (contact load) or "P_" (friction loss) with the
-    name of a contact or "sum"; "omega_" (rotation of the ball) with "B", "x" or "y"; or "torque".
+    ``s``: solved motion of the ball; ``key``: name of the table's row: "F_" (contact load) or "P_" (friction loss) followed
+    by the name of a contact or "sum"; "omega_" (angular velocity of the ball) followed by "B" (orbit), "x" or "y"; or
+    "torque".
     """
     kind, _, what = key.partition("_")
     if kind == "F":
@@ -218,7 +220,7 @@ def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def _compute_worst_loss_ratio(findings: Findings) -> None:
-    """Compute the largest increase of friction loss in Lin's section 3.3.4.1, into ``findings``.
+    """Compute the largest increase of friction loss in Lin's section 3.3.4.1; ``findings`` receives the results.
 
     It is the friction loss between two touching balls over the loss of both balls without ball-to-ball contact.
     """
@@ -233,9 +235,9 @@ def _compute_worst_loss_ratio(findings: Findings) -> None:
 
 
 def _check_map_claims(findings: Findings, maps: PairResultsOverGrid) -> None:
-    """Check Lin's claims on the maps of ball-to-ball force and losses over theta and side force, into ``findings``.
+    """Check Lin's claims on the maps of ball-to-ball force and losses over theta and side force.
 
-    ``maps``: the maps, by the numerical model and by Lin's formulas.
+    ``maps``: the maps, by the numerical model and by Lin's formulas. ``findings``: receives the results.
     """
     difference, force, ratio = (both.numerical for both in (maps.difference, maps.force, maps.ratio))
     fields = (force[4:, 2::-1], ratio[4:, 2::-1])
@@ -378,8 +380,8 @@ def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - ever
 def power_balance_rows() -> list[Row]:
     """Return table rows of the rotary bearing's friction torque [N mm], power input [W] and friction losses [W].
 
-    There are three rows for each case of Lin's Table 3.2: correct Hertz constants and friction law; least dissipation at
-    the contact loads that Lin computed; and as Lin printed.
+    There are three rows for each case of Lin's Table 3.2: correct Hertz constants and Coulomb friction; Coulomb friction at
+    the contact loads that Lin computed; and all as Lin computed it. The motion of the first two minimises the dissipation.
     """
     rows: list[Row] = []
     for case in CASES:

@@ -233,7 +233,10 @@ def section_4_2(findings: Findings, study: Study) -> None:
 
 
 def _compute_lash(findings: Findings, study: Study) -> None:
-    """Compute the relative differences of lash between ball patterns: section 4.2.1 of Lin's thesis, into ``findings``."""
+    """Compute the relative differences of lash between ball patterns: section 4.2.1 of Lin's thesis.
+
+    ``study``: gives the scenes included with rollbench; ``findings``: receives the results.
+    """
     found = lash_differences(study.scene(SCREW), REACH)
     by_direction = ", ".join(f"{x:.1f}" for x in found.conical)
     words = f"lateral force at {1e3 * REACH:.0f} mm; by direction {by_direction} %"
@@ -243,7 +246,10 @@ def _compute_lash(findings: Findings, study: Study) -> None:
 
 
 def _compute_load_ratios(findings: Findings) -> None:
-    """Compute contact loads of ball screw and bearing over the tie-rod angle: section 4.2.2, into ``findings``."""
+    """Compute contact loads of ball screw and bearing over the tie-rod angle: section 4.2.2.
+
+    ``findings``: receives the results.
+    """
     gear = steering_gear()
     results = [solve_at_tie_rod_angle(gear, angle) for angle in TIE_ROD]
     loads = np.array([largest_screw_and_bearing_loads(r) for r in results])

@@ -112,7 +112,7 @@ def _case_3_support_row(study: Study, model: str) -> Row:
     """Return the table row on Lin's case 3, in which the right end of the screw is displaced laterally.
 
     It names the supports of this end for which the displacement changes the contact loads as printed. ``model``: name of
-    the model of the contact loads. ``study``: gives the solved scenes.
+    the model by which the contact loads are computed. ``study``: gives the solved scenes.
     """
     largest, right = [], []
     for reading in END_SUPPORTS:
@@ -390,7 +390,7 @@ def friction_paragraph(study: Study) -> str:
 
 
 def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResult]) -> Table:
-    """Return the table of the load ratios and errors that Lin prints, and of those computed by each explanation.
+    """Return the table of load ratios and errors: printed by Lin, and computed by each explanation of the printed ones.
 
     ``found``: results of all combinations of interpretations.
     """
@@ -522,7 +522,8 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
     ) -> tuple[Series, ...]:
         """Return a marker for each combination, and one for the printed values.
 
-        ``pick``: function that returns abscissa and ordinate of a combination; ``printed``: those of the printed values.
+        ``pick``: function that returns abscissa and ordinate of a combination; ``printed``: abscissa and ordinate of the
+        printed values.
         """
         out = []
         for label, of, light in (("other combinations", others, True), ("explanations", shown, False)):

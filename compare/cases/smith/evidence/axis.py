@@ -325,7 +325,7 @@ def section_4_2(e: Findings, study: Study) -> None:
 
 
 def _compute_bearing_row_loads(e: Findings, kind: str, end: str) -> None:
-    """Compute loads and stiffness of the bearing rows at one end of the axis, into ``e``.
+    """Compute loads and stiffness of the bearing rows at one end of the axis; ``e`` receives the results.
 
     ``kind``: "ball" or "taper"; ``end``: "left" or "right".
     """
@@ -355,9 +355,10 @@ def axis_stiffness_at_middle(supports: float) -> float:
 
 
 def _compute_axis_stiffness(e: Findings, kind: str, as_scenes: str) -> None:
-    """Compute the axis stiffness by Smith's sum of compliances, and with both halves of the screw in parallel, into ``e``.
+    """Compute the axis stiffness by Smith's sum of compliances, and with both halves of the screw in parallel.
 
-    ``kind``: "ball" or "taper"; ``as_scenes``: remark with end thrusts and stiffness by the beam model.
+    ``kind``: "ball" or "taper"; ``as_scenes``: remark with end thrusts and stiffness by the beam model. ``e``: receives the
+    results.
     """
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
@@ -396,7 +397,10 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def _record_axis_and_drive_data(e: Findings) -> None:
-    """Compute speed, resolution and further data of the tested axis and its drive: section 5.1 of Smith, into ``e``."""
+    """Compute speed, resolution and further data of the tested axis and its drive: section 5.1 of Smith.
+
+    ``e``: receives the results.
+    """
     warming = (
         warming_that_removes_tension(bearings.screw_as_bar_between_supports(), bearings.STRETCH, bearings.EXPANSION)
         / bearings.DEG_F
@@ -417,7 +421,10 @@ def _record_axis_and_drive_data(e: Findings) -> None:
 
 
 def _compare_torque_tests(e: Findings) -> None:
-    """Compare predicted torques, sums of printed parts, with the tests: section 5.2.1 of Smith (1994), into ``e``."""
+    """Compare predicted torques, sums of printed parts, with the tests: section 5.2.1 of Smith (1994).
+
+    ``e``: receives the results.
+    """
     off = {}
     for kind in KINDS:
         for when in ("start", "constant"):
@@ -436,7 +443,10 @@ def _compare_torque_tests(e: Findings) -> None:
 
 
 def _compare_stiffness_tests(e: Findings) -> None:
-    """Compare the computed stiffness of the axis with the tests: section 5.2.2 of Smith (1994), into ``e``."""
+    """Compare the computed stiffness of the axis with the tests: section 5.2.2 of Smith (1994).
+
+    ``e``: receives the results.
+    """
     off = []
     for kind in KINDS:
         right = axis_stiffness_at_middle(bearing_state_at_end(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
@@ -449,7 +459,10 @@ def _compare_stiffness_tests(e: Findings) -> None:
 
 
 def _compare_temperature_rises(e: Findings) -> None:
-    """Compare measured temperature rises with the torques that cause them: section 5.2.4 of Smith (1994), into ``e``."""
+    """Compare measured temperature rises with the torques that cause them: section 5.2.4 of Smith (1994).
+
+    ``e``: receives the results.
+    """
     torque = {
         "rise_ball": printed_value("smith-2.3", "M_test_3"),
         "rise_nut": printed_value("smith-4.3", "nut"),
@@ -475,7 +488,10 @@ def carriage_load_at_lift_off(preload: float) -> float:
 
 
 def _compute_loads_at_reduced_preload(e: Findings) -> None:
-    """Compute the bearing loads with the reduced preload of 750 lbf: section 5.3 of Smith (1994), into ``e``."""
+    """Compute the bearing loads with the reduced preload of 750 lbf: section 5.3 of Smith (1994).
+
+    ``e``: receives the results.
+    """
     for end in ("left", "right"):
         printed = row_loads_as_printed("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
         ours = bearing_state_at_end("taper", end, "stretch", REDUCED)

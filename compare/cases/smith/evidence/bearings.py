@@ -217,7 +217,7 @@ def table_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 
 
 def _compute_dimensions(e: Findings) -> None:
-    """Compute the ball bearing's dimensions in Smith's Figure 2-10, into ``e``."""
+    """Compute the ball bearing's dimensions in Smith's Figure 2-10; ``e`` receives the results."""
     b = ball_bearing()
     lengths = {
         "D": b.ball_diameter,
@@ -242,7 +242,10 @@ def _compute_dimensions(e: Findings) -> None:
 
 
 def _compute_spreadsheet_cells_under_load(e: Findings) -> None:
-    """Compute the spreadsheet cells of Smith's Figure 2-10 that depend on the contact angle under load, into ``e``."""
+    """Compute the spreadsheet cells of Smith's Figure 2-10 that depend on the contact angle under load.
+
+    ``e``: receives the results.
+    """
     source, s = recompute_ball_spreadsheet(SHEET_LOAD / POUND), thrust_state_of_ball_bearing(SHEET_LOAD)
     angle, q = float(s.angle), float(s.ball_load)
     e.number("F_N", SHEET_LOAD, as_printed=SHEET_POUND * SHEET_LOAD / POUND)
@@ -277,7 +280,7 @@ def _compute_spreadsheet_cells_under_load(e: Findings) -> None:
 
 
 def _compute_triplex_preload(e: Findings) -> None:
-    """Compute the preload of the triplex bearing set: section 2.1.2 of Smith (1994), into ``e``."""
+    """Compute the preload of the triplex bearing set: section 2.1.2 of Smith (1994); ``e`` receives the results."""
     for load in (1500.0, 1020.0):
         e.number(
             f"delta_{load:.0f}",
@@ -499,7 +502,7 @@ def taper_spreadsheet_stiffness(pounds: float) -> float:
 
 
 def _compute_taper_spreadsheet(e: Findings) -> None:
-    """Compute inputs, load zone and deflection of the tapered bearing in Smith's Figure 3-6, into ``e``."""
+    """Compute inputs, load zone and deflection of the tapered bearing in Smith's Figure 3-6; ``e`` receives the results."""
     b = taper_bearing()
     e.numbers(
         {
@@ -551,7 +554,10 @@ def _ball_stiffness_growth() -> float:
 
 
 def _compute_taper_contacts(e: Findings) -> None:
-    """Compute contact areas and pressures of the tapered roller bearing: chapter 3 of Smith (1994), into ``e``."""
+    """Compute contact areas and pressures of the tapered roller bearing: chapter 3 of Smith (1994).
+
+    ``e``: receives the results.
+    """
     b, c = taper_bearing(), roller_contacts_under_thrust()
     p = as_printed.taper_contact(
         SHEET_LOAD / POUND, b.rollers, b.length / INCH, b.diameter / INCH, b.pitch_diameter / INCH, b.cone_angle
@@ -578,7 +584,7 @@ def _compute_taper_contacts(e: Findings) -> None:
 
 
 def _compute_taper_tests(e: Findings) -> None:
-    """Compute the counterparts of tested stiffness and friction torque of the tapered bearing, into ``e``.
+    """Compute the counterparts of tested stiffness and friction torque of the tapered bearing; ``e`` receives the results.
 
     The tests are the measurements in chapter 3 of Smith (1994).
     """
