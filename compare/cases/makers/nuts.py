@@ -230,7 +230,11 @@ def compare_nut_rigidity() -> Iterator[PublishedValue]:
             def secant_rigidity(
                 conformity: float, filling: float, nut: CatalogueNut = nut, load: float = load, held: float = preload
             ) -> float:
-                """Return ``load`` [N] over the nut's displacement from the load ``held`` [N] to ``load``, in N/m."""
+                """Return ``load`` [N] over the nut's displacement from the load ``held`` [N] to ``load``, in N/m.
+
+                ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with
+                balls.
+                """
                 start = nut_displacement(nut, conformity, filling, held) if held else 0.0
                 return load / (nut_displacement(nut, conformity, filling, load) - start)
 

@@ -36,7 +36,7 @@ def compared_published_values(study: Study) -> tuple[outside.PublishedValue, ...
 
 
 def _compare_all(study: Study) -> tuple[outside.PublishedValue, ...]:
-    """Compute all values that are compared with published ones, sorted by quantity."""
+    """Compute all values that are compared with published ones, sorted by quantity; ``study``: gives the solved scenes."""
     found = [
         *outside.compare_external_tables(study),
         *outside.compare_calculix(study),

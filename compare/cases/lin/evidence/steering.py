@@ -31,7 +31,7 @@ PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "
 
 
 def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
-    """Return the azimuths [rad] of the balls in a pattern of Lin's Figure 4.2.
+    """Return the azimuths [rad] of the balls of the screw ``scene`` in a pattern of Lin's Figure 4.2.
 
     ``pattern``: one of `PATTERNS`. Stacked balls touch one another. For "stacked on one side", the gap of every turn lies
     opposite the x axis, at an azimuth of pi.
@@ -99,8 +99,8 @@ def solve_conical_lash(
 def _solve_lash_test(scene: Scene, load_range: str, restrained: Sequence[str]) -> LoadCurve:
     """Return the load curve of a lash test: displacement over a force that reverses.
 
-    ``load_range``: range of the loads, direction and position of the force, in the form of ``rollbench solve --curve``;
-    ``restrained``: freedoms that are restrained at the screw's left end, such as "rz".
+    ``scene``: the ball screw; ``load_range``: range of the loads, direction and position of the force, in the form of
+    ``rollbench solve --curve``; ``restrained``: freedoms that are restrained at the screw's left end, such as "rz".
     """
     scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in restrained)),))
     return compute_load_curve(scene, read_load_range(load_range), "lin", Options(engine="compiled"))

@@ -75,7 +75,10 @@ def _statement_row(location: str, printed: str, computed: str, verdict: str) -> 
 
 
 def _run_time_row(study: Study) -> Row:
-    """Return the table row on run times: printed for ANSYS, and measured for a 3D model with cells of equal size."""
+    """Return the table row on run times: printed for ANSYS, and measured for a 3D model with cells of equal size.
+
+    ``study``: gives the scene whose stored 3D result has this time.
+    """
     run = load_run(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (printed_value("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
     time = (
@@ -92,7 +95,10 @@ def _run_time_row(study: Study) -> Row:
 
 
 def _lateral_displacement_row(study: Study) -> Row:
-    """Return the table row on Lin's Figure 2.10: largest lateral displacement of the screw's axis, low-order and in 3D."""
+    """Return the table row on Lin's Figure 2.10: largest lateral displacement of the screw's axis, low-order and in 3D.
+
+    ``study``: gives solved scenes and stored 3D references.
+    """
     low, found = study.solve("lin-case1"), study.reference("lin-case1")
     assert found is not None
     z, *motion = found.best.centreline.T

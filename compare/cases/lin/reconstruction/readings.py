@@ -62,7 +62,7 @@ MU = 0.01
 def groove_less_ball_radius(scene: Scene) -> float:
     """Return the difference h [m] between groove radius and ball radius.
 
-    Raises ValueError if screw and nut have different groove radii.
+    ``scene``: the ball screw. Raises ValueError if screw and nut have different groove radii.
     """
     if scene.screw.groove_radius != scene.nut.groove_radius:
         radii = f"{scene.screw.groove_radius:g} and {scene.nut.groove_radius:g} m"
@@ -260,7 +260,7 @@ def change_scene_for_3d(scene: Scene, combination: Combination) -> Scene:
 
 
 def mesh_level_of_combination(combination: Combination) -> int:
-    """Return the mesh level on which a combination of interpretations is solved in 3D: the coarsest of their levels."""
+    """Return the mesh level on which a combination of interpretations is solved in 3D: the lowest of their mesh levels."""
     return min((r.level for r in combination), default=LEVEL)
 
 
@@ -294,8 +294,8 @@ def case_scenes_in_3d(combination: Combination) -> tuple[Scene, ...]:
 def stored_runs(combination: Combination, level: int | None = None) -> tuple[Run, ...] | None:
     """Return the stored 3D results of Lin's cases 1 and 2 under a combination of interpretations.
 
-    None if a result is missing or did not converge. ``combination``: the combination; ``level``: mesh level; None: level of
-    `mesh_level_of_combination`.
+    Returns None if a result is missing or did not converge. ``combination``: the combination; ``level``: mesh level; None:
+    level of `mesh_level_of_combination`.
     """
     level = mesh_level_of_combination(combination) if level is None else level
     found = [load_run(scene, level, stores=[RUNS]) for scene in case_scenes_in_3d(combination)]
@@ -352,11 +352,11 @@ APPROACH, BIAS, SCATTER = 6.4839e-6, -4.4, 0.33
 
 
 def load_change_per_approach(solid: tuple[Array, ...]) -> float:
-    """Return the relative rise of a ball's load over the closure of one of its contacts, in units of the Hertz approach.
+    """Return the relative rise of a ball's load if one of its contacts is closed by an amount equal to the Hertz approach.
 
-    It follows from the load of the oversize ball of case 2, whose larger radius closes (compresses) both of its contacts.
-    ``solid``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL, SR, NL and NR
-    (screw or nut, left or right).
+    It follows, as a linear change, from the load of the oversize ball of case 2, whose larger radius closes (compresses)
+    both of its contacts. ``solid``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks
+    SL, SR, NL and NR (screw or nut, left or right).
     """
     before, after = (load[LARGE, 0] for load in solid)
     return float((after / before - 1.0) * 0.5 * APPROACH / OVERSIZE)
@@ -490,7 +490,10 @@ def required_loads_in_3d(study: Study, combination: Combination, level: int | No
 
 
 def _require_runs(study: Study, combination: Combination, level: int | None = None) -> tuple[Run, ...]:  # noqa: ARG001
-    """Return the stored 3D results of cases 1 and 2 under a combination; raises LookupError if one is missing."""
+    """Return the stored 3D results of cases 1 and 2 under a combination; raises LookupError if one is missing.
+
+    ``study``: not used here; ``level``: mesh level; None: level of `mesh_level_of_combination`.
+    """
     found = stored_runs(combination, level)
     if found is None:
         raise LookupError(f"no stored 3D result {combination_key(combination)!r}; compute it by: python -m {__package__}")
@@ -498,7 +501,7 @@ def _require_runs(study: Study, combination: Combination, level: int | None = No
 
 
 def evaluate_combinations(study: Study) -> list[CombinationResult]:
-    """Return load ratios and errors for each pair of a low-order and a 3D combination of interpretations.
+    """Return load ratios and errors for each pair of a low-order model's and a 3D model's combination of interpretations.
 
     The first result has all choices by default. Raises LookupError if a 3D result is not stored. ``study``: gives solved
     scenes and stored 3D results.
@@ -513,7 +516,7 @@ def evaluate_combinations(study: Study) -> list[CombinationResult]:
 
 
 def printed_errors() -> tuple[float, ...]:
-    """Return the four errors [%] against ANSYS that Lin prints: largest and RMS, of cases 1 and 2."""
+    """Return the four errors [%] against ANSYS that Lin prints: largest and RMS error of case 1, then of case 2."""
     return tuple(printed_value("lin-2.4.1", key) for key in ERRORS)
 
 
@@ -528,16 +531,17 @@ def combination_nearest_to_print(found: list[CombinationResult], count: int = 6)
 
 
 def combinations_without_penalty(found: list[CombinationResult]) -> list[CombinationResult]:
-    """Return the combinations whose contacts in 3D have no penalty."""
+    """Return the combinations in ``found`` whose contacts in 3D have no penalty."""
     return [c for c in found if not any(r.penalty for r in c.solid)]
 
 
 def combinations_shown_in_report(found: list[CombinationResult]) -> dict[str, CombinationResult]:
     """Return the combinations that the report shows one by one, by their name in the report.
 
-    These are: all choices by default; the nearest to the printed load ratio, without a penalty (some penalty would give
-    any ratio); each penalty of the 3D contacts with all other choices by default; and the nearest to all six printed
-    numbers.
+    These are: all choices by default; the combination nearest to the printed load ratio, of those without a penalty (some
+    penalty would give any ratio); each penalty of the 3D contacts with all other choices by default; and the combination
+    nearest to all six printed numbers. ``found``: results of all combinations, of which the first has all choices by
+    default.
     """
     softer = {
         f"penalty of the 3D contacts: {c.solid[0].label}": c for c in found if not c.low and any(r.penalty for r in c.solid)

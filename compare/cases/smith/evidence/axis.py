@@ -172,7 +172,7 @@ def axis_stiffness_by_smith_sum(layout: SupportBearingLayout) -> float:
 def thrusts_and_stiffness_in_words(study: Study, layout: SupportBearingLayout) -> str:
     """Return in words end thrusts and stiffness of an axis with the nut at mid-length, by beam model and by formulas.
 
-    ``study``: gives the solved scenes.
+    ``study``: gives the solved scenes; ``layout``: support bearings of the axis.
     """
     scene, closed = thrusts_and_stiffness_by_scene(study, layout, 0.5), thrusts_and_stiffness_by_formulas(layout, 0.5)
     ends = [f"{x.left / bearings.POUND:.0f} and {x.right / bearings.POUND:.0f} lbf" for x in (scene, closed)]
