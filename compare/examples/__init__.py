@@ -1,1 +1,1 @@
-"""Three examples of the library: a catalogue page, a gate on a spreadsheet, and a notebook (``notebook.ipynb``)."""
+"""Three examples of the library: a catalogue page, a check of spreadsheet loads, and a notebook (``notebook.ipynb``)."""

@@ -1,4 +1,4 @@
-"""Judge loads of another program, here 8 % too large on one contact: ``python -m compare.examples.judge_a_spreadsheet``."""
+"""Judge loads of another program, here 8 % too large on one ball: ``python -m compare.examples.judge_a_spreadsheet``."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import rollbench
 
 
 def main(factor: float = 1.08) -> rollbench.Verdict:
-    """Write loads as a colleague's spreadsheet would, and judge them against the shipped 3D reference.
+    """Write contact loads as a spreadsheet would, and judge them against the 3D reference that rollbench includes.
 
-    ``factor``: factor on the load of one contact. Returns the verdict, which is also printed.
+    ``factor``: factor on the loads of ball 5, so that they are wrong. Returns the verdict, which is also printed.
     """
     load = rollbench.solve("lin-case1").loads
     assert load is not None, "the scene converges"

@@ -87,9 +87,9 @@ def assumptions_by_case() -> dict[str, tuple[str, ...]]:
 
 
 def shipped_shaft_scene(name: str) -> Assembly:
-    """Return the shipped scene ``external-NAME``, a shaft with bearing rows or nuts; ``name``: last part of its name.
+    """Return the scene ``external-NAME`` of a shaft with bearing rows or nuts, which is included with rollbench.
 
-    Raises AssertionError for a scene of another kind.
+    ``name``: NAME, such as "masta-radial". Raises AssertionError for a scene without such a shaft.
     """
     found = catalogue.shipped_scene(PREFIX + name)
     if not isinstance(found, Assembly):
@@ -98,19 +98,19 @@ def shipped_shaft_scene(name: str) -> Assembly:
 
 
 def solve_bearing(study: Study, name: str) -> tuple[AxisResult, SetResult]:
-    """Solve the shipped scene ``external-NAME`` of one bearing row between rigid rings by the beam model.
+    """Solve the scene ``external-NAME`` of one bearing row between rigid rings by the beam model.
 
-    ``study``: keeps the result, so that each scene is solved once; ``name``: last part of the scene's name. Returns the
-    result of the shaft, then that of its bearing row.
+    ``study``: caches the result, so that each scene is solved once; ``name``: NAME, such as "masta-radial". Returns the
+    result of the shaft, then the result of its bearing row.
     """
     result = study.compute_once(_solve_shaft_scene, name)
     return result, result.sets[0]
 
 
 def _solve_shaft_scene(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
-    """Solve the shipped scene ``external-NAME`` by the beam model; raises AssertionError if it does not converge.
+    """Solve the scene ``external-NAME`` by the beam model; raises AssertionError if it does not converge.
 
-    ``study``: not used; ``name``: last part of the scene's name.
+    ``study``: not used; ``name``: NAME, such as "masta-radial".
     """
     result = run_model(shipped_shaft_scene(name), "lin")
     if not result.converged:
@@ -120,8 +120,8 @@ def _solve_shaft_scene(study: Study, name: str) -> AxisResult:  # noqa: ARG001 -
 
 CLASSES = ("light", "medium", "strong")
 
-#: Usual range of conformity (groove radius over ball diameter). At its ends the growth of rigidity with preload is
-#: compared with GMN's, so that no conformity has to be inferred.
+#: Usual range of conformity (groove radius over ball diameter). The growth of rigidity with preload is compared with
+#: GMN's at both ends of the range, so that no conformity has to be inferred.
 ANY = (0.53, 0.56)
 
 
@@ -137,8 +137,8 @@ def _shaft_displacement_at(found: AxisResult, station: float, freedom: str) -> f
 def deep_groove_bearing(findings: Findings, study: Study) -> None:
     """Compute displacements and lives of the deep-groove ball bearing that was also computed by the program MASTA.
 
-    The rings are rigid, and the inner ring moves along each load only. Lives refer to the load rating that MASTA was
-    given. ``findings``: receives the computed value for each published number; ``study``: keeps solved scenes.
+    The rings are rigid, and the inner ring moves along each load only. Lives refer to the load rating that MASTA was given.
+    ``findings``: receives the computed value for each published number; ``study``: gives the solved scenes.
     """
     rated = read_input("masta", "rating", "force")
     for key, name, freedom, unit in (
@@ -158,7 +158,7 @@ def deep_groove_bearing(findings: Findings, study: Study) -> None:
 def bearing_218(findings: Findings, study: Study) -> None:
     """Compute contact angle, displacement and ball load of the textbooks' 218 bearing under thrust (Jones, Harris).
 
-    ``findings``: receives the computed value for each published number; ``study``: keeps solved scenes.
+    ``findings``: receives the computed value for each published number; ``study``: gives the solved scenes.
     """
     result, ring = solve_bearing(study, "harris-218")
     assert ring.balls is not None
@@ -176,8 +176,8 @@ def bearing_218(findings: Findings, study: Study) -> None:
 def half_load_zone(findings: Findings, study: Study) -> None:
     """Compute the load distribution of a bearing whose load zone is half the circumference (Sjövall).
 
-    The ball loads are computed with a row of many balls, the thrust by load-distribution integrals. ``findings``:
-    receives the computed value for each published number; ``study``: keeps solved scenes.
+    The ball loads are computed with a row of many balls, the thrust by load-distribution integrals. ``findings``: receives
+    the computed value for each published number; ``study``: gives the solved scenes.
     """
     for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
         ring = solve_bearing(study, name)[1]
@@ -206,7 +206,7 @@ def _bearing_of_catalogue_row(case: str, row: Sequence[float], conformity: float
 
 
 def _preloaded_pair(bearing: BallBearing, preload: float) -> BearingSet:
-    """Return a pair of opposed bearings, preloaded against each other by a force [N]."""
+    """Return a pair of opposed bearings, preloaded against each other by the axial force ``preload`` [N]."""
     return equal_rows_with_preload(BallRow(bearing), (1, -1), preload)
 
 
@@ -253,7 +253,7 @@ def gmn_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - 
 def gmn_rigidity_rms_error_percent() -> float:
     """Return the RMS error [%] of the computed rigidities of bearing pairs against those printed by GMN.
 
-    Only printed values of class "band" count, whose agreement is judged within a stated band.
+    Only printed values of class "band" count, whose agreement is judged within a stated tolerance band.
     """
     inferred = float(read_inputs()["gmn"]["conformity"])
     rows = [(r.key.rsplit("_", 1), r.value) for r in load_table("external-gmn") if r.cls == "band" and r.value is not None]
@@ -264,8 +264,9 @@ def gmn_rigidity_rms_error_percent() -> float:
 def snfa_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute rigidity, its growth with preload, and lift-off load of a preloaded bearing pair in SNFA's catalogue.
 
-    The catalogue keeps contact angles constant ("as printed"); in the correct values they change under load.
-    ``findings``: receives both values for each printed number. ``study``: not used here.
+    The catalogue's formulas assume constant contact angles, from which the values "as printed" are computed; in the correct
+    values, the angles change under load. ``findings``: receives both values for each printed number. ``study``: not used
+    here.
     """
     case = read_inputs()["snfa"]
     row = [1e3 * read_input("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
@@ -337,8 +338,9 @@ def equivalent_force_of_duty_cycle(case: str) -> float:
 def equivalent_loads(findings: Findings, study: Study) -> None:
     """Compute makers' examples of equivalent loads.
 
-    These are mean forces of duty cycles, forces and life of both halves of a preloaded nut, and factors e, X and Y of
-    bearings. ``findings``: receives the computed value for each printed number; ``study``: shipped scenes.
+    These are mean forces of duty cycles, forces and life of both halves of a preloaded nut, and the factors e, X and Y of
+    ISO 281 for the equivalent load of a bearing. ``findings``: receives the computed value for each printed number;
+    ``study``: gives the scenes included with rollbench.
     """
     for key, case in EXAMPLES.items():
         findings.number(key, equivalent_force_of_duty_cycle(case))
@@ -370,7 +372,8 @@ EXAMPLE_CELLS, EXAMPLE_MARGIN = 44, 1.1
 #: Cells of CONTACT's wheel example, along and across.
 WHEEL_CELLS = (48, 44)
 
-#: Steps of one cell that CONTACT's ball is rolled from rest, past the largest creepage; the example has 56 steps.
+#: Number of steps, of one cell's length each, that CONTACT's ball is rolled from rest. They go past the step with the
+#: largest creepage; the example has 56 steps.
 ONSET_STEPS = 20
 
 
@@ -419,7 +422,7 @@ def _load_radii_and_material(case: str) -> tuple[float, tuple[float, float], flo
 
 
 def _load_and_hertz_constants(case: str) -> tuple[float, HertzConstants]:
-    """Return load [N], then Hertz's constants of the contact in an example of the program CONTACT; ``case``: its name."""
+    """Return load [N], then Hertz's constants, of the contact in the program CONTACT's example ``case``."""
     load, radii, young, poisson = _load_radii_and_material(case)
     modulus = contact_modulus(young, poisson, young, poisson)
     return load, hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
@@ -445,8 +448,8 @@ class RollingExampleResult:
 def solve_rolling_example(cells: int, *, as_contact: bool = False) -> RollingExampleResult:
     """Solve the steady-rolling example of the program CONTACT, which has lateral creepage and spin.
 
-    ``cells``: number of cells of the grid along each axis; ``as_contact``: whether to use CONTACT's grid and its difference
-    scheme over one cell, instead of the scheme of this package.
+    ``cells``: number of cells of the grid along each axis; ``as_contact``: whether to use CONTACT's grid and its finite
+    differences of slip over one cell, instead of the scheme of this package.
     """
     case, touch = read_inputs()["contact"], _load_radii_and_material("contact")
     creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
@@ -483,7 +486,10 @@ def rolling_examples(findings: Findings, study: Study) -> None:  # noqa: ARG001 
 
 
 def _compute_wheel_creep_curve(findings: Findings) -> None:
-    """Compute the creep-force curve of CONTACT's locomotive wheel, by CONTACT's difference scheme, into ``findings``."""
+    """Compute the creep-force curve of CONTACT's locomotive wheel, by CONTACT's difference scheme.
+
+    ``findings``: receives the results.
+    """
     load, hertz = _load_and_hertz_constants("wheel")
     cube, mu = float(np.cbrt(load)), float(read_inputs()["wheel"]["friction"])
     findings.number("wheel_a", 1e3 * float(hertz.C_b) * cube)
@@ -500,8 +506,8 @@ def _compute_wheel_creep_curve(findings: Findings) -> None:
 def solve_push_and_roll_example(case: str, steps: int) -> list[OnsetStep]:
     """Solve an example of the program CONTACT in which a ball is pushed sideways at rest, and then rolls.
 
-    ``case``: name of the example; ``steps``: number of steps, each of one cell's length, that the ball rolls. The first
-    entry of the result is the state at rest.
+    ``case``: name of the example; ``steps``: number of steps, each of one cell's length, that the ball rolls. Returns the
+    state at rest, then the states after each step.
     """
     numbers, (load, circle) = read_inputs()[case], _load_and_hertz_constants(case)
     margin = 0.5 * read_input(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
@@ -512,7 +518,10 @@ def solve_push_and_roll_example(case: str, steps: int) -> list[OnsetStep]:
 
 
 def _compute_push_and_roll_examples(findings: Findings) -> None:
-    """Compute CONTACT's examples of a ball pushed sideways, then rolled towards steady rolling, into ``findings``."""
+    """Compute CONTACT's examples of a ball pushed sideways, then rolled towards steady rolling.
+
+    ``findings``: receives the results.
+    """
     found = {
         "cattaneo": solve_push_and_roll_example("cattaneo", 0),
         "onset": solve_push_and_roll_example("onset", ONSET_STEPS),
@@ -534,24 +543,24 @@ HIWIN = ("hiwin-63-10k5",)
 #: Size of the single nut of which a double nut is made.
 DOUBLE = "bnf-4010-5"
 
-#: Rigidity in the catalogue over that of the Hertz contacts alone, as an independent program found it: lowest and highest
-#: ratio, by sizes of a maker.
+#: Rigidity in the catalogue divided by the rigidity of the Hertz contacts alone, computed by an independent program:
+#: lowest and highest ratio, by sizes of a maker.
 SHARES = {THK: (0.567, 0.586), HIWIN: (0.75, 0.75)}
 
-#: Relative error that number of balls and pitch diameter, which are not printed, may cause.
+#: Relative error of a rigidity that the number of balls and the pitch diameter may cause, which are not printed.
 UNPRINTED = 0.05
 
 
 def scene_name_of_catalogue_size(size: str) -> str:
-    """Return the name of the shipped scene for a nut of THK or HIWIN; ``size``: its size, such as "bnf-4010-5"."""
+    """Return the name of the scene for a nut of THK or HIWIN; ``size``: size of the nut, such as "bnf-4010-5"."""
     return f"{PREFIX}{size}" if size in HIWIN else f"{PREFIX}thk-{size}"
 
 
 def rigidities_without_and_with_bodies(scene: Scene, force: float) -> tuple[float, float]:
     """Return the axial rigidity [N/m] of a nut with equally loaded balls: of the contacts only, then also with the bodies.
 
-    The bodies are nut and screw as tubes. ``scene``: screw and nut; ``force``: axial load [N]. Raises ValueError if nut
-    or screw has no wall thickness.
+    The bodies are nut and screw, whose deformation as tubes is added to that of the Hertz contacts. ``scene``: screw and
+    nut; ``force``: axial load [N]. Raises ValueError if nut or screw has no wall thickness.
     """
     alone, body = displacement_by_contacts_only(scene, force), axial_compliance_of_bodies(scene)
     assert body is not None
@@ -561,7 +570,7 @@ def rigidities_without_and_with_bodies(scene: Scene, force: float) -> tuple[floa
 def rigidity_with_unequal_loads(study: Study, name: str, model: str) -> float:
     """Return the axial rigidity [N/m] of a nut by a model in which ball loads differ; zero if the model did not converge.
 
-    ``study``: solved scenes; ``name``: name of the scene; ``model``: name of the model.
+    ``study``: gives the solved scenes; ``name``: name of the scene; ``model``: name of the model.
     """
     scene, found = study.scene(name), study.solve(name, model)
     return axial_force(found) / axial_displacement(scene, found) if found.converged else 0.0
@@ -571,8 +580,8 @@ def nut_rigidities(findings: Findings, study: Study) -> None:
     """Compute the rigidities of THK's and HIWIN's nuts at 0.3 of their dynamic rating C, and related printed values.
 
     These are the growth of rigidity with the number of turns, the rigidity of a double nut, and its drag torque.
-    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved
-    scenes.
+    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives the
+    solved scenes.
     """
     alone, bodies = {}, {}
     for size in (*THK, *HIWIN):
@@ -595,8 +604,9 @@ def nut_rigidities(findings: Findings, study: Study) -> None:
 def double_over_single_nut_rigidity(study: Study) -> float:
     """Return the axial rigidity of a preloaded double nut divided by that of a single nut, contacts and bodies included.
 
-    The preload is a third of the single nut's load. The double nut's rigidity is taken at the load that just unloads one
-    of its nuts: its displacement is then the deflection of one nut under the preload. ``study``: shipped scenes.
+    The preload is a third of the single nut's load. The double nut's rigidity is taken at the load that just unloads one of
+    its nuts: its displacement is then the deflection of one nut under the preload. ``study``: gives the scenes included
+    with rollbench.
     """
     scene = study.scene(scene_name_of_catalogue_size(DOUBLE))
     full = scene.loads[0].force[2]
@@ -605,7 +615,7 @@ def double_over_single_nut_rigidity(study: Study) -> float:
     moved = preload / rigidities_without_and_with_bodies(scene, preload)[1]
 
     def displacement_error(force: float) -> float:
-        """Return the single nut's displacement [m] at a force [N], less its displacement where the double nut lifts off."""
+        """Return the single nut's displacement [m] at a force [N], less its displacement when the double nut lifts off."""
         return force / rigidities_without_and_with_bodies(scene, force)[1] - 2.0 * moved
 
     unloads = float(brentq(displacement_error, preload, 4.0 * preload, rtol=1e-6))
@@ -613,7 +623,10 @@ def double_over_single_nut_rigidity(study: Study) -> float:
 
 
 def _compute_double_nut_drag_torque(study: Study, findings: Findings) -> None:
-    """Compute the drag torque of a preloaded double nut by THK's formula, and by sliding balls, into ``findings``."""
+    """Compute the drag torque of a preloaded double nut by THK's formula, and by sliding balls.
+
+    ``study``: gives the scenes, and caches the torque; ``findings``: receives the results.
+    """
     case = read_inputs()["thk"]
     preload, lead, mu = (
         read_input("thk", "preload", "force"),
@@ -634,7 +647,7 @@ def _compute_double_nut_drag_torque(study: Study, findings: Findings) -> None:
 def double_nut_drag_torque(study: Study, preload: float, mu: float) -> float:
     """Return the friction torque [N m] of a preloaded double nut of the size `DOUBLE` by the sliding of its balls.
 
-    ``preload``: axial force between both nuts [N]; ``mu``: coefficient of friction. ``study``: solved scenes.
+    ``preload``: axial force between both nuts [N]; ``mu``: coefficient of friction. ``study``: gives the solved scenes.
     """
     scene = study.scene(scene_name_of_catalogue_size(DOUBLE))
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, preload)) for x in scene.loads))

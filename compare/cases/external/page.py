@@ -63,8 +63,8 @@ SOURCES = {
     "external-equivalent": "makers, equivalent loads",
 }
 
-#: Largest axial displacement without loads over that with loads that is neglected. Scenes with more are left out, because
-#: the 3D reference has no solution without loads to subtract.
+#: Axial displacement without loads, divided by the displacement with loads, up to which it is neglected. Scenes with a
+#: larger ratio are left out, because the 3D reference has no solution without loads to subtract.
 STARTS = 0.01
 
 
@@ -88,7 +88,7 @@ def agreement_sentence(found: Sequence[Evidence]) -> str:
 def assumptions_table(study: Study) -> Table:
     """Return the table of assumptions made where a publication leaves inputs open.
 
-    ``study``: knows which scenes were used; the table has a row for each of their assumptions.
+    ``study``: lists the scenes used so far; the table has a row for each of their assumptions.
     """
     rows: list[dict[str, Cell]] = []
     for name, thing in study.used.items():
@@ -120,10 +120,11 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
 
 
 def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
-    """Return the axial rigidities of each catalogue nut: computed with growing detail, and printed.
+    """Return the axial rigidities of each catalogue nut: computed with more and more effects, and printed.
 
-    Each entry: name of the scene; axial load [N]; rigidities [N/um] of the "contacts" alone, with the "bodies", with
-    "unequal" ball loads, and as "printed" in the catalogue, None where unknown. ``study``: solved scenes.
+    Each item of the list: name of the scene; axial load [N]; rigidities [N/um], None where unknown: of the Hertz "contacts"
+    only, with the deformation of the "bodies", with "unequal" ball loads too, and as "printed" in the catalogue. ``study``:
+    gives the solved scenes.
     """
     out: list[tuple[str, float, dict[str, float | None]]] = []
     for size in (*external.THK, *external.HIWIN):
@@ -154,9 +155,9 @@ def displacement_in_3d(scene: Scene, found: Reference) -> float:
 def nut_rigidity_row(study: Study, name: str) -> dict[str, Cell] | None:
     """Return the table row of a nut's rigidities [N/um]: by the effects included in the model, and by the 3D reference.
 
-    ``study``: solved scenes and stored 3D references; ``name``: name of the scene. Returns None without a stored
-    reference, without axial load, or if the screw is displaced at zero load, which the reference's displacements do not
-    subtract.
+    ``study``: gives solved scenes and stored 3D references; ``name``: name of the scene. Returns None without a stored 3D
+    reference, without axial load, if a rigidity is not defined, or if the screw is displaced at zero load (the 3D
+    displacement contains this part, so that its rigidity is unknown).
     """
     scene, found = study.scene(name), study.reference(name)
     if found is None:
@@ -187,7 +188,7 @@ def nut_rigidities_table(
 ) -> Table:
     """Return the table of nut rigidities by the effects included: catalogue sizes, then scenes with a 3D reference.
 
-    ``study``: solved scenes and stored 3D references; ``catalogue``: result of `catalogue_rigidities`;
+    ``study``: gives solved scenes and stored 3D references; ``catalogue``: result of `catalogue_rigidities`;
     ``referenced_scenes``: names of the scenes that are compared with the 3D reference.
     """
     rows: list[dict[str, Cell]] = []
@@ -230,7 +231,7 @@ def nut_rigidities_table(
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on values of other programs, makers' catalogues and textbooks.
 
-    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("values of other programs, makers and textbooks")
     tables = [name for name in computations_with_function() if name.startswith(PREFIX)]
@@ -269,7 +270,7 @@ THREE = "3D"
 #: Number of bolts that fix a flange, and names of two fixations: of its whole annulus, or by bolts only.
 BOLTS = 6
 WHOLE, BOLTED = "flange, whole face", f"flange, {BOLTS} bolts"
-#: Length of the centring fit over the length of the nut beyond its flange.
+#: Length of the centring fit, divided by the length of the nut between flange and free end.
 FIT = 0.5
 #: Columns of the table of nuts fixed at different surfaces.
 FIXATION_COLUMNS = (
@@ -316,16 +317,17 @@ def scenes_by_nut_fixation(scene: Scene) -> dict[str, Scene]:
 def stored_results(store: Path) -> list[dict[str, Any]]:
     """Read the stored 3D results of nuts that are fixed at different surfaces.
 
-    Each entry has the scene, fixation, mesh level, status, rigidity [N/m], and ball loads [N] by flank. ``store``: folder
-    of the file `FIXATION_FILE`.
+    Each item has the name of the scene, the fixation of the nut, mesh level, status, rigidity [N/m], and ball loads [N] by
+    flank. ``store``: folder of the file `FIXATION_FILE`.
     """
     return list(json.loads((store / FIXATION_FILE).read_text(encoding="utf-8")))
 
 
 def contact_loads_of_stored_result(result: dict[str, Any]) -> Array:
-    """Return the contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR, from one stored 3D result.
+    """Return the contact loads (n, 4) [N] of n balls on their four flanks, from one stored 3D result.
 
-    Loads on flanks that the result does not contain are zero. ``result``: the result, by key of the JSON file.
+    The columns are the flanks SL, SR, NL and NR (screw or nut, left or right). Loads on flanks that the result does not
+    contain are zero. ``result``: the result, by key of the JSON file.
     """
     by_side = result["load"]
     return np.stack([by_side.get(side, np.zeros(len(next(iter(by_side.values()))))) for side in SIDES], axis=1)
@@ -334,15 +336,15 @@ def contact_loads_of_stored_result(result: dict[str, Any]) -> Array:
 class FixationResult(NamedTuple):
     """Contact loads and rigidity of a screw by one model, for one fixation of its nut."""
 
-    #: Name of the model, or 3D reference with its mesh level.
+    #: Name of the model, or of the 3D reference with its mesh level.
     by: str
-    #: Name of the fixation.
+    #: Name of the fixation, a key of `scenes_by_nut_fixation`.
     way: str
-    #: Contact loads, (n, 4) [N].
+    #: Contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR.
     load: Array
     #: Axial rigidity [N/m].
     rigidity: float
-    #: Uncertainty of the loads by the mesh [% of the mean load].
+    #: Uncertainty of the loads by the mesh [% of the mean load]; None for models without a mesh.
     mesh: float | None = None
 
 
@@ -366,7 +368,7 @@ def largest_mesh_uncertainty_percent(scene: Scene, loads: Mapping[int, Array]) -
     Parameters
     ----------
     scene
-        The scene.
+        Ball screw and loads, which determine the error near free faces.
     loads
         Contact loads (n, 4) [N] of n balls in 3D, by mesh level.
     """
@@ -378,8 +380,8 @@ def largest_mesh_uncertainty_percent(scene: Scene, loads: Mapping[int, Array]) -
 def fixation_table_rows(study: Study, size: str) -> list[dict[str, Cell]]:
     """Return table rows of a catalogue screw: largest load, life and rigidity for each fixation of its nut and each model.
 
-    ``study``: solved scenes; ``size``: name of the catalogue size, one of `SIZES`. The rows of the default model come
-    first, then those of every stored mesh level of the 3D reference. The default model fixes the whole annulus of a
+    ``study``: gives the solved scenes; ``size``: name of the catalogue size, one of `SIZES`. The rows of the default model
+    come first, then those of every stored mesh level of the 3D reference. The default model fixes the whole annulus of a
     flange, so it has no row for a flange fixed by bolts.
     """
     printed = printed_entry("external-thk", f"rigidity_{size}").value
@@ -426,7 +428,7 @@ def fixation_table_rows(study: Study, size: str) -> list[dict[str, Cell]]:
 
 
 def bolts_sentence() -> str:
-    """Return the sentence on how loads and rigidity change in 3D if bolts fix the flange instead of its whole annulus."""
+    """Return the sentence on how loads and rigidity change in 3D if only bolts, not the whole annulus, fix the flange."""
     words = []
     for size in SIZES:
         scene = scene_name_of_catalogue_size(size)
@@ -482,8 +484,8 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
 def column_range_in_words(rows: list[dict[str, Cell]], column: str, fixation: str = "", form: str = "+.1f") -> str:
     """Return in words the smallest and largest value of a table column, over the rows of the default model.
 
-    ``rows``: table rows from `fixation_table_rows`; ``column``: key of the column; ``fixation``: only fixations whose names
-    begin so count; ``form``: format of the numbers.
+    ``rows``: table rows from `fixation_table_rows`; ``column``: key of the column; ``fixation``: beginning of the
+    fixations' names that count, empty for all; ``form``: format of the numbers.
     """
     values = [float(row[column] or 0.0) for row in rows if row["by"] == DEFAULT and str(row["held"]).startswith(fixation)]
     return f"{min(values):{form}} to {max(values):{form}}"
@@ -507,7 +509,7 @@ def flanged_nuts_sentence() -> str:
 def fixation_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on the effect of the nut's fixation on contact loads, life and rigidity.
 
-    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     step("ways of holding a nut")
     rows = [row for size in SIZES for row in fixation_table_rows(study, size)]

@@ -36,7 +36,7 @@ class Coefficient:
 
     #: Key in the printed table: name, ratio of semi-axes, Poisson's ratio (``C11_0.2_0.25``).
     key: str
-    #: Values by grid.
+    #: Values on the grids, from coarse to fine.
     values: tuple[float, ...]
     #: Value extrapolated to first order in the cell size if the values converge monotonically, else the finest grid's.
     answer: float
@@ -48,7 +48,7 @@ class Coefficient:
 def coefficients() -> tuple[Coefficient, ...]:
     """Return the 36 creep coefficients of Kalker's Table E3: four for each of nine contacts.
 
-    A contact is a ratio of the semi-axes with a Poisson's ratio.
+    Each contact has one of three ratios of the semi-axes and one of three Poisson's ratios.
     """
     return tuple(_compute_coefficients())
 
@@ -81,23 +81,24 @@ def table_e3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every 
 
 #: Contact in full slip: load [N], relative radii [m], Young's modulus [Pa], Poisson's ratio; friction coefficient.
 GROOVE, MU = (100.0, (5e-3, 46.667e-3), 210e9, 0.28), 0.1
-#: Creepages (along, across, spin [1/m]) of full slip with the spin pole outside and inside the contact ellipse.
+#: Creepages (along, across, spin [1/m]) of full slip. The spin pole, where slip is zero, lies outside or inside the contact
+#: ellipse.
 SLIPS = {"pole outside": verification.Creep(0.02, 0.004, 30.0), "pole inside": verification.Creep(0.02, 0.004, 400.0)}
 #: How full slip is computed on a grid: one slip per cell, slip resolved within cells, differences as in stored 3D results.
 BY_GRID, RESOLVED, AS_RUNS = "on a grid alone", "on a grid, slip resolved within cells", "as runs have it, worst level"
 #: Resultants by which full slip is compared.
 WRENCH = ("force [N]", "moment [N mm]")
-#: Largest permitted errors [%] against Carter, Cattaneo and Mindlin, full slip by quadrature, and Kalker's table.
+#: Permitted errors [%] against Carter, Cattaneo and Mindlin, full slip by quadrature, and Kalker's table.
 REACH = (0.5, 0.5, 0.1, 2.0)
 #: Fraction of mu P at which Carter's stick zone is only 4 to 17 cells wide, so that its computed width depends on where
 #: cell boundaries lie (errors of -1.9, 0.3, 0.8 % on 40, 80, 160 cells, without an order of convergence), and its permitted
 #: error [%].
 NARROW, NARROW_REACH = 0.95, 1.0
-#: Permitted error [%] of a grid whose spin pole lies inside a cell, before the rigid limit corrects it.
+#: Permitted error [%] on a grid if the spin pole lies inside a cell, before the correction by the rigid limit.
 ALONE = 2.0
 #: Factor on the tangential compliance at which the whole contact slips, as between rigid bodies.
 STIFF = 1e-3
-#: Number of cells along an axis on the finest level of stored runs, divided by that on the coarsest.
+#: Number of cells along an axis on the finest grid of the stored 3D results, divided by their number on the coarsest.
 FINER = LEVELS[max(LEVELS)][0] / LEVELS[min(LEVELS)][0]
 #: Cells along each axis of CONTACT's example: two coarser grids, and the printed one.
 EXAMPLE_GRIDS = (22, 33, EXAMPLE_CELLS)
@@ -108,10 +109,10 @@ EXAMPLE_GRIDS = (22, 33, EXAMPLE_CELLS)
 AT_REST = ("approach [um]", "semi-axis along [um]", "semi-axis across [um]", "peak pressure [MPa]")
 STATIC_REACH, STATIC_CELLS = (0.5, 1.5, 2.0, 2.5), (10, 10)
 SCREW, LINEAR = "lin-screw-pair-a-inferred", "lin-pair-a"
-#: Error [%] of the finite elements of a contact zone against the half space; the same in a finite body and in a half space.
+#: Permitted error [%] of finite elements of a contact zone against the closed-form solution of the half space.
 ELEMENTS_REACH = 2.0
-#: Permitted error [%] of friction at one point in place of the contact ellipse of two balls that touch; on
-#: finite balls that point lies half an approach inside their surfaces.
+#: Permitted error [%] of friction at one point in place of the contact ellipse of two balls that touch. Where the balls'
+#: own shape counts, the point lies half the Hertz approach inside their surfaces.
 RUB_REACH = 0.01
 
 
@@ -119,10 +120,10 @@ RUB_REACH = 0.01
 class Verification:
     """A verification of the 3D model of rolling contact: one quantity on three grids, and its exact or printed value.
 
-    ``case``: contact problem in words; ``quantity``: name with unit; ``values``: computed on the coarse,
-    middle and fine grid; ``exact``: exact or printed value; ``reach``: permitted error of ``answer`` [%]; ``answer``: value
-    that is compared with ``exact``, that of the finest grid unless stated otherwise; ``finer``: number of cells along an
-    axis of the finest grid over that of the coarsest, None if no order of convergence is expected.
+    ``case``: contact problem in words; ``quantity``: name with unit; ``values``: value of the quantity on the coarse, the
+    middle and the fine grid; ``exact``: exact or printed value; ``reach``: permitted error of ``answer`` [%]; ``answer``:
+    value that is compared with ``exact``, in most verifications the value on the finest grid; ``finer``: number of cells
+    along an axis of the finest grid over that of the coarsest, None if no order of convergence is expected.
     """
 
     case: str

@@ -76,7 +76,7 @@ class PatchField:
 
 @lru_cache(maxsize=1)
 def patch_fields() -> tuple[PatchField, ...]:
-    """Return slip and traction of the contacts `SHOWN`: balls that touch each other, bodies as elastic half spaces."""
+    """Return slip and traction of the contacts `SHOWN`, for touching balls and bodies as elastic half spaces."""
     choices, out = Choices(SHAPE), []
     for name in dict.fromkeys(shown[0] for shown in SHOWN):
         scene = shipped_case(name, KindScene)
@@ -108,8 +108,8 @@ def _to_patch_field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on the 3D model of rolling contact.
 
-    ``study``: stores of the 3D results; the section names the scenes without a stored result. ``step``: function that
-    receives a message before each step.
+    ``study``: gives the folders of stored 3D results; the section names scenes without a stored result. ``step``: function
+    that receives a message before each step.
     """
     stores = study.stores or (shipped_store(),)
     step("rolling contacts with known answers")
@@ -226,7 +226,7 @@ def _finite_body_text_and_tables(
 
 
 def _finite_body_change(row: RollingComparisonRow) -> float | None:
-    """Return the change [%] of a quantity from half spaces to bodies of finite size; None if it is not defined."""
+    """Return the change [%] of a quantity from half spaces to bodies of finite size; None if it is not computed."""
     change = None if row.half_space is None else float(error_percent(row.reference, row.half_space))
     return change if change is not None and np.isfinite(change) and row.error_percent != 0.0 else None
 
@@ -309,7 +309,7 @@ def _ball_force_conclusion(found: dict[str, list[RollingComparisonRow]]) -> str:
 def _introduction(found: dict[str, list[RollingComparisonRow]], proof: Sequence[Verification]) -> list[str]:
     """Return the introductory paragraphs: the 3D model, verifications passed, quantities with errors above the limit.
 
-    ``found``: comparisons of the low-order friction models with the 3D model, by scene; ``proof``: verifications of the
+    ``found``: comparisons of the low-order friction models with the 3D model, by scene; ``proof``: verifications of the 3D
     model. The quantities are ball-to-ball forces and torques.
     """
     reached = sum(p.within_permitted_error for p in proof)
@@ -334,7 +334,7 @@ def _introduction(found: dict[str, list[RollingComparisonRow]], proof: Sequence[
 
 
 def _spin_pole_sentence(proof: Sequence[Verification]) -> str:
-    """Return the sentence on the grid's error where a contact slips about a spin pole inside a cell; empty if unknown.
+    """Return the sentence on the error by the grid if the spin pole of a slipping contact lies in a cell; empty if unknown.
 
     ``proof``: verifications of the 3D rolling model.
     """
@@ -402,7 +402,8 @@ def _stored_rolling_runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
 def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
     """Return a table row for each stored result of the 3D rolling model, to show the influence of the grid.
 
-    Columns: grid, force or torque, its change by elasticity, power lost, sticking cells, processor time.
+    Columns: scene, grid, force or torque, its change by elasticity, power lost by finite differences, sticking cells,
+    processor time. ``stores``: folders of the results.
     """
     out: list[Row] = []
     every = [(name, run) for name in (*PAIRS, *RINGS) for run in _stored_rolling_runs(name, stores)]
@@ -440,7 +441,7 @@ def _from_rest_row(s: RunFromRest) -> Row:
 
 
 def _numerical_choice_row(c: ChoiceEffect) -> Row:
-    """Return the table row of one numerical choice: largest change of the ball-to-ball force, and stated uncertainty."""
+    """Return the table row of a numerical choice, such as a grid: largest change of the ball-to-ball force, uncertainty."""
     return {
         "scene": c.scene,
         "choice": c.choice,
@@ -474,7 +475,7 @@ def _from_rest_figure(series: Sequence[RunFromRest]) -> Figure:
 def _error_over_time_figure(stores: Sequence[Path]) -> Figure | None:
     """Draw the error of the ball-to-ball force against the finest grid over processor time.
 
-    None without stored 3D results on every grid. ``stores``: folders of the results.
+    Returns None if no scene has stored 3D results on every grid. ``stores``: folders of the results.
     """
     curves = []
     found = {name: [r for r in _stored_rolling_runs(name, stores) if r.level != SOURCE_LEVEL] for name in PAIRS}

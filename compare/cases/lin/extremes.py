@@ -50,14 +50,18 @@ from rollbench.reports.content import Cell, Quantity, Row, Table, Text
 #: Values of k_S, the sharpness of Lin's sigmoid friction law; 100 in cases that vary another input.
 SHARPNESSES = (100.0, 1e3, 1e4)
 
-#: Number of random starts for one ball and for several, besides the solver's default; relative distances from the solution.
+#: Number of random starts for one ball and for several, besides the solver's default start; largest relative distances
+#: of near and far random starts from the solution.
 STARTS, CHAIN_STARTS, NEAR_START, FAR_START = 12, 3, 0.01, 0.5
 
-#: Lower limits of scales: power [W] in energy balances, ball-to-ball force over the friction bound in random starts.
+#: Smallest values by which errors and starts are scaled: dissipation [W] in the balance of power; ball-to-ball force over
+#: the friction bound in random starts.
 NO_POWER, NO_FORCE = 1e-13, 0.01
 
+#: Varied values: deviations theta of the contact angle [deg], friction coefficients, loads [N].
 ANGLES, MU, LOADS = (-5.0, -1.0, 1e-3, 2.0, 5.0), (1e-3, 0.01, 0.1, 0.3, 0.5), (1e-3, 0.1, 10.0, 1e3, 1e5)
 
+#: Varied values: side force over vertical load on two balls of the linear bearing, clearances [m].
 RHO, CLEARANCE = (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999), (1e-7, 1e-6, 5e-6, 1e-5)
 
 #: Small axial loads [N] on two balls of a screw with clearance.
@@ -80,31 +84,38 @@ OTHER = 1e-3
 class GroupResult:
     """Results of one group of extreme cases of the friction models, each case solved from several starts."""
 
-    #: Name of the group.
+    #: Inputs that are varied in the group, in words.
     group: str
-    #: Model.
+    #: Name of the friction model with the kind of bearing or screw, such as "screw pair".
     model: str
     #: Number of cases.
     cases: int
     #: Number of solutions by this package's solvers that converged.
     ours: int
-    #: Number of attempted solutions.
+    #: Number of solutions attempted by this package's solvers.
     tries: int
-    #: Largest relative excess of the power input over dissipation.
+    #: Largest difference of power input and dissipation, over dissipation.
     energy: float
-    #: Largest relative difference of the results from several starts (loss of one ball, ball-to-ball forces of several).
+    #: Largest relative difference of the results from several starts: of the loss (one ball) or of the ball-to-ball forces
+    #: over the friction bound (several balls).
     spread: float
-    #: Number of roots found by Lin's method; None if it has no such model.
+    #: Number of solutions found by Lin's method without overlapping balls; None if it was not used.
     source: int | None = None
-    #: Number of attempts by Lin's method.
+    #: Number of solutions attempted by Lin's method; None if it was not used.
     source_tries: int | None = None
-    #: Remark.
+    #: Remark; empty for none.
     note: str = ""
 
 
 @dataclass
 class SolutionTally:
-    """Running counts and largest errors of the solutions of one group of extreme cases; each solution updates them."""
+    """Running counts and largest errors of the solutions of one group of extreme cases; each solution updates them.
+
+    The fields ``cases`` to ``source_tries`` are those of `GroupResult`. ``direct``, ``restarts``: number of random starts
+    from which the solver converged without changing to its default start, and number of all random starts; ``overlapping``,
+    ``other``: numbers of roots found by Lin's method with overlapping balls, and with ball-to-ball forces that differ from
+    this package's solution.
+    """
 
     cases: int = 0
     ours: int = 0
@@ -137,7 +148,7 @@ class SolutionTally:
     def count_own_solution(self, good: bool, power: float, loss: float, apart: float) -> None:
         """Count one solution of this package's solver.
 
-        ``good``: whether the solver converged; ``power``: power [W] put in by the driven surfaces; ``loss``: power [W]
+        ``good``: whether this solution converged; ``power``: power [W] put in by the driven surfaces; ``loss``: power [W]
         dissipated by friction; ``apart``: relative difference of this solution's loss or ball-to-ball forces from those of
         the first solution of the same case.
         """
@@ -149,8 +160,8 @@ class SolutionTally:
     def to_group_result(self, group: str, model: str, note: str = "") -> GroupResult:
         """Return the results of the group of cases, from the solutions counted so far.
 
-        ``group``: name of the inputs that are varied in the group; ``model``: name of the model; ``note``: remark, to
-        which remarks on random starts and on differing roots are added.
+        ``group``: name of the inputs that are varied in the group; ``model``: name of the model; ``note``: remark, to which
+        remarks on random starts and on roots of Lin's method with overlaps or other forces are added.
         """
         tried = self.source_tries or None
         if self.restarts:
@@ -203,9 +214,9 @@ def motion_problem_of_rotary_ball(bearing: Bearing, axial: float, u_y: float, sh
 def motion_problem_of_screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallProblem:
     """Return the motion problem of the second of two balls of a screw that do not touch each other.
 
-    ``pair``: both balls with their grooves; ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL, NR at the
-    nominal contact angle; None: loads and contact angles of the solved pair. ``sharpness``: k_S of Lin's sigmoid friction
-    law.
+    ``pair``: both balls with their grooves; ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL and NR (screw or
+    nut, left or right) at the nominal contact angle; None: loads and contact angles of the solved pair. ``sharpness``: k_S
+    of Lin's sigmoid friction law.
     """
     g = pair.groove
     angle = np.full(4, g.contact_angle)
@@ -222,7 +233,8 @@ def motion_problem_of_screw_ball(pair: Pair, force: Array | None = None, sharpne
 def _power_of_driven_surfaces(problem: MotionProblem, wrench: Array) -> float:
     """Return the power [W] that the driven surfaces must supply against the friction on the ball.
 
-    ``wrench``: friction on the ball at each of m contacts, (m, 3): two force components [N] and the spin moment [N m].
+    ``problem``: contacts of the ball and velocities of the driven surfaces; ``wrench``: friction on the ball at each of m
+    contacts, (m, 3): two force components [N] and the spin moment [N m].
     """
     return -float(np.sum(wrench * problem.drives))
 
@@ -266,7 +278,8 @@ def solve_ball_group(
 def screw_ball_with_unequal_diagonals(share: float) -> BallProblem:
     """Return the motion problem of a screw's ball whose two pairs of opposite contacts carry different loads.
 
-    ``share``: load of the pair SR and NL divided by that of the pair SL and NR, which is 100 N.
+    ``share``: load of the contacts SR and NL divided by the load of the contacts SL and NR, 100 N (S: screw, N: nut, L:
+    left, R: right).
     """
     return motion_problem_of_screw_ball(screw_pair_with_inferred_oversize(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
 
@@ -389,8 +402,8 @@ def solve_linear_bearing_group(
     """Solve neighbouring balls of a linear bearing by least dissipation and by Lin's method; return the group's results.
 
     ``group``: name of the inputs that are varied; ``cases``: rows of balls; ``model``: name of the model; ``starts``:
-    number of random starts in addition to the solver's own; ``most``: largest number of balls in a row that Lin's method
-    also solves; ``note``: remark for the table.
+    number of random starts in addition to the solver's default start; ``most``: largest number of balls in a row that Lin's
+    method also solves; ``note``: remark for the table.
     """
     rng, tally = np.random.default_rng(2), SolutionTally()
     for case in cases:
@@ -454,7 +467,7 @@ def balls_with_unloaded_contacts(count: int, mu: float) -> LinearBearingBalls:
 def pair_with_nearly_unloaded_diagonal(share: float) -> LinearBearingBalls:
     """Return two balls of the linear bearing of which one pair of opposite contacts is nearly unloaded.
 
-    ``share``: side force over vertical load, plus 1. At zero, this pair of opposite contacts carries no load.
+    ``share``: side force over vertical load, plus 1. If it is zero, this pair of opposite contacts carries no load.
     """
     return linear_bearing_pair(2.0, -1.0 + share)
 
@@ -625,14 +638,14 @@ def solve_all_groups_of_touching_balls() -> list[GroupResult]:
 # --- extreme cases around those of Lin 3.2 and 3.3: two balls of the linear bearing, starts of the rotary bearing's ball
 
 
-#: Number of random starts of root finding, near and far from the solution.
+#: Number of random starts for each case, distance and sharpness of the friction law.
 ROOT_STARTS = 8
 
 
 def groups_of_extreme_linear_pairs() -> list[tuple[str, list[LinearChain]]]:
     """Return groups of extreme cases of two balls in the linear bearing of Lin's section 3.3.
 
-    Each entry: names of the varied inputs with their ranges; then the ball pairs of the group, prepared for the solver.
+    Each item: names of the varied inputs with their ranges; then the ball pairs of the group, prepared for the solver.
     """
 
     def make_pair(theta: float, rho: float, vertical: float, mu: float) -> LinearChain:
@@ -664,8 +677,9 @@ def groups_of_extreme_linear_pairs() -> list[tuple[str, list[LinearChain]]]:
 def extreme_pair_rows() -> list[Row]:
     """Return table rows of extreme cases of two balls in the linear bearing, each case solved from three starts.
 
-    Each row is one group of cases: numbers of cases and of solutions, largest residual, energy error, and spread over the
-    starts.
+    Each row is one group of cases: numbers of cases and of converged solutions, largest residual, largest relative
+    difference of power input and dissipation, and largest difference of the ball-to-ball force between starts, over the
+    friction bound.
     """
     rng, rows = np.random.default_rng(3), list[Row]()
     for group, chains in groups_of_extreme_linear_pairs():
@@ -693,8 +707,8 @@ def extreme_pair_rows() -> list[Row]:
 def root_finding_rows() -> list[Row]:
     """Return table rows that compare Lin's root finding with least dissipation on the rotary bearing's cases I to III.
 
-    Both start from random motions of the ball, within 1 % and within 50 % of the solution; a row counts the starts from
-    which each finds it.
+    Root finding starts from random motions of the ball within 1 % and within 50 % of the solution, least dissipation within
+    50 %. A row counts the starts from which each method finds the solution.
     """
     rng, rows = np.random.default_rng(5), list[Row]()
     first = {case: solve_rotary(case, "as printed") for case in CASES}

@@ -51,7 +51,7 @@ CALLS = {
 def measure_run_times(study: Study, step: Callable[[str], None]) -> StoredRunTimes:
     """Measure all run times that are compared with the tables of Lin's thesis.
 
-    This takes ten to fifteen minutes on two idle cores. ``study``: solved scenes and stored 3D references; ``step``:
+    This takes ten to fifteen minutes on two idle cores. ``study``: gives solved scenes and stored 3D references; ``step``:
     function that receives a message before each measurement. Returns the times with the conditions of measurement, to be
     stored.
     """
@@ -80,7 +80,8 @@ class RunTimes:
     """Measured run times of one model for one scene.
 
     ``cold``: time [s] of the first load case in a new process, imports included; ``further``: time [s] of the next load
-    case in the same process; either is None if it was not measured. ``older``: time of an earlier measurement, in words.
+    case in the same process; either is None if it was not measured. ``older``: if both are None, time by an earlier
+    measurement and its conditions in words, else empty.
     """
 
     cold: float | None = None
@@ -89,10 +90,10 @@ class RunTimes:
 
 
 def stored_run_times(study: Study, name: str, model: str) -> RunTimes:
-    """Return the stored run times of one model for a scene; without any, the fields of the result are None or empty.
+    """Return the stored run times of one model for a scene; without any, the result has default (empty) fields.
 
     ``name``: name of the scene; ``model``: model, "lin" (static model), "numerical" (friction model of two balls),
-    "formula" (Lin's formula for two balls) or "3D". ``study``: solved scenes and stored 3D results.
+    "formula" (Lin's formula for two balls) or "3D". ``study``: gives solved scenes and stored 3D results.
     """
     kept = study.compute_once(run_times_for_page, "lin")
     found = study.reference(name) if name in STATIC.values() and model == "3D" else None

@@ -24,7 +24,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import screw_section
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Series, Table
 
-#: Axial loads [N] of the curves, up to that of section 4, and up to that of the test; number of randomly drawn screws.
+#: Axial loads [N] of the curves, up to the largest load of section 4, and up to that of the test; number of random screws.
 LOADS = (50.0, 100.0, 200.0, 350.0, 500.0, 750.0, 1000.0, 1500.0, 2137.0, 3000.0, 4000.0, 5000.0)
 
 TEST_LOADS = (*LOADS, 7000.0, 9000.0, 10845.0)
@@ -62,9 +62,9 @@ def _curve_over_balls(values: Array, label: str, *, emphasis: bool = False) -> S
 
 
 def _solve_ball_loads(errors: Array, force: float, chain: BallScrewChain | None = None) -> Array:
-    """Return the contact load of each ball (78,) [N] under an axial force [N].
+    """Return the contact load of each ball (78,) [N] under the axial force ``force`` [N].
 
-    ``errors``: errors of the ball diameters (78,) [m]; ``chain``: axial model; None: Liu's, calibrated.
+    ``errors``: errors of the ball diameters (78,) [m]; ``chain``: axial model; None: Liu's calibrated model.
     """
     return solve_ball_screw(chain or liu.calibrated_model(), errors, force).load
 
@@ -76,7 +76,7 @@ def _printed_markers(x: Sequence[float], y: Sequence[float], label: str = "print
 
 @cache
 def _ensemble_of_screws(half_range: int) -> Ensemble:
-    """Draw and solve `CURVES` screws with random ball errors, under all axial loads `TEST_LOADS`.
+    """Draw `CURVES` screws with random ball errors, and solve their contact loads under the axial loads `TEST_LOADS`.
 
     ``half_range``: the errors of the ball diameters are uniform within plus and minus this range [um].
     """
@@ -86,8 +86,8 @@ def _ensemble_of_screws(half_range: int) -> Ensemble:
 def _percentile_curves(half_range: int, quantity: Spread, unit: float, loads: Sequence[float] = LOADS) -> list[Series]:
     """Return median and central 99 % of a quantity of randomly drawn screws, as curves over the axial load.
 
-    ``half_range``: of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``unit``: unit of the curve in SI, by
-    which values are divided; ``loads``: axial loads [N].
+    ``half_range``: half range of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``unit``: unit of the curve
+    in SI, by which values are divided; ``loads``: axial loads [N].
     """
     of = [_ensemble_of_screws(half_range).values_at(quantity, f) / unit for f in loads]
     low, middle, high = ([float(np.quantile(x, q)) for x in of] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
@@ -201,7 +201,7 @@ def displacement_test_table() -> Table:
 
 
 def liu_and_mei_loads_figure() -> Figure:
-    """Draw Liu's Figure 14: ball loads by Liu's and by Mei's model under 5000 N, without errors and with +-2 um."""
+    """Draw Liu's Figure 14: ball loads by Liu's and Mei's models under 5000 N, without and with ball errors of +-2 um."""
     force, panels = liu.calibration_load(), []
     for title, errors in (("no errors", np.zeros(liu.ball_count())), ("±2 µm, one draw", _random_ball_errors(2))):
         ours, mei = (_solve_ball_loads(errors, force, chain) for chain in (liu.calibrated_model(), liu.mei_model()))
@@ -312,8 +312,8 @@ def displacement_figure() -> Figure:
 def _printed_stiffness_markers(found: dict[str, float], which: int | str, label: str) -> Series:
     """Return markers of the printed stiffness over the axial load.
 
-    ``found``: printed values by key; ``which``: half range of the ball errors [um], or letter of one of the three printed
-    screws; ``label``: legend.
+    ``found``: printed values by key, such as "K_2_3000"; ``which``: half range of the ball errors [um], or letter of one of
+    the three printed screws; ``label``: legend.
     """
     keys = [k for k in found if k.startswith(f"K_{which}_")]
     return _printed_markers([float(k.split("_")[2]) for k in keys], [found[k] for k in keys], label)
@@ -338,9 +338,9 @@ def stiffness_figure(found: dict[str, float], words: str) -> Figure:
 
 
 def three_draws_figure(found: dict[str, float]) -> Figure:
-    """Draw Liu's Figure 21: stiffness of three randomly drawn screws over the axial load, and the range of the three.
+    """Draw Liu's Figure 21: stiffness of three randomly drawn screws over the axial load, and their range.
 
-    The ball errors are within ±2 um. ``found``: printed values by key.
+    The ball errors are within ±2 um. ``found``: printed values by key, such as "K_a_1100".
     """
     curves = []
     for i, name in enumerate(liu.SETS):

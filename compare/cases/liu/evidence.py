@@ -1,8 +1,8 @@
 """Computed values for the numbers and claims printed by Liu et al. (2025) on a ball screw with random ball errors.
 
 Sections 2, 3, 4.1 and 4.2: inputs, algorithm, experiment, Mei's model, one ball too small or too large. Sections 4.3 and
-4.4: random errors; each printed number is given as a percentile of screws drawn from the stated distribution of errors.
-Printed data: ``printed/liu-*``.
+4.4: random errors; each printed number is given as a percentile among random screws, drawn from the stated distribution of
+errors. Printed data: ``printed/liu-*``.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ ASSUMED = (
 #: Number of screws drawn with random errors; seed of the random numbers.
 MEMBERS, SEED = 5000, 2025
 
-#: Axial loads [N] by half range of the random ball errors [um].
+#: Axial loads [N] under which random screws are solved, by half range of their ball errors [um].
 LOADS: dict[int, tuple[float, ...]] = {
     1: (100.0, 500.0, 1000.0, 2137.0, 3000.0, 5000.0),
     3: (100.0, 500.0, 1000.0, 2137.0, 3000.0, 5000.0),
@@ -82,13 +82,13 @@ def printed_last_over_first_load() -> float:
 
 
 def calibration_load() -> float:
-    """Return the axial load [N] at which the model's compliance is calibrated: that of section 4.1 of Liu et al. (2025)."""
+    """Return the axial load [N] at which the model's compliance is calibrated: the load of Liu's section 4.1."""
     return liu_screw().loads[0].force[2]
 
 
 @cache
 def calibrated_model(law: Law = "implicit") -> BallScrewChain:
-    """Return Liu's axial model of the screw, with a compliance that gives the printed load ratio Q78/Q1.
+    """Return Liu's axial model of the screw, with a segment compliance that gives the printed load ratio Q78/Q1.
 
     ``law``: contact-angle law, "implicit" (Liu's), "exact" or "constant".
     """
@@ -125,7 +125,7 @@ def solve_with_error_of_ball_33(error_um: float, load: float, chain: BallScrewCh
 
 @cache
 def solve_drawn_screws(half_range_um: int) -> Ensemble:
-    """Draw and solve `MEMBERS` screws with random ball errors, under the axial loads `LOADS`.
+    """Draw `MEMBERS` screws with random ball errors, and solve their contact loads under the axial loads `LOADS`.
 
     ``half_range_um``: the errors of the ball diameters are uniform within plus and minus this range [um].
     """
@@ -186,8 +186,8 @@ def section_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 def compare_with_elimination() -> tuple[int, int, float]:
     """Compare the Newton method with Liu's elimination of unloaded balls, on `FEW` randomly drawn screws at 500 N.
 
-    Returns, in this order: the number of screws with the same loaded balls by both; the most rounds of the elimination;
-    the largest difference of a load over the largest load.
+    Returns, in this order: the number of screws with the same loaded balls by both; the largest number of rounds that the
+    elimination takes; the largest difference of a ball's load between both methods, over the screw's largest load.
     """
     errors = draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
     same, rounds, worst = 0, 0, 0.0
@@ -233,7 +233,7 @@ def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 
 
 def mei_model() -> BallScrewChain:
-    """Return Mei's axial model as Liu et al. use it: constant contact angle of 45 deg, compliance as in Liu's model."""
+    """Return Mei's axial model as Liu et al. use it: contact angles constant at 45 deg, compliance as in Liu's model."""
     return replace(calibrated_model(), law="constant")
 
 
@@ -368,7 +368,7 @@ NAMES: dict[str, Quantity] = {
 #: Load step over the load, at which the stiffness of equation (22) is compared with the tangent stiffness.
 STEP = 0.12
 
-#: Names of the three printed screws with errors of +-2 um, each drawn anew.
+#: Names of the three screws with errors of +-2 um in the publication, whose errors were drawn independently.
 SETS = "abc"
 
 
@@ -488,9 +488,9 @@ def stiffness_spreads_of_triples(load: float) -> Array:
 def relative_stiffness_percentile_in_words(key: str, printed: float, reference: float) -> str:
     """Return in words the percentile of a printed stiffness divided by the printed stiffness without errors.
 
-    The percentile is that among randomly drawn screws. The ratio does not change if all stiffnesses differ from the
-    publication's by one factor. ``key``: key of the printed stiffness; ``printed``: its value; ``reference``: printed
-    stiffness without errors.
+    Its percentile is computed among the same ratios of randomly drawn screws. The ratio does not change if all stiffnesses
+    differ from the publication's by one factor. ``key``: key of the printed stiffness; ``printed``: its value;
+    ``reference``: printed stiffness without errors.
     """
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
     ratio = (

@@ -1,6 +1,7 @@
 """Report pages on Liu et al. (2025): printed numbers and figures of each section, with the computed ones.
 
-The last page shows the error of Liu's axial-only model: the same screw by it, the beam model, the refined model and in 3D.
+The last page shows the error of Liu's model, which has axial displacements only: the same screw is computed by it, by the
+beam model, by the refined beam model and in 3D.
 """
 
 from __future__ import annotations
@@ -125,8 +126,8 @@ class ModelLoads:
     def difference_from_axial(self, model: Array) -> tuple[float, float, int]:
         """Return the differences of the axial model's loads from those of another model.
 
-        First: RMS difference; second: largest difference, with its sign [both in % of the mean load]; third: number of the
-        ball with the largest difference, from 1. ``model``: contact loads (78,) [N] by the other model.
+        First: RMS difference [% of the mean load]; second: largest difference, with its sign [% of the mean load]; third:
+        number of the ball with the largest difference, from 1. ``model``: contact loads (78,) [N] by the other model.
         """
         change = error_percent(model, self.axial, float(model.mean()))
         ball = int(np.abs(change).argmax())
@@ -157,7 +158,7 @@ def compare_models(study: Study) -> tuple[ModelLoads, ...]:
     """Return the contact loads of Liu's screw by the axial, the beam and the refined model.
 
     There is an entry for each axial load and each set of ball errors: none, ball 33 too small or too large by 2 um, and
-    random errors. ``study``: solved scenes.
+    random errors. ``study``: gives the solved scenes.
     """
     scene = study.scene(SCENE)
     chain = axial_model_with_rigid_nut(scene).chain
@@ -174,8 +175,8 @@ def compare_models(study: Study) -> tuple[ModelLoads, ...]:
 def _compute_loads(study: Study, scene: Scene, chain: BallScrewChain, name: str, errors: Array, load: float) -> ModelLoads:
     """Compute the contact loads of one screw under one axial load by Liu's axial, the beam and the refined model.
 
-    ``chain``: axial model of the scene; ``name``: ball errors in words; ``errors``: errors of the ball diameters (78,)
-    [m]; ``load``: axial load [N]. ``study``: solved scenes.
+    ``chain``: axial model of the scene; ``name``: ball errors in words; ``errors``: errors of the ball diameters (78,) [m];
+    ``load``: axial load [N]. ``study``: gives the solved scenes.
     """
     changed = change_errors_and_load(scene, errors, load)
     beam, refined = (study.solve(changed, model).load[:, 0] for model in ("lin", "refined"))
@@ -196,11 +197,11 @@ class DifferenceFrom3D:
     rms: float
     #: Largest difference [% of the mean load].
     largest: float
-    #: Ball with the largest difference.
+    #: Number of the ball with the largest difference, from 1.
     ball: int
-    #: Grid uncertainty of the reference [% of the mean load].
+    #: Uncertainty of the 3D reference by its mesh [% of the mean load]; None if unknown.
     uncertainty: float | None
-    #: Number of loaded balls in the model.
+    #: Number of loaded balls by the model.
     loaded: int
     #: Number of loaded balls in 3D.
     loaded_in_3d: int
@@ -209,7 +210,8 @@ class DifferenceFrom3D:
 def compare_with_3d(study: Study) -> tuple[DifferenceFrom3D, ...]:
     """Return the differences of Liu's axial, the beam and the refined model from the 3D reference.
 
-    There are three entries for each scene that has a stored reference. ``study``: solved scenes and stored 3D references.
+    There are three entries for each scene that has a stored reference. ``study``: gives solved scenes and stored 3D
+    references.
     """
     rows = []
     for name, found in study.references(SOLID).items():
@@ -246,7 +248,7 @@ def scenes_to_solve_again_in_3d(fresh: bool) -> Iterator[tuple[tuple[str, ...], 
 def model_loads_table(study: Study) -> Table:
     """Return the table of contact loads of Liu's screw by the axial, the beam and the refined model, by ball errors.
 
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes.
     """
     rows: list[Row] = []
     for c in study.compute_once(compare_models):
@@ -276,7 +278,7 @@ def model_loads_table(study: Study) -> Table:
 def errors_against_3d_table(study: Study) -> Table:
     """Return the table of the low-order models' errors against the 3D reference, for scenes of Liu's screw.
 
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes.
     """
     words = {"axial": "axial only", "lin": "beam model", "refined": "refined model"}
     rows: list[Row] = [
@@ -310,7 +312,7 @@ def errors_against_3d_table(study: Study) -> Table:
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
     """Return the report's sections on Liu et al. (2025).
 
-    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("random errors of a ball screw")
     found = evidence(study, *PRINTED)

@@ -46,14 +46,15 @@ TORQUE = 4.0 / 3.0
 
 @cache
 def bearing_set_over_pair_ratios(name: str) -> tuple[float, float, float]:
-    """Return the ratios of a set of bearings to a DB pair: of preload, of tangent rigidity, and of starting torque.
+    """Return preload, tangent rigidity and starting torque of a bearing set, each over its value for a back-to-back pair.
 
-    ``name``: arrangement of the rows, such as "DBD". All rows have equal gaps and a constant contact angle.
+    ``name``: arrangement of the bearings in the set, such as "DBD" (the pair is "DB"). All bearings have equal gaps and a
+    constant contact angle.
     """
     one = PointRow()
 
     def set_totals(name: str) -> Array:
-        """Return preload, tangent rigidity and starting torque (3,) of a set of bearings, in arbitrary units."""
+        """Return preload, tangent rigidity and starting torque (3,) of the set ``name``, in arbitrary units."""
         rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
         state = solve_set_equilibrium(equal_rows_with_gap(one, rows, 1e-6))
         loads = state.loads
@@ -72,7 +73,11 @@ SET_QUANTITIES = (
 
 
 def compare_nsk_bearing_sets() -> Iterator[PublishedValue]:
-    """Yield printed preload, rigidity and starting torque of NSK's bearing sets, with values computed from DB pairs."""
+    """Yield printed preload, rigidity and starting torque of NSK's bearing sets, with values from back-to-back pairs.
+
+    A computed value is the printed value of a pair times the computed ratio of the set to the pair, or the ratio by a
+    higher preload class.
+    """
     for source in read_maker_tables("nsk-tac"):
         named = dict(entry.split("=") for entry in source.head["sets"].split("; "))
         pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}
@@ -164,11 +169,11 @@ def balls_from_ratings(dynamic: float, static: float, pitch: float, angle: float
     of_dynamic, of_static = rating_factors(angle)
 
     def ball_number(ball: float) -> float:
-        """Return the number of balls of a diameter [m] that gives the static rating."""
+        """Return the number of balls of diameter ``ball`` [m] that gives the static rating."""
         return static / (float(of_static(ball / pitch)) * ball**2)
 
     def rating_error(ball: float) -> float:
-        """Return the relative error of the dynamic rating with balls of a diameter [m]."""
+        """Return the relative error of the dynamic rating with balls of diameter ``ball`` [m]."""
         computed = float(of_dynamic(ball / pitch)) * ball_number(ball) ** (2.0 / 3.0) * ball**1.8
         return float(computed / dynamic - 1.0)
 
@@ -228,9 +233,10 @@ def _compare_clearances_and_rigidities(
 ) -> Iterator[PublishedValue]:
     """Yield the printed axial clearances and rigidities of one bearing at p preloads, with computed values.
 
-    ``rows``: rows of the table, one for each preload; ``forces``: preloads (p,) [N]; ``moved``: displacements (3, p + 1)
-    [um] at the preloads and at the measuring load; ``rigid``: rigidities (3, p) [N/um]. The first axis of both has values
-    computed from the printed rigidity at the highest preload, and from both ends of the range of its rounding.
+    ``source``: the maker's table; ``rows``: its rows, one for each preload; ``forces``: preloads (p,) [N]; ``moved``:
+    displacements (3, p + 1) [um] at the preloads and at the measuring load; ``rigid``: rigidities (3, p) [N/um]. Both have
+    three rows: computed from the printed rigidity at the highest preload, and from the smallest and largest rigidity that
+    are rounded to this value.
     """
     clearance = 2.0 * (moved[:, -1:] - moved[:, :-1])
     for i, row in enumerate(rows):
@@ -271,7 +277,7 @@ def _compare_factor_f0(source: MakerTable, row: Mapping[str, str], factor: float
 def compare_snfa_pair_rigidities() -> Iterator[PublishedValue]:
     """Yield SNFA's printed rigidity of preloaded bearing pairs, with values for contact angles that change under load.
 
-    The printed values follow the catalogue's formula for a constant angle, so they are shown, but not judged.
+    The printed values follow the catalogue's formula for a constant contact angle, so they are shown but not judged.
     """
     source = read_maker_table("snfa-angular")
 
@@ -296,8 +302,8 @@ def compare_snfa_pair_rigidities() -> Iterator[PublishedValue]:
 def compare_snfa_load_ratings() -> Iterator[PublishedValue]:
     """Yield SNFA's printed load ratings C and C_0, each with the value by ISO 281 or ISO 76 for the printed balls.
 
-    The band of the computed value covers pitch diameters within 2 % of the mean of bore and outside diameter, and the
-    rounding of the printed ball diameter.
+    The range (band) of the computed values covers pitch diameters within 2 % of the mean of bore and outside diameter, and
+    the rounding of the printed ball diameter.
     """
     source, done = read_maker_table("snfa-angular"), set[tuple[str, str]]()
     for row in source.rows:

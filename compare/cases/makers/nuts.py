@@ -43,10 +43,10 @@ LONG, SHORT = (0.9, 1.0), (0.65, 1.0)
 #: (Pitch diameter - root diameter)/ball diameter, for a ball at 45 deg in a gothic arch of usual conformity.
 DEPTH = 1.03
 
-#: Load under which rigidity is computed, and preload of THK's preloaded nuts, both over the dynamic rating C.
+#: Axial load under which rigidity is computed, and preload of THK's preloaded nuts, both divided by the dynamic rating C.
 LOADED, PRELOADED = 0.3, 0.1
 
-#: Load over preload at which one nut of a preloaded pair becomes loose: end of the secant that gives the rigidity.
+#: Axial load over preload at which one nut of a preloaded pair becomes loose; the rigidity is the secant up to this load.
 LIFT = 2.0**1.5
 
 
@@ -63,7 +63,8 @@ class CatalogueNut:
     """Dimensions of a ball nut in a catalogue.
 
     ``ball``, ``pitch``: diameters of ball and pitch circle [m]; ``lead``: lead of the screw [m]; ``turns``: number of
-    loaded turns; ``short``: whether each circuit has one turn only, so that its deflector takes a part of the turn.
+    loaded turns of all circuits; ``short``: whether each ball circuit has one turn only, of which its deflector takes a
+    part.
     """
 
     ball: float
@@ -84,7 +85,7 @@ class CatalogueNut:
 
 
 def scene_of_one_turn(nut: CatalogueNut, conformity: float) -> Scene:
-    """Return the scene of a screw and nut with one loaded turn, filled with balls that touch each other.
+    """Return the scene of a screw and nut with one loaded turn, whose balls touch each other.
 
     ``conformity``: groove radius over ball diameter.
     """
@@ -114,8 +115,8 @@ def nut_displacement(nut: CatalogueNut, conformity: float, filling: float, load:
     """Return the axial displacement [m] of a nut without preload, all balls loaded equally.
 
     ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with balls;
-    ``load``: axial load [N]; ``bodies``: whether the radial deformation of nut and screw, as thick tubes, is added to
-    that of the Hertz contacts.
+    ``load``: axial load [N]; ``bodies``: whether the radial deformation of nut and screw (as thick tubes) is added to the
+    deformation of the Hertz contacts.
     """
     one = scene_of_one_turn(nut, conformity)
     constants, slope = error_free_hertz(one).C, approach_per_displacement(one)
@@ -130,8 +131,9 @@ def nut_displacement(nut: CatalogueNut, conformity: float, filling: float, load:
 def read_loaded_turns(row: Mapping[str, str]) -> tuple[float, bool]:
     """Return the number of loaded turns of a nut in a catalogue, then whether each circuit has only one turn.
 
-    ``row``: texts of the nut's row, by column. Makers write the number as ``4`` of ``T4`` or ``K4``, as ``2x2.5`` (also
-    without the sign), as circuits and turns in separate columns, or as ``1,2x4`` for nuts with several starts.
+    ``row``: texts of the nut's row, by column. Makers print the number of turns in the nut's name, such as ``T4`` or
+    ``K4``; as a product ``2x2.5`` (also without the x); as circuits and turns in separate columns; or as ``1,2x4`` for nuts
+    with several starts.
     """
     circuits, turns = row["circuits"], row["turns"].replace(",", ".")
     if "of the name" in turns:
@@ -150,8 +152,8 @@ def nut_of_catalogue_row(source: MakerTable, row: Mapping[str, str]) -> Catalogu
     """Return the dimensions of a nut from its row in a catalogue.
 
     ``source``: table of the catalogue; ``row``: texts of the nut's row, by column. If the ball is not printed, it is the
-    stock size that fits pitch and root diameter. If the pitch circle is not printed, it lies beyond the nominal diameter by
-    the usual amount.
+    stock size that fits pitch and root diameter. If the pitch diameter is not printed, it exceeds the nominal diameter by
+    the amount that is usual for the ball.
     """
     pitch = source.number(row["pitch_mm"]) if row["pitch_mm"] else 0.0
     if row["ball_mm"]:
@@ -183,8 +185,8 @@ def maker_and_nut_type(source: MakerTable, row: Mapping[str, str]) -> str:
 def compare_nut_ratings() -> Iterator[PublishedValue]:
     """Yield printed load ratings C and C_0 of nuts, each with the value by ISO 3408-5.
 
-    Only nuts whose ball diameter is printed are compared. The band of the computed value covers the usual ranges of
-    conformity and of the fraction of turns filled with balls.
+    Only nuts whose ball diameter is printed are compared. The computed values have a range (band) over the usual
+    conformities and fractions of turns that are filled with balls.
     """
     for source in read_maker_tables("nuts-"):
         for row in source.rows:
@@ -201,7 +203,7 @@ def compare_nut_ratings() -> Iterator[PublishedValue]:
 
 
 def filled_fraction_from_static_rating(nut: CatalogueNut, static: float) -> float:
-    """Return the fraction of a nut's turns filled with loaded balls that follows from the static rating by ISO 3408-5.
+    """Return the fraction of a nut's turns that is filled with balls, as implied by its static rating and ISO 3408-5.
 
     ``static``: static rating C_0 that the maker prints [N].
     """
@@ -209,11 +211,12 @@ def filled_fraction_from_static_rating(nut: CatalogueNut, static: float) -> floa
 
 
 def compare_nut_rigidity() -> Iterator[PublishedValue]:
-    """Yield printed secant rigidities of nuts, each with the computed value.
+    """Yield printed rigidities of nuts, each with the computed value.
 
-    The secant ends at an axial load of 0.3 C and starts at zero, for preloaded nuts at 0.1 C (C: dynamic rating). The
-    computed rigidity has the deformations of Hertz contacts and thick tubes. The number of balls follows from the printed
-    C_0, so that the band covers the range of conformity, and 5 % more or fewer balls only.
+    A rigidity is the axial load 0.3 C (C: dynamic rating) over the nut's displacement from zero load to 0.3 C; for
+    preloaded nuts, over the displacement from 0.1 C to 0.3 C. The computed rigidity has the deformations of Hertz contacts
+    and thick tubes. The number of balls follows from the printed static rating C_0, so that the band of computed values
+    only covers the range of conformity and 5 % more or fewer balls.
     """
     for source in read_maker_tables("nuts-"):
         for row in source.rows:
@@ -227,7 +230,11 @@ def compare_nut_rigidity() -> Iterator[PublishedValue]:
             def secant_rigidity(
                 conformity: float, filling: float, nut: CatalogueNut = nut, load: float = load, held: float = preload
             ) -> float:
-                """Return the load over the nut's displacement [N/m] between the loads ``held`` and ``load`` [N]."""
+                """Return ``load`` [N] over the nut's displacement from the load ``held`` [N] to ``load``, in N/m.
+
+                ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with
+                balls.
+                """
                 start = nut_displacement(nut, conformity, filling, held) if held else 0.0
                 return load / (nut_displacement(nut, conformity, filling, load) - start)
 
@@ -322,8 +329,8 @@ def drag_torque_of_ball(nut: CatalogueNut, share: float, coefficient: float, *, 
 def drag_torque_of_nut(nut: CatalogueNut, preload: float, coefficient: float = DEFAULT, *, double: bool = False) -> float:
     """Return the drag torque [N m] of a nut under an axial preload [N], with all turns filled with balls.
 
-    ``coefficient``: coefficient of friction; ``double``: whether it is a double nut with balls loaded on two flanks,
-    instead of a single nut with oversize balls.
+    ``coefficient``: coefficient of friction; ``double``: True for a double nut, whose balls are loaded on two flanks; False
+    for a single nut with oversize balls, which are loaded on four flanks.
     """
     balls = nut.touching * nut.turns
     return balls * drag_torque_of_ball(nut, preload / balls, coefficient, double=double)
@@ -369,7 +376,8 @@ class DragComparison:
 
     Each torque is divided by preload times nominal diameter. ``diameter``: nominal diameter [m]; ``lead``: lead [m];
     ``single``, ``double``: computed torque of a single and of a double nut at the default coefficient of friction;
-    ``least``: the same two at the least coefficient; ``formulas``: by the makers' `FORMULAS`, in their order.
+    ``least``: torque of a single and of a double nut at the smallest coefficient; ``formulas``: torques by the makers'
+    formulas, in the order of `FORMULAS`.
     """
 
     diameter: float
@@ -406,7 +414,7 @@ def compare_drag_over_lead() -> list[DragComparison]:
 
 
 def fit_power_exponent(values: list[float], over: list[float]) -> float:
-    """Return the exponent n of the power law ``values`` ~ ``over``^n, fitted by least squares of the logarithms."""
+    """Return the exponent n of the power law ``values`` ~ ``over``^n, by least squares of the logarithms."""
     return float(np.polyfit(np.log(over), np.log(values), 1)[0])
 
 
@@ -457,7 +465,7 @@ def drag_torque_of_measured_screws() -> ComputedBand:
 def compare_measured_drag_torques() -> Iterator[PublishedValue]:
     """Yield the measured mean friction torque of two screws, new and worn, with the computed torque.
 
-    Worn: at the end of the test. Measurements between start and end belong to the same test and are left out.
+    Worn: at the end of the test. Measurements between start and end of the test are left out.
     """
     source = read_maker_table("xjtu-torque")
     band = drag_torque_of_measured_screws()

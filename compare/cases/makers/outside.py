@@ -90,14 +90,15 @@ class ComputedBand(NamedTuple):
     def of(cls, values: Iterable[float], slack: float = 0.0) -> ComputedBand:
         """Return a band from computed values: the first one is its value, and their range is its range.
 
-        ``slack``: amount by which the range is widened at each end, in the unit of the values.
+        ``values``: computed values, the most probable first; ``slack``: amount by which the range is widened at each end,
+        in the unit of the values.
         """
         every = [float(x) for x in values]
         return cls(every[0], min(every) - slack, max(every) + slack)
 
     @classmethod
     def within(cls, value: float, share: float) -> ComputedBand:
-        """Return a band from one computed value, with a range of plus or minus a fraction of this value.
+        """Return a band from a computed value and a range of plus or minus a fraction of this value.
 
         ``share``: half width of the range over the value.
         """
@@ -137,7 +138,7 @@ class PublishedValue:
 
     @property
     def verdict(self) -> str:
-        """Whether the printed value, with its rounding, lies in the computed band, in words; else why it is not judged."""
+        """In words: whether the published value, with its rounding, lies in the computed band; or why it is not judged."""
         if self.left:
             return self.left
         if self.value + self.rounding < self.computed.low:
@@ -220,8 +221,8 @@ def error_statistics(found: Sequence[PublishedValue]) -> ErrorStatistics | None:
 def group_by_fields(found: Iterable[PublishedValue], *keys: str) -> dict[tuple[str, ...], list[PublishedValue]]:
     """Group published values by fields of `PublishedValue`, in the order in which they first occur.
 
-    ``keys``: names of these fields. The result has the values of a group by the tuple of the fields' values. ``found``:
-    published values with the computed ones.
+    ``keys``: names of these fields. The keys of the result are tuples of these fields' values, its items the published
+    values of the group. ``found``: published values with the computed ones.
     """
     groups: dict[tuple[str, ...], list[PublishedValue]] = {}
     for one in found:
@@ -347,7 +348,7 @@ OTHERS = {("external-contact", "approach"): "displacement"}
 def compare_external_tables(study: Study) -> Iterator[PublishedValue]:
     """Yield every number of the printed tables `PRINTED` that has a computed value, with this value.
 
-    Numbers of class "open", whose basis is not printed, are yielded but not judged. ``study``: solved scenes.
+    Numbers of class "open", whose basis is not printed, are yielded but not judged. ``study``: gives the solved scenes.
     """
     for name, (maker, cls) in PRINTED.items():
         if name not in computations_with_function():
@@ -377,8 +378,8 @@ def compare_external_tables(study: Study) -> Iterator[PublishedValue]:
 def compare_calculix(study: Study) -> Iterator[PublishedValue]:
     """Yield the contact loads [N] by the program CalculiX, each with the load by the 3D reference as the computed value.
 
-    CalculiX's loads are extrapolated over its meshes. Errors are in per cent of the mean contact load. ``study``: stored
-    3D references.
+    CalculiX's loads are extrapolated over its meshes. Errors are in per cent of the mean contact load. ``study``: gives
+    stored 3D references.
     """
     from rollbench.compare.studies.crosscheck.results import (
         compare_contact_loads,

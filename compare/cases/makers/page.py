@@ -31,12 +31,12 @@ COMPARISONS = (
 
 
 def compared_published_values(study: Study) -> tuple[outside.PublishedValue, ...]:
-    """Return all published values with their computed values, sorted by quantity; ``study``: keeps the result."""
+    """Return all published values with their computed values, sorted by quantity; ``study``: caches the result."""
     return study.compute_once(_compare_all)
 
 
 def _compare_all(study: Study) -> tuple[outside.PublishedValue, ...]:
-    """Compute all values that are compared with published ones, sorted by quantity."""
+    """Compute all values that are compared with published ones, sorted by quantity; ``study``: gives the solved scenes."""
     found = [
         *outside.compare_external_tables(study),
         *outside.compare_calculix(study),
@@ -49,7 +49,7 @@ def _compare_all(study: Study) -> tuple[outside.PublishedValue, ...]:
 def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
     """Return the cells for the report's first page with number, bias [%] and scatter [%] of the errors, by quantity.
 
-    The errors are those of computed against published values. ``study``: solved scenes and stored 3D references.
+    The errors are those of computed against published values. ``study``: gives solved scenes and stored 3D references.
     """
     return outside.statistics_cells_by_quantity(compared_published_values(study))
 
@@ -69,13 +69,13 @@ def _error_statistics_of_quantity(
 
 
 def _clearance_errors(found: Sequence[outside.PublishedValue]) -> Array:
-    """Return the differences [um] between computed and printed axial clearances of preloaded bearings."""
+    """Return the differences [um] of computed from printed axial clearances of preloaded bearings in ``found``."""
     printed = (x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale)
     return np.array([x.computed.value - x.value for x in printed])
 
 
 def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
-    """Return the page's conclusion: how many values lie in the computed band, and errors where no input is assumed.
+    """Return the page's conclusion: how many published values lie in their computed bands; errors without assumed inputs.
 
     ``found``: all published values with the computed ones.
     """
@@ -254,7 +254,7 @@ def sorted_errors_figure(found: Sequence[outside.PublishedValue]) -> Figure:
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section that compares computed values with makers' tables, measurements and other programs.
 
-    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("outside values")
     found = compared_published_values(study)

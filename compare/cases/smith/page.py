@@ -201,7 +201,8 @@ LAYOUT_NOTE = (
 def axis_layouts_table(study: Study) -> Table:
     """Return the table of end thrusts and axis stiffness by layout and position of the nut.
 
-    They are computed by the beam model, by closed formulas, and by Smith's sum in series. ``study``: solved scenes.
+    They are computed by the beam model, by closed formulas, and by Smith's sum in series. ``study``: gives the solved
+    scenes.
     """
     unit = 1e6 * bearings.POUND_PER_INCH
     rows: list[Row] = []
@@ -239,7 +240,7 @@ ROLLER_NOTE = (
 
 
 def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
-    """Return table and figure of one tapered roller in 3D and by low-order laws; empty without stored 3D results.
+    """Return table and figure of one tapered roller in 3D and by load-deflection laws; empty without stored 3D results.
 
     ``study``: records that the scene smith-axis-taper is used.
     """
@@ -299,7 +300,7 @@ def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
     """Return the report's sections on Smith (1994).
 
-    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     step("support bearings and axis")
     found = evidence(study, *PRINTED)

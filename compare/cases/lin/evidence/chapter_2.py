@@ -31,7 +31,7 @@ def exact_hertz_parameters(scene: Scene) -> dict[str, dict[str, float]]:
     """Return the Hertz parameters of Lin's Table B.1 by exact elliptic integrals, in SI units.
 
     The outer keys are "S" for contacts with the screw and "N" for those with the nut; the inner ones are names of the
-    parameters, such as "C_a". ``scene``: the screw, whose geometric errors are left out.
+    parameters, such as "C_a". ``scene``: the ball screw; its geometric errors are ignored.
     """
     bare = replace(scene, errors=Errors())
     drawn = draw_specimen(bare, ball_layout(bare))
@@ -55,7 +55,8 @@ def exact_hertz_parameters(scene: Scene) -> dict[str, dict[str, float]]:
     return out
 
 
-#: Quantities of Table B.1 by the key's first part: attribute as printed, name of the correct value, factor to the unit.
+#: Quantities of Table B.1 by the first part of the printed number's key: name of the value computed as Lin did, name of the
+#: correct value, factor from SI to the printed unit.
 QUANTITIES = {
     "e_": ("e", "e", 1.0),
     "C_": ("C", "C", 1.0),
@@ -67,7 +68,7 @@ QUANTITIES = {
     "R2_": ("R_2", "R2", 1e3),
     "rho_eq_": ("rho_eq", "rho_eq", 1e3),
 }
-#: The table's rows 1 and 2 of the nut are along and across the groove, those of the screw across and along.
+#: Rows 1 and 2 of the table are along and across the groove for the nut, but across and along it for the screw.
 SWAPPED = {"rho1_N": "rho2", "rho2_N": "rho1"}
 
 
@@ -79,11 +80,11 @@ def correct_table_b_1(scene: Scene) -> dict[str, float]:
 
 
 def table_b_1(findings: Findings, study: Study) -> None:
-    """Compute the Hertz parameters of Table B.1 of Lin's thesis.
+    """Compute the Hertz parameters of Table B.1 of Lin's thesis, with his faults and without them.
 
-    ``findings``: receives two values for each printed number. One is computed as Lin did, with a conformity of 0.56 and
-    the thesis's faults; the other is correct and has the groove of Table 2.1, which the text names. ``study``: shipped
-    scenes.
+    ``findings``: receives two values for each printed number. One is computed as Lin did, with a conformity of 0.56 and the
+    thesis's faults; the other is correct and has the groove of Table 2.1, which the text names. ``study``: gives the scenes
+    included with rollbench.
     """
     scene = study.scene("lin-case1")
     right, faulty = (
@@ -103,7 +104,8 @@ def table_b_1(findings: Findings, study: Study) -> None:
 def table_2_1(findings: Findings, study: Study) -> None:
     """Record the inputs of Table 2.1 and section 2.4.1 of Lin's thesis, as the scenes contain them.
 
-    ``findings``: receives the value for each printed number, in the printed unit; ``study``: shipped scenes.
+    ``findings``: receives the value for each printed number, in the printed unit; ``study``: gives the scenes included with
+    rollbench.
     """
     scene, preloaded, offset = (study.scene(name) for name in ("lin-case1", "lin-case3", "lin-case3-offset"))
     track, nut, steel = scene.track, scene.nut, scene.screw.material
@@ -119,9 +121,9 @@ def table_2_1(findings: Findings, study: Study) -> None:
 
 
 def beam_element_count_of_lin_partition(study: Study) -> int:
-    """Return the number of beam elements of Lin's model: 12 + 12 outside the nut, 3 of 15 mm inside it.
+    """Return the number of beam elements of Lin's model: 12 + 12 outside the nut, 3 of 15 mm each inside it.
 
-    ``study``: shipped scenes.
+    ``study``: gives the scenes included with rollbench.
     """
     return nodes_of_whole_beam(study.changed("lin-case1", partition="source")).size - 1
 
@@ -129,7 +131,7 @@ def beam_element_count_of_lin_partition(study: Study) -> int:
 def table_2_2(findings: Findings, study: Study) -> None:
     """Compute the number of beam elements in Table 2.2 of Lin's thesis.
 
-    ``findings``: receives this number; ``study``: shipped scenes.
+    ``findings``: receives this number; ``study``: gives the scenes included with rollbench.
     """
     findings.number(
         "elements_proposed",
@@ -140,7 +142,7 @@ def table_2_2(findings: Findings, study: Study) -> None:
 
 @dataclass(frozen=True)
 class EndSupport:
-    """An interpretation of the support of the screw's right end in Lin's case study 3.
+    """An interpretation of the support of the screw's right end in Lin's case study 3, which his text leaves unclear.
 
     ``label``: restrained freedoms in words; ``plain``, ``offset``: names of the scenes without and with a lateral offset
     of the right end; ``of_text``: whether Lin's text states this support.
@@ -152,7 +154,7 @@ class EndSupport:
     of_text: bool = False
 
 
-#: Interpretations of the right end's support; the first is that of the 3D reference.
+#: Interpretations of the right end's support; the 3D reference has the first one.
 END_SUPPORTS = (
     EndSupport("ux and uy held", "lin-case3", "lin-case3-offset"),
     EndSupport("ux, uy and rotations held", "lin-case3-clamped", "lin-case3-offset-clamped"),
@@ -174,7 +176,7 @@ def largest_over_smallest_load(load: Array) -> float:
 def is_two_point_contact(load: Array) -> bool:
     """Return whether every ball carries load on the flanks SL and NR, and no ball on the flanks SR and NL.
 
-    ``load``: contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR.
+    ``load``: contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR (screw or nut, left or right).
     """
     return bool(np.all(load[:, [0, 3]] > 0.0) and not np.any(load[:, [1, 2]] > 0.0))
 
@@ -182,8 +184,8 @@ def is_two_point_contact(load: Array) -> bool:
 def load_ratio_range_in_words(study: Study) -> str:
     """Return in words the range of largest over smallest load in Lin's case 1, over two modelling choices.
 
-    These are the partition of the beam into elements, and whether equation C.8 for the beam's section has a root.
-    ``study``: solved scenes.
+    These are the partition of the beam into elements, and whether equation C.8 for the beam's section is read with a square
+    root. ``study``: gives the solved scenes.
     """
     variants = [
         study.changed("lin-case1", partition=p, section=s)
@@ -197,7 +199,7 @@ def load_ratio_range_in_words(study: Study) -> str:
 def section_2_4_1(findings: Findings, study: Study) -> None:
     """Compute the numbers and claims printed in section 2.4.1 of Lin's thesis.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved
+    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives solved
     scenes and stored 3D references.
     """
     _compute_case_1(study, findings)
@@ -214,7 +216,10 @@ def section_2_4_1(findings: Findings, study: Study) -> None:
 
 
 def _compute_case_1(study: Study, findings: Findings) -> None:
-    """Compute load ratio, two-point contact and lateral displacement in Lin's case study 1, into ``findings``."""
+    """Compute load ratio, two-point contact and lateral displacement in Lin's case study 1.
+
+    ``study``: gives solved scenes and stored 3D references; ``findings``: receives the results.
+    """
     load, line = study.solve("lin-case1").load, study.solve("lin-case1").centreline
     mei = study.solve("lin-case1", "mei").load[:, 0]
     lateral = 1e6 * float(np.hypot(line[:, 0], line[:, 1]).max())
@@ -241,7 +246,10 @@ def _compute_case_1(study: Study, findings: Findings) -> None:
 
 
 def _compute_case_2(study: Study, findings: Findings) -> None:
-    """Check the claim that in Lin's case study 2 the oversize ball 17 changes its own load only, into ``findings``."""
+    """Check the claim that in Lin's case study 2 the oversize ball 17 changes its own load only.
+
+    ``study``: gives the solved scenes; ``findings``: receives the results.
+    """
     case1, case2 = (study.solve(name).load[:, 0] for name in ("lin-case1", "lin-case2"))
     change = error_percent(case2, case1, float(case1.mean()))
     most = float(np.abs(np.delete(change, 16)).max())
@@ -250,10 +258,10 @@ def _compute_case_2(study: Study, findings: Findings) -> None:
 
 
 def _compute_case_3(study: Study, findings: Findings) -> None:
-    """Check Lin's claims on four-point contact and on the last balls in his case study 3, into ``findings``.
+    """Check Lin's claims on four-point contact and on the last balls in his case study 3.
 
     In this case study the right end of the screw is displaced laterally, and the loads of the last balls rise most.
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes. ``findings``: receives the results.
     """
     smallest = [float(study.solve(name).load.min()) for name in CASES[2:]]
     words = f"smallest load of any contact in all readings {min(smallest):.1f} N"
@@ -267,10 +275,10 @@ def _compute_case_3(study: Study, findings: Findings) -> None:
 
 
 def _compare_with_ansys(study: Study, findings: Findings) -> None:
-    """Compute counterparts of the errors that Lin prints for his model against ANSYS, into ``findings``.
+    """Compute counterparts of the errors that Lin prints for his model against ANSYS; ``findings`` receives the results.
 
     They are the errors of Lin's model against this project's 3D reference, as the ANSYS loads are not printed. ``study``:
-    solved scenes and stored 3D references.
+    gives solved scenes and stored 3D references.
     """
     every = [c.errors["own"] for c in study.compute_once(combined.evaluate_combinations) if not c.contradicts_text]
     readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
@@ -296,8 +304,8 @@ def _compare_with_ansys(study: Study, findings: Findings) -> None:
 class ModelChoice:
     """Contact loads of Lin's case study 1 under one modelling choice.
 
-    ``label``: the choice in words; ``result``: static solution; ``change``: difference of the contact loads from those by
-    default.
+    ``label``: the choice in words; ``result``: static solution; ``change``: difference of the contact loads from the loads
+    with all choices by default.
     """
 
     label: str
@@ -308,7 +316,7 @@ class ModelChoice:
 def case_1_by_choice(study: Study) -> list[ModelChoice]:
     """Solve Lin's case study 1 under each modelling choice that his thesis leaves open, and with each of its faults.
 
-    The first entry has all choices by default. ``study``: solved scenes.
+    The first entry has all choices by default. ``study``: gives the solved scenes.
     """
     base = study.solve("lin-case1")
     case = study.scene("lin-case1")
@@ -367,7 +375,10 @@ def section_2_4_2(findings: Findings, study: Study) -> None:
 
 
 def _record_error_amplitudes(study: Study, findings: Findings) -> None:
-    """Record the amplitudes of the geometric errors that Lin prints in ``findings``, as the scenes contain them."""
+    """Record the amplitudes of the geometric errors that Lin prints, as the scenes contain them.
+
+    ``study``: gives the scenes included with rollbench; ``findings``: receives the amplitudes, in the printed units.
+    """
     profile, pitch = (study.scene(name).errors for name in ("lin-profile", "lin-pitch"))
     for side in SIDES:
         findings.numbers({f"profile_{side}_{k}": 1e6 * c for k, c in enumerate(profile.side(side).profile)})
@@ -376,7 +387,10 @@ def _record_error_amplitudes(study: Study, findings: Findings) -> None:
 
 
 def _check_single_error_claims(study: Study, findings: Findings) -> None:
-    """Check Lin's claims on contact loads with profile errors only and with pitch errors only, into ``findings``."""
+    """Check Lin's claims on contact loads with profile errors only and with pitch errors only.
+
+    ``study``: gives the solved scenes; ``findings``: receives the results.
+    """
     base, profile, pitch = (study.solve(name).load for name in ("lin-case1", "lin-profile", "lin-pitch"))
     for name, load in (("profile", profile), ("pitch", pitch)):
         words = f"SL {count_text_of_mask(load[:, 0] > 0)}, SR {count_text_of_mask(load[:, 1] > 0)} loaded"
@@ -395,7 +409,10 @@ def _check_single_error_claims(study: Study, findings: Findings) -> None:
 
 
 def _check_random_error_claims(study: Study, findings: Findings) -> None:
-    """Check Lin's claims on contact loads with random ball errors by randomly drawn screws, into ``findings``."""
+    """Check Lin's claims on contact loads with random ball errors by randomly drawn screws.
+
+    ``study``: gives the solved scenes and the randomly drawn screws; ``findings``: receives the results.
+    """
     base = study.solve("lin-case1").load
     random, combined = (ensemble_of_study(study, name).loads for name in ("lin-random", "lin-combined"))
     kept = np.array([is_two_point_contact(load) for load in random])
@@ -431,7 +448,7 @@ def unloaded_ball_mask(result: StaticResult) -> np.ndarray[tuple[int, ...], np.d
 def dominant_harmonic_of_unloaded_balls(
     scene: Scene, unloaded: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
 ) -> tuple[int, float]:
-    """Return the strongest harmonic in the pattern of unloaded balls around the screw.
+    """Return the strongest Fourier harmonic in the pattern of unloaded balls around the screw.
 
     First: number of its cycles per turn, 1 to 4 (0 if no ball is unloaded); second: its share of the power of these four
     harmonics. ``scene``: the screw with its balls; ``unloaded``: for each ball (n,), whether it is unloaded.
@@ -464,8 +481,8 @@ def scenes_with_open_inputs_varied(scene: Scene) -> list[tuple[str, Scene]]:
 def section_4_3_2(findings: Findings, study: Study) -> None:
     """Compute the numbers and claims on manufacturing errors printed in section 4.3.2 of Lin's thesis.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved
-    scenes.
+    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives the
+    solved scenes.
     """
     pitch, roundness = study.scene("lin-pitch-4p1"), study.scene("lin-roundness-4p1")
     findings.number("e_p", 1e6 * pitch.errors.SL.pitch[0].sin, "key of the scene")
@@ -476,10 +493,10 @@ def section_4_3_2(findings: Findings, study: Study) -> None:
 
 
 def _check_manufacturing_error_claims(study: Study, findings: Findings, screw: str) -> None:
-    """Check the claims of section 4.3.2 of Lin's thesis on pitch and roundness errors for one screw, into ``findings``.
+    """Check the claims of section 4.3.2 of Lin's thesis on pitch and roundness errors for one screw.
 
-    The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: key of `SCREWS`. ``study``: solved
-    scenes.
+    The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: key of `SCREWS`. ``study``: gives the
+    solved scenes. ``findings``: receives the results.
     """
     pitch, roundness = study.solve(f"lin-pitch-{screw}"), study.solve(f"lin-roundness-{screw}")
     third = [float(r.load[:, [1, 2]].max()) for r in (pitch, roundness)]

@@ -44,14 +44,16 @@ THETA, WORST = (
 )
 #: Radial displacements [m] of cases I to III: not printed, inferred from the forces.
 CASES = {name: source_cases.rotary_scene(name).displacement for name in source_cases.ROTARY_SCENES}
-#: Slope of the normalised friction force, as printed.
+#: Slope that Lin prints: friction force over its largest value, per distance of the spin pole from the contact's centre
+#: over the major semi-axis.
 K_F = source_cases.printed_friction_slope()
-#: Lin's friction law, with the inferred parameters.
+#: Lin's sigmoid friction law, with the inferred parameters (sharpness, step of its maps).
 PRINTED_LAW = lin_sigmoid_law(
     ROTARY, source_cases.rotary_scene("I", printed=True).sharpness, source_cases.rotary_scene("I", printed=True).map_step
 )
+#: Ways in which the contact loads are computed, see `solve_linear_pair`.
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
-#: Yield strength [MPa], and allowable pressure of appendix G over it.
+#: Yield strength [MPa]; allowable pressure of appendix G divided by the yield strength.
 YIELD, MULTIPLE = 370.0, 4.2
 
 
@@ -87,7 +89,8 @@ def solve_linear_pair(
 
     ``theta``: deviation of the contact angle from nominal [rad]; ``loads``: how the contact loads are computed (equal on
     each "diagonal", "balanced" at the stated angles, or "elastic" with angles that follow the loads); ``mated``: whether
-    the top groove is made to match the bottom one, case (b); ``mu_balls``: friction coefficient between the balls.
+    the top groove is made to match the bottom groove, Lin's case (b), instead of case (a); ``mu_balls``: friction
+    coefficient between the balls.
     """
     return solve_pair(replace(LINEAR, mu_balls=mu_balls), theta, SIDE, VERTICAL, mated=mated, loads=loads)
 
@@ -128,8 +131,9 @@ def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 def value_for_table_3_2(s: bearing.BearingBallSolution, key: str) -> float:
     """Return the computed value for a row of Lin's Table 3.2, in the unit of the table.
 
-    ``s``: solved motion of the ball; ``key``: name of the row: "F_" (contact load) or "P_" (friction loss) with the name
-    of a contact or "sum"; "omega_" (rotation of the ball) with "B", "x" or "y"; or "torque".
+    ``s``: solved motion of the ball; ``key``: name of the table's row: "F_" (contact load) or "P_" (friction loss) followed
+    by the name of a contact or "sum"; "omega_" (angular velocity of the ball) followed by "B" (orbit), "x" or "y"; or
+    "torque".
     """
     kind, _, what = key.partition("_")
     if kind == "F":
@@ -146,15 +150,16 @@ def force_or_torque_increase(
 ) -> float:
     """Return the increase of a quantity between two cases of the rotary bearing.
 
-    ``first``, ``raised``: solved motions of the ball in both cases; ``quantity``: "force" for the sum of the contact
-    forces, whose increase is in per cent, else the friction torque, whose increase is a fraction.
+    ``first``, ``raised``: solved motions of the ball in the cases with the smaller and the larger value; ``quantity``:
+    "force" for the sum of the contact forces, whose increase is in per cent; any other text for the friction torque, whose
+    increase is a fraction.
     """
     if quantity == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
     return raised.torque / first.torque - 1.0
 
 
-#: Names of the 3D model's results by key of Table 3.2, with the factor to the table's unit.
+#: Name of the 3D model's result and factor to the table's unit, by key of Table 3.2.
 IN_3D = {"P_IL": ("loss IL mW", 1e-3), "P_IR": ("loss IR mW", 1e-3), "P_OL": ("loss OL mW", 1e-3)}
 IN_3D |= {"P_OR": ("loss OR mW", 1e-3), "torque": ("torque N mm", 1.0), "omega_B": ("orbit rad/s", 1.0)}
 IN_3D |= {"omega_x": ("omega x rad/s", 1.0), "omega_y": ("omega y rad/s", 1.0)}
@@ -163,8 +168,8 @@ IN_3D |= {"omega_x": ("omega x rad/s", 1.0), "omega_y": ("omega y rad/s", 1.0)}
 def table_3_2(findings: Findings, study: Study) -> None:
     """Compute contact forces, losses and ball motion of the rotary bearing: Table 3.2 and section 3.2.2 of Lin's thesis.
 
-    ``findings``: receives two values for each printed number: as printed, with Lin's faults, and correct, with exact
-    Hertz constants and least dissipation; ``study``: stored results of the 3D rolling model.
+    ``findings``: receives two values for each printed number: as printed, with Lin's faults, and correct, with exact Hertz
+    constants and least dissipation; ``study``: gives stored results of the 3D rolling model.
     """
     solid = {
         case: source_cases.stored_rolling_results_in_3d(study, name) for case, name in source_cases.ROTARY_SCENES.items()
@@ -215,7 +220,7 @@ def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def _compute_worst_loss_ratio(findings: Findings) -> None:
-    """Compute the largest increase of friction loss in Lin's section 3.3.4.1, into ``findings``.
+    """Compute the largest increase of friction loss in Lin's section 3.3.4.1; ``findings`` receives the results.
 
     It is the friction loss between two touching balls over the loss of both balls without ball-to-ball contact.
     """
@@ -230,9 +235,9 @@ def _compute_worst_loss_ratio(findings: Findings) -> None:
 
 
 def _check_map_claims(findings: Findings, maps: PairResultsOverGrid) -> None:
-    """Check Lin's claims on the maps of ball-to-ball force and losses over theta and side force, into ``findings``.
+    """Check Lin's claims on the maps of ball-to-ball force and losses over theta and side force.
 
-    ``maps``: the maps, by the numerical model and by Lin's formulas.
+    ``maps``: the maps, by the numerical model and by Lin's formulas. ``findings``: receives the results.
     """
     difference, force, ratio = (both.numerical for both in (maps.difference, maps.force, maps.ratio))
     fields = (force[4:, 2::-1], ratio[4:, 2::-1])
@@ -270,8 +275,8 @@ def velocity_deviations_by_formula(mated: bool) -> Array:
 def table_3_4(findings: Findings, study: Study) -> None:
     """Compute the velocity deviations [%] of two balls in the linear bearing: Table 3.4 of Lin's thesis.
 
-    ``findings``: receives the computed value for each number of the table; ``study``: stored results of the 3D rolling
-    model.
+    ``findings``: receives the computed value for each number of the table; ``study``: gives stored results of the 3D
+    rolling model.
     """
     findings.numbers({"theta": degrees(THETA), "rho": SIDE})
     for case, name in (("a", source_cases.LINEAR_PAIR), ("b", source_cases.LINEAR_MATED)):
@@ -308,8 +313,8 @@ def formula_force(*, mated: bool) -> float:
 def table_3_5(findings: Findings, study: Study) -> None:
     """Compute ball-to-ball forces [N] of the linear bearing and differences from ANSYS: Table 3.5 of Lin's thesis.
 
-    ``findings``: receives the computed value for each number of the table; ``study``: stored results of the 3D rolling
-    model.
+    ``findings``: receives the computed value for each number of the table; ``study``: gives stored results of the 3D
+    rolling model.
     """
     spread = ", ".join(f"{loads} {solve_linear_pair(loads=loads).force:.2f} N" for loads in LOADS)
     formula = {case: formula_force(mated=case == "b") for case in "ab"}
@@ -375,8 +380,8 @@ def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - ever
 def power_balance_rows() -> list[Row]:
     """Return table rows of the rotary bearing's friction torque [N mm], power input [W] and friction losses [W].
 
-    There are three rows for each case of Lin's Table 3.2: correct Hertz constants and friction law; least dissipation at
-    the contact loads that Lin computed; and as Lin printed.
+    There are three rows for each case of Lin's Table 3.2: correct Hertz constants and Coulomb friction; Coulomb friction at
+    the contact loads that Lin computed; and all as Lin computed it. The motion of the first two minimises the dissipation.
     """
     rows: list[Row] = []
     for case in CASES:

@@ -45,9 +45,9 @@ THETA = {name: degrees(source_cases.second_ball_angle_deviation(name)) for name 
 AMPLITUDES = tuple(source_cases.RUN_SCENES)
 #: Angles [rad] of the load to the bearing's axis in section 4.3.1.
 ANGLES = source_cases.four_point_and_double_row_scene().angle
-#: Permitted time-step error of a simulation, over its mean torque.
+#: Permitted error of the torque by the time step of a simulation, over the mean torque.
 STEP_GOAL = 0.003
-#: Level of the grid of the stored 3D results of a ball pair.
+#: Grid level, the finest, of the stored 3D results of two touching balls.
 FINEST = 3
 #: Scenes of section 4.3.2, by kind of geometric error.
 SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "lin-nominal-4p1"}
@@ -58,10 +58,10 @@ SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "l
 
 @cache
 def solve_screw_pair(case: str, interpretation: Literal["plain", "inferred"]) -> ScrewPairSolution:
-    """Solve loads and motions of two balls of the screw in a case of Lin's Table 3.7.
+    """Solve loads and motions of two neighbouring balls of the screw in a case of Lin's Table 3.7.
 
-    ``case``: "a" or "b"; ``interpretation``: "plain" for the text as printed, "inferred" for balls with
-    the inferred oversize.
+    ``case``: "a" or "b"; ``interpretation``: "plain" for the text as printed, "inferred" for balls with the oversize that
+    was inferred from the printed results. Returns the solutions with and without ball-to-ball contact.
     """
     return solve_pair(
         case_of(source_cases.PAIR_SCENES[case] + "-inferred" * (interpretation == "inferred"), ScrewPairScene).pair
@@ -72,8 +72,8 @@ def solve_screw_pair(case: str, interpretation: Literal["plain", "inferred"]) ->
 def simulate_screw(amplitude: float) -> TravelHistory:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis over time, with a time-step error below `STEP_GOAL`.
 
-    ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg]. Returns motions and torques at each
-    time step.
+    ``amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg]. Returns motions and
+    torques at each time step.
     """
     return simulate_with_step_control(amplitude)[0]
 
@@ -82,8 +82,8 @@ def simulate_screw(amplitude: float) -> TravelHistory:
 def simulate_with_step_control(amplitude: float) -> tuple[TravelHistory, StepError | None]:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis, with a time-step error below `STEP_GOAL`.
 
-    ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg]. Returns the history of motions and
-    torques, then the error by the time step over the mean torque, None if it is unknown.
+    ``amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg]. Returns the history
+    of motions and torques, then the error by the time step over the mean torque, None if it is unknown.
     """
     run = source_cases.shipped_simulation_inputs(amplitude)
     return run_with_step_errors(run, run.duration, None, STEP_GOAL)
@@ -93,8 +93,8 @@ def simulate_with_step_control(amplitude: float) -> tuple[TravelHistory, StepErr
 def simulate_in_200_steps(amplitude: float) -> TravelHistory:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis in 200 equal time steps, as Lin does.
 
-    Loads and motions of a step are those at its start. ``amplitude``: amplitude of the contact angles' deviation theta, 2
-    or 3 [deg]. Returns motions and torques at each time step.
+    Loads and motions are constant over a step, with their values at its start. ``amplitude``: amplitude of theta, the
+    deviation of the contact angles from nominal, 2 or 3 [deg]. Returns motions and torques at each time step.
     """
     return simulate_equal_steps(source_cases.shipped_simulation_inputs(amplitude))
 
@@ -142,10 +142,10 @@ def loss_increase_percent(pair: ScrewPairSolution) -> float:
 
 
 def compute_ball_contact_onset(study: Study, kind_of_error: str, unloaded_ball_speed_ratio: float) -> ContactOnset:
-    """Compute when neighbouring balls first touch in the screw of Lin's Table 4.1 with one kind of geometric error.
+    """Compute the nut angle at which neighbouring balls first touch in the screw of Lin's Table 4.1.
 
-    ``study``: solved scenes; ``kind_of_error``: kind of error, "pitch", "roundness" or "none";
-    ``unloaded_ball_speed_ratio``: velocity of balls without load, divided by the nominal ball velocity.
+    ``study``: gives the solved scenes; ``kind_of_error``: geometric error of the screw's grooves, "pitch", "roundness" or
+    "none"; ``unloaded_ball_speed_ratio``: velocity of balls without load, divided by the nominal ball velocity.
     """
     name = SCREWS[kind_of_error]
     return contact_onset(study.scene(name), study.solve(name), unloaded_speed_ratio=unloaded_ball_speed_ratio)
@@ -179,15 +179,15 @@ def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def _record_youngs_modulus(findings: Findings, young: float) -> None:
-    """Record Young's modulus [Pa] in ``findings``, shown in the misprinted unit of Lin's thesis."""
+    """Record Young's modulus ``young`` [Pa] in ``findings``, shown in the misprinted unit of Lin's thesis."""
     findings.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
 
 
 def table_3_7(findings: Findings, study: Study) -> None:
     """Compute ball-to-ball forces and loss increases of two balls of the screw: Table 3.7 of Lin's thesis.
 
-    ``findings``: receives the computed value for each number of the table; ``study``: stored results of the 3D rolling
-    model.
+    ``findings``: receives the computed value for each number of the table; ``study``: gives stored results of the 3D
+    rolling model.
     """
     for case in THETA:
         solid = source_cases.stored_rolling_results_in_3d(study, source_cases.PAIR_SCENES[case])
@@ -207,8 +207,7 @@ def table_3_7(findings: Findings, study: Study) -> None:
 def _compute_force_and_increase(findings: Findings, case: str, solid: Mapping[str, float]) -> None:
     """Compute ball-to-ball force and loss increase in a case of Lin's Table 3.7, and record them in ``findings``.
 
-    ``case``: "a" or "b"; ``solid``: results of the 3D rolling model by name with unit, such as "force 1-2
-    N".
+    ``case``: "a" or "b"; ``solid``: results of the 3D rolling model by name with unit, such as "force 1-2 N".
     """
     force, percent = (printed_value("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
     as_text, oversized = solve_screw_pair(case, "plain"), solve_screw_pair(case, "inferred")
@@ -236,7 +235,7 @@ def _compare_force_with_ansys(findings: Findings, study: Study, case: str) -> No
     """Record the ball-to-ball force by the 3D rolling model in ``findings``, as the counterpart of Lin's ANSYS force.
 
     The remark states the force for both interpretations of the contact loads: the text as printed, and balls with the
-    inferred oversize. ``study``: stored 3D results; ``case``: "a" or "b" of Lin's Table 3.7.
+    inferred oversize. ``study``: gives the stored 3D results; ``case``: case of Lin's Table 3.7, "a" or "b".
     """
     scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
     as_text, oversized = (source_cases.stored_rolling_results_in_3d(study, scene).get("force 1-2 N") for scene in scenes)
@@ -246,7 +245,7 @@ def _compare_force_with_ansys(findings: Findings, study: Study, case: str) -> No
 
 
 def _both_interpretations_in_words(as_text: float, with_oversize: float) -> str:
-    """Return in words a value by two interpretations: text as printed, then balls with the inferred oversize."""
+    """Return in words a value by two interpretations: of the text as printed, and of balls with the inferred oversize."""
     return f"plain reading {as_text:.4g}, inferred reading {with_oversize:.4g}"
 
 
@@ -281,8 +280,8 @@ def contact_begins_again(history: TravelHistory) -> bool:
 def time_steps_in_words(amplitude: float) -> str:
     """Return in words the number of time steps of a simulation, its time-step error, and a result with Lin's 200 steps.
 
-    The result is the largest ratio [%] of the ball-to-ball contacts' torque to that of the ball-to-groove contacts.
-    ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg].
+    The result is the largest friction torque by ball-to-ball contacts over the torque by ball-to-groove contacts [%].
+    ``amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg].
     """
     (found, error), base = simulate_with_step_control(amplitude), simulate_in_200_steps(amplitude)
     size = "unknown" if error is None else f"{100.0 * error.largest:.2g} %"
@@ -316,8 +315,8 @@ def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - e
 def _compute_ball_contact_torque(findings: Findings) -> None:
     """Compute the largest torque by ball-to-ball contact, and the nut angles at which it occurs and at which contact ends.
 
-    The values are recorded in ``findings``: the torque over that of the ball-to-groove contacts [%], the angles in
-    degrees.
+    The values are recorded in ``findings``: the torque by ball-to-ball contacts over the torque by ball-to-groove contacts
+    [%], and the angles in degrees.
     """
     low, high = (summarise_history(simulate_screw(a)) for a in AMPLITUDES)
     assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * source_cases.inferred_oversize():g} µm oversize"
@@ -383,8 +382,8 @@ def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 def section_4_3(findings: Findings, study: Study) -> None:
     """Compute numbers and claims of section 4.3 of Lin's thesis: bearing torques, and the onset of ball-to-ball contact.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved
-    scenes.
+    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives the
+    solved scenes.
     """
     _compute_bearing_torques(findings)
     first = {
@@ -456,12 +455,12 @@ def label_of_inferred_oversize() -> str:
 def load_state_interpretations() -> list[tuple[str, str, Callable[[float], Pair]]]:
     """Return the interpretations of the contact loads of two balls that Lin's Table 3.7 leaves open.
 
-    Each entry: kind of interpretation, such as "plain"; its assumptions in words; function that returns the ball pair for
-    a deviation theta [rad] of the second ball's contact angle.
+    Each item of the list: short name, such as "plain"; assumptions in words; function that returns the ball pair for a
+    deviation theta [rad] of the second ball's contact angle from nominal.
     """
 
     def with_changes(make: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
-        """Return a function that makes the ball pair for a theta [rad] and replaces its fields by ``changes``."""
+        """Return a function of theta [rad] that makes the ball pair by ``make`` and replaces its fields by ``changes``."""
         return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
 
     radial = with_changes(source_cases.screw_pair_as_printed, free="r", force=(100.0,), coupling="none")
@@ -562,8 +561,8 @@ def implied_contact_load() -> float:
 def oversize_and_load_map(case: str, coupling: Coupling) -> PairResultGrid:
     """Compute ball-to-ball force and loss increase of two balls of the screw over the balls' oversize and the axial load.
 
-    The oversizes are `OVERSIZE` [m], the axial loads `AXIAL` [N]. ``case``: of Lin's Table 3.7, "a" or
-    "b"; ``coupling``: which parts the friction displaces, so that it changes the contact loads: "none", "ball" or "ball and
+    The oversizes are `OVERSIZE` [m], the axial loads `AXIAL` [N]. ``case``: case of Lin's Table 3.7, "a" or "b";
+    ``coupling``: which parts the friction displaces, so that it changes the contact loads: "none", "ball" or "ball and
     screw".
     """
     return results_over_oversize_and_force(
@@ -633,8 +632,8 @@ def simulation_inputs_of_interpretation(follows: str, amplitude: float, oversize
 def interpretation_results() -> tuple[RunSummary, ...]:
     """Simulate the whole screw of Lin's section 3.4.4 under every interpretation of `TRIED`, in 200 equal time steps.
 
-    Returns, for each interpretation, the largest ball-to-ball torque and the nut angles at which it occurs and at which
-    contact ends.
+    Returns a summary of each simulation, with the largest ball-to-ball torque and the nut angles at which it occurs and at
+    which contact ends.
     """
     return tuple(
         summarise_history(simulate_equal_steps(simulation_inputs_of_interpretation(*reading))) for reading in TRIED
@@ -660,7 +659,8 @@ def nearest_interpretation_in_words(key: str) -> str:
 def simulation_interpretation_rows() -> list[Row]:
     """Return table rows of the whole-screw simulation, one for each interpretation of section 3.4.4 of Lin's thesis.
 
-    Columns: the interpretation, the three results that Lin prints, and the differences from the printed values.
+    Columns: rule of contact and interpretation, the three results that Lin prints, and the differences from the printed
+    values. The last rows are computed with Lin's rule for contact between balls.
     """
     found: list[tuple[str, Interpretation, list[Any]]] = [
         ("neighbours never overlap", reading, [100.0 * s.largest, s.at, s.none_at])
@@ -815,7 +815,8 @@ def bearing_torque_rows() -> list[Row]:
 def ball_contact_onset_rows(study: Study) -> list[Row]:
     """Return table rows of the nut angle at which neighbouring balls first touch: section 4.3.2 of Lin's thesis.
 
-    There is one row for each kind of geometric error and each velocity of unloaded balls. ``study``: solved scenes.
+    There is one row for each kind of geometric error and each velocity of unloaded balls. ``study``: gives the solved
+    scenes.
     """
     rows = list[Row]()
     for errors in SCREWS:

@@ -1,4 +1,4 @@
-"""Bearings, screws and ball pairs of Lin's chapters 3 and 4, read from the shipped scenes.
+"""Bearings, screws and ball pairs of Lin's chapters 3 and 4, read from the scenes included with rollbench.
 
 Arguments of the functions replace single values of the scenes. Dimensions and loads, and what is assumed or inferred, are
 in ``compare/cases/lin/scenes/friction``.
@@ -54,8 +54,8 @@ def printed_friction_slope() -> float:
 def stored_rolling_results_in_3d(study: Study, name: str) -> Mapping[str, float]:
     """Return the results of a scene by the 3D rolling model on its finest stored grid.
 
-    The keys are quantities with unit, such as "force 1-2 N". The mapping is empty if no result is stored. ``study``:
-    folders of stored results; ``name``: name of the scene.
+    The keys are quantities with unit, such as "force 1-2 N". The mapping is empty if no result is stored. ``study``: gives
+    the folders of stored results; ``name``: name of the scene.
     """
     from rollbench.compare.studies.rolling.runs import LEVELS, load_run
 
@@ -64,7 +64,7 @@ def stored_rolling_results_in_3d(study: Study, name: str) -> Mapping[str, float]
 
 
 def screw_pair_as_printed(theta: float | None = None) -> Pair:
-    """Return two balls of the screw of section 3.4.3 as Lin states them: without clearance, loads changed by friction.
+    """Return two balls of the screw of section 3.4.3 as Lin states them: no clearance, friction changes the contact loads.
 
     ``theta``: deviation of the second ball's contact angle [rad], if it differs from the scene's.
     """
@@ -81,7 +81,7 @@ def screw_pair_with_inferred_oversize(theta: float | None = None) -> Pair:
 
 
 def _replace_theta(pair: Pair, theta: float | None) -> Pair:
-    """Return the ball pair with the second ball's deviation of the contact angle [rad] replaced, unless it is None."""
+    """Return the ball pair with ``theta``, the second ball's deviation of the contact angle [rad], unless it is None."""
     return pair if theta is None else replace(pair, theta=(pair.theta[0], theta))
 
 
@@ -106,7 +106,7 @@ def groove_of_table_3_6(**changes: object) -> ScrewGroove:
 def simulation_inputs_of_section_3_4_4(**changes: object) -> Run:
     """Return the inputs of the whole-screw simulation of section 3.4.4, with an amplitude of theta of 3 deg.
 
-    Theta is the deviation of the contact angles. ``changes``: new values of fields of `Run`, by name.
+    Theta is the deviation of the contact angles from nominal. ``changes``: new values of fields of `Run`, by name.
     """
     return replace(shipped_simulation_inputs(3.0), **changes)  # type: ignore[arg-type]
 
@@ -114,7 +114,7 @@ def simulation_inputs_of_section_3_4_4(**changes: object) -> Run:
 def shipped_simulation_inputs(theta_amplitude: float) -> Run:
     """Return the inputs of the whole-screw simulation of section 3.4.4 of Lin's thesis.
 
-    ``theta_amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg].
+    ``theta_amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg].
     """
     return shipped_scene_of_kind(RUN_SCENES[theta_amplitude], ScrewRunScene).run
 

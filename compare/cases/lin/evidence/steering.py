@@ -21,7 +21,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import lead_per_radian
 from rollbench.meshes.parts import BallErrors, Errors, Scene, Support
 
-#: Loads of the axial lash test; those of the conical test are not printed and assumed to be the same.
+#: Loads of the axial lash test; the loads of the conical test are not printed and are assumed to be the same.
 ENDS = "-200N:200N:2"
 #: Length of the loaded track of Table 4.1 [turns]; directions of the lateral force [rad], each also reversed.
 TURNS, DIRECTIONS = 3.75, np.radians([0.0, 45.0, 90.0, 135.0])
@@ -31,7 +31,7 @@ PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "
 
 
 def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
-    """Return the azimuths [rad] of the balls in a pattern of Lin's Figure 4.2.
+    """Return the azimuths [rad] of the balls of the screw ``scene`` in a pattern of Lin's Figure 4.2.
 
     ``pattern``: one of `PATTERNS`. Stacked balls touch one another. For "stacked on one side", the gap of every turn lies
     opposite the x axis, at an azimuth of pi.
@@ -99,17 +99,17 @@ def solve_conical_lash(
 def _solve_lash_test(scene: Scene, load_range: str, restrained: Sequence[str]) -> LoadCurve:
     """Return the load curve of a lash test: displacement over a force that reverses.
 
-    ``load_range``: range of the loads, direction and position of the force, in the form of ``rollbench solve --curve``;
-    ``restrained``: freedoms that are restrained at the screw's left end, such as "rz".
+    ``scene``: the ball screw; ``load_range``: range of the loads, direction and position of the force, in the form of
+    ``rollbench solve --curve``; ``restrained``: freedoms that are restrained at the screw's left end, such as "rz".
     """
     scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in restrained)),))
     return compute_load_curve(scene, read_load_range(load_range), "lin", Options(engine="compiled"))
 
 
 def peak_to_peak(test: LoadCurve) -> float:
-    """Return the displacement [m] from one end load of a lash test to the other.
+    """Return the lash [m]: displacement from one end of a lash test's load range to the other end.
 
-    Raises ValueError if there is no equilibrium under an end load.
+    ``test``: load curve of the test. Raises ValueError if there is no equilibrium at an end of the load range.
     """
     if test.peak_to_peak is None:
         raise ValueError(f"{test.scene}: no equilibrium under an end load of the lash test")
@@ -127,9 +127,10 @@ def relative_range_percent(values: list[float]) -> float:
 
 @dataclass(frozen=True)
 class LashDifferences:
-    """Relative differences of the lash between ball patterns [%].
+    """Relative differences [%] of the lash of one ball screw between four patterns of its balls.
 
-    ``axial``: of the axial test; ``conical``: of the conical test, for each direction of the lateral force.
+    ``axial``: difference in the axial test; ``conical``: differences in the conical test (lateral force), one for each
+    direction of the force in `DIRECTIONS`.
     """
 
     axial: float
@@ -137,10 +138,10 @@ class LashDifferences:
 
 
 def lash_differences(scene: Scene, reach: float, restrained: Sequence[str] = TURNING) -> LashDifferences:
-    """Return the relative differences of the lash between ball patterns, by the axial and by the conical test.
+    """Return the relative differences of a ball screw's lash between its ball patterns, by the axial and the conical test.
 
-    ``reach``: distance of the lateral force from the nut's centre [m]; ``restrained``: freedoms that are restrained at the
-    screw's left end, such as "rz".
+    ``scene``: the ball screw; ``reach``: distance of the lateral force from the nut's centre [m]; ``restrained``: freedoms
+    that are restrained at the screw's left end, such as "rz".
     """
     screws = [arrange_balls_in_pattern(scene, p) for p in PATTERNS]
     cones = [
@@ -155,7 +156,8 @@ def lash_differences(scene: Scene, reach: float, restrained: Sequence[str] = TUR
 # --- lash tests of a ball screw; contact loads of bearing and ball screw in a steering gear
 
 
-#: Shipped scenes, total rack force [N], distance of the lateral force of the conical lash test from the nut [m].
+#: Names of the scenes of ball screw and steering gear; total rack force [N], distance of the lateral force of the conical
+#: lash test from the nut's centre [m].
 SCREW, RACK = "lin-nominal-4p1", "lin-steering-rack"
 RACK_FORCE, REACH = 14500.0, 0.3
 #: Tie-rod angles [deg].
@@ -163,7 +165,7 @@ TIE_ROD = (0.0, 6.0, 12.0, 18.0)
 
 
 def steering_gear() -> Assembly:
-    """Return the shipped scene of Lin's steering gear: a rack with ball screw and bearing."""
+    """Return the scene of Lin's steering gear, which is included with rollbench: a rack with ball screw and bearing."""
     found = catalogue.shipped_scene(RACK)
     if not isinstance(found, Assembly):
         raise AssertionError(f"{RACK}: expected a scene of a shaft with ball screw and bearing, got {type(found).__name__}")
@@ -186,7 +188,7 @@ def solve_at_tie_rod_angle(gear: Assembly, angle: float, *, opposed: bool = Fals
 def largest_screw_and_bearing_loads(result: AxisResult) -> tuple[float, float]:
     """Return the largest contact load [N] of the steering gear's ball screw, then that of its bearing.
 
-    ``result``: solution of the steering gear; a part without loads counts as zero.
+    ``result``: solution of the steering gear. The load of a part without contact loads is zero.
     """
     screw, bearing = (0.0 if s.balls is None else float(s.balls.load.max()) for s in result.sets)
     return screw, bearing
@@ -207,8 +209,8 @@ def solve_load_ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, 
 def section_4_2(findings: Findings, study: Study) -> None:
     """Compute lash and contact loads of the steering gear: Table 4.1, sections 4.2.1 and 4.2.2 of Lin's thesis.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: shipped
-    scenes.
+    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives the
+    scenes included with rollbench.
     """
     scene = study.scene(SCREW)
     material = scene.balls.material
@@ -231,7 +233,10 @@ def section_4_2(findings: Findings, study: Study) -> None:
 
 
 def _compute_lash(findings: Findings, study: Study) -> None:
-    """Compute the relative differences of lash between ball patterns: section 4.2.1 of Lin's thesis, into ``findings``."""
+    """Compute the relative differences of lash between ball patterns: section 4.2.1 of Lin's thesis.
+
+    ``study``: gives the scenes included with rollbench; ``findings``: receives the results.
+    """
     found = lash_differences(study.scene(SCREW), REACH)
     by_direction = ", ".join(f"{x:.1f}" for x in found.conical)
     words = f"lateral force at {1e3 * REACH:.0f} mm; by direction {by_direction} %"
@@ -241,7 +246,10 @@ def _compute_lash(findings: Findings, study: Study) -> None:
 
 
 def _compute_load_ratios(findings: Findings) -> None:
-    """Compute contact loads of ball screw and bearing over the tie-rod angle: section 4.2.2, into ``findings``."""
+    """Compute contact loads of ball screw and bearing over the tie-rod angle: section 4.2.2.
+
+    ``findings``: receives the results.
+    """
     gear = steering_gear()
     results = [solve_at_tie_rod_angle(gear, angle) for angle in TIE_ROD]
     loads = np.array([largest_screw_and_bearing_loads(r) for r in results])
@@ -280,7 +288,7 @@ def _nonzero_loads(result: AxisResult, i: int) -> Array:
     """Return the nonzero contact loads [N] of one part of the steering gear; ``i``: 0 for ball screw, 1 for bearing."""
     balls = result.sets[i].balls
     if balls is None:
-        raise AssertionError(f"expected contact loads of balls in set {i} of the steering gear, got none")
+        raise AssertionError(f"expected contact loads in part {i} (0: ball screw, 1: bearing) of the gear, got none")
     return np.asarray(balls.load[balls.load > 0.0])
 
 
@@ -302,7 +310,7 @@ OFFSETS, ANGLES = (-0.02, 0.0, 0.02), (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
 
 @dataclass(frozen=True)
 class LashVariation:
-    """Differences of the lash between ball patterns with one input changed that Lin's lash tests leave open.
+    """Differences of the lash between ball patterns, with one input changed that Lin does not print for his lash tests.
 
     ``changed``: name of the input that differs; ``diameter``: outer diameter of the screw [m]; ``position``: axial
     position of the nut's centre [m]; ``reach``: distance of the lateral force from the nut's centre [m]; ``restraint``:
@@ -371,9 +379,9 @@ def change_gear_layout(gear: Assembly, pinion: float, hold: str, offset: float) 
 def load_ratios_of_all_layouts(gear: Assembly) -> Iterator[LoadRatiosOfLayout]:
     """Yield the load ratios of the steering gear for every layout.
 
-    A layout has a position and a restraint of the pinion, directions of the lateral forces, and an offset of the bearing.
-    A pinion that restrains the rack's tilting keeps the far end's lateral force from the nut, so that the direction of
-    this force has no influence and only one is solved.
+    A layout has a position and a restraint of the pinion, directions of both lateral forces, and an offset of the bearing.
+    A pinion that restrains the rack's tilting keeps the lateral force of the tie rod on its other side away from the nut.
+    The direction of this force then has no influence, so that only one direction is solved.
     """
     for hold in PINION_HOLDS:
         for opposed in (False, True)[: 1 if "rx" in PINION_HOLDS[hold] else 2]:
@@ -484,7 +492,10 @@ def gears_with_open_inputs_varied(gear: Assembly) -> Iterator[tuple[str, str, li
 
 @cache
 def load_ratio_ranges(gear: Assembly) -> tuple[LoadRatioRange, ...]:
-    """Return the ranges of the load ratios over inputs that Lin does not print, one input varied at a time."""
+    """Return the ranges of the load ratios over inputs that Lin does not print, one input varied at a time.
+
+    ``gear``: the steering gear with the usual inputs.
+    """
     out = []
     for changed, values, gears in gears_with_open_inputs_varied(gear):
         screw, bearing = zip(*(solve_load_ratios(one, opposed=opposed) for one, opposed in gears), strict=True)

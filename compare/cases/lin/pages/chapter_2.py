@@ -1,9 +1,9 @@
 """Report sections on chapter 2, Table B.1 and section 4.3.2 of Lin's thesis.
 
 Case studies 1, 2 and 3 of 2.4.1: contact loads, centreline, interpretations of the right end's support, modelling choices.
-Geometric errors of 2.4.2: alone and combined, random errors as percentiles of random screws. Constants of Table B.1:
-as printed, with the thesis's faults, and correct. Pitch and roundness errors of 4.3.2 on two screws. Agreement of two
-solvers and of two kinematic forms of the same model.
+Geometric errors of 2.4.2: each kind of error, combined errors, random errors as percentiles of random screws. Constants of
+Table B.1: as printed, with the thesis's faults, and correct. Pitch and roundness errors of 4.3.2 on two screws. Agreement
+of two solvers and of two kinematic forms of the same model.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row,
 def reference_mesh_level_in_words(study: Study, name: str) -> str:
     """Return in words the finest mesh level of a scene's stored 3D reference, such as "level 3", or "none stored".
 
-    ``study``: stored 3D references; ``name``: name of the scene.
+    ``study``: gives stored 3D references; ``name``: name of the scene.
     """
     found = study.reference(name)
     return "none stored" if found is None else f"level {found.runs[-1].level}"
@@ -52,7 +52,7 @@ def reference_mesh_level_in_words(study: Study, name: str) -> str:
 def end_support_table(study: Study) -> Table:
     """Return the table of largest and smallest loads in Lin's case 3 for each interpretation of the right end's support.
 
-    ``study``: solved scenes and stored 3D references.
+    ``study``: gives solved scenes and stored 3D references.
     """
     rows: list[Row] = []
     for reading in chapter_2.END_SUPPORTS:
@@ -116,7 +116,7 @@ def model_choice_rows(found: Sequence[chapter_2.ModelChoice]) -> list[Row]:
 def contact_loads_table(study: Study) -> Table:
     """Return the table of the contact loads of all case studies, with a row for each ball and a column for each flank.
 
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes.
     """
     rows: list[Row] = [{"ball": i + 1} for i in range(32)]
     for name in chapter_2.CASES:
@@ -134,7 +134,7 @@ def contact_loads_table(study: Study) -> Table:
 def largest_and_smallest_loads_table(study: Study) -> Table:
     """Return the table of largest and smallest load on each flank, balance of forces and residual, for all case studies.
 
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes.
     """
     rows: list[Row] = []
     for name in chapter_2.CASES:
@@ -166,7 +166,7 @@ def largest_and_smallest_loads_table(study: Study) -> Table:
 def largest_opposite_load_difference(study: Study) -> float:
     """Return the largest difference [N] between the loads of opposite contacts of a ball, over all balls and case studies.
 
-    Opposite are SL and NR, and SR and NL. ``study``: solved scenes.
+    Opposite contacts are SL and NR, and SR and NL (screw or nut, left or right). ``study``: gives the solved scenes.
     """
     return max(float(np.abs(study.solve(n).load[:, :2] - study.solve(n).load[:, :1:-1]).max()) for n in chapter_2.CASES)
 
@@ -174,7 +174,7 @@ def largest_opposite_load_difference(study: Study) -> float:
 def case_study_figures(study: Study) -> tuple[Figure, ...]:
     """Draw contact loads of Lin's case studies 1 to 3 and the screw's centreline of cases 1 and 3.
 
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes.
     """
     case1, mei, nut = (study.solve("lin-case1", m) for m in ("lin", "mei", "mei-nut"))
     coarse = study.solve(study.changed("lin-case1", partition="source", section="groove squared"))
@@ -250,7 +250,7 @@ def loaded_screw_picture(scene: Scene, result: StaticResult, caption: str) -> Lo
 def cases_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on Lin's case studies 1, 2 and 3: contact loads and centreline of the screw.
 
-    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("cases 1, 2, 3 on four models")
     step("what the open choices change")
@@ -300,7 +300,7 @@ def load_percentile_band(label: str, ensemble: EnsembleResult, side: int) -> Ser
 def errors_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on contact loads with geometric errors: section 2.4.2 of Lin's thesis.
 
-    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     step("profile and pitch errors")
     base, profile, pitch = (study.solve(n) for n in ("lin-case1", "lin-profile", "lin-pitch"))
@@ -387,7 +387,7 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
 def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on the Hertz constants of Lin's Table B.1, as printed and correct.
 
-    ``study``: shipped scenes; ``step``: function that receives a message before each step.
+    ``study``: gives the scenes included with rollbench; ``step``: function that receives a message before each step.
     """
     step("Table B.1")
     case = study.scene("lin-case1")
@@ -459,7 +459,7 @@ def equivalent_errors_panel(scene: Scene) -> Panel:
 def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on contact loads with pitch and with roundness errors: section 4.3.2 of Lin's thesis.
 
-    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     panels = [equivalent_errors_panel(study.scene("lin-pitch-4p1"))]
     rows: list[Row] = []
@@ -535,7 +535,7 @@ SCENES = (
 def solver_agreement_row(study: Study, name: str) -> Row:
     """Return the table row of load differences [% of the mean load] between Lin's Newton solver and the energy solver.
 
-    The row also has the numbers of iterations. ``study``: solved scenes; ``name``: name of the scene.
+    The row also has the numbers of iterations. ``study``: gives the solved scenes; ``name``: name of the scene.
     """
     scene, by_energy = study.scene(name), study.solve(name)
     solver = by_energy.solver
@@ -562,7 +562,7 @@ def solver_agreement_row(study: Study, name: str) -> Row:
 def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on two solvers and two kinematic forms of Lin's static model.
 
-    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     rows = []
     for name in SCENES:

@@ -205,7 +205,7 @@ def sliding_velocity_panel(case: str, s: BearingBallSolution, title: str) -> Pan
 def sliding_velocity_figure() -> Figure:
     """Draw Lin's Figure 3.8 as curves: sliding velocity along the contacts of the rotary bearing's ball in cases I to III.
 
-    There are three panels with correct values, and three with values as Lin computes them.
+    Three panels have correct values, and three have values computed with Lin's faults.
     """
     panels = [sliding_velocity_panel(case, solve_rotary(case), "right") for case in CASES]
     panels += [sliding_velocity_panel(case, solve_rotary_as_printed(case), "as printed") for case in CASES]
@@ -226,8 +226,8 @@ def sliding_velocity_figure() -> Figure:
 def force_map_panels(maps: PairResultsOverGrid, both: ModelAndFormula, label: str) -> list[Panel]:
     """Draw a quantity of two balls over the side force ratio: by the numerical model, by Lin's formula, and the difference.
 
-    There is one curve for each deviation theta of the contact angle. ``maps``: maps, with the side force ratios and the
-    values of theta; ``both``: the quantity by both models; ``label``: its name with unit.
+    There is one curve for each deviation theta of the contact angle. ``maps``: results over a grid of side force ratios and
+    values of theta; ``both``: the quantity by both models; ``label``: name of the quantity with unit.
     """
     x = scale_to_python_floats(maps.rho)
     parts = (("numerical", both.numerical), ("formula", both.formula), ("formula less numerical", both.error))
@@ -314,7 +314,7 @@ DOTS = 66
 
 
 def simulated_torque_panel(title: str, history: TravelHistory) -> Panel:
-    """Draw the friction torque over time in a simulation of the whole screw (Lin's Figure 3.25).
+    """Draw the friction torque over time in a simulation of the whole screw (Lin's Figure 3.25), under a given ``title``.
 
     The curves are the torque by ball-to-groove contacts, by ball-to-ball contacts, and their sum. ``history``: motions and
     torques at each time step.
@@ -419,7 +419,7 @@ def simulation_figure() -> Figure:
 def oversize_map_panels(case: str, coupling: Coupling) -> list[Panel]:
     """Draw ball-to-ball force and loss increase of two balls over their oversize, with one curve for each axial load.
 
-    ``case``: of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, so that it changes the
+    ``case``: case of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, so that it changes the
     contact loads: "none", "ball" or "ball and screw".
     """
     m, x = screw.oversize_and_load_map(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
@@ -441,7 +441,7 @@ def oversize_map_panels(case: str, coupling: Coupling) -> list[Panel]:
 def force_without_oversize_over_printed(case: str, coupling: Coupling) -> float:
     """Return the ball-to-ball force of two balls without oversize divided by the printed force, at an axial load of `LOAD`.
 
-    ``case``: of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, as in
+    ``case``: case of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, as in
     `oversize_map_panels`.
     """
     m = screw.oversize_and_load_map(case, coupling)
@@ -654,7 +654,7 @@ def bearing_torque_table() -> Table:
 def ball_contact_onset_table(study: Study) -> Table:
     """Return the table of the nut angle at which neighbouring balls first touch (section 4.3.2 of Lin's thesis).
 
-    There is a row for each kind of geometric error and each velocity of unloaded balls. ``study``: solved scenes.
+    There is a row for each kind of geometric error and each velocity of unloaded balls. ``study``: gives the solved scenes.
     """
     note = (
         "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls at their instantaneous speeds. The conclusion of "
@@ -715,7 +715,7 @@ def _simulation_paragraph(simulations: Table) -> str:
 def screw_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on friction in a ball screw and in two bearings: sections 3.4 and 4.3 of Lin's thesis.
 
-    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     step("readings and maps of two balls")
     pairs = (pair_interpretations_table(), oversize_map_figure())

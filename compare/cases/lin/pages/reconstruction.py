@@ -52,7 +52,7 @@ FORCES = {
 def model_comparison_statements_table(study: Study) -> Table:
     """Return the table of Lin's further statements that compare his model with ANSYS, with computed values and conclusions.
 
-    ``study``: solved scenes and stored 3D references.
+    ``study``: gives solved scenes and stored 3D references.
     """
     rows = [
         _run_time_row(study),
@@ -75,7 +75,10 @@ def _statement_row(location: str, printed: str, computed: str, verdict: str) -> 
 
 
 def _run_time_row(study: Study) -> Row:
-    """Return the table row on run times: printed for ANSYS, and measured for a 3D model with cells of equal size."""
+    """Return the table row on run times: printed for ANSYS, and measured for a 3D model with cells of equal size.
+
+    ``study``: gives the scene whose stored 3D result has this time.
+    """
     run = load_run(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (printed_value("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
     time = (
@@ -92,7 +95,10 @@ def _run_time_row(study: Study) -> Row:
 
 
 def _lateral_displacement_row(study: Study) -> Row:
-    """Return the table row on Lin's Figure 2.10: largest lateral displacement of the screw's axis, low-order and in 3D."""
+    """Return the table row on Lin's Figure 2.10: largest lateral displacement of the screw's axis, low-order and in 3D.
+
+    ``study``: gives solved scenes and stored 3D references.
+    """
     low, found = study.solve("lin-case1"), study.reference("lin-case1")
     assert found is not None
     z, *motion = found.best.centreline.T
@@ -112,7 +118,7 @@ def _case_3_support_row(study: Study, model: str) -> Row:
     """Return the table row on Lin's case 3, in which the right end of the screw is displaced laterally.
 
     It names the supports of this end for which the displacement changes the contact loads as printed. ``model``: name of
-    the model of the contact loads. ``study``: solved scenes.
+    the model by which the contact loads are computed. ``study``: gives the solved scenes.
     """
     largest, right = [], []
     for reading in END_SUPPORTS:
@@ -132,7 +138,8 @@ def _case_3_support_row(study: Study, model: str) -> Row:
 def rises_most_at_last_balls(change: Array) -> bool:
     """Return whether the largest change of a contact load is a rise on flank SR or NL of one of the last balls.
 
-    ``change``: changes of the contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL, NR.
+    ``change``: changes of the contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR (screw or nut, left or
+    right).
     """
     ball, side = np.unravel_index(int(np.abs(change).argmax()), change.shape)
     return bool(side in (1, 2) and ball >= len(change) - LAST and change[ball, side] > 0.0)
@@ -184,7 +191,7 @@ ABOUT_IT = (
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on the origin of the model errors printed in section 2.4.1 of Lin's thesis.
 
-    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("combinations of readings")
     found = study.compute_once(combined.evaluate_combinations)
@@ -250,7 +257,7 @@ def origin_of_error_conclusion(found: list[combined.CombinationResult]) -> str:
 
 
 def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
-    """Return the paragraph that answers where the printed errors come from: two explanations come near them.
+    """Return the paragraph on the origin of the printed errors, and on two explanations whose errors come near them.
 
     ``found``: results of all combinations of interpretations, of which the first has all choices by default.
     """
@@ -281,7 +288,7 @@ def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
 
 
 def _ratios_and_errors_in_words(c: combined.CombinationResult) -> str:
-    """Return in words the load ratios and errors of one combination of interpretations."""
+    """Return in words the load ratios and errors of the combination of interpretations ``c``."""
     return (
         f"ratios of {c.low_ratio:.3f} and {c.solid_ratio:.3f}, errors of {_errors_in_words(c.errors['own'])}, "
         f"{_fall_in_percent_of_printed(c):.0f} % of "
@@ -295,14 +302,14 @@ def _fall_in_percent_of_printed(c: combined.CombinationResult) -> float:
 
 
 def _range_in_words(values: Sequence[float], digits: int = 2) -> str:
-    """Return in words the first and last of values that rise or fall steadily; ``digits``: decimals of the numbers."""
+    """Return in words the first and the last of some values; ``digits``: number of decimals."""
     return f"{values[0]:.{digits}f} to {values[-1]:.{digits}f}"
 
 
 def penalty_paragraph(study: Study) -> str:
     """Return the paragraph on contacts with a penalty in 3D: how much softer they are, and the influence of the mesh.
 
-    ``study``: solved scenes and stored 3D results.
+    ``study``: gives solved scenes and stored 3D results.
     """
     soft = [(r, combined.penalty_over_hertz_approach(study, (r,))) for r in SOLID if r.penalty]
     sizes = ", ".join(f"{r.label}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
@@ -332,7 +339,7 @@ def mesh_scatter_paragraph(study: Study, found: list[combined.CombinationResult]
     """Return the paragraph on the scatter of contact stiffness between meshes as a cause of the printed errors.
 
     It states the probability of half of the printed change from case 1 to case 2, for several sizes of the scatter.
-    ``study``: solved scenes and stored 3D results; ``found``: results of all combinations of interpretations.
+    ``study``: gives solved scenes and stored 3D results; ``found``: results of all combinations of interpretations.
     """
     falls, rises = error_changes_to_case_2(combined.printed_errors())
     best = combined.combination_nearest_to_print(combined.combinations_without_penalty(found), 2)
@@ -355,7 +362,7 @@ def mesh_scatter_paragraph(study: Study, found: list[combined.CombinationResult]
 def friction_paragraph(study: Study) -> str:
     """Return the paragraph on the effect of the printed coefficient of friction in 3D, for rolling and sliding balls.
 
-    ``study``: solved scenes and stored 3D results.
+    ``study``: gives solved scenes and stored 3D results.
     """
     scene, base = study.scene(CASES[0]), combined.required_loads_in_3d(study, ())
     changed = {r.key: combined.required_loads_in_3d(study, (r,)) for r in SOLID if r.choice == FRICTION}
@@ -389,7 +396,7 @@ def friction_paragraph(study: Study) -> str:
 
 
 def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResult]) -> Table:
-    """Return the table of the load ratios and errors that Lin prints, and of those computed by each explanation.
+    """Return the table of load ratios and errors: printed by Lin, and computed by each explanation of the printed ones.
 
     ``found``: results of all combinations of interpretations.
     """
@@ -445,7 +452,7 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
 
 
 def _cells_by_error_definition(c: combined.CombinationResult) -> Row:
-    """Return table cells of a combination: load ratios by both models, and errors in per cent of each and of mean load."""
+    """Return table cells of a combination: load ratios by both models, errors in per cent of each and of the mean load."""
     row: Row = {
         Quantity("low_ratio", "ratio, low order", "", ".3f"): c.low_ratio,
         Quantity("solid_ratio", "ratio, 3D", "", ".3f"): c.solid_ratio,
@@ -481,7 +488,7 @@ def single_interpretation_table(found: list[combined.CombinationResult]) -> Tabl
 def combination_table(found: list[combined.CombinationResult]) -> Table:
     """Return the table of all combinations of interpretations, with the RMS of their deviations from the printed numbers.
 
-    ``found``: results of these combinations.
+    ``found``: results of all combinations.
     """
     rows = [
         _combination_row(c)
@@ -521,7 +528,8 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
     ) -> tuple[Series, ...]:
         """Return a marker for each combination, and one for the printed values.
 
-        ``pick``: function that returns abscissa and ordinate of a combination; ``printed``: those of the printed values.
+        ``pick``: function that returns abscissa and ordinate of a combination; ``printed``: abscissa and ordinate of the
+        printed values.
         """
         out = []
         for label, of, light in (("other combinations", others, True), ("explanations", shown, False)):

@@ -1,4 +1,4 @@
-"""Report section on Lin 4.2: lash tests of a ball screw, contact loads of a steering gear, influence of open inputs."""
+"""Report section on Lin 4.2: lash tests of a ball screw, loads of a steering gear, influence of unprinted inputs."""
 
 from __future__ import annotations
 
@@ -89,9 +89,9 @@ def lash_rows(scene: Scene) -> list[Row]:
 
 
 def _directions_with_smaller_axial_difference(found: steering.LashDifferences) -> str:
-    """Return in words in how many directions of the force the axial lash differs less between patterns than the conical.
+    """Return in words for how many directions of the lateral force the axial test's difference is the smaller one.
 
-    ``found``: differences of the lash between ball patterns.
+    ``found``: differences of the lash between ball patterns, by the axial test and by the conical test (lateral force).
     """
     count = sum(found.axial < x for x in found.conical)
     return f"{count} of {len(found.conical)} directions"
@@ -139,7 +139,8 @@ def _group_by_layout(
 ) -> dict[tuple[str, bool], list[steering.LoadRatiosOfLayout]]:
     """Group the load ratios of layouts with the bearing at the nut's centre.
 
-    The keys are the pinion's restraint, and whether the lateral forces of both tie rods have opposite directions.
+    The keys are pairs: restraint of the pinion; whether the lateral forces of both tie rods have opposite directions.
+    ``points``: load ratios of all layouts; layouts with another position of the bearing are left out.
     """
     out: dict[tuple[str, bool], list[steering.LoadRatiosOfLayout]] = {}
     for p in points:
@@ -149,7 +150,10 @@ def _group_by_layout(
 
 
 def load_ratio_rows(points: list[steering.LoadRatiosOfLayout]) -> list[Row]:
-    """Return the table rows of the steering gear's load ratios (18 deg over 0 deg of the tie rods), one for each layout."""
+    """Return the table rows of the steering gear's load ratios, one for each layout in ``points``.
+
+    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg.
+    """
     return [
         {
             Quantity("hold", "pinion", "", "s"): p.hold,
@@ -164,9 +168,9 @@ def load_ratio_rows(points: list[steering.LoadRatiosOfLayout]) -> list[Row]:
 
 
 def load_ratio_range_rows(points: list[steering.LoadRatiosOfLayout]) -> list[Row]:
-    """Return the table rows of the ranges of the steering gear's load ratios by input that Lin does not print.
+    """Return the table rows of the ranges of the steering gear's load ratios, one for each input that Lin does not print.
 
-    ``points``: load ratios of all layouts, whose range is the last row.
+    ``points``: load ratios of all layouts; the last row has their range.
     """
     rows = []
     for b in (*steering.load_ratio_ranges(steering_gear()), steering.load_ratio_range_over_layouts(points)):
@@ -187,7 +191,7 @@ def load_ratio_range_rows(points: list[steering.LoadRatiosOfLayout]) -> list[Row
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on the lash tests and the steering gear of section 4.2 of Lin's thesis.
 
-    ``study``: shipped scenes; ``step``: function that receives a message before each step.
+    ``study``: gives the scenes included with rollbench; ``step``: function that receives a message before each step.
     """
     step("lash tests")
     scene = study.scene(SCREW)

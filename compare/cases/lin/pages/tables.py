@@ -65,20 +65,23 @@ TIMED |= {f"lin-3.7:time_ansys_{case}": (name, "3D") for case, name in SCREW.ite
 
 
 def printed_run_time(name: str) -> float:
-    """Return a printed run time [s]; ``name``: table and key of the printed number, as ``table:key``."""
+    """Return a printed run time [s]; ``name``: table and key of the printed number, such as "lin-2.2:time_ansys_1"."""
     one = printed_entry(*name.split(":"))
     return UNITS[one.unit] * (one.value or 0.0)
 
 
 def printed_element_count(table: str, key: str) -> str:
-    """Return the number of elements that Lin's thesis prints, as text; ``table``, ``key``: names of the printed number."""
+    """Return a number of elements that Lin's thesis prints, as text.
+
+    ``table``: name of the printed table, such as "lin-2.2"; ``key``: key of the number in it, such as "elements_ansys".
+    """
     return f"{printed_value(table, key):,.0f}"
 
 
 def model_size_in_3d_in_words(study: Study, name: str) -> str:
     """Return in words the number of unknowns or cells of a scene's finest stored 3D model; empty if none is stored.
 
-    ``study``: stored 3D results; ``name``: name of the scene.
+    ``study``: gives stored 3D results; ``name``: name of the scene.
     """
     if name in STATIC.values():
         found = study.reference(name)
@@ -90,9 +93,9 @@ def model_size_in_3d_in_words(study: Study, name: str) -> str:
 
 
 def beam_element_count_in_words(study: Study, name: str) -> str:
-    """Return in words the number of beam elements in the low-order model of a scene, and with Lin's partition.
+    """Return in words the number of beam elements in a scene's low-order model, by default and with Lin's partition.
 
-    ``study``: shipped scenes; ``name``: name of the scene.
+    ``study``: gives the scenes included with rollbench; ``name``: name of the scene.
     """
     return (
         f"{len(nodes_of_whole_beam(study.scene(name))) - 1} ({chapter_2.beam_element_count_of_lin_partition(study)} with "
@@ -105,7 +108,7 @@ def printed_and_own_model_size(study: Study, name: str, model: str) -> tuple[str
 
     Both are numbers of elements, unknowns or cells, and empty if the model has none. ``name``: name of the scene;
     ``model``: "lin" (static model), "numerical" (friction model of two balls), "formula" (Lin's formula) or "3D".
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes.
     """
     if model == "lin":
         return printed_element_count("lin-2.2", "elements_proposed"), beam_element_count_in_words(study, name)
@@ -118,15 +121,15 @@ def printed_and_own_model_size(study: Study, name: str, model: str) -> tuple[str
 
 
 def run_time_ratio(slow: float | None, fast: float | None) -> float | None:
-    """Return the ratio of a longer to a shorter run time; None if one of them is missing."""
+    """Return the run time ``slow`` divided by ``fast``; None if one of them is missing or zero."""
     return None if not slow or not fast else slow / fast
 
 
 def run_times_table(study: Study, layout: PrintedLayout, found: Mapping[str, Evidence]) -> Table:
     """Return the table of run times and model sizes for a table of Lin's thesis: printed and measured, with their ratios.
 
-    ``study``: stored run times; ``layout``: rows and columns of the table in the thesis; ``found``: printed values with
-    the computed ones, by name ``table:key``.
+    ``study``: gives stored run times; ``layout``: rows and columns of the table in the thesis; ``found``: printed values
+    with the computed ones, by name ``table:key``.
     """
     names = [
         (label, head, n) for label, row in layout.rows for head, n in zip(layout.columns, row, strict=True) if n in TIMED
@@ -201,7 +204,7 @@ def table_b_1_extra_cells(study: Study) -> dict[str, Row]:
     """Return cells that are added to Lin's Table B.1, by name of the printed number next to which they are shown.
 
     They are the correct values for the groove with which Lin computed the table; his Table 2.1 states another groove.
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes.
     """
     scene = with_conformity(study.scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
     return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.correct_table_b_1(scene).items()}
@@ -248,14 +251,19 @@ WHY = {
 
 
 def reason_without_3d(name: str) -> str:
-    """Return the reason why a printed number has no 3D value; empty if none is given; ``name``: ``table:key``."""
+    """Return the reason why a printed number has no 3D value, empty if none is given.
+
+    ``name``: table and key of the printed number, such as "lin-2.2:time_ansys_1".
+    """
     return next((text for start, text in WHY.items() if name.startswith(start)), "")
 
 
 def run_time_and_size_texts(study: Study) -> dict[str, str]:
-    """Return texts on run times and model sizes, by name of the printed number for which Lin's tables show no computed one.
+    """Return texts on run times and model sizes, to be shown in Lin's tables instead of computed numbers.
 
-    ``study``: stored run times and 3D results.
+    The keys are names of printed numbers, such as "lin-2.2:time_ansys_1".
+
+    ``study``: gives stored run times and 3D results.
     """
 
     def time_text(name: str, way: str) -> str:
@@ -280,7 +288,7 @@ def run_time_and_size_texts(study: Study) -> dict[str, str]:
 def case_study_loads_figure(study: Study) -> Figure:
     """Draw contact loads over the ball's number in Lin's case studies: low-order model, 3D reference, printed statements.
 
-    ``study``: solved scenes and stored 3D references.
+    ``study``: gives solved scenes and stored 3D references.
     """
     panels = []
     for k, name in STATIC.items():
@@ -309,7 +317,7 @@ def case_study_loads_figure(study: Study) -> Figure:
 def _case_1_marks(study: Study) -> list[Series]:
     """Return the curve of case 1's contact loads by Mei's model, and a line at the smallest load times the printed ratio.
 
-    The ratio is that of the largest to the smallest load. ``study``: solved scenes.
+    The ratio is that of the largest to the smallest load. ``study``: gives the solved scenes.
     """
     load = study.solve("lin-case1").load[:, 0]
     printed = printed_value("lin-2.4.1", "case1_ratio") * float(load.min())
@@ -318,13 +326,19 @@ def _case_1_marks(study: Study) -> list[Series]:
 
 
 def _case_2_marks(study: Study) -> list[Series]:
-    """Return a marker at ball 17 of case 2, whose contact load rises according to Lin's text."""
+    """Return a marker at ball 17 of case 2, whose contact load rises according to Lin's text.
+
+    ``study``: gives the solved scenes.
+    """
     load = study.solve("lin-case2").load
     return [Series("printed: abrupt increase at ball 17 alone", [17.0], [float(load[16, 0])], "markers")]
 
 
 def _case_3_marks(study: Study) -> list[Series]:
-    """Return the curve of case 3's contact loads without lateral offset of the right end."""
+    """Return the curve of case 3's contact loads without lateral offset of the right end.
+
+    ``study``: gives the solved scenes.
+    """
     return [contact_load_curve("low-order, no offset", study.solve("lin-case3"), 0, "line")]
 
 
@@ -334,7 +348,7 @@ MARKS: Mapping[int, Callable[[Study], list[Series]]] = {1: _case_1_marks, 2: _ca
 def error_over_cell_size_figure(study: Study) -> Figure:
     """Draw the errors of contact loads and ball-to-ball forces in 3D over the cell size, against the finest grid.
 
-    ``study``: solved scenes and stored 3D references.
+    ``study``: gives solved scenes and stored 3D references.
     """
     static, balls = [], []
     for name in STATIC.values():
@@ -376,7 +390,7 @@ def error_over_cell_size_figure(study: Study) -> Figure:
 def case_study_rows(study: Study) -> Iterator[Row]:
     """Yield table rows of Lin's case studies: largest and smallest load, and errors against the 3D reference, by model.
 
-    ``study``: solved scenes and stored 3D references.
+    ``study``: gives solved scenes and stored 3D references.
     """
     for k, name in STATIC.items():
         found = study.reference(name)
@@ -404,7 +418,10 @@ def case_study_rows(study: Study) -> Iterator[Row]:
 
 
 def case_study_table(study: Study) -> Table:
-    """Return the table of loads and errors of Lin's case studies by model; ``study``: solved scenes and 3D references."""
+    """Return the table of loads and errors of Lin's case studies by model.
+
+    ``study``: gives solved scenes and stored 3D references.
+    """
     title = "Lin's case studies: largest and smallest contact load and errors against 3D, by model"
     note = (
         "Case 3: the right end is held in x and y, as a bearing does; with x only, as the text says, loads change as "
@@ -431,7 +448,7 @@ GUIDE = (
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
     """Return the report's sections with the tables of Lin's thesis.
 
-    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("printed numbers of the thesis")
     names = [name for name in printed_table_names() if name.startswith("lin-")]
@@ -487,7 +504,7 @@ def printed_table_section(study: Study, layout: PrintedLayout, found: Mapping[st
     """Return the report's section on one table of Lin's thesis, or on the numbers in its sentences.
 
     ``layout``: rows and columns of the table in the thesis; ``found``: printed values with the computed ones, by name.
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes.
     """
     items: list[Table | Figure] = []
     if layout.kind == "inputs":
@@ -505,7 +522,7 @@ def printed_table_section(study: Study, layout: PrintedLayout, found: Mapping[st
 
 
 def run_times_note(study: Study) -> str:
-    """Return the note on how printed and measured run times were obtained; ``study``: stored run times."""
+    """Return the note on how printed and measured run times were obtained; ``study``: gives stored run times."""
     kept = study.compute_once(run_times_for_page, "lin")
     return (
         f"Printed: {MACHINE}. Ours, cold: a new process with empty caches, imports included; further: the next load case "

@@ -26,11 +26,11 @@ load ratio "about 1.34" for both models, and four errors. Each combination is sh
 numbers; no tolerance decides which numbers are met, and no combination is claimed to be what the source did. No model
 reads a printed number.
 
-A contact of case 1 is meshed as the source states, by first-order tetrahedra of about 0.08 mm, and with several sizes
-near that, each of which gives another unstructured mesh. After subtraction of its trend over the element size, the
-approach scatters by a fraction s. A ball's load then changes as under a closure of s times the approach at each of its
-contacts. Case 2 shows the effect of a closure: its ball 17 is too large by 1 um in radius, which closes both contacts by
-1 um.
+A contact of case 1 is meshed as the source states, by first-order tetrahedra of about 0.08 mm, and with several sizes near
+that, each of which gives another unstructured mesh. After subtraction of its trend over the element size, the approach
+scatters by a fraction s. A ball's load then changes as if each of its contacts were closed (the bodies brought together) by
+s times the approach. Case 2 shows the effect of such a closure: its ball 17 is too large by 1 um in radius, which closes
+both contacts by 1 um.
 """
 
 from __future__ import annotations
@@ -62,25 +62,26 @@ MU = 0.01
 def groove_less_ball_radius(scene: Scene) -> float:
     """Return the difference h [m] between groove radius and ball radius.
 
-    Raises ValueError if screw and nut have different groove radii.
+    ``scene``: the ball screw. Raises ValueError if screw and nut have different groove radii.
     """
     if scene.screw.groove_radius != scene.nut.groove_radius:
         radii = f"{scene.screw.groove_radius:g} and {scene.nut.groove_radius:g} m"
-        raise ValueError(f"a ball that rolls needs equal groove radii of screw and nut, got {radii}")
+        raise ValueError(f"groove radii of screw and nut: expected equal radii for a ball that rolls, got {radii}")
     return scene.screw.groove_radius - scene.balls.radius
 
 
 def oversize_of_displaced_ball(scene: Scene, normal_rotation: float = MU) -> float:
-    """Return the oversize of the ball radius [m], h phi^2/2, that has the effect of a displaced ball.
+    """Return the oversize of the ball radius [m], h phi^2/2, that fills the grooves as a displaced ball does.
 
-    The ball is displaced from the line of the arcs' centres, which turns its contact normals. ``normal_rotation``: angle of
-    this turn [rad]; h: groove radius less ball radius.
+    The ball is displaced across the groove, from the line through the arcs' centres of both groove sections.
+    ``normal_rotation``: angle phi [rad] by which this turns its contact normals; h: groove radius less ball radius.
+    ``scene``: ball screw with equal groove radii of screw and nut.
     """
     return 0.5 * groove_less_ball_radius(scene) * normal_rotation**2
 
 
 def tilt_at_onset_of_sliding(scene: Scene) -> float:
-    """Return the tilt [rad] of the screw's groove against the nut's at which a rolling ball begins to slide."""
+    """Return the tilt [rad] of the screw's groove against the nut's groove at which a rolling ball begins to slide."""
     return 2.0 * MU * groove_less_ball_radius(scene) / scene.screw.groove_radius
 
 
@@ -136,7 +137,7 @@ class Interpretation:
     choice: str
     #: Interpretation of the choice in words.
     label: str
-    #: Values of the scene's ingredients that the low-order model takes from the interpretation, by name.
+    #: Modelling options of the low-order model that the interpretation changes: new values by name of the option.
     ingredients: dict[str, Any] = field(default_factory=dict, hash=False)
     #: Function that returns the changed copy of a scene for the 3D model; None: the scene is unchanged.
     change: Any = None
@@ -158,7 +159,8 @@ FRICTION, PENALTY = "friction of the contacts", "penalty of the contacts"
 
 SECTION, PARTITION, HERTZ, ARM = "section constant (C.8)", "beam elements in the nut", "Hertz constants", "lever arm"
 
-#: Interpretations for the low-order model; default: C.8 with its root, a node at every contact, exact Hertz constants.
+#: Interpretations for the low-order model; default: equation C.8 with its root, node at every contact, exact Hertz
+#: constants.
 LOW = (
     Interpretation("squared", SECTION, "C.8 without its root", {"section": "groove squared"}),
     Interpretation("full", SECTION, "groove ignored", {"section": "full"}),
@@ -220,10 +222,10 @@ SOLID = (
     Interpretation("penalty/6", PENALTY, "a sixth of E/h", level=PENALTY_LEVEL, penalty=1.0 / 6.0),
 )
 
-#: Penalty that is also computed on the next mesh level, to show the influence of the mesh.
+#: Interpretation with the penalty that is also computed on the next mesh level, to show the influence of the mesh.
 FINER = tuple(r for r in SOLID if r.key == "penalty/4")
 
-#: Interpretations of different choices, combined.
+#: Interpretations of different modelling choices that are applied together.
 Combination = tuple[Interpretation, ...]
 
 
@@ -251,14 +253,14 @@ def change_scene_for_low_order(scene: Scene, combination: Combination) -> Scene:
 
 
 def change_scene_for_3d(scene: Scene, combination: Combination) -> Scene:
-    """Return a copy of the scene, changed for the 3D model as a combination of interpretations requires; not its mesh."""
+    """Return a copy of the scene, changed for the 3D model (except its mesh) as a combination requires."""
     for r in combination:
         scene = scene if r.change is None else r.change(scene)
     return scene
 
 
 def mesh_level_of_combination(combination: Combination) -> int:
-    """Return the mesh level on which a combination of interpretations is solved in 3D: the coarsest of their levels."""
+    """Return the mesh level on which a combination of interpretations is solved in 3D: the lowest of their mesh levels."""
     return min((r.level for r in combination), default=LEVEL)
 
 
@@ -268,14 +270,14 @@ def mesh_level_of_combination(combination: Combination) -> int:
 #: Folder of the stored 3D results.
 RUNS = Path(__file__).parent / "runs"
 
-#: Interpretations that change largest over smallest load by more than 0.5 % and do not contradict the text: these are
-#: combined in 3D (tests/sources/lin/literature/test_reconstruction.py). A penalty may be of any size: it is combined with
-#: interpretations of the low-order model only.
+#: Interpretations that change the ratio of largest to smallest load by more than 0.5 % and do not contradict the text:
+#: these are combined in 3D (tests/sources/lin/literature/test_reconstruction.py). A penalty may be of any size: it is
+#: combined with interpretations of the low-order model only.
 MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 
 
 def combinations_in_3d() -> list[Combination]:
-    """Return the combinations of interpretations solved in 3D: default, single ones, pairs and triples of `MOVERS`."""
+    """Return the combinations solved in 3D: none, each interpretation alone, pairs and triples of `MOVERS`."""
     movers = tuple(r for r in SOLID if r.key in MOVERS)
     return [*combine_interpretations(SOLID, 1), *(c for c in combine_interpretations(movers, 3) if len(c) > 1)]
 
@@ -292,8 +294,8 @@ def case_scenes_in_3d(combination: Combination) -> tuple[Scene, ...]:
 def stored_runs(combination: Combination, level: int | None = None) -> tuple[Run, ...] | None:
     """Return the stored 3D results of Lin's cases 1 and 2 under a combination of interpretations.
 
-    None if a result is missing or did not converge. ``combination``: the combination; ``level``: mesh level; None: that of
-    the combination.
+    Returns None if a result is missing or did not converge. ``combination``: the combination; ``level``: mesh level; None:
+    level of `mesh_level_of_combination`.
     """
     level = mesh_level_of_combination(combination) if level is None else level
     found = [load_run(scene, level, stores=[RUNS]) for scene in case_scenes_in_3d(combination)]
@@ -304,8 +306,8 @@ def stored_runs(combination: Combination, level: int | None = None) -> tuple[Run
 def stored_loads(combination: Combination, level: int | None = None) -> tuple[Array, ...] | None:
     """Return the stored contact loads of Lin's cases 1 and 2 in 3D under a combination; None if a result is missing.
 
-    Each array is (n, 4) [N] for n balls and the flanks SL, SR, NL and NR. ``combination``: combination of interpretations;
-    ``level``: mesh level; None: the combination's.
+    Each array is (n, 4) [N] for n balls and the flanks SL, SR, NL and NR (screw or nut, left or right). ``combination``:
+    combination of interpretations; ``level``: mesh level; None: level of `mesh_level_of_combination`.
     """
     runs = stored_runs(combination, level)
     return None if runs is None else tuple(run.load for run in runs)
@@ -341,20 +343,20 @@ def compute_missing(step: Callable[[str], None], cache: Path | None = None) -> N
 #: Index of the oversize ball of case 2, and oversize of its radius [m].
 LARGE, OVERSIZE = 16, 1e-6
 
-#: Number of randomly drawn pairs of meshes, of case 1 and case 2.
+#: Number of random pairs of meshes, one mesh for case 1 and one for case 2.
 DRAWN = 5000
 
-#: Hertz approach of such a contact [m]; mean error of the approach on meshes of about Lin's element size, and its scatter
-#: [%] between meshes: measured by `tests/sources/lin/literature/test_reconstruction.py`.
+#: Hertz approach [m] of a contact of case 1; mean error [%] of the approach on meshes of about Lin's element size, and
+#: scatter of this error [%] between meshes: computed by `tests/sources/lin/literature/test_reconstruction.py`.
 APPROACH, BIAS, SCATTER = 6.4839e-6, -4.4, 0.33
 
 
 def load_change_per_approach(solid: tuple[Array, ...]) -> float:
-    """Return the relative rise of a ball's load over the closure of one of its contacts, in units of the Hertz approach.
+    """Return the relative rise of a ball's load if one of its contacts is closed by an amount equal to the Hertz approach.
 
-    It follows from the load of the oversize ball of case 2, whose radius closes both of its contacts.
-    ``solid``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL, SR,
-    NL and NR.
+    It follows, as a linear change, from the load of the oversize ball of case 2, whose larger radius closes (compresses)
+    both of its contacts. ``solid``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks
+    SL, SR, NL and NR (screw or nut, left or right).
     """
     before, after = (load[LARGE, 0] for load in solid)
     return float((after / before - 1.0) * 0.5 * APPROACH / OVERSIZE)
@@ -401,7 +403,7 @@ def fraction_with_fall_and_rise(errors: Array, falls: float, rises: float) -> fl
 # --- all combinations: largest over smallest load by both models, and errors of one model against the other
 
 
-#: Interpretations of the low-order model that change largest over smallest load by more than 0.5 %.
+#: Interpretations of the low-order model that change the ratio of largest to smallest load by more than 0.5 %.
 LOW_MOVERS = ("squared", "full", "source", "printed")
 
 #: Definition of errors: in per cent of each contact's load ("own") or of the mean load.
@@ -409,7 +411,7 @@ Definition = Literal["own", "mean"]
 
 DEFINITIONS: tuple[Definition, ...] = ("own", "mean")
 
-#: The printed errors, in the order of `Combined.errors`.
+#: Keys of the printed errors, in the order of the values of `CombinationResult.errors`.
 ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_error")
 
 
@@ -417,9 +419,9 @@ ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_er
 class CombinationResult:
     """Results of one combination of interpretations: load ratios of case 1, and errors of the low-order model against 3D.
 
-    ``low``, ``solid``: interpretations for the low-order and for the 3D model; ``low_ratio``, ``solid_ratio``:
-    largest over smallest load of case 1 by these models; ``errors``: errors [%] by definition ("own": of each load, "mean":
-    of the mean load), each as largest and RMS error of case 1, then of case 2.
+    ``low``, ``solid``: interpretations for the low-order and for the 3D model; ``low_ratio``, ``solid_ratio``: largest over
+    smallest load of case 1 by these models; ``errors``: errors [%] by definition ("own": of each load, "mean": of the mean
+    load), each as largest and RMS error of case 1, then of case 2.
     """
 
     low: Combination
@@ -432,7 +434,7 @@ class CombinationResult:
     def misses(self) -> Array:
         """Deviations from the printed numbers (6,): two load ratios [%], then four errors of loads [percentage points].
 
-        The load ratios are those of the low-order and of the 3D model, the errors those of `ERRORS`.
+        First the load ratio of the low-order, then of the 3D model; the errors are in the order of `ERRORS`.
         """
         ratios = error_percent(np.array([self.low_ratio, self.solid_ratio]), printed_load_ratio())
         return np.concatenate([ratios, np.array(self.errors["own"]) - np.array(printed_errors())])
@@ -454,10 +456,10 @@ def largest_over_smallest_load(load: Array) -> float:
 
 
 def low_order_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Definition, tuple[float, ...]]:
-    """Return the errors [%] of the low-order against the 3D loads, an entry for each `Definition` of the error.
+    """Return the errors [%] of the low-order model's loads against the 3D loads, by each `Definition` of the error.
 
-    Each entry has largest and RMS error of case 1, then of case 2. ``low``, ``solid``: contact loads of both
-    cases, each (n, 4) [N].
+    For each definition: largest and RMS error of case 1, then of case 2. ``low``, ``solid``: contact loads of both cases by
+    the low-order and by the 3D model, each (n, 4) [N] for n balls.
     """
     found = [load_error(a, b) for a, b in zip(low, solid, strict=True)]
     of_load = tuple(x for e in found for x in (e.own_max_percent, e.own_rms_percent))
@@ -465,7 +467,7 @@ def low_order_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[D
 
 
 def low_order_combinations() -> list[Combination]:
-    """Return the combinations solved by the low-order model: default, single ones, pairs and triples of `LOW_MOVERS`."""
+    """Return the low-order model's combinations: none, each interpretation alone, pairs and triples of `LOW_MOVERS`."""
     movers = tuple(r for r in LOW if r.key in LOW_MOVERS)
     return [*combine_interpretations(LOW, 1), *(c for c in combine_interpretations(movers, 3) if len(c) > 1)]
 
@@ -473,7 +475,7 @@ def low_order_combinations() -> list[Combination]:
 def low_order_loads(study: Study, combination: Combination) -> tuple[Array, ...]:
     """Return the contact loads of Lin's cases 1 and 2 by the low-order model under a combination of interpretations.
 
-    Each array is (n, 4) [N] for n balls. ``study``: solved scenes; ``combination``: the combination.
+    Each array is (n, 4) [N] for n balls. ``study``: gives the solved scenes; ``combination``: the combination.
     """
     return tuple(study.solve(change_scene_for_low_order(catalogue.scene(c), combination), "lin").load for c in CASES)
 
@@ -481,25 +483,28 @@ def low_order_loads(study: Study, combination: Combination) -> tuple[Array, ...]
 def required_loads_in_3d(study: Study, combination: Combination, level: int | None = None) -> tuple[Array, ...]:
     """Return the contact loads of Lin's cases 1 and 2 by the 3D model under a combination of interpretations.
 
-    Each array is (n, 4) [N] for n balls. ``study``: keeps results that were read; ``combination``: the combination;
-    ``level``: mesh level; None: the combination's. Raises LookupError if a result is not stored.
+    Each array is (n, 4) [N] for n balls. ``study``: caches the results; ``combination``: the combination; ``level``: mesh
+    level; None: level of `mesh_level_of_combination`. Raises LookupError if a result is not stored.
     """
     return tuple(run.load for run in study.compute_once(_require_runs, combination, level))
 
 
 def _require_runs(study: Study, combination: Combination, level: int | None = None) -> tuple[Run, ...]:  # noqa: ARG001
-    """Return the stored 3D results of cases 1 and 2 under a combination; raises LookupError if one is missing."""
+    """Return the stored 3D results of cases 1 and 2 under a combination; raises LookupError if one is missing.
+
+    ``study``: not used here; ``level``: mesh level; None: level of `mesh_level_of_combination`.
+    """
     found = stored_runs(combination, level)
     if found is None:
-        raise LookupError(f"no stored 3D run of {combination_key(combination)!r}; compute it by: python -m {__package__}")
+        raise LookupError(f"no stored 3D result {combination_key(combination)!r}; compute it by: python -m {__package__}")
     return found
 
 
 def evaluate_combinations(study: Study) -> list[CombinationResult]:
-    """Return load ratios and errors for each pair of a low-order and a 3D combination of interpretations.
+    """Return load ratios and errors for each pair of a low-order model's and a 3D model's combination of interpretations.
 
-    The first result has all choices by default. Raises LookupError if a 3D result is not stored. ``study``: solved scenes
-    and stored 3D results.
+    The first result has all choices by default. Raises LookupError if a 3D result is not stored. ``study``: gives solved
+    scenes and stored 3D results.
     """
     low = [(c, low_order_loads(study, c)) for c in low_order_combinations()]
     solid = [(c, required_loads_in_3d(study, c)) for c in combinations_in_3d()]
@@ -511,7 +516,7 @@ def evaluate_combinations(study: Study) -> list[CombinationResult]:
 
 
 def printed_errors() -> tuple[float, ...]:
-    """Return the four errors [%] against ANSYS that Lin prints: largest and RMS, of cases 1 and 2."""
+    """Return the four errors [%] against ANSYS that Lin prints: largest and RMS error of case 1, then of case 2."""
     return tuple(printed_value("lin-2.4.1", key) for key in ERRORS)
 
 
@@ -526,16 +531,17 @@ def combination_nearest_to_print(found: list[CombinationResult], count: int = 6)
 
 
 def combinations_without_penalty(found: list[CombinationResult]) -> list[CombinationResult]:
-    """Return the combinations whose contacts in 3D have no penalty."""
+    """Return the combinations in ``found`` whose contacts in 3D have no penalty."""
     return [c for c in found if not any(r.penalty for r in c.solid)]
 
 
 def combinations_shown_in_report(found: list[CombinationResult]) -> dict[str, CombinationResult]:
     """Return the combinations that the report shows one by one, by their name in the report.
 
-    These are: all choices by default; the nearest to the printed load ratio, without a penalty (some penalty would give
-    any ratio); each penalty of the 3D contacts with all other choices by default; and the nearest to all six printed
-    numbers.
+    These are: all choices by default; the combination nearest to the printed load ratio, of those without a penalty (some
+    penalty would give any ratio); each penalty of the 3D contacts with all other choices by default; and the combination
+    nearest to all six printed numbers. ``found``: results of all combinations, of which the first has all choices by
+    default.
     """
     softer = {
         f"penalty of the 3D contacts: {c.solid[0].label}": c for c in found if not c.low and any(r.penalty for r in c.solid)
@@ -551,7 +557,7 @@ def combinations_shown_in_report(found: list[CombinationResult]) -> dict[str, Co
 def penalty_over_hertz_approach(study: Study, combination: Combination) -> float:
     """Return the approach that a penalty adds at a contact of case 1, divided by the Hertz approach under the mean load.
 
-    ``study``: keeps results that were read; ``combination``: combination of interpretations that contains the penalty.
+    ``study``: caches the results; ``combination``: combination of interpretations that contains the penalty.
     """
     scene = catalogue.scene(CASES[0])
     still, moved = (study.compute_once(_require_runs, r)[0] for r in ((), combination))

@@ -24,14 +24,15 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import Scene
 
-#: Factor on the size of contact zones, since contacts with penetration are larger.
+#: Factor on the size of the refined mesh zones at contacts, since contacts with penetration are larger.
 LARGER = 1.45
 
 
 def add_penalty_springs(setup: Setup, penalty: float) -> Setup:
     """Return the set-up of 3D contacts with a spring in series at each pair of contact nodes.
 
-    The spring's stiffness is ``penalty`` [N/m3] times the area that belongs to the node.
+    ``setup``: prepared 3D contacts without penalty. The stiffness of a spring is ``penalty`` [N/m3] times the area that
+    belongs to its node.
     """
     patches = {
         side: replace(pair, local=pair.local + np.diag(1.0 / (penalty * pair.groove.areas)), wave=None)
@@ -43,9 +44,9 @@ def add_penalty_springs(setup: Setup, penalty: float) -> Setup:
 def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], penalty_ratio: float, cache: Path | None) -> list[Run]:
     """Solve scenes of one geometry in 3D with penalty contacts, starting from their solutions without a penalty.
 
-    ``runs``: stored solutions without a penalty, one for each scene; ``penalty_ratio``: penalty over E/h, with Young's
-    modulus E of the balls and Lin's element size h; ``cache``: folder for intermediate results, or None. Raises ValueError
-    if a solution does not converge.
+    ``scenes``: ball screws of equal geometry; ``runs``: stored solutions without a penalty, one for each scene;
+    ``penalty_ratio``: penalty over E/h, with Young's modulus E of the balls and Lin's element size h; ``cache``: folder for
+    intermediate results, or None. Raises ValueError if a solution does not converge.
     """
     settings = mesh_settings(scenes, runs[0].level)
     settings = replace(settings, reach=(LARGER * settings.reach[0], LARGER * settings.reach[1]))
@@ -55,7 +56,7 @@ def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], penalty_rat
     for scene, run in zip(scenes, runs, strict=True):
         found = solve_reference(setup, scene, frozen=True)
         if found.status != "converged" or found.frozen is None:
-            raise ValueError(f"{scene.name}: no convergence in 3D with penalty contacts, got status {found.status!r}")
+            raise ValueError(f"{scene.name}: expected convergence in 3D with penalty contacts, got status {found.status!r}")
         changed = replace(
             run,
             scene=scene.name,
@@ -74,10 +75,10 @@ def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], penalty_rat
 class SlidingLoadCase(LoadCase):
     """A load case of the 3D reference in which balls slide across their grooves, with friction of ``mu`` times the load.
 
-    The friction resists an axial motion of the screw in the direction of its load (negative ``mu``: against it). It
-    balances between the two contacts of a ball. On a body, a force across the contact's load is applied as a force
-    through the arc's centre, by normal forces on the contact's nodes. Its moment about that centre, the arc's radius
-    times mu times the load, is neglected.
+    The friction resists an axial motion of the screw in the direction of its load (negative ``mu``: against it). The
+    friction forces at both contacts of a ball balance each other. On a body, a force across the contact's load is applied
+    as a force through the arc's centre, by normal forces on the contact's nodes. Its moment about that centre, the arc's
+    radius times mu times the load, is neglected.
     """
 
     def __init__(self, setup: Setup, scene: Scene, mu: float) -> None:
@@ -91,8 +92,8 @@ class SlidingLoadCase(LoadCase):
     def solve_next_round(self, last: ContactRound, *, moving: bool) -> ContactRound:
         """Return the next iterate of contact loads and motion, with friction from the contact loads of the last iterate.
 
-        ``last``: last iterate; ``moving``: whether normals and gaps follow the motion; else only the gaps are corrected,
-        for the mesh grid.
+        ``last``: last iterate; ``moving``: whether normals and gaps of the contacts follow the motion; if not, only the
+        gaps are corrected for the position of the contact on the mesh grid.
         """
         across = self.across(last).ravel()
         self.at_rest = self.still + self.C.coupling @ self.C.amplitude(across)
@@ -120,9 +121,10 @@ class SlidingLoadCase(LoadCase):
 def solve_with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, cache: Path | None) -> list[Run]:
     """Solve scenes of one geometry in 3D with balls that do not turn, so that the grooves slide on them with friction.
 
-    ``runs``: solutions without friction, one for each scene; ``mu``: coefficient of friction, negative where the screw
-    moves against its load; ``cache``: folder for intermediate results, or None. Returns the solutions with changed
-    contact loads and contact angles. Raises ValueError if the iteration of load and friction does not converge.
+    ``scenes``: ball screws of equal geometry; ``runs``: solutions without friction, one for each scene; ``mu``: coefficient
+    of friction, negative where the screw moves against its load; ``cache``: folder for intermediate results, or None.
+    Returns the solutions with changed contact loads and contact angles. Raises ValueError if the iteration of load and
+    friction does not converge.
     """
     settings = mesh_settings(scenes, runs[0].level)
     setup = prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache))
@@ -130,6 +132,6 @@ def solve_with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, 
     for scene, run in zip(scenes, runs, strict=True):
         ended = SlidingLoadCase(setup, scene, mu).solve(ROUNDS)
         if ended.status != "converged":
-            raise ValueError(f"{scene.name}: no convergence in 3D with sliding balls, got status {ended.status!r}")
+            raise ValueError(f"{scene.name}: expected convergence in 3D with sliding balls, got status {ended.status!r}")
         out.append(replace(run, load=ended.load, angle=np.degrees(ended.contact_angle)))
     return out

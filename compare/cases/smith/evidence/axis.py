@@ -85,7 +85,7 @@ LAYOUTS = TRIPLEX, SUPPORTED, TANDEM, TAPERED
 
 @dataclass(frozen=True)
 class EndThrustsAndStiffness:
-    """Thrust on the supports of an axis, and its stiffness.
+    """Thrust on both end supports of a ball-screw axis, and axial stiffness of the axis at the nut.
 
     ``left``, ``right``: thrust on the left and right supports, positive in tension of the screw [N]; ``stiffness``: axial
     stiffness of screw and supports at the nut [N/m], without the stiffness of the nut.
@@ -102,8 +102,9 @@ def thrusts_and_stiffness_by_formulas(
 ) -> EndThrustsAndStiffness:
     """Return end thrusts and stiffness of an axis by closed formulas, with all bearing rows of an end at one position.
 
-    ``nut_position``: position of the nut over the length between the supports; ``applied``: axial load on the nut, towards
-    the left end [N]. The screw is stretched as in Smith's thesis, and the bearing rows are preloaded.
+    ``layout``: support bearings of the axis; ``nut_position``: position of the nut over the length between the supports;
+    ``applied``: axial load on the nut, towards the left end [N]. The screw is stretched as in Smith's thesis, and the
+    bearing rows are preloaded.
     """
     a, first = bearings.screw_as_bar_between_supports(), layout.bearings_at("left")
     bars = np.array([nut_position, 1.0 - nut_position]) * a.length / (a.young * a.area)
@@ -131,7 +132,8 @@ def thrusts_and_stiffness_by_scene(
 ) -> EndThrustsAndStiffness:
     """Return end thrusts and stiffness of an axis, solved as a beam with contacts, each bearing row at its own position.
 
-    ``study``: keeps the result; ``nut_position``: position of the nut over the length between the supports.
+    ``study``: caches the result; ``layout``: support bearings of the axis; ``nut_position``: position of the nut over the
+    length between the supports.
     """
     return study.compute_once(_solve_layout_scene, layout, nut_position)
 
@@ -139,7 +141,8 @@ def thrusts_and_stiffness_by_scene(
 def _solve_layout_scene(study: Study, layout: SupportBearingLayout, nut_position: float) -> EndThrustsAndStiffness:  # noqa: ARG001 - kept by the study
     """Solve the scene of an axis under a load at the nut; raises AssertionError if it does not converge.
 
-    ``nut_position``: position of the nut over the length between the supports. ``study``: not used here.
+    ``layout``: support bearings of the axis; ``nut_position``: position of the nut over the length between the supports.
+    ``study``: not used here.
     """
     found = catalogue.shipped_scene(layout.scene)
     if not isinstance(found, Assembly):
@@ -156,8 +159,8 @@ def _solve_layout_scene(study: Study, layout: SupportBearingLayout, nut_position
 def axis_stiffness_by_smith_sum(layout: SupportBearingLayout) -> float:
     """Return the axis stiffness [N/m] without the nut by Smith's equation (4.6), a sum of compliances in series.
 
-    It contains the compliances of both supports and of the whole screw. The result is nan for a screw fixed at one end
-    only, for which Smith gives no sum.
+    It contains the compliances of both supports and of the whole screw. ``layout``: support bearings of the axis; the
+    result is nan if the screw is fixed at one end only, for which Smith gives no sum.
     """
     if not layout.right:
         return float("nan")
@@ -169,7 +172,7 @@ def axis_stiffness_by_smith_sum(layout: SupportBearingLayout) -> float:
 def thrusts_and_stiffness_in_words(study: Study, layout: SupportBearingLayout) -> str:
     """Return in words end thrusts and stiffness of an axis with the nut at mid-length, by beam model and by formulas.
 
-    ``study``: solved scenes.
+    ``study``: gives the solved scenes; ``layout``: support bearings of the axis.
     """
     scene, closed = thrusts_and_stiffness_by_scene(study, layout, 0.5), thrusts_and_stiffness_by_formulas(layout, 0.5)
     ends = [f"{x.left / bearings.POUND:.0f} and {x.right / bearings.POUND:.0f} lbf" for x in (scene, closed)]
@@ -182,8 +185,8 @@ def compare_scenes_with_formulas(
 ) -> Iterator[tuple[SupportBearingLayout, float, EndThrustsAndStiffness, EndThrustsAndStiffness]]:
     """Yield end thrusts and stiffness of each layout of the axis and each position of the nut, computed in two ways.
 
-    Each entry: layout; position of the nut over the length; thrusts and stiffness by the beam model of its scene; the
-    same by closed formulas. ``study``: solved scenes.
+    Each entry: layout; position of the nut over the length; thrusts and stiffness by the beam model of its scene; the same
+    by closed formulas. ``study``: gives the solved scenes.
     """
     for layout in LAYOUTS:
         for place in PLACES:
@@ -201,7 +204,7 @@ LEAD, TRAVERSE = parse_quantity("14 mm", "length"), 800.0 * bearings.INCH / 60.0
 #: Encoder counts per turn, motor torque [in-lbf], and the reduced preload of section 5.3 [N].
 COUNTS, MOTOR, REDUCED = 40000.0, 159.0, parse_quantity("750 lbf", "force")
 
-#: Density of steel [kg/m^3], for the screw's inertia, which Smith does not print.
+#: Density of steel [kg/m^3] for the screw's moment of inertia, which Smith does not print.
 STEEL = 7850.0
 
 KINDS = ("ball", "taper")
@@ -216,8 +219,9 @@ def screw_tension() -> float:
 def bearing_state_at_end(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> BearingSetState:
     """Return the equilibrium of the bearing rows at one end of the axis.
 
-    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "preload" only, after the "stretch" of the screw, or
-    with the carriage's load of Smith's section 4.2 "applied" as well; ``preload``: of the bearing rows [N].
+    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "preload": only the preload acts; "stretch": the
+    screw is stretched, too; "applied": the carriage's load of Smith's section 4.2 acts as well; ``preload``: preload [N] as
+    in `bearings.bearing_rows_at_end`.
     """
     rows = bearings.bearing_rows_at_end(kind, end, preload)
     if state == "preload":
@@ -243,9 +247,9 @@ def _end_thrusts_under_load(tensile: float) -> dict[str, float]:
 def row_loads_as_printed(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
     """Return the loads [lbf] of the bearing rows at one end of the axis by Smith's rule, which is not an equilibrium.
 
-    Each end takes half of the screw's tension and half of the carriage's load, and adds it in full to every row.
-    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied"; ``preload``: preload of
-    each row [lbf].
+    By this rule, half of the screw's tension and half of the carriage's load act at each end, and they are added in full to
+    the preload of every row. ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied";
+    ``preload``: preload of each row [lbf].
     """
     loads = as_printed.row_loads_by_smith(
         preload, bearings.DIRECTIONS[kind][end], 0.5 * round(screw_tension() / bearings.POUND, -1)
@@ -289,7 +293,8 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 def section_4_2(e: Findings, study: Study) -> None:
     """Compute loads and stiffness of support bearings and axis: section 4.2 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved scenes.
+    ``e``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives the solved
+    scenes.
     """
     for kind in KINDS:
         for end in bearings.DIRECTIONS[kind]:
@@ -320,7 +325,7 @@ def section_4_2(e: Findings, study: Study) -> None:
 
 
 def _compute_bearing_row_loads(e: Findings, kind: str, end: str) -> None:
-    """Compute loads and stiffness of the bearing rows at one end of the axis, into ``e``.
+    """Compute loads and stiffness of the bearing rows at one end of the axis; ``e`` receives the results.
 
     ``kind``: "ball" or "taper"; ``end``: "left" or "right".
     """
@@ -350,9 +355,10 @@ def axis_stiffness_at_middle(supports: float) -> float:
 
 
 def _compute_axis_stiffness(e: Findings, kind: str, as_scenes: str) -> None:
-    """Compute the axis stiffness by Smith's sum in series, and with both halves of the screw in parallel, into ``e``.
+    """Compute the axis stiffness by Smith's sum of compliances, and with both halves of the screw in parallel.
 
-    ``kind``: "ball" or "taper"; ``as_scenes``: remark with end thrusts and stiffness by the beam model.
+    ``kind``: "ball" or "taper"; ``as_scenes``: remark with end thrusts and stiffness by the beam model. ``e``: receives the
+    results.
     """
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
@@ -391,7 +397,10 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def _record_axis_and_drive_data(e: Findings) -> None:
-    """Compute speed, resolution and further data of the tested axis and its drive: section 5.1 of Smith, into ``e``."""
+    """Compute speed, resolution and further data of the tested axis and its drive: section 5.1 of Smith.
+
+    ``e``: receives the results.
+    """
     warming = (
         warming_that_removes_tension(bearings.screw_as_bar_between_supports(), bearings.STRETCH, bearings.EXPANSION)
         / bearings.DEG_F
@@ -412,7 +421,10 @@ def _record_axis_and_drive_data(e: Findings) -> None:
 
 
 def _compare_torque_tests(e: Findings) -> None:
-    """Compare predicted torques, sums of printed parts, with the tests: section 5.2.1 of Smith (1994), into ``e``."""
+    """Compare predicted torques, sums of printed parts, with the tests: section 5.2.1 of Smith (1994).
+
+    ``e``: receives the results.
+    """
     off = {}
     for kind in KINDS:
         for when in ("start", "constant"):
@@ -431,7 +443,10 @@ def _compare_torque_tests(e: Findings) -> None:
 
 
 def _compare_stiffness_tests(e: Findings) -> None:
-    """Compare the computed stiffness of the axis with the tests: section 5.2.2 of Smith (1994), into ``e``."""
+    """Compare the computed stiffness of the axis with the tests: section 5.2.2 of Smith (1994).
+
+    ``e``: receives the results.
+    """
     off = []
     for kind in KINDS:
         right = axis_stiffness_at_middle(bearing_state_at_end(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
@@ -444,7 +459,10 @@ def _compare_stiffness_tests(e: Findings) -> None:
 
 
 def _compare_temperature_rises(e: Findings) -> None:
-    """Compare measured temperature rises with the torques that cause them: section 5.2.4 of Smith (1994), into ``e``."""
+    """Compare measured temperature rises with the torques that cause them: section 5.2.4 of Smith (1994).
+
+    ``e``: receives the results.
+    """
     torque = {
         "rise_ball": printed_value("smith-2.3", "M_test_3"),
         "rise_nut": printed_value("smith-4.3", "nut"),
@@ -460,8 +478,8 @@ def _compare_temperature_rises(e: Findings) -> None:
 def carriage_load_at_lift_off(preload: float) -> float:
     """Return the load [N] on the carriage at mid-length that unloads the outer tapered-bearing row of one end of the axis.
 
-    ``preload``: preload of the bearing rows [N]. The screw is stretched. The part of the carriage's load that acts on the
-    end unloads the row when it equals the row's lift-off load less the screw's tension.
+    ``preload``: preload of the bearing rows [N]. The screw is stretched. The row is unloaded when the part of the
+    carriage's load that acts on this end equals the lift-off load of the end's bearing rows less the screw's tension.
     """
     share = support_loads(
         bearings.screw_as_bar_between_supports(), 0.5 * bearings.screw_as_bar_between_supports().length, 1.0
@@ -470,7 +488,10 @@ def carriage_load_at_lift_off(preload: float) -> float:
 
 
 def _compute_loads_at_reduced_preload(e: Findings) -> None:
-    """Compute the bearing loads with the reduced preload of 750 lbf: section 5.3 of Smith (1994), into ``e``."""
+    """Compute the bearing loads with the reduced preload of 750 lbf: section 5.3 of Smith (1994).
+
+    ``e``: receives the results.
+    """
     for end in ("left", "right"):
         printed = row_loads_as_printed("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
         ours = bearing_state_at_end("taper", end, "stretch", REDUCED)

@@ -95,12 +95,14 @@ BALL_TORQUE_LOAD, TAPER_TORQUE_LOAD = parse_quantity("1000 lbf", "force"), parse
 
 VISCOSITY, SPEED, ATMOSPHERE = 27e-6, 1450.0 * RPM, 101325.0
 
-#: Stretch of 4.1 [m], thermal expansion [1/K], load on the carriage of 4.2 [N], stiffness of the nut [N/m].
+#: Stretch of the screw in section 4.1 [m], thermal expansion [1/K], load on the carriage in 4.2 [N], stiffness of the nut
+#: [N/m].
 STRETCH, EXPANSION = parse_quantity("0.0015 in", "length"), 6e-6 / DEG_F
 
 APPLIED, NUT = parse_quantity("1000 lbf", "force"), parse_quantity("5.5e6 lbf/in", "stiffness")
 
-#: Directions of the bearing rows of 4.2 by kind and end: +1 for rows that the screw's tension loads.
+#: Directions in which the bearing rows of section 4.2 carry thrust, by kind of bearing and end of the screw: +1 for rows
+#: that the screw's tension loads, -1 for the others.
 DIRECTIONS: dict[str, dict[str, tuple[int, ...]]] = {
     "ball": {"left": (1, 1, -1), "right": (-1, 1, 1)},
     "taper": {"left": (-1, 1), "right": (1, -1)},
@@ -185,7 +187,7 @@ def recompute_ball_spreadsheet(
 def ball_spreadsheet_stiffness(pounds: float) -> float:
     """Return the ball bearing's axial stiffness [lbf/in] by Smith's spreadsheet at the thrust ``pounds`` [lbf].
 
-    It is the difference quotient between two thrusts nearby.
+    It is the difference quotient between thrusts 0.1 % smaller and 0.1 % larger.
     """
     step = 1e-3 * pounds
     return (
@@ -215,7 +217,7 @@ def table_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 
 
 def _compute_dimensions(e: Findings) -> None:
-    """Compute the ball bearing's dimensions in Smith's Figure 2-10, into ``e``."""
+    """Compute the ball bearing's dimensions in Smith's Figure 2-10; ``e`` receives the results."""
     b = ball_bearing()
     lengths = {
         "D": b.ball_diameter,
@@ -240,7 +242,10 @@ def _compute_dimensions(e: Findings) -> None:
 
 
 def _compute_spreadsheet_cells_under_load(e: Findings) -> None:
-    """Compute the cells of Smith's Figure 2-10 that depend on the contact angle under load, into ``e``."""
+    """Compute the spreadsheet cells of Smith's Figure 2-10 that depend on the contact angle under load.
+
+    ``e``: receives the results.
+    """
     source, s = recompute_ball_spreadsheet(SHEET_LOAD / POUND), thrust_state_of_ball_bearing(SHEET_LOAD)
     angle, q = float(s.angle), float(s.ball_load)
     e.number("F_N", SHEET_LOAD, as_printed=SHEET_POUND * SHEET_LOAD / POUND)
@@ -275,7 +280,7 @@ def _compute_spreadsheet_cells_under_load(e: Findings) -> None:
 
 
 def _compute_triplex_preload(e: Findings) -> None:
-    """Compute the preload of the triplex bearing set: section 2.1.2 of Smith (1994), into ``e``."""
+    """Compute the preload of the triplex bearing set: section 2.1.2 of Smith (1994); ``e`` receives the results."""
     for load in (1500.0, 1020.0):
         e.number(
             f"delta_{load:.0f}",
@@ -419,10 +424,10 @@ def section_2_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 #: Radial load in Smith's spreadsheet of the tapered bearing [N], and exponent of its load-distribution integrals.
 RADIAL, EXPONENT = POUND, 1.1
 
-#: Range of thrust [lbf] over which the load-deflection curve is judged straight or not.
+#: Ends of the range of thrust [lbf] over which the load-deflection curve is judged to be straight or not.
 ENDS = (500.0, 2500.0)
 
-#: Other depths of the rings [m], to show the influence of the assumed depth.
+#: Other depths of the rings [m], by which the influence of the assumed depth `RING_DEPTH` is shown.
 DEPTHS = (2.5e-3, 10e-3)
 
 #: Crown radius [m] with which the stiffness would be about the measured one; number of slices of a roller.
@@ -497,7 +502,7 @@ def taper_spreadsheet_stiffness(pounds: float) -> float:
 
 
 def _compute_taper_spreadsheet(e: Findings) -> None:
-    """Compute inputs, load zone and deflection of the tapered bearing in Smith's Figure 3-6, into ``e``."""
+    """Compute inputs, load zone and deflection of the tapered bearing in Smith's Figure 3-6; ``e`` receives the results."""
     b = taper_bearing()
     e.numbers(
         {
@@ -549,7 +554,10 @@ def _ball_stiffness_growth() -> float:
 
 
 def _compute_taper_contacts(e: Findings) -> None:
-    """Compute contact areas and pressures of the tapered roller bearing: chapter 3 of Smith (1994), into ``e``."""
+    """Compute contact areas and pressures of the tapered roller bearing: chapter 3 of Smith (1994).
+
+    ``e``: receives the results.
+    """
     b, c = taper_bearing(), roller_contacts_under_thrust()
     p = as_printed.taper_contact(
         SHEET_LOAD / POUND, b.rollers, b.length / INCH, b.diameter / INCH, b.pitch_diameter / INCH, b.cone_angle
@@ -576,9 +584,9 @@ def _compute_taper_contacts(e: Findings) -> None:
 
 
 def _compute_taper_tests(e: Findings) -> None:
-    """Compute the counterparts of tested stiffness and friction torque of the tapered bearing, into ``e``.
+    """Compute the counterparts of tested stiffness and friction torque of the tapered bearing; ``e`` receives the results.
 
-    The tests are those of chapter 3 of Smith (1994).
+    The tests are the measurements in chapter 3 of Smith (1994).
     """
     load = TAPER_TORQUE_LOAD / POUND
     middle = taper_stiffness(load)
