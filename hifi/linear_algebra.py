@@ -458,7 +458,7 @@ def factorise_positive_definite(K: sp.sparray) -> Solve:
 
     Examples
     --------
-    >>> factor(sp.csc_array(np.diag([2.0, 4.0])))(np.array([2.0, 2.0])).tolist()
+    >>> factorise_positive_definite(sp.csc_array(np.diag([2.0, 4.0])))(np.array([2.0, 2.0])).tolist()
     [1.0, 0.5]
     """
     matrix = sp.csc_array(K)
@@ -495,7 +495,7 @@ def symmetric_compliance_of_loads(K: sp.sparray, rows: sp.sparray) -> Array:
 
     Examples
     --------
-    >>> compliance(sp.csc_array(np.diag([2.0, 4.0])), sp.csr_array(np.eye(2))).tolist()
+    >>> symmetric_compliance_of_loads(sp.csc_array(np.diag([2.0, 4.0])), sp.csr_array(np.eye(2))).tolist()
     [[0.5, 0.0], [0.0, 0.25]]
     """
     F = product_with_inverse(K, sp.csr_array(rows).T) if rows.shape[0] else np.zeros((0, 0))

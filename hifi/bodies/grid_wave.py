@@ -153,7 +153,7 @@ def approaches_at_grid_position(
         Compliance between the c pressure functions of the contact [m/N].
     loads : (f,) Array
         Forces [N].
-    place : tuple[float, float]
+    grid_position : tuple[float, float]
         Distance of the contact from the nominal one across and along the groove, in cells.
     start : (f, c) Mask, optional, default None
         First guess: whether each contact pair is closed, as at a neighbouring position; None: no guess.

@@ -198,7 +198,7 @@ def mesh_hexahedral_patch(
         Cell boundaries in local coordinates.
     zone : tuple[float, float]
         Half widths of the contact zone across and along the groove, in local coordinates.
-    place : Callable[[Array], Array]
+    map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     socket : SocketMesh
         Mesh of the socket's faces.
@@ -241,7 +241,7 @@ def fit_tetrahedral_patch(local: LocalTets, map_to_space: Callable[[Array], Arra
     ----------
     local : LocalTets
         Tetrahedra in local coordinates.
-    place : Callable[[Array], Array]
+    map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     socket : SocketMesh
         Mesh of the socket's faces.

@@ -91,7 +91,7 @@ def boussinesq_displacements(points: Array, sources: Array, young: float, poisso
 
     Examples
     --------
-    >>> below = boussinesq(np.array([[0.0, 0.0, 1e-3]]), np.zeros((1, 2)), 210e9, 0.3)
+    >>> below = boussinesq_displacements(np.array([[0.0, 0.0, 1e-3]]), np.zeros((1, 2)), 210e9, 0.3)
     >>> f"{1e9 * below[0, 2, 0]:.4f} nm/N"  # (1 + nu) (3 - 2 nu) / (2 pi E z)
     '2.3646 nm/N'
     """

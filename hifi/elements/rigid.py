@@ -24,7 +24,9 @@ def nodal_displacements_of_rigid_motions(points: Array, centre: Array | None = N
 
     Examples
     --------
-    >>> rigid_modes(np.array([[0.0, 2.0, 0.0]]))[:, 5].tolist()  # a rotation about z moves a point on y along -x
+    A rotation about z moves a point on y along -x:
+
+    >>> nodal_displacements_of_rigid_motions(np.array([[0.0, 2.0, 0.0]]))[:, 5].tolist()
     [-2.0, 0.0, 0.0]
     """
     x = np.asarray(points, dtype=float) - (0.0 if centre is None else np.asarray(centre, dtype=float))
@@ -50,7 +52,7 @@ def rigid_motion_transfer_matrix(arm: float) -> Array:
 
     Examples
     --------
-    >>> (transport(0.5) @ np.array([0.0, 0.0, 0.0, 0.0, 1e-3, 0.0])).tolist()
+    >>> (rigid_motion_transfer_matrix(0.5) @ np.array([0.0, 0.0, 0.0, 0.0, 1e-3, 0.0])).tolist()
     [0.0005, 0.0, 0.0, 0.0, 0.001, 0.0]
     """
     t = np.eye(6)

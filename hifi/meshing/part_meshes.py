@@ -403,7 +403,7 @@ def mesh_load_transfer_patch(
         Size of the sockets and their contact zone.
     socket : SocketMesh
         Mesh of the socket's faces.
-    place : Callable[[Array], Array]
+    map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     settings : Settings
         Mesh choices of the contact's patch.
@@ -428,7 +428,7 @@ def mesh_patch(
         Size of the sockets and their contact zone.
     socket : SocketMesh
         Mesh of the socket's faces.
-    place : Callable[[Array], Array]
+    map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     settings : Settings
         Mesh choices.

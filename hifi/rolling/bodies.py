@@ -107,7 +107,7 @@ class ContactPiece:
     axes: Array
     #: Boundaries of the patch's cells along the track, across it and into the body [m].
     cells: tuple[Array, Array, Array]
-    #: Indices of the c contact nodes in the zone's grid along and across the track ``(c, 2)``.
+    #: Grid indices of the zone's c contact nodes, along and across the track ``(c, 2)``.
     number: Index
 
 
@@ -137,7 +137,7 @@ def mesh_contact_pieces(
     Raises
     ------
     ValueError
-        The body has no room for the socket (the hole for a patch), or a mesh cannot be built.
+        The body has no room for the hole into which the patch is fitted, or a mesh cannot be built.
     """
     side = OUTER if outer else INNER
     m = track_geometry_of_path(curve, ball, groove, angle)
@@ -206,7 +206,7 @@ def _patch_lines_and_zone(m: GrooveMap, size: SocketSize, side: int, zone: Zone)
     """Compute the cell boundaries of a patch that contains the cells of the contact zone.
 
     Also returns the half lengths of the zone across and along the track, over those of the patch. ``m``: geometry of the
-    track; ``size``: dimensions of the patch; ``side``: index of the flank.
+    track; ``size``: dimensions of the patch; ``side``: index of the flank, 0 to 3; ``zone``: the contact zone.
     """
     along = size.phi * float(np.hypot(unrolled_socket_centre(m, side)[0], m.rg))
     width = size.gamma * float(m.radius[side])
@@ -219,8 +219,8 @@ def _patch_lines_and_zone(m: GrooveMap, size: SocketSize, side: int, zone: Zone)
 def _contact_normal_and_axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
     """Compute the contact normal from ball to groove ``(3,)``, and the tangential axes of the contact ``(2, 3)``.
 
-    ``m``: geometry of the track; ``side``: index of the flank. The rows of the second result are unit vectors along the
-    groove and across it towards its bottom; with the normal they are right-handed.
+    ``m``: geometry of the track; ``side``: index of the flank, 0 to 3. The rows of the second result are unit vectors
+    along the groove and across it towards its bottom; with the normal they are right-handed.
     """
     radial, binormal = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
     sx, sz = m.signs[side]
@@ -274,7 +274,7 @@ def cerruti_displacements(points: Array, sources: Array, shear: float, poisson: 
 
     Examples
     --------
-    >>> on_axis = cerruti(np.array([[0.0, 0.0, 1e-3]]), np.zeros((1, 2)), 80e9, 0.25)
+    >>> on_axis = cerruti_displacements(np.array([[0.0, 0.0, 1e-3]]), np.zeros((1, 2)), 80e9, 0.25)
     >>> f"{1e9 * on_axis[0, 0, 0]:.4f} nm/N"  # (1 + (1 - 2 nu) / 2) / (4 pi G z)
     '1.2434 nm/N'
     """
@@ -321,7 +321,7 @@ def nodal_forces_of_tractions(
         Contact zone.
     degree : int
         Degree of the monomials, k of them.
-    bends : tuple[float, float]
+    surface_curvatures : tuple[float, float]
         Curvatures along x and y of the surface that ball and groove share [1/m], positive towards the ball.
     frame : ContactAxes | None, default None
         Axes of the contact in the body's mesh; None: they are the axes of the mesh.
@@ -545,7 +545,10 @@ def _call_key(call: partial[Any]) -> tuple[object, ...]:
 
 
 def _store_result(key: tuple[object, ...], value: Any) -> None:
-    """Store the result of a call in the cache of kernels, and delete the oldest results if there are more than `MOST`."""
+    """Store the result of a call in the cache of kernels, and delete the oldest results if there are more than `MOST`.
+
+    ``key``: key of the call, as from `_call_key`; ``value``: its result.
+    """
     _KEPT[key] = value
     while len(_KEPT) > MOST:
         del _KEPT[next(iter(_KEPT))]
@@ -557,9 +560,9 @@ def ball_kernel(
 ) -> SmoothKernel:
     """Compute the kernel of a whole ball: its compliance at the contact less that of a half-space.
 
-    ``radius``: radius of the ball [m]; ``zone``: contact zone; ``shared_surface_curvatures``: curvatures along x and y of
-    the surface that ball and groove share [1/m]; ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio; ``degree``:
-    degree of the kernel's polynomials.
+    ``radius``: radius of the ball [m]; ``zone``: contact zone; ``bends``: curvatures along x and y of the surface that ball
+    and groove share [1/m], positive towards the ball; ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio;
+    ``degree``: degree of the kernel's polynomials.
     """
     body = mesh_whole_ball(radius, zone)
     answer = compliance_of_free_body(body, nodal_forces_of_tractions(body, zone, degree, bends), young, poisson)

@@ -81,7 +81,7 @@ def rolling_scene(layout: Layout, material: Material, contact_normals: Array, lo
         Positions of balls and grooves.
     material : Material
         Elastic material and friction.
-    normals : (N, k, 2) Array
+    contact_normals : (N, k, 2) Array
         Unit vectors from each ball's centre to its k contacts, in the plane of the section.
     loads : (N, k) Array
         Contact loads [N].

@@ -257,7 +257,7 @@ def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float
     Examples
     --------
     >>> b = bearing_of_contact_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
-    >>> round(float(thrust_state(b, 36e-6).load))
+    >>> round(float(bearing_state_at_displacement(b, 36e-6).load))
     17727
     """
     u = np.asarray(displacement, dtype=float)
@@ -316,7 +316,7 @@ def dimensionless_hertz_parameters(difference: float) -> tuple[float, float, flo
 
     Examples
     --------
-    >>> [round(v, 4) for v in contact_parameters(0.90999)]
+    >>> [round(v, 4) for v in dimensionless_hertz_parameters(0.90999)]
     [0.6636, 3.2327, 0.4499]
     """
     if not 0.0 <= difference < 1.0:
@@ -367,7 +367,7 @@ def displacement_under_thrust(bearing: BallBearing, load: float) -> float:
     Examples
     --------
     >>> b = bearing_of_contact_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
-    >>> round(axial_displacement(b, 17727.0) * 1e6, 3)
+    >>> round(displacement_under_thrust(b, 17727.0) * 1e6, 3)
     36.0
     """
     if load < 0.0:

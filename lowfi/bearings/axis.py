@@ -124,7 +124,7 @@ def shaft_and_support_stiffness(axis: Axis, position: Array | float) -> Array:
     Examples
     --------
     >>> rigid = Axis(1.0, 1e-3, 210e9)
-    >>> float(shaft_stiffness(rigid, 0.5)) == 4.0 * 210e9 * 1e-3 / 1.0
+    >>> float(shaft_and_support_stiffness(rigid, 0.5)) == 4.0 * 210e9 * 1e-3 / 1.0
     True
     """
     left, right = stiffness_of_both_sides(axis, position)
@@ -148,7 +148,7 @@ def carriage_to_frame_stiffness(axis: Axis, position: Array | float, nut: float)
     Examples
     --------
     >>> axis = Axis(1.0, 1e-3, 210e9, left=500e6, right=500e6)
-    >>> (axis_stiffness(axis, np.array([0.1, 0.5]), 400e6) * 1e-6).round(1).tolist()  # N/um
+    >>> (carriage_to_frame_stiffness(axis, np.array([0.1, 0.5]), 400e6) * 1e-6).round(1).tolist()  # N/um
     [233.8, 213.2]
     """
     return _series_stiffness(nut, shaft_and_support_stiffness(axis, position))
@@ -491,8 +491,8 @@ def solve_set_equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSe
     --------
     Two opposed rows with a preload of 1 kN, under an external thrust of 1 kN: loads of the rows and lift-off force [N].
 
-    >>> pair = preloaded_rows(PointRow(1e10), (1, -1), 1e3)
-    >>> equilibrium(pair, 1e3).loads.round(1).tolist(), round(lift_off_force(pair), 1)
+    >>> pair = equal_rows_with_preload(PointRow(1e10), (1, -1), 1e3)
+    >>> solve_set_equilibrium(pair, 1e3).loads.round(1).tolist(), round(lift_off_force(pair), 1)
     ([1542.4, 542.4], 2828.4)
     """
     s = np.array(bearings.directions)

@@ -273,7 +273,7 @@ def load_dependent_torque(
 
     Examples
     --------
-    >>> round(load_torque(1e3, 0.0, 40e-3, 2.4e3).torque * 1e3, 6)  # 0.0013/2 times 40 N m, in N mm
+    >>> round(load_dependent_torque(1e3, 0.0, 40e-3, 2.4e3).torque * 1e3, 6)  # 0.0013/2 times 40 N m, in N mm
     26.0
     """
     equivalent = 0.5 * radial + axial_factor * axial
@@ -304,7 +304,7 @@ def timken_running_torque(geometry: float, viscosity: float, speed: float, axial
 
     Examples
     --------
-    >>> round(taper_torque(30.0, 20e-3, 1000.0 * np.pi / 30.0, 2e3), 4)
+    >>> round(timken_running_torque(30.0, 20e-3, 1000.0 * np.pi / 30.0, 2e3), 4)
     0.348
     """
     rpm_centipoise = 1e3 * viscosity * speed * 30.0 / np.pi
@@ -523,7 +523,7 @@ def film_rolling_resistance(line_load: Array, speed: Array, radius: Array, lubri
     Examples
     --------
     >>> oil = Lubricant(100e-6, pressure_viscosity=20e-9)
-    >>> round(float(rolling_force(np.array(1e5), np.array(1.0), np.array(5e-3), oil, 231e9)), 2)
+    >>> round(float(film_rolling_resistance(np.array(1e5), np.array(1.0), np.array(5e-3), oil, 231e9)), 2)
     55.22
     """
     q = np.asarray(line_load, dtype=float)

@@ -261,7 +261,7 @@ def efficiency_by_overall_friction(track: Track, coefficient: float) -> float:
     --------
     A lead of 10 mm at a pitch diameter of 40 mm:
 
-    >>> round(efficiency(Track(20e-3, 10e-3, 0.785), 0.005), 4)
+    >>> round(efficiency_by_overall_friction(Track(20e-3, 10e-3, 0.785), 0.005), 4)
     0.9405
     """
     phi = abs(lead_angle(track))

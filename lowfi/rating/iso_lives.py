@@ -149,7 +149,7 @@ def life_factor_for_lubrication(kappa: float, clean: float, *, thrust: bool = Fa
 
     Examples
     --------
-    >>> round(iso_factor(2.45, 0.107), 2)
+    >>> round(life_factor_for_lubrication(2.45, 0.107), 2)
     5.5
     """
     k = min(kappa, FULL_FILM)
@@ -274,7 +274,7 @@ def edge_stress_factors(laminae: int) -> Array:
 
     Examples
     --------
-    >>> edge_stress(30)[:3].round(3).tolist()
+    >>> edge_stress_factors(30)[:3].round(3).tolist()
     [2.328, 1.127, 1.064]
     """
     k = np.arange(1, laminae + 1)

@@ -216,7 +216,7 @@ def life_of_parts_in_series(lives: Sequence[tuple[float, float]]) -> float:
 
     Examples
     --------
-    >>> round(system_life([(100.0, SLOPE), (100.0, SLOPE)]), 3)  # 100/2^0.9
+    >>> round(life_of_parts_in_series([(100.0, SLOPE), (100.0, SLOPE)]), 3)  # 100/2^0.9
     53.589
     """
     shortest: float = min(life for life, _ in lives)
@@ -385,7 +385,7 @@ def basic_rating_life(scene: Scene, load: Array) -> Life | None:
     >>> scene = rollbench.read("lin-case1")
     >>> load = np.zeros((scene.ball_count, 4))
     >>> load[:, [0, 3]] = 100.0
-    >>> found = life(scene, load)
+    >>> found = basic_rating_life(scene, load)
     >>> axial = 100.0 * scene.ball_count * sin(scene.track.contact_angle) * _lead_cosine(scene)
     >>> round(found.revolutions / (found.rating / axial) ** 3, 9)
     1.0

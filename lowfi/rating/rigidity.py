@@ -230,7 +230,7 @@ def three_axial_rigidities(scene: Scene, force: float, displacement: float | Non
     Examples
     --------
     >>> import rollbench
-    >>> found = rigidities(rollbench.read("lin-case1"), 5e3, 20e-6)
+    >>> found = three_axial_rigidities(rollbench.read("lin-case1"), 5e3, 20e-6)
     >>> [round(x * 1e-6) for x in (found.contacts, found.bodies, found.unequal)]  # N/um
     [271, 265, 250]
     """
