@@ -73,7 +73,7 @@ class Setup:
     scene: Scene
     #: Map of the track.
     map: GrooveMap
-    #: Positions of the balls.
+    #: Positions of the balls on the track.
     layout: BallLayout
     #: Dimensions of the solid parts.
     dims: Dimensions
@@ -101,7 +101,7 @@ class Setup:
     #: Time of every stage [s]. A cached record counts with the time that its computation took, a parallel stage with its
     #: share of the elapsed time.
     seconds: dict[str, float] = field(default_factory=dict)
-    #: Sum of the memory peaks of the worker processes [MB].
+    #: Sum of the memory peaks of all worker processes, without this process [MB].
     others_MB: float = 0.0
 
     def body(self, side: int) -> ScrewResponse | NutResponse | None:
@@ -112,7 +112,7 @@ class Setup:
 class _StageRunner:
     """Runs the stages of a set-up, and records their times [s] and the memory of the worker processes [MB].
 
-    ``cache``: cache of computed records; ``step``: function that is called with the progress.
+    ``cache``: cache of computed records; ``step``: function that is called with a text on the progress.
     """
 
     def __init__(self, cache: Cache, step: Step) -> None:
@@ -170,7 +170,7 @@ def prepare(
     settings : Settings
         Mesh choices.
     step : Step, optional
-        Called with the progress.
+        Function that is called with a text on the progress.
     scenes : Sequence[Scene], optional
         Further scenes of the same parts that will be solved with this set-up; they may differ in loads, supports and
         errors.
@@ -402,7 +402,7 @@ def compute_records(
     processes : int
         Number of processes.
     report : Callable[[int, ComputedRecord], None], optional
-        Called with the index of each job and its record, one at a time.
+        Function that is called with the index of each job and its record, one at a time.
 
     Returns
     -------

@@ -80,7 +80,7 @@ class Friction:
     motions: Array
     #: Number of Newton's steps.
     steps: int
-    #: "converged", or why not.
+    #: "converged", or the reason why the solution did not converge.
     status: str
     #: Largest violation of eqs. (1) and (2) of this module, over the largest bound.
     residual: float

@@ -82,7 +82,7 @@ class CarriedNut:
     G: Array
     #: Displacements of the modes by unit rigid motions of the housing ``(k, 6)``.
     B: Array
-    #: Index of the housing in its `Frame`.
+    #: Index of the housing among those of the `Frame`, from 0.
     housing: int
 
 
@@ -207,7 +207,7 @@ def mount_stretch(stretch: Stretch, scene: Scene, section: ShaftSection) -> Moun
     Raises
     ------
     ValueError
-        A support or load inside the stretch has no port.
+        A support or load inside the stretch lies at none of its ports (sections that can be loaded).
     """
     return mount_stretches((stretch,), Frame.from_scene(scene), lambda _: section)
 
@@ -242,7 +242,8 @@ def mount_stretches(
     Raises
     ------
     ValueError
-        A support or load inside a stretch has no port, or some stretches are rigid and others are not.
+        A support or load inside a stretch lies at none of its ports (sections that can be loaded), or some stretches are
+        rigid and others are not.
     """
     rigid = stretches[0].rigid
     if any(s.rigid != rigid for s in stretches):
@@ -288,7 +289,10 @@ def mount_stretches(
         )
 
     def freedom(body: int, at: float) -> int:
-        """Return the first degree of freedom of the shaft at an axial position, or of a housing."""
+        """Return the first degree of freedom of the shaft at an axial position, or of a housing.
+
+        ``body``: 0 for the shaft, 1 and up for the housings; ``at``: axial position on the shaft [m].
+        """
         return place[at] if body == 0 else n + 6 * (body - 1)
 
     P = np.zeros(len(K))
@@ -358,8 +362,8 @@ class _JoinedStretch(NamedTuple):
 def _contribution_of_stretch(stretch: Stretch, place: _NodeFreedoms, size: int) -> _JoinedStretch:
     """Compute the stiffness and compliance that a stretch adds to the mounted structure.
 
-    ``place``: gives the first degree of freedom of the node at an axial position; ``size``: number of degrees of freedom of
-    the structure.
+    ``place``: object that gives, for an axial position, the first degree of freedom of the node there; ``size``: number of
+    degrees of freedom of the structure.
     """
     m, p = stretch.modes, 6 * len(stretch.ports)
     F_mm, F_mp, F_pp = stretch.F[:m, :m], stretch.F[:m, m : m + p], stretch.F[m : m + p, m : m + p]
@@ -394,7 +398,7 @@ class _NodeFreedoms:
 
 
 def _distinct_positions(stations: Sequence[float]) -> list[float]:
-    """Return sorted axial positions [m] without those that lie within `SAME` of the one before.
+    """Return axial positions [m] without those that lie within `SAME` of the position before them.
 
     ``stations``: axial positions in ascending order [m].
     """

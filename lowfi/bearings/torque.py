@@ -175,7 +175,7 @@ def ball_torque(
     Parameters
     ----------
     kind
-        Design of the row.
+        Design of the row, such as "angular contact": a key of `LOAD`.
     angle
         Nominal contact angle [rad].
     pitch_diameter
@@ -216,7 +216,7 @@ class LoadTorque:
         "without lubricant and seals",
         error="empirical",
     )
-    #: Factor f_1.
+    #: Factor f_1 = 0.0013 (P_0/C_0)^(1/3) of the torque.
     factor: float = quantity_field("factor", "factor f1 = 0.0013 (P0/C0)^(1/3) of that torque")
     #: Static equivalent load P_0 [N].
     equivalent_load: float = quantity_field("equivalent_load_N", "static equivalent load P0 of the bearing")

@@ -95,7 +95,8 @@ def compliance_of_smooth_body(geometry: Scene, screw: bool, backend: Backend) ->
 def axial_range_of_contacts(geometry: Scene, tube: Tube) -> tuple[float, float]:
     """Return the lower and upper end of the axial range [m] that contains all load patches on a smooth body.
 
-    It is the nut's length and `BESIDE` widths of a patch beyond either face. ``tube``: smooth body, for the patches' width.
+    It is the nut's length and `BESIDE` widths of a patch beyond either face. ``geometry``: scene of
+    `reduce_to_compliance_geometry`; ``tube``: smooth body, which gives the width of the patches.
     """
     half = geometry.nut.length / 2.0 + BESIDE * tube.width
     return geometry.nut.position - half, geometry.nut.position + half
@@ -122,7 +123,8 @@ def grooved_ring_compliance(geometry: Scene, screw: bool) -> RingCompliance:
 def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
     """Return the motion of a contact by its own unit load beyond Hertz's law and the smooth body [m/N], on the true flank.
 
-    It holds for a narrow patch; `flank_size_correction` adds the influence of the contact's size.
+    It holds for a narrow load patch; `lowfi.compliance.beyond_hertz.contact_size_correction` adds the influence of the
+    contact's size.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
     ``backend``: model of the bodies.
@@ -191,7 +193,7 @@ def nut_beam_compliance(
 
     The beam is clamped at the nut's faces or at its flange. The compliance is zero if the outer surface is fixed.
     ``layout``: positions of the balls; ``flanks``: flanks with contacts, 0 left, 1 right; ``section_strain_motions``: local
-    motions by wrenches at the grooves, see `clamped_beam_compliance`, or None to leave them out.
+    motions by wrenches at the grooves, see `clamped_beam_compliance`, or None to neglect these motions.
     """
     geometry = reduce_to_compliance_geometry(scene)
     x, axes = contact_points_and_axes(scene, layout, False, flanks)
@@ -209,7 +211,7 @@ def nut_beam_compliance(
 
 @lru_cache(maxsize=32)
 def near_face_compliance_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
-    """Return the compliance that grooves and end faces of screw or nut add between contacts of one or two turns.
+    """Return the compliance that grooves and end faces of screw or nut add between contacts of one groove turn or two.
 
     The result is cached in memory by the geometry, and that of `cached_near_face` on disk.
 
@@ -231,8 +233,8 @@ def cached_near_face(flank: Flank, tube: Tube, section: BeamSection, radii: tupl
     """Return the result of `near_face_compliance`, cached on disk by its arguments.
 
     ``flank``: groove of the body; ``tube``: smooth body; ``section``: section of the beam; ``radii``: range of radii in
-    which a face is fixed [m]; ``near``: whether a contact has a face within reach. Ends and flange of the tube have no
-    influence.
+    which a face is fixed [m]; ``near``: whether an end face is so near to a contact that its effect is computed. Ends and
+    flange of the tube have no influence.
     """
     return near_face_compliance(flank, tube, section, radii, near=near)
 

@@ -375,7 +375,7 @@ class Condensed:
         return self.parts == PARTS
 
     def flanks_covered_by_file(self, sides: list[int]) -> list[int]:
-        """Return those of the flanks ``sides`` (0, 1: screw; 2, 3: nut) whose contacts have the file's compliance."""
+        """Return those of the flanks ``sides`` (0, 1: screw; 2, 3: nut) whose contact compliance is read from the file."""
         return [s for s in sides if s in self.bodies.sides and ("screw" if s < 2 else "nut") in self.parts]
 
     def replace_normal_compliance(
@@ -464,7 +464,8 @@ def nominal_normals_matrix(scene: Scene, N: int, sides: list[int]) -> Array:
 def normal_and_tangent_matrices(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
     """Return two matrices that split contact motions into those along the nominal normals of some flanks, and the others.
 
-    ``N``: number of balls; ``sides``: f flanks with contacts; ``known``: k of these flanks. Columns are two axes for each
+    ``N``: number of balls; ``sides``: f flanks with contacts; ``known``: k of these flanks, whose motions along the normals
+    are to be separated. Columns are two axes for each
     ball and each of its flanks ``sides``. The first matrix ``(N k, 2 N f)`` has a unit row along the normal for each ball
     and each flank of ``known``; the rows of the second complete it to an orthonormal basis.
     """
@@ -526,7 +527,7 @@ def _smallest_eigenpairs(G: Array) -> tuple[Array, Array]:
 def _ritz_pairs(G: Array, apply: Callable[[Array], Array], count: int) -> tuple[Array, Array]:
     """Return approximate eigenvalues and eigenvectors (Ritz pairs) of G in a block Krylov space of its shifted inverse.
 
-    ``apply``: function that multiplies vectors by the shifted inverse; it is applied ``INVERSES`` times to ``count`` random
+    ``apply``: function that multiplies vectors by the shifted inverse; it is applied `INVERSES` times to ``count`` random
     vectors. The smallest eigenvalues of G converge first.
     """
     basis = np.linalg.qr(np.random.default_rng(0).standard_normal((len(G), count)))[0]

@@ -5,7 +5,7 @@ difference between the true flank under a narrow patch and the smooth body under
 same supports; and minus that of a half space under the narrow patch, which Hertz's law contains already. Pressure acts
 along the flank's normals, whose direction varies over the patch, and motions are measured along them; loads in one fixed
 direction would give a motion larger by (1 - 2 nu)/(8 pi G rho). For contacts smaller than the narrow patch only the flank's
-curvature has an influence, through the logarithm of the contact's size and through its shape (`flank_size_correction`).
+curvature has an influence, through the logarithm of the contact's size and through its shape (`contact_size_correction`).
 """
 
 from __future__ import annotations

@@ -51,8 +51,8 @@ class CellSection:
 def flank_profile_points(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Array, Array]:
     """Return points on one flank of a groove from the apex to the edge of the land: radii r, then axial positions zeta [m].
 
-    Each array is ``(count,)``; zeta = 0 at the apex. ``land``: radius of the land [m]; ``screw``: whether the body is the
-    screw (True) or the nut.
+    Each array is ``(count,)``; zeta = 0 at the apex. ``m``: geometry of the groove; ``land``: radius of the land, the
+    cylindrical surface between the turns of the groove [m]; ``screw``: whether the body is the screw (True) or the nut.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def cell_grid(
     mesh
         Numbers of elements along the flank, along the land, and in depth.
     half
-        For a body without lead: its length on each side of mid groove [m].
+        For a body without lead: its length on each side of mid groove [m]; None for a body with a lead.
 
     Raises
     ------
@@ -321,7 +321,8 @@ def points_in_space(x: Array, axes: Array) -> Points:
 def radial_element_ends(tube: Tube) -> tuple[Array, int]:
     """Return the radii at which a tube's finite elements end [m], then the number of the grid line at the loaded radius.
 
-    Elements are small near the loaded radius. Grid lines include those through the elements' mid nodes.
+    Elements are small near the loaded radius. Grid lines are numbered from 0 at the bore, and include those through the
+    elements' mid nodes.
     """
     low, high, at = tube.bore, tube.outer, float(np.clip(tube.radius, tube.bore, tube.outer))
     h = tube.size[1]
@@ -379,7 +380,7 @@ def add_element_ends_of_flange(tube: Tube, r_ends: Array, z_ends: Array) -> tupl
 
 
 def fixed_freedoms(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
-    """Return which degrees of freedom ``(3 nodes,)`` of a grid are fixed; nodes outside the tube are included."""
+    """Return which degrees of freedom ``(3 nodes,)`` of a grid are fixed, among them all of the nodes outside the tube."""
     beyond = np.ones(grid.r.size, dtype=bool)
     beyond[grid.cells()[tube.solid(grid)].ravel()] = False
     held = np.repeat(beyond, 3).reshape(*grid.shape, 3)

@@ -254,7 +254,8 @@ def filled_turns(scene: Scene) -> float:
 def _capacity_factors(scene: Scene) -> tuple[Array, float]:
     """Return the factors of eq. (2) of this module for conformity and curvature ``(4,)``, then the ball's diameter [mm].
 
-    The first value contains gamma^0.3; its order is SL, SR, NL, NR (screw or inner ring, nut or outer ring; left, right).
+    The factors include gamma^0.3, gamma being D cos(alpha)/D_pw; their order is SL, SR, NL, NR (screw or inner ring, nut or
+    outer ring; left, right flank).
     """
     alpha, D = scene.track.contact_angle, 2.0 * scene.balls.radius
     gamma = D * cos(alpha) / (2.0 * scene.track.pitch_radius)
@@ -636,7 +637,7 @@ def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
 
 
 def _uncovered_loads(scene: Scene, *, ring: bool) -> str:
-    """Return words for a load in a scene that the life standard does not cover; empty if it covers all loads.
+    """Return a phrase that names a load of a scene that the life standard does not cover; empty if it covers all loads.
 
     ``ring``: whether the scene is a bearing (ISO 281); otherwise it is a ball screw (ISO 3408-5).
     """
