@@ -163,7 +163,8 @@ class ContactRound(NamedTuple):
     #: Motion of the n nodes of each ball along their normals by unit rigid motions of the shaft and of h housings, for each
     #: nut or bearing ``(balls, n, 6 (1 + h))``.
     rigid_normal_motion: list[Array]
-    #: Motion of the nodes of all contact pairs along their normals by the k unconstrained rigid motions ``(pairs, k)``.
+    #: Motion of the nodes of all contact pairs along their normals by the k rigid motions of shaft and housings that no
+    #: support prevents ``(pairs, k)``.
     by_rigid: Array
     #: Contact forces of each nut or bearing ``(balls, n)`` [N].
     forces: list[Array]

@@ -39,13 +39,13 @@ DIFFERENCE, NOISE = 0.05, 1e-2
 
 @dataclass(frozen=True)
 class SetBodies:
-    """3D bodies of one nut or bearing of an assembly, which are meshed."""
+    """Geometry of one nut or bearing of an assembly and its stretch of shaft, as meshed in 3D."""
 
     #: Parts without errors, in local axial positions.
     bodies: Scene
     #: Parts with their errors.
     parts: Scene
-    #: Axial position on the shaft where the local ones begin [m].
+    #: Axial position on the shaft of the origin of the local axial positions [m].
     shift: float
 
 
@@ -144,7 +144,7 @@ def solve_sets(
     setups : Sequence[Setup]
         Prepared bodies of each nut or bearing (`describe_bodies_of_each_set`), in order.
     frozen : bool, default False
-        Whether to compute the contact loads with frozen normals and gaps as well.
+        Whether to compute, in addition, the contact loads with normals and gaps frozen at the nominal state.
     step : Callable[[str], None], optional
         Function that is called with a progress text in every round of a solution that takes long.
 

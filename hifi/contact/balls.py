@@ -201,7 +201,7 @@ class BlockFactor:
 
         Returns
         -------
-        Array of that shape
+        Array of the shape of ``rhs``
             Contact forces [N]; zero on inactive pairs.
         """
         out = np.zeros(rhs.shape)
@@ -434,7 +434,7 @@ class NewtonFactor(NamedTuple):
     loads: Array
     #: Lower Cholesky factor of I + R^T G R.
     inner: Array
-    #: LU factor of the equations of the rigid motions.
+    #: LU factor and pivots of the equations of the rigid motions.
     outer: tuple[Array, Indices]
 
     def step(self, back: Array, moved: Array, balance: Array) -> tuple[Array, Array]:

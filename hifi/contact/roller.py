@@ -105,7 +105,8 @@ class RollerState:
 
     #: Force of each race on the roller [N].
     load: float
-    #: Approach of the bases of cup and cone along the cup's normal [m].
+    #: Approach of cup and cone along the normal of the cup's race [m], measured at the depth at which the cone is fixed and
+    #: the cup is moved.
     approach: float
     #: Stiffness: derivative of the load by the approach [N/m].
     stiffness: float
@@ -147,7 +148,7 @@ def _distance_from_apex(row: RollerRow) -> float:
 
 
 def crown_and_end_rounding_depths(row: RollerRow, x: Array) -> tuple[Array, Array]:
-    """Return how far a roller's profile lies below a straight line by its crown, then by the rounding of its ends [m].
+    """Return how far a roller's profile lies below a straight line: first by its crown, then by its rounded ends [m].
 
     ``row``: row of rollers; ``x``: distances from the roller's middle [m]. The results have the shape of ``x``.
     """
@@ -203,7 +204,7 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     row
         Row of rollers.
     cells
-        Cells across half of the zone and along half of the roller, an even number (`LEVELS`).
+        Number of cells across half of the contact zone, and along half of the roller; even, as in `LEVELS`.
     load
         Largest force of a race on a roller [N].
 
@@ -215,7 +216,7 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     Raises
     ------
     RollerError
-        A straight roller has sharp ends, or a ring is deeper than its cone.
+        A straight roller has sharp ends, or a ring is thicker than the cone of its race allows.
     FactorError
         A stiffness cannot be factored.
     ImportError

@@ -43,7 +43,7 @@ def rigid_motion_transfer_matrix(arm: float) -> Array:
     Parameters
     ----------
     arm : float
-        Distance along z [m].
+        Distance along z from the first section to the second [m].
 
     Returns
     -------

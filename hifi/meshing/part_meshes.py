@@ -98,7 +98,7 @@ def choose_socket_size(
     m : GrooveMap
         Geometry of the track.
     layout : BallLayout
-        Places of the balls.
+        Positions of the balls on the track.
     sides : tuple[int, ...]
         Flanks 0 to 3 that carry contacts.
     dims : Dimensions
@@ -251,7 +251,7 @@ def mesh_parts(
     m : GrooveMap
         Geometry of the track.
     layout : BallLayout
-        Places of the balls.
+        Positions of the balls on the track.
     dims : Dimensions
         Dimensions of the solid parts.
     sides : tuple[int, ...]
@@ -288,7 +288,7 @@ def list_mesh_calls(
     m : GrooveMap
         Geometry of the track.
     layout : BallLayout
-        Places of the balls.
+        Positions of the balls on the track.
     dims : Dimensions
         Dimensions of the solid parts.
     sides : tuple[int, ...]
@@ -321,12 +321,12 @@ def list_mesh_calls(
 
 
 def contacts_on_body(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple[Place, ...]:
-    """List the contacts of all balls on the screw, or on the nut, as azimuth, axial position and flank.
+    """List the contacts of all balls on the screw, or on the nut, each as its azimuth, axial position and flank.
 
     Parameters
     ----------
     layout : BallLayout
-        Places of the balls.
+        Positions of the balls on the track.
     sides : tuple[int, ...]
         Flanks 0 to 3 that carry contacts.
     screw : bool

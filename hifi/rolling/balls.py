@@ -141,7 +141,7 @@ class RollingResult:
 def half_space_contact_under_unit_load(
     radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]
 ) -> Patch:
-    """Solve the contact of two half-spaces under 1 N on a grid of cells, and compute its `Patch.transport`.
+    """Solve the contact of two half-spaces under 1 N on a grid of cells, and compute its `Patch.transport_rate_matrix`.
 
     ``radii``: relative radii along and across the groove [m]; ``shape``: numbers of cells along and across. The contact
     under any other force is similar, with lengths in proportion to the cube root of the force.

@@ -74,7 +74,7 @@ class SmoothKernel:
     #: Coefficients M of the kernel between k monomials ``(3 k, 3 k)`` [m/N]: k along x, then k along y, then k along the
     #: normal.
     M: Array
-    #: Lengths that scale the monomials [m].
+    #: Lengths by which x and y are divided in the monomials [m].
     scale: tuple[float, float]
     #: Degree of the monomials.
     degree: int
@@ -339,7 +339,7 @@ class Patch:
     cells: Index
     #: Centres x, y of the cells ``(n, 2)`` [m].
     at: Array
-    #: Size of a cell ``(2,)`` [m].
+    #: Sides of a cell along x and y ``(2,)`` [m].
     size: Array
     #: Normal forces ``(n,)`` [N].
     normal: Array
@@ -347,7 +347,7 @@ class Patch:
     material: tuple[float, float]
     #: Approach of the bodies [m].
     approach: float
-    #: Contribution of finite bodies; None: half-spaces.
+    #: Compliance of the finite bodies less that of half-spaces; None: the bodies are half-spaces.
     regular: SmoothKernel | None = None
 
     @property
@@ -462,7 +462,7 @@ def cell_grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
     shape : tuple[int, int]
         Numbers of cells along x and y.
     size : (2,) Array
-        Size of a cell [m].
+        Sides of a cell along x and y [m].
 
     Returns
     -------
@@ -499,7 +499,7 @@ def equivalent_radii(
     poisson : float
         Poisson's ratio.
     regular : SmoothKernel | None
-        Kernel of finite bodies, their compliance beyond that of half-spaces; None: half-spaces.
+        Kernel of finite bodies: their compliance less that of half-spaces; None: half-spaces.
 
     Returns
     -------
@@ -547,8 +547,8 @@ def solve_elastic_contact_on_grid(
     shape : tuple[int, int]
         Numbers of cells along x and y.
     regular : SmoothKernel | None, default None
-        Kernel of finite bodies, their compliance beyond that of half-spaces; None: half-spaces. Only `Patch.strain`
-        contains the tangential displacement that their pressure causes.
+        Kernel of finite bodies: their compliance less that of half-spaces; None: half-spaces. Only
+        `Patch.tangential_displacement_rate` contains the tangential displacement that their pressure causes.
     margin : float, default MARGIN
         Width of the grid over that of Hertz's ellipse.
 

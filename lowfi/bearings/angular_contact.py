@@ -242,7 +242,7 @@ def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float
     bearing
         One bearing or many.
     displacement
-        Axial displacement u [m], any shape; the load is zero where the balls are loose, u <= 0.
+        Axial displacements u [m], an array of any shape; the load is zero where the balls are loose, u <= 0.
 
     Returns
     -------

@@ -143,7 +143,7 @@ class Flank:
     far: float
     #: Whether the body is the screw; otherwise it is the nut.
     screw: bool
-    #: Half a lead, or half a ring's width [m].
+    #: Axial distance from mid groove to mid land [m]: half a lead, or half the width of a ring.
     half: float
     #: Material of the body.
     material: Material
@@ -210,7 +210,7 @@ def contact_size_correction_slope(flank: Flank) -> float:
 
 
 def contact_size_correction(flank: Flank, semi_axes: tuple[float, float]) -> float:
-    """Return the change of a contact's compliance from the narrow circular patch to its actual size and shape [m/N].
+    """Return how much the compliance of a contact of given size and shape exceeds that of a narrow circular patch [m/N].
 
     ``flank``: groove of the body; ``semi_axes``: semi-axes of the contact ellipse, across the groove and along it [m].
     """

@@ -83,8 +83,8 @@ RIGID = "rigid apart from the Hertzian contacts"
 def idealisation_statements(backend: Backend, scene: Scene) -> tuple[str, ...]:
     """Return three phrases that say how a compliance model idealises the screw, the nut and the balls of a scene.
 
-    ``backend``: model of the bodies' compliance. Raises ValueError, as `meshes.solid.solid_dimensions`, if the dimensions
-    are impossible.
+    ``backend``: model of the bodies' compliance. Raises ValueError, as `meshes.solid.dimensions_of_3d_parts`, if the
+    dimensions are impossible.
     """
     ring = scene.track.lead == 0.0
     section = "Lin C.8" if backend.section == "scene" else "half a lead of its groove"
@@ -111,7 +111,8 @@ def idealisation_statements(backend: Backend, scene: Scene) -> tuple[str, ...]:
 def reduce_to_compliance_geometry(scene: Scene) -> Scene:
     """Return a scene with only the geometry and materials on which the compliance of screw and nut depends.
 
-    Loads, supports, errors, names and settings of solvers are removed, so that equal geometries share cached results.
+    Loads, supports, manufacturing errors, names and settings of solvers are removed, so that equal geometries share cached
+    results.
     """
     return Scene(
         "",

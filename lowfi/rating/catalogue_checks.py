@@ -119,7 +119,7 @@ def root_diameter(scene: Scene) -> float:
 
 
 def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
-    """Return the free lengths of a screw shaft with the kinds of support at their ends.
+    """Return the free lengths of a screw shaft, each with the supports of its ends: "fixed", "supported" or "free".
 
     A bearing that fixes both lateral displacements supports the shaft. The first or last bearing is a fixed end if it also
     fixes both tilting rotations.
@@ -127,8 +127,8 @@ def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
     Returns
     -------
     list[tuple[float, tuple[str, str]]]
-        Lengths [m] between neighbouring bearings, or from a single bearing to the farther end of the shaft. With each
-        length the kinds of its two ends, the stiffer one first.
+        For each free length its value [m], between neighbouring bearings or from a single bearing to the farther end of the
+        shaft, and the supports of its two ends, the stiffer one first.
     """
     bearings = sorted((s for s in scene.supports if _support_fixes(s, "ux", "uy")), key=lambda s: s.at)
     held = ["fixed" if _support_fixes(s, "rx", "ry") else "supported" for s in bearings]
@@ -154,7 +154,7 @@ def buckling_load_and_critical_speed(
     length
         Free length L [m].
     ends
-        Kinds of support at the two ends, a key of ``FACTORS``.
+        Supports of the two ends, the stiffer one first: "fixed", "supported" or "free", a key of `FACTORS`.
     root, bore
         Outer and inner diameter of the shaft [m].
     modulus
@@ -270,6 +270,8 @@ def efficiency_by_overall_friction(track: Track, coefficient: float) -> float:
 
 def warn_of_overall_friction_coefficient(track: Track, friction: Friction) -> list[Warned]:
     """Return a warning if a scene's coefficient of sliding friction is as small as overall coefficients of catalogues.
+
+    The list is empty if there is nothing to warn of.
 
     Parameters
     ----------

@@ -34,8 +34,8 @@ Balls: Q_c is that of `lowfi.rating.life` (2), which the standard expresses by C
 
     L_10r = ((Q_ci/Q_ei)^(-10/3) + (Q_ce/Q_ee)^(-10/3))^(-9/10),   P_ref = C/L_10r^(1/3).                             (3)
 
-This is the life that `life` returns; for four-point contact the sum includes all four flanks. If the rating C of a
-catalogue replaces the computed one, L_10r changes by the cube of their ratio.
+This is the life that `lowfi.rating.life.basic_rating_life` returns; for four-point contact the sum includes all four
+flanks. If the rating C of a catalogue replaces the computed one, L_10r changes by the cube of their ratio.
 
 Rollers are cut into n_s >= 30 laminae; lamina k of roller j carries q_jk, and at the roller's edges the stress is higher:
 
@@ -139,7 +139,7 @@ def life_factor_for_lubrication(kappa: float, clean: float, *, thrust: bool = Fa
     kappa
         Viscosity ratio, at least 0.1; values above 4 count as 4.
     clean
-        Contamination factor times fatigue load limit over equivalent load, e_C C_u/P.
+        Product of the contamination factor e_C and the ratio C_u/P of fatigue load limit to equivalent load.
     thrust
         Whether the bearing is a thrust bearing.
 
@@ -244,7 +244,7 @@ def ball_reference_life(scene: Scene, life: Life | None) -> ReferenceLife | None
     scene
         Scene of the bearing.
     life
-        Basic rating life under its contact loads (`rollbench.lowfi.rating.life.life`).
+        Basic rating life under its contact loads (`lowfi.rating.life.basic_rating_life`).
 
     Returns
     -------

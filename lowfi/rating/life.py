@@ -451,7 +451,7 @@ LIMITS, RADIAL_FACTORS, AXIAL_FACTORS = (
 
 @result_record
 class EquivalentLife:
-    """Life of a duty cycle by the equivalent loads of a standard, eqs. (5) to (7) of the module `rating.life`."""
+    """Life of a duty cycle by the equivalent loads of a standard, eqs. (5) to (7) of the module `lowfi.rating.life`."""
 
     #: Life L10 [10^6 revolutions].
     revolutions: float = quantity_field(
