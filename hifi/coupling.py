@@ -136,7 +136,8 @@ def compliance_block_of_ball(setup: Setup, sides: tuple[int, ...], *, rigid: boo
 def keep_local_response(G: Array, body: ModalBody) -> Array:
     """Remove from the compliance of a body everything except the local response of each contact.
 
-    Every contact retains the mean response of its flank to its own load; otherwise the body is rigid.
+    Every contact keeps the response to the load on itself, as a mean over all contacts of its flank; otherwise the body is
+    rigid.
 
     Parameters
     ----------
@@ -296,7 +297,7 @@ def ball_centre_to_groove_nodes(p: PlacedSet, drawn: Specimen) -> Array:
     p : PlacedSet
         Nut or bearing at its place on the shaft.
     drawn : Specimen
-        Manufacturing errors of the grooves and balls.
+        Radii of balls and grooves with their manufacturing errors.
 
     Returns
     -------

@@ -188,7 +188,7 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
     Raises
     ------
     ValueError
-        The scene supports or loads the screw beyond the low end, so that the high end carries an unknown reaction.
+        A support or load lies above the low end of the stretch, so that the high end carries an unknown reaction.
     """
     refuse_supports_beyond_low_end(scene or setup.scene, setup.dims)
     high = setup.dims.ends(setup.scene)[1]
@@ -196,7 +196,7 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
 
 
 def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
-    """Raise ValueError if a scene supports or loads its screw beyond the low end of the 3D stretch.
+    """Raise ValueError if a support or load of a scene lies above the low end of the screw's 3D stretch.
 
     Parameters
     ----------

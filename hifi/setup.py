@@ -89,7 +89,7 @@ class Setup:
     nut: NutResponse | None
     #: Condensed ball.
     ball: BallResponse
-    #: Section of the shaft beyond the 3D stretch.
+    #: Section of the shaft outside the 3D stretch.
     section: ShaftSection
     #: Uniform beam equivalent to the grooved shaft; None where it is not needed.
     homogenised: EquivalentBeam | None
@@ -258,11 +258,11 @@ def _patch_jobs(
 
 
 def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]) -> list[Job]:
-    """List the jobs that compute the section of the shaft beyond the 3D stretch.
+    """List the jobs that compute the section of the shaft outside the 3D stretch.
 
     ``stations``: axial positions of all supports and loads [m]. The jobs compute a plain section, or the stiffnesses of the
     helical section and three meshed shafts for `compute_equivalent_beam`. Their arguments are only those that the result
-    depends on, so that other nuts and loads find them in the cache. If no support or load lies beyond the stretch, any
+    depends on, so that other nuts and loads find them in the cache. If no support or load lies outside the stretch, any
     section will do.
     """
     screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends(scene)
@@ -451,7 +451,9 @@ def compute_records(
             for future in helping:
                 future.result()
         except BrokenProcessPool as error:
-            raise MemoryError("a process of the set-up was ended from outside: is there enough memory?") from error
+            raise MemoryError(
+                "a process of the set-up was ended from outside: free some memory, or use fewer processes"
+            ) from error
         except KeyboardInterrupt:  # a job may take minutes: nobody waits for it
             others.terminate(kill_workers=True)
             raise

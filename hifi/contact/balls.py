@@ -542,7 +542,7 @@ class _EnergySystem:
         return phi, *self.residuals(w)
 
     def gaps_without_local_compliance(self, w: Array, y: Array) -> list[Array]:
-        """Compute the gaps of the pairs of each ball ``(n_i,)`` [m] without the displacements by its own compliance D_i.
+        """Compute the gaps of the pairs of each ball ``(n_i,)`` [m] without the displacements by the ball's compliance D_i.
 
         w: modal amplitudes (r,) [N]; y: rigid motions (k,) [m, rad].
         """

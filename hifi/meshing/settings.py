@@ -66,7 +66,7 @@ class Settings:
     own_sizes: tuple[float, float] = frozen_default((0.5e-3, 2.5e-3))
     #: Element sizes (near, far) of the submodels of balls [m].
     own_ball_sizes: tuple[float, float] = frozen_default((0.3e-3, 0.6e-3))
-    #: Element size of the 3D shafts that give the effect of a cut end [m].
+    #: Element size of the 3D shafts from which the effect of a cut end is computed [m].
     cell: float = frozen_default(4.5e-3)
     #: Number of smooth modes of each patch of screw and nut.
     modes: int = frozen_default(16)

@@ -664,7 +664,8 @@ class _ContactWithoutHistory:
     contact: Contact
     #: Tangential displacements by unit forces over the step, at the present place of the material ``(2 n, 2 n)`` [m/s/N].
     present: Array
-    #: The same at the place of the material before the step ``(2 n, 2 n)`` [m/s/N].
+    #: Tangential displacements by unit forces over the step, at the place of the material before the step
+    #: ``(2 n, 2 n)`` [m/s/N].
     before: Array
 
     def add_displacements_of_last_step(self, forces: Array) -> Contact:
@@ -701,7 +702,7 @@ def compute_motion_from_rest(
     Raises
     ------
     ValueError
-        Duration or number of steps is not positive, the gap is negative, or a step carries material from beyond the
+        Duration or number of steps is not positive, the gap is negative, or a step carries material from outside the
         contact zone of finite bodies.
     """
     if not duration > 0.0 or steps < 1 or gap < 0.0:

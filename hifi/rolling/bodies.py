@@ -499,15 +499,15 @@ class Sizes:
     cells: tuple[int, int] = frozen_default((4, 4))
     #: Ratio of the sizes of neighbouring cells outside the zone.
     growth: float = frozen_default(2.5)
-    #: Semi-axes of the zone over those of the contact ellipse.
+    #: Ratio of the zone's half lengths to the semi-axes of the contact ellipse.
     margin: float = frozen_default(1.1)
     #: Degree of the polynomials of the kernel.
     degree: int = frozen_default(4)
-    #: Size of grooved bars over the ball's radius.
+    #: Radius of the outside of grooved bars over the ball's radius.
     bar: float = frozen_default(5.0)
     #: Half of the opening angle of the grooves of bars [rad].
     opening: float = frozen_default(1.4)
-    #: Whether rings and helices are patches of the static reference, or bent bars.
+    #: True: rings and helices are patches as in the static 3D reference; False: they are bent bars.
     patches: bool = frozen_default(True)
 
 
@@ -600,7 +600,9 @@ def patch_kernels(
     *,
     outer: bool,
 ) -> tuple[SmoothKernel, SmoothKernel]:
-    """Compute the kernels of groove and ball from patches of the static reference: their compliances less a half-space's.
+    """Compute the kernels of groove and ball from patches of the static 3D reference.
+
+    A kernel is the compliance of the body at the contact less that of a half-space.
 
     Parameters
     ----------

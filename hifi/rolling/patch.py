@@ -550,7 +550,7 @@ def solve_elastic_contact_on_grid(
         Kernel of finite bodies: their compliance less that of half-spaces; None: half-spaces. Only
         `Patch.tangential_displacement_rate` contains the tangential displacement that their pressure causes.
     margin : float, default MARGIN
-        Width of the grid over that of Hertz's ellipse.
+        Ratio of the width of the grid to the width of Hertz's ellipse.
 
     Returns
     -------

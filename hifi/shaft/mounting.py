@@ -39,7 +39,7 @@ SLACK = 1e-12
 
 @dataclass(frozen=True)
 class Stretch:
-    """Flexibility of the part of the screw that is meshed in 3D (nut's range and a little beyond), fixed at its base."""
+    """Flexibility of the stretch of the screw that is meshed in 3D, a little longer than the nut, fixed at its base."""
 
     #: Flexibility with the base fixed: motions of the contacts' modes, then of ports and observers with six rows each, by
     #: unit forces and moments there ``(x, x)``.
@@ -113,9 +113,9 @@ class MountedShaft:
 
 
 def subtract_cut_ends(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[float]) -> Stretch:
-    """Subtract the effect of the cut ends of a stretch where the shaft continues beyond them.
+    """Subtract the effect of the cut ends of a stretch, at which the shaft in truth continues.
 
-    The effect of an end remains if there are no supports or loads beyond it: there the screw itself ends.
+    The effect of an end remains if no support or load lies outside the stretch on that side: there the screw itself ends.
 
     Parameters
     ----------

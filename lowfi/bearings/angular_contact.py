@@ -361,8 +361,8 @@ def displacement_under_thrust(bearing: BallBearing, load: float) -> float:
     Raises
     ------
     ValueError
-        The load is negative, or so large that it needs a displacement beyond the ball's diameter, for which Hertz contact
-        does not hold.
+        The load is negative, or so large that it needs a displacement of more than the ball's diameter, for which Hertz
+        contact is not valid.
 
     Examples
     --------
@@ -405,7 +405,7 @@ def bearing_states_under_thrust(bearings: BallRows, load: Array) -> ThrustState:
     Raises
     ------
     ValueError
-        A thrust needs a displacement beyond the ball's diameter, for which Hertz contact does not hold.
+        A thrust needs a displacement of more than the ball's diameter, for which Hertz contact is not valid.
     """
     first = BEGINS * bearings.ball_diameter
     u = contact_approach(load / bearing_state_at_displacement(bearings, first).load, first)

@@ -350,7 +350,7 @@ class RollerTorque:
     film: float | None = quantity_field(
         "film_Nmm", "part of the oil film between rollers and races; null without lubricant or speed", error="upper bound"
     )
-    #: Torque of elastic hysteresis.
+    #: Torque of elastic hysteresis in the races' contacts.
     hysteresis: float = quantity_field("hysteresis_Nmm", "part of the steel's hysteresis, 1 % of the work of deformation")
     #: Torque of sliding and spin of the rollers' ends on the rib.
     rib: float = quantity_field(

@@ -121,7 +121,9 @@ def grooved_ring_compliance(geometry: Scene, screw: bool) -> RingCompliance:
 
 
 def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
-    """Return the motion of a contact by its own unit load beyond Hertz's law and the smooth body [m/N], on the true flank.
+    """Return the motion of a contact by a unit load on it, less the motions by Hertz's law and by the smooth body [m/N].
+
+    The contact is on the true flank.
 
     It holds for a narrow load patch; `lowfi.compliance.beyond_hertz.contact_size_correction` adds the influence of the
     contact's size.
@@ -173,7 +175,7 @@ def smooth_body_compliance_beyond_beam(
 def contact_motions_by_section_wrench(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return the motions ``(2 c, 6)`` of contacts by a unit wrench on their own cross-sections, beyond the smooth body's.
+    """Return the motions ``(2 c, 6)`` of contacts by a unit wrench on their cross-sections, less those of the smooth body.
 
     The wrench consists of three forces and three moments. At a groove the body is thinner than on average and therefore
     strains more (`NearFace.strains`). Arguments, and the c contacts with two axes each, are those of
@@ -287,7 +289,7 @@ def groove_and_face_compliance(
 def compute_compliance_between_contacts(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Compute the compliance ``(2 c, 2 c)`` [m/N] of screw (beyond its beam) or nut between c contacts, without a cache.
+    """Compute the compliance ``(2 c, 2 c)`` [m/N] of screw (less its beam) or nut between c contacts, without a cache.
 
     It is `lowfi.compliance.bodies.compliance_between_contacts` for a body that is not rigid and for balls at any positions.
     Arguments are those of `smooth_body_compliance_beyond_beam`.
@@ -313,7 +315,7 @@ def compute_compliance_between_contacts(
 
 
 def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float, float]:
-    """Return the motions of contacts and high end of a screw by a unit wrench on its high end, beyond those of its beam.
+    """Return the motions of contacts and high end of a screw by a unit wrench on its high end, less those of its beam.
 
     The screw is fixed by the mean motions of its low end. The wrench consists of three forces and three moments.
 
@@ -380,7 +382,7 @@ def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: f
 def section_strain_motions_by_wrench(section_strain_motions: Array, stations: Array, at: float) -> Array:
     """Return the motions ``(2 c, 6)`` of c contacts, due to local strains at their grooves, by a unit wrench on a section.
 
-    ``section_strain_motions`` ``(2 c, 6)``: these motions by a unit wrench on the contact's own cross-section;
+    ``section_strain_motions`` ``(2 c, 6)``: these motions by a unit wrench on the cross-section of the contact;
     ``stations``: axial positions of the contacts, one for each axis ``(2 c,)`` [m]; ``at``: axial position of the loaded
     cross-section [m]. The wrench passes only through the sections below ``at``, so contacts above it do not move.
     """

@@ -102,7 +102,7 @@ def sphere_self_compliance_slope(radius: float, material: Material) -> float:
 
 
 def sphere_self_compliance(semi_axes: tuple[float, float], radius: float, material: Material) -> float:
-    """Return the motion of a contact on an elastic sphere by its own unit load, less that of a half space [m/N].
+    """Return the motion of a contact on an elastic sphere by a unit load on it, less that of a half space [m/N].
 
     The motion is averaged over the Hertz pressure.
 
@@ -171,7 +171,7 @@ class Flank:
 
 
 def half_space_compliance(width: float, material: Material) -> float:
-    """Return the mean motion of a circular Gaussian patch on a half space by its own unit normal load [m/N].
+    """Return the mean motion of a half space under a circular Gaussian patch of unit normal load [m/N].
 
     It is (1 - nu^2)/(2 sqrt(pi) E s) with the standard deviation s of the patch.
 

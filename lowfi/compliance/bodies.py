@@ -71,7 +71,7 @@ class BodyCompliance:
 
     #: Compliance between the contacts, all left ones, then all right ones, two axes each ``(2 c, 2 c)`` [m/N].
     G: Array
-    #: Linear compliance of each contact in addition to Hertz, by its own load [m/N].
+    #: Linear compliance of each contact under the load on it, in addition to Hertz's law [m/N].
     e: float
     #: Derivative of e with respect to the logarithm of the contact's size [m/N].
     slope: float
@@ -83,7 +83,7 @@ class BodyCompliance:
 class BallCompliance:
     """Compliance of a ball as an elastic sphere at its four contacts, in addition to Hertz contact."""
 
-    #: Linear compliance of each contact by its own load [m/N].
+    #: Linear compliance of each contact under the load on it, in addition to Hertz's law [m/N].
     e: float
     #: Derivative of e with respect to the logarithm of the contact's size [m/N].
     slope: float
@@ -256,7 +256,7 @@ class EndResponse:
 
 
 def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: Backend) -> EndResponse | None:
-    """Return the motions of a screw's contacts and of its high end by a unit wrench on that end, beyond those of its beam.
+    """Return the motions of a screw's contacts and of its high end by a unit wrench on that end, less those of its beam.
 
     ``layout``: positions of the balls; ``backend``: model of the bodies' compliance. The result is None for a screw that is
     rigid or only a beam, and for a bearing ring fixed at its bore. The arrays are cached for all load cases of the same
@@ -282,7 +282,7 @@ def _cached_response_to_end_wrench(scene: Scene, backend: Backend) -> EndRespons
 
 
 def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
-    """Return the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, beyond those of its beam.
+    """Return the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less those of its beam.
 
     The order is that of `EndResponse.contacts`. ``layout``: positions of the N balls; ``at``: axial position of the section
     [m], inside the stretch of a screw for which `screw_response_to_end_wrench` is not None. The array is cached as in

@@ -133,7 +133,7 @@ class NearFace:
         return np.asarray(np.einsum("m...k,mk->m...", sum_of_harmonics(self.gain[int(held)], angle), share))
 
     def compliance_between(self, angle: Array) -> Array:
-        """Return the compliance ``(m, 2, f)`` [m/N] between contacts far from any face, beyond the smooth body's.
+        """Return the compliance ``(m, 2, f)`` [m/N] between contacts far from any face, less that of the smooth body.
 
         ``angle`` ``(m,)``: angles around the axis between the contacts of m pairs [rad]. The last two axes are for the
         flank that moves and the loaded flank.
@@ -247,7 +247,7 @@ def append_high_harmonics(flank: Flank, waves: Array) -> Array:
 
 
 def contact_motions_by_own_section_wrench(points: Points, side: Array, strains: Array) -> Array:
-    """Return the motions ``(k c, 6)`` of c contacts, with k axes each, by a unit wrench on their own cross-sections.
+    """Return the motions ``(k c, 6)`` of c contacts, with k axes each, by a unit wrench on the contact's cross-section.
 
     The wrench consists of three forces and three moments; only tension and bending moments have an effect. ``points``: the
     contacts; ``side`` ``(c,)``: -1 for a flank at negative z of its groove, 1 at positive z; ``strains``: see
@@ -287,7 +287,9 @@ def motions_beyond_smooth_beam(
 def motions_beyond_smooth_body(
     flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], finer: Patch, kinds: int
 ) -> Array:
-    """Return the motions of the true flanks minus those of the smooth body [m/N], each body under its own load patch.
+    """Return the motions of the true flanks less those of the smooth body [m/N].
+
+    The load patches differ: `Patch` ``finer`` on the true flanks, the patch of ``smooth`` on the smooth body.
 
     ``smooth``: smooth body of revolution; ``grid``: grid of the grooved body; ``finer``: size of the load patch and
     fineness of mesh and harmonics for the true flanks; the other arguments and the axes of the result are those of

@@ -66,7 +66,7 @@ def flank_profile_points(m: GrooveMap, land: float, screw: bool, count: int) -> 
     sign = -1.0 if screw else 1.0
 
     def beyond(gamma: float) -> bool:
-        """Return whether the flank's point at the contact angle gamma [rad] lies beyond the cylinder of the land."""
+        """Return whether the flank's point at the contact angle gamma [rad] lies past the cylinder of the land."""
         x3, z3 = m.polar_to_section(side, np.array(gamma), radius)
         return bool(sign * (float(m.section_to_unrolled(x3, z3)[0]) - land) < 0.0)
 
@@ -353,7 +353,7 @@ def axial_element_ends(tube: Tube, zone: tuple[float, float]) -> Array:
     middle = np.linspace(a, b, max(2, int(np.ceil((b - a) / h))) + 1)
 
     def beyond(length: float) -> Array:
-        """Return distances of element ends beyond the loaded zone, up to ``length`` [m]; elements grow outwards."""
+        """Return distances of element ends from the loaded zone, up to ``length`` [m]; elements grow outwards."""
         if length <= 0.0:
             return np.zeros(0)
         count = max(1, round(2.5 * (np.sqrt(1.0 + length / h) - 1.0)))
@@ -614,7 +614,7 @@ def cantilever_compliance(
 def compliance_of_local_groove_strains(section_strain_motions: Array, rows: Array, stations: Array, base: float) -> Array:
     """Return the compliance ``(k, k)`` [m/N] between k points of a beam that is due to local strains at its grooves.
 
-    ``section_strain_motions`` ``(k, 6)``: motion of each point by a unit wrench (three forces, three moments) that its own
+    ``section_strain_motions`` ``(k, 6)``: motion of each point by a unit wrench (three forces, three moments) that its
     cross-section transmits, which is the resultant of all loads beyond the section and of half the loads in it. By
     reciprocity a load at a section also moves all points beyond that section. ``base``: axial position at which the beam is
     fixed [m]; ``rows``, ``stations``: see `cantilever_compliance`.

@@ -309,7 +309,7 @@ class RollerContact:
     )
     #: Largest pressure at that position [Pa].
     pressure: float = quantity_field("pressure_MPa", heading="peak pressure", note="roller {roller}, {race} race")
-    #: Largest pressure of the same roller on its other race [Pa].
+    #: Largest pressure on the roller's other race [Pa].
     other: float = quantity_field(
         "other_race_pressure_MPa", "largest pressure of that roller on its other race", error="half that of the line load"
     )
