@@ -563,7 +563,9 @@ def _check_response_to_random_load(solve: Solve, diagonal: Array) -> None:
         response = root * solve(root * load)
         ratio = float(np.linalg.norm(response) / np.linalg.norm(load))
     if not ratio < SINGULAR:
-        raise FactorError(f"singular to working precision (response {ratio:.1e} to a unit load): is every body fixed?")
+        raise FactorError(
+            f"singular to working precision (response {ratio:.1e} to a unit load): check that every body is fixed"
+        )
 
 
 def _run_elimination(eliminate: Callable[[], T]) -> T:

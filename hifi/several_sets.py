@@ -78,7 +78,7 @@ def describe_bodies_of_each_set(assembly: Assembly) -> tuple[SetBodies, ...]:
         if s.carrier is not None:
             raise ValueError(f"{s.name}: the 3D reference has no inner ring on a housing")
     if assembly.thermal_strain:
-        raise ValueError("the 3D reference has no thermal expansion of the shaft")
+        raise ValueError("the 3D reference does not model thermal expansion of the shaft: remove the warming")
     sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     faces = [(p.nut.position - p.nut.length / 2.0, p.nut.position + p.nut.length / 2.0) for _, p in sets]
     order = sorted(range(len(sets)), key=lambda k: faces[k])
@@ -87,7 +87,9 @@ def describe_bodies_of_each_set(assembly: Assembly) -> tuple[SetBodies, ...]:
         gap = faces[b][0] - faces[a][1]
         if gap < -NEAR:
             names = f"{sets[a][0].name} and {sets[b][0].name}"
-            raise ValueError(f"{names} overlap by {-1e3 * gap:.4g} mm: each needs a stretch of 3D shaft of its own")
+            raise ValueError(
+                f"{names} overlap by {-1e3 * gap:.4g} mm: move them apart, as each needs its part of the shaft"
+            )
         half = round(gap / 2.0, 10)  # equal nuts are equal in their last digit too
         room[a], room[b] = min(room[a], half), min(room[b], half)
     stations = {*(x.at for x in assembly.supports), *(x.at for x in assembly.loads)}

@@ -391,14 +391,16 @@ def press_roller_between_races(bodies: CondensedRoller, load: float) -> RollerSt
             C, bodies.gap, N, np.array([0.5 * factor * load, 0.0, 0.0]), start=state
         )
         if not result.converged:
-            raise RollerError(f"the roller's contact did not converge: {result.status}", "try another load or level")
+            raise RollerError(
+                f"the roller's contact did not converge: {result.status}", "change the load or the mesh level"
+            )
         found.append(result)
     forces = found[2].forces.reshape(2, *bodies.areas.shape)
     touched = forces > 0.0
     if touched[:, [0, -1]].any() and bodies.row.edge_radius is None:
         raise RollerError("the roller touches with its sharp ends, whose pressure is not finite", SHARP)
     if touched[:, [0, -1]].any() or touched[:, :, -1].any():
-        reason = "the roller touches its races beyond the contact zone of the mesh"
+        reason = "the roller touches its races outside the contact zone of the mesh"
         raise RollerError(reason, "increase the rollers' edge_radius, or decrease the load")
     widths = np.concatenate([[0.0], np.diff(bodies.along)]) / 2.0 + np.concatenate([np.diff(bodies.along), [0.0]]) / 2.0
     total = 2.0 * forces.reshape(2, -1) @ np.ones(bodies.areas.size)

@@ -752,7 +752,7 @@ def _prepare_contacts_without_history(scene: Rolling, choices: Choices, dt: floa
         shift = rolling_speed(touch, scene) * dt
         if patch.regular is not None and float(patch.at[:, 0].max()) + shift > REACH * patch.regular.scale[0]:
             raise ValueError(
-                "in a time step, material enters a contact from beyond the zone in which the compliance of finite bodies "
+                "in a time step, material enters a contact from outside the zone in which the compliance of finite bodies "
                 "is known: use shorter steps, or half-spaces"
             )
         share = choices.elastic / dt

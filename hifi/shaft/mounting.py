@@ -248,7 +248,7 @@ def mount_stretches(
     rigid = stretches[0].rigid
     if any(s.rigid != rigid for s in stretches):
         raise ValueError(
-            "rings on one shaft got rigid bores, which move with the shaft, and elastic ones; allowed: only one kind"
+            "the rings on one shaft have rigid bores, which move with the shaft, and elastic bores: give all the same kind"
         )
     acted = frame.stations
     ends = {z for s in stretches for z in (s.base, *s.ports)}
@@ -508,7 +508,7 @@ def _motions_by_section_motions(rows: Array, stations: Array, stretch: Stretch) 
     arms = np.concatenate([stations, stretch.ports, stretch.observers]) - stretch.base
     if arms.min() < 0.0:
         raise ValueError(
-            f"a contact or section got a place {-1e3 * arms.min():.4g} mm below the base of the 3D stretch; allowed: above"
+            f"a contact or section got a position {-1e3 * arms.min():.4g} mm below the 3D stretch's base; allowed: above it"
         )
     turn = np.zeros((c * k + 6 * (arms.size - c), 6 * arms.size))
     for i in range(c):

@@ -67,14 +67,14 @@ class BallBearing:
     def __post_init__(self) -> None:
         """Check that the dimensions give a contact angle and a Hertz contact; raise ValueError otherwise."""
         if self.balls < 1 or self.ball_diameter <= 0.0 or self.young <= 0.0 or not 0.0 <= self.poisson < 0.5:
-            raise ValueError("balls, ball diameter and Young's modulus must be positive, Poisson's ratio in [0, 0.5)")
+            raise ValueError("number and diameter of balls and Young's modulus must be > 0, Poisson's ratio 0 to below 0.5")
         if min(self.inner_groove, self.outer_groove) <= 0.5 * self.ball_diameter:
             radii = f"groove radii of {self.inner_groove:g} and {self.outer_groove:g} m"
             raise ValueError(
                 f"the bearing got {radii}; allowed: more than the ball's radius of {0.5 * self.ball_diameter:g} m"
             )
         if not -1e-12 * self.ball_diameter <= self.clearance <= 2.0 * self.centre_distance:
-            raise ValueError("diametral clearance must lie between 0 and twice the distance of the groove centres")
+            raise ValueError("the diametral clearance must lie between 0 and twice the distance of the groove centres")
 
     @property
     def pitch_diameter(self) -> float:

@@ -161,9 +161,7 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
             J = np.stack([r @ along_r, z @ along_r, r @ along_z, z @ along_z], axis=-1)
             det = J[:, 0] * J[:, 3] - J[:, 1] * J[:, 2]
             if not (det > 0.0).all():
-                raise ValueError(
-                    "an element of the finite-element grid is turned inside out; the geometry of the body is impossible"
-                )
+                raise ValueError("an element of the finite-element grid is turned inside out: check the body's dimensions")
             by_r = (J[:, 3, None] * along_r - J[:, 1, None] * along_z) / det[:, None]
             by_z = (J[:, 0, None] * along_z - J[:, 2, None] * along_r) / det[:, None]
             radius = r @ N

@@ -100,7 +100,7 @@ class ShaftLimits:
         """Warnings about permissible compression or speed that the scene exceeds."""
         found = []
         if self.compression > self.allowed_load:
-            words = f"{self.compression:.4g} N compress {1e3 * self.length:.4g} mm of shaft, {self.ends}"
+            words = f"{self.compression:.4g} N compress {1e3 * self.length:.4g} mm of shaft with the ends {self.ends}"
             text = f"{words}; makers allow {self.allowed_load:.4g} N, half of the buckling load"
             found.append(Warned("buckling", text, f"compression {self.compression:.4g} N, above {self.allowed_load:.4g} N"))
         if self.speed is not None and self.speed > self.allowed_speed:
@@ -293,7 +293,7 @@ def warn_of_overall_friction_coefficient(track: Track, friction: Friction) -> li
         f"and calculators{as_one}"
     )
     text = (
-        f"{brief}; here it is about 0.1 with grease, less with a full film: if an overall coefficient was meant, friction "
-        "torque and losses are several times too small"
+        f"{brief}; in contacts it is about 0.1 with grease, less with a full film: if an overall coefficient was meant, "
+        "friction torque and losses are several times too small"
     )
     return [Warned("coefficient", text, brief)]

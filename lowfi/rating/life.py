@@ -632,7 +632,9 @@ def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
     if axial > e * radial:
         return X * radial + Y * axial
     if thrust:
-        raise ValueError(f"ISO 281 does not cover a thrust bearing with a radial force above {1.0 / e:.2g} times the axial")
+        raise ValueError(
+            f"ISO 281 does not cover a thrust bearing with a radial force above {1.0 / e:.2g} times the axial force"
+        )
     return radial
 
 
