@@ -62,7 +62,7 @@ from rollbench.meshes.parts import Material, Nut, Scene
 from rollbench.meshes.sockets import SocketMesh, axial_reach_of_sockets, points_in_reference_socket
 from rollbench.meshes.solid import Dimensions
 
-#: Length of a submodel beyond its socket, over the ball's radius: the error of the coarse mesh has decayed there.
+#: Length of a submodel on either side of its socket, over the ball's radius, within which the coarse mesh's error decays.
 BEYOND = 1.5
 
 #: Factors on coordinates x, y, z by a turn of 180 degrees about the radius through a ball at azimuth 0, which maps left

@@ -50,7 +50,7 @@ SLOWEST = 0.99
 AT_RIM = "a contact reaches the rim of its patch: the expected semi-axes are too small"
 #: Seconds after which every round of a solution is reported.
 SLOW = 5.0
-#: Parts of the reference model that can be left out, to see their effect.
+#: Names of the parts of the 3D reference's model that can be left out, to see their effect.
 INGREDIENTS = ("elastic nut", "3D shaft", "finite ball", "patch coupling", "moving normals")
 #: Motion of balls and grooves that stay in their nominal positions (`ball_motion_relative_to_grooves`).
 _NO_MOTION = np.zeros((1, 1, 3)), np.zeros((1, 1))

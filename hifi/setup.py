@@ -61,7 +61,7 @@ from rollbench.meshes.sockets import AZIMUTH_TURNED
 from rollbench.meshes.solid import Dimensions, dimensions_of_3d_parts
 
 Step = Callable[[str], None]
-#: Contacts up to which screw and nut are condensed at once: with more, each takes gigabytes.
+#: Largest number of contacts with which screw and nut are condensed in parallel; with more, each takes gigabytes of memory.
 TOGETHER = 160
 
 

@@ -47,14 +47,14 @@ from rollbench.meshes.roller_body import (
 #: Mesh levels: cells across half of the zone, which is `ZONE` times as wide as the contact in the roller's middle, and
 #: along half of the roller; all other cells follow in proportion.
 LEVELS = {1: 6, 2: 8, 3: 12}
-#: Half width of the zone over that of the contact in the middle.
+#: Half width of the contact zone over the half width of the contact in the roller's middle.
 ZONE = 1.7
-#: Edge of a cell per distance from the zone, times the cells across the zone.
+#: Edge length of a cell over its distance from the contact zone, times the number of cells across half of the zone.
 GRADING = 5.4
 
 #: Meshed length of the rounding at both ends of a roller, over its radius: the rest is too far from the race to touch.
 FILLET = 0.6
-#: Length of a race beyond either end of the roller, over the depth of the ring.
+#: Length of a race past either end of the roller, over the depth of the ring.
 BEYOND = 1.0
 #: Largest half angle of the sector of a race [rad].
 WIDEST = np.pi / 4.0

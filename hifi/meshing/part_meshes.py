@@ -184,10 +184,11 @@ def ball_socket_and_map(
 #: Edges [m] of first-order tetrahedra at a patch's rim, tried one by one; long ones may be turned inside out in space.
 RIM_EDGES = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
 
-#: Cells across the short semi-axis of the carrier patch, over those of the contact's patch.
+#: Ratio of the numbers of cells across the short semi-axis, in the coarser patch that only transfers loads (carrier) to the
+#: contact's patch.
 CARRIER = 0.5
 
-#: Contact as a socket of a body: (azimuth [rad], z [m], side).
+#: Contact at which a body has a socket: azimuth [rad], axial position [m], and flank (0 to 3).
 Place = tuple[float, float, int]
 
 #: Function, arguments and class of a record, as for `rollbench.meshes.cache.Cache.get`.

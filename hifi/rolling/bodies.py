@@ -68,7 +68,8 @@ from rollbench.meshes.sockets import (
     unrolled_socket_centre,
 )
 
-#: Left flanks of screw or inner ring, and of nut or outer ring; right flanks are these turned.
+#: Numbers of the left flanks of screw or inner ring, and of nut or outer ring; right flanks are left ones after half a
+#: turn.
 INNER, OUTER = 0, 2
 
 #: Largest distances of the land and of the surface behind the groove from the pitch circle, both over the ball's radius;
@@ -79,7 +80,7 @@ LAND, WALL, CORE = 0.18, 2.7, 1.0 / 11.0
 ENDS = ("low end", "high end")
 
 #: Subdivisions of the sockets' edges; element sizes near the socket and away from it, over the ball's radius, for grooves
-#: and for balls. These are the sizes of level 1 of the static reference (`compare.reference.levels`).
+#: and for balls. These are the sizes of mesh level 1 of the static 3D reference (`compare.reference.levels`).
 CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
 
 

@@ -151,10 +151,11 @@ class SmoothKernel:
 #: Directions of a kernel: along tangents, and the normal.
 TANGENTS, NORMAL = slice(0, 2), slice(2, 3)
 
-#: Width of a grid over that of Hertz's ellipse.
+#: Ratio of the width of a grid to the width of Hertz's ellipse.
 MARGIN = 1.08
 
-#: Step of the differences along the flow, in cells; a whole cell samples the same place in every cell and is less exact.
+#: Step of the differences along the flow, in cells; with a step of a whole cell they are less exact, because all points
+#: then lie at the same position within their cells.
 STEP = 0.5
 
 #: Points along each axis of Hertz's ellipse at which the displacement of finite bodies is evaluated.

@@ -54,7 +54,7 @@ HALF_TURN = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
 
 _UPPER = np.triu_indices(6)
 
-#: Symmetric matrices ``(21, 6, 6)`` of one entry each.
+#: Basis of the symmetric matrices ``(21, 6, 6)``: each has a one at one position and at its mirror position, else zeros.
 _UNITS = np.zeros((21, 6, 6))
 
 _UNITS[(np.arange(21), *_UPPER)] = _UNITS[(np.arange(21), *_UPPER[::-1])] = 1.0

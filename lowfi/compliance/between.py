@@ -58,7 +58,8 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
-#: Length of the loaded zone beyond the nut's faces over the patch's width, so that patches near a face are complete.
+#: Length by which the loaded zone exceeds the nut at either face, over the patch's width, so that patches near a face are
+#: complete.
 BESIDE = 2.5
 
 
@@ -102,7 +103,7 @@ def axial_range_of_contacts(geometry: Scene, tube: Tube) -> tuple[float, float]:
     return geometry.nut.position - half, geometry.nut.position + half
 
 
-#: Cached by the tube, so that scenes with the same screw but another nut share results.
+#: Functions whose results are cached by the tube, so that scenes with the same screw but another nut share results.
 cached_tube_compliance, cached_section_motions = (
     lru_cache(maxsize=32)(tube_compliance),
     lru_cache(maxsize=32)(motions_by_section_load),

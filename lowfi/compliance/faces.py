@@ -47,8 +47,8 @@ from rollbench.meshes.section import BeamSection
 
 #: Range of radii [m] in which a face is fixed if it is fixed as a whole.
 WHOLE = (0.0, np.inf)
-#: Distance over the ball's radius within which an end face influences a contact, and at which the body is clamped behind
-#: it.
+#: Distance over the ball's radius within which an end face influences a contact, and at which the body is clamped on the
+#: side of the contact that is away from the face.
 REACH = 7.0
 #: Distances of the end faces from mid groove over the ball's radius for which results are computed; the first is at the
 #: groove's edge.

@@ -101,7 +101,7 @@ class ModifiedLife:
     reliability: float = quantity_field("reliability_percent", "share of screws or bearings that reach it")
     #: Factor a_1 for the reliability.
     a_1: float = quantity_field("a_1", "factor of the reliability (ISO 281)")
-    #: Factor a_ISO for lubricant and contamination; None if the scene does not give them.
+    #: Factor a_ISO for lubricant and contamination; None if the scene does not give both viscosity ratio and contamination.
     a_iso: float | None = quantity_field(
         "a_ISO", "factor of lubricant and contamination (ISO 281); null where they are not given"
     )
@@ -188,6 +188,7 @@ def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
     -------
     ModifiedLife | None
         The modified life; None if the basic life is None, or if the scene gives neither reliability nor viscosity ratio.
+        The life counts a_ISO as 1 if the scene does not give both viscosity ratio and contamination.
     """
     of = scene.operation
     if life is None or (of.reliability is None and of.viscosity_ratio is None):
