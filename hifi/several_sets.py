@@ -52,8 +52,8 @@ class SetBodies:
 def describe_bodies_of_each_set(assembly: Assembly) -> tuple[SetBodies, ...]:
     """Return the geometry that is meshed in 3D for each nut or bearing of an assembly.
 
-    It includes a stretch of shaft, which reaches half the way to the next nut or bearing, but not farther beyond the nut
-    than for a single one on its shaft.
+    It includes a stretch of shaft, which reaches half the way to the next nut or bearing, but not farther from the nut than
+    if the nut or bearing were the only one on its shaft.
 
     Parameters
     ----------

@@ -1,14 +1,14 @@
 """3D stretches of the screw between beams: compliance of their contacts for the supports and loads of a scene.
 
 A stretch is fixed at its base section and loaded at the modes m of its contact patches and at ports p (its other end, and
-the supports and loads inside): u_x = F_xm f_m + F_xp f_p + B_x u_base. With the beams' stiffness K and the ports joined to
-nodes, L =
-S_p - S_base B_p^T, the nodes move by
+the supports and loads inside): u_x = F_xm f_m + F_xp f_p + B_x u_base, with the flexibility F of the stretch and its
+motions B by unit motions of the base. K is the beams' stiffness, and S_p and S_base select the degrees of freedom of
+the nodes to which ports and base are joined. With L = S_p - S_base B_p^T, the nodes move by
 
     (K + L F_pp^-1 L^T) U = P + Y^T f_m,  Y = B_m S_base^T + F_mp F_pp^-1 L^T,
 
 and the patches by u_m = (F_mm - F_mp F_pp^-1 F_pm) f_m + Y U: exact, and small enough to redo for every load case.
-Several stretches add their L F_pp^-1 L^T; a nut on a housing has that as base, and no port.
+Several stretches add their L F_pp^-1 L^T. A nut on a housing has the housing as its base, and no port.
 
 The stretch ends in flat rigid sections. Where a beam continues it, the real shaft does not end, and the effect of such a
 cut (`hifi.shaft.section`) is subtracted: at the base, in series with all that is attached there, by B A B^T; at the upper
@@ -501,8 +501,7 @@ def _motions_by_section_motions(rows: Array, stations: Array, stretch: Stretch) 
     """Compute the motions of modes, ports and observers by unit rigid motions of the s sections of a beam ``(x, 6 s)``.
 
     The distances of the sections from the base ``(s,)`` [m] are returned as well. ``rows``, ``stations``: as for
-    `replace_stretch_by_beam`. Raises ValueError if a section lies below
-    the base.
+    `replace_stretch_by_beam`. Raises ValueError if a section lies below the base.
     """
     c, k, _ = rows.shape
     arms = np.concatenate([stations, stretch.ports, stretch.observers]) - stretch.base
@@ -521,8 +520,8 @@ def _flexibility_between_beam_sections(arms: Array, axial: float, bending: float
     """Compute the flexibility between the s sections of a beam without shear ``(6 s, 6 s)`` [m/N, 1/N, 1/(N m)].
 
     ``arms``: distances of the sections from the fixed end (s,) [m]; ``axial``, ``bending``, ``torsion``: flexibilities per
-    unit length. The motion of section a by loads on section b comes from the
-    part of the beam up to the nearer of the two.
+    unit length. The motion of section a by loads on section b comes from the part of the beam from its fixed end up
+    to the nearer of the two sections.
     """
     a, b = arms[:, None], arms[None, :]
     m = np.minimum(a, b)

@@ -465,9 +465,9 @@ def normal_and_tangent_matrices(scene: Scene, N: int, sides: list[int], known: l
     """Return two matrices that split contact motions into those along the nominal normals of some flanks, and the others.
 
     ``N``: number of balls; ``sides``: f flanks with contacts; ``known``: k of these flanks, whose motions along the normals
-    are to be separated. Columns are two axes for each
-    ball and each of its flanks ``sides``. The first matrix ``(N k, 2 N f)`` has a unit row along the normal for each ball
-    and each flank of ``known``; the rows of the second complete it to an orthonormal basis.
+    are to be separated. Columns are two axes for each ball and each of its flanks ``sides``. The first matrix has a unit
+    row along the normal for each ball and each flank of ``known``, ``(N k, 2 N f)``; the rows of the second complete it to
+    an orthonormal basis.
     """
     beta = scene.track.contact_angle
     along: list[Array] = []

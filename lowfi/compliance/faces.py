@@ -289,11 +289,9 @@ def motions_beyond_smooth_body(
 ) -> Array:
     """Return the motions of the true flanks less those of the smooth body [m/N].
 
-    The load patches differ: `Patch` ``finer`` on the true flanks, the patch of ``smooth`` on the smooth body.
-
-    ``smooth``: smooth body of revolution; ``grid``: grid of the grooved body; ``finer``: size of the load patch and
-    fineness of mesh and harmonics for the true flanks; the other arguments and the axes of the result are those of
-    `patch_motions_for_end_faces`.
+    The load patches of the two bodies differ in width. ``smooth``: smooth body of revolution, with the width of its
+    patches; ``grid``: grid of the grooved body; ``finer``: size of the load patch and fineness of mesh and harmonics for
+    the true flanks; the other arguments and the axes of the result are those of `patch_motions_for_end_faces`.
     """
     width = finer.width * flank.map.ball
     true = flank_patch_loads(flank, grid, cuts, width, kinds)
