@@ -62,7 +62,7 @@ from rollbench.meshes.parts import Material, Nut, Scene
 from rollbench.meshes.sockets import SocketMesh, axial_reach_of_sockets, points_in_reference_socket
 from rollbench.meshes.solid import Dimensions
 
-#: Length of a submodel beyond its socket, over the ball's radius: the error of the coarse mesh has decayed there.
+#: Length of a submodel on either side of its socket, over the ball's radius, within which the coarse mesh's error decays.
 BEYOND = 1.5
 
 #: Factors on coordinates x, y, z by a turn of 180 degrees about the radius through a ball at azimuth 0, which maps left
@@ -80,10 +80,10 @@ class SidePatches:
     groove: CondensedPatch
     #: Patch of the ball.
     ball: CondensedPatch
-    #: Local compliance of the contact of both, beyond the modes of the coarse bodies, between its c pressure functions
-    #: ``(c, c)`` [m/N] (`hifi.bodies.coarse`).
+    #: Local compliance of the contact between groove and ball, less the part that the coarse bodies' modes represent,
+    #: between its c pressure functions (basis functions of the contact pressure) ``(c, c)`` [m/N] (`hifi.bodies.coarse`).
     local: Array
-    #: Correction of the gap for the contact's position on its mesh grid; None: no correction.
+    #: Correction of the gap for the position of the contact's centre relative to the nodes of the mesh; None: none.
     wave: GridWave | None
 
 
@@ -332,7 +332,7 @@ class ScrewResponse(ModalBody):
 
 @dataclass(frozen=True)
 class NutResponse(ModalBody):
-    """Nut condensed to the modes of its contacts, with the fixed surface that the scene names."""
+    """Nut condensed to the modes of its contacts, fixed at the surface that the scene names."""
 
     #: Compliance matrix between the modes of all contacts [m/N].
     G: Array
@@ -457,7 +457,7 @@ def condense_screw(
     ends : tuple[float, float]
         Axial positions of the ends of the stretch [m].
     inside : Sequence[float]
-        Axial positions of supports and loads within the stretch [m].
+        Axial positions of the supports and loads that lie within the stretch [m].
     mesh : GroovedBody
         Mesh of the stretch.
     layout : BallLayout
@@ -519,7 +519,7 @@ def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
     mesh : Mesh
         Mesh of the screw.
     z : float
-        Height of the section [m].
+        Axial position of the section [m].
 
     Returns
     -------

@@ -97,7 +97,9 @@ def hertz_nodal_forces(setup: Setup, side: int, load: float) -> Array:
 
 
 def mean_contact_compliance_of_body(setup: Setup, side: int, force: Array) -> float:
-    """Compute the displacement of a contact by the deformation of screw or nut under its own unit force, mean of all balls.
+    """Compute the displacement of a contact by the deformation of screw or nut under a unit force on that contact.
+
+    It is the mean over all balls.
 
     Parameters
     ----------
@@ -111,7 +113,7 @@ def mean_contact_compliance_of_body(setup: Setup, side: int, force: Array) -> fl
     Returns
     -------
     float
-        Displacement of a contact per unit of its force [m/N]; 0 for a rigid body.
+        Displacement of a contact per unit of the force on it [m/N]; 0 for a rigid body.
     """
     body = setup.body(side)
     if body is None:

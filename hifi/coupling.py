@@ -73,7 +73,7 @@ def assemble_contact_compliance(
     mounted : MountedShaft
         Stretches of the screw and nuts on movable housings, under their supports and loads.
     leave_out : frozenset[str], optional
-        Names of the parts of the model that are left out, of `hifi.reference.INGREDIENTS`.
+        Names of the parts of the model that are left out, from `hifi.reference.INGREDIENTS`.
 
     Returns
     -------
@@ -136,7 +136,8 @@ def compliance_block_of_ball(setup: Setup, sides: tuple[int, ...], *, rigid: boo
 def keep_local_response(G: Array, body: ModalBody) -> Array:
     """Remove from the compliance of a body everything except the local response of each contact.
 
-    Every contact retains the mean response of its flank to its own load; otherwise the body is rigid.
+    Every contact keeps the response to the load on itself, as a mean over all contacts of its flank; otherwise the body is
+    rigid.
 
     Parameters
     ----------
@@ -174,7 +175,7 @@ def mount_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozense
     scene : Scene
         Supports and loads.
     leave_out : frozenset[str], optional
-        Parts of the model that are left out, of `hifi.reference.INGREDIENTS`.
+        Names of the parts of the model that are left out, from `hifi.reference.INGREDIENTS`.
 
     Returns
     -------
@@ -244,7 +245,7 @@ def average_over_pressure_functions(p: PlacedSet, values: Array) -> Array:
 
     Returns
     -------
-    Array of that shape
+    Array of the shape of ``values``
         Means over the pressure function of each node.
     """
     out = np.empty_like(values)
@@ -296,7 +297,7 @@ def ball_centre_to_groove_nodes(p: PlacedSet, drawn: Specimen) -> Array:
     p : PlacedSet
         Nut or bearing at its place on the shaft.
     drawn : Specimen
-        Manufacturing errors of the grooves and balls.
+        Radii of balls and grooves with their manufacturing errors.
 
     Returns
     -------
@@ -328,12 +329,13 @@ def gap_closing_matrix(directions: Sequence[Array], free_motions: Array) -> sp.c
     directions : Sequence[Array]
         Contact normals of every nut or bearing ``(balls, n, 3)``.
     free_motions : (pairs, k) Array
-        Motion of the grooves' nodes along their normals by the k unconstrained rigid motions of shaft and housings.
+        Motion of the grooves' nodes along their normals by the k rigid motions of shaft and housings that no support
+        prevents.
 
     Returns
     -------
     (pairs, 3 balls + k) sparse array
-        Gap closed at each contact pair by three unit displacements of each ball, then by the k unconstrained motions.
+        Gap closed at each contact pair by three unit displacements of each ball, then by the k rigid motions.
     """
     balls = sp.block_diag([sp.csr_array(normals) for of_set in directions for normals in of_set])
     return sp.hstack([balls, sp.csr_array(-free_motions)]).tocsr()
@@ -412,7 +414,7 @@ def ball_motion_relative_to_grooves(p: PlacedSet, balls: Array, along: Array, di
 
 
 def helical_motion_at_nodes(p: PlacedSet) -> Array:
-    """Return the velocities of the track's helical motion at the n contact nodes of a ball ``(n, 3)``, without unit.
+    """Return the velocities of the track's helical motion at the n contact nodes of a ball ``(n, 3)``, dimensionless.
 
     They are in the ball's frame, and scaled so that the velocity at the ball's centre is 1.
     """

@@ -69,7 +69,7 @@ class SolidField:
     points: Array
     #: Indices of the nodes of each cell ``(cells, nodes per cell)``, in gmsh's order.
     cells: Index
-    #: Kind of the cells: P1, P2, Q1 or Q2.
+    #: Type of the cells: tetrahedra of first or second order, "P1" or "P2", or such hexahedra, "Q1" or "Q2".
     kind: str
     #: Displacements ``(n, 3)`` [m].
     displacement: Array
@@ -122,12 +122,12 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
     material : Material
         Elastic material.
     elements : Index | None, default None
-        Cells that count; None: all.
+        Indices of the cells whose stresses are computed and averaged; None: all cells.
 
     Returns
     -------
     (n, 6) Array
-        Stresses xx, yy, zz, yz, xz, xy [Pa]; not a number at nodes without a cell that counts.
+        Stresses xx, yy, zz, yz, xz, xy [Pa]; not a number at nodes that belong to none of these cells.
     """
     nodes = mesh.elem.doflocs.T
     basis = forms.cell_basis(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])))
@@ -145,7 +145,9 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
 
 
 def pressure_function_forces_by_flank(setup: Setup, result: ReferenceResult) -> dict[int, Array]:
-    """Return the normal forces of the pressure functions of all balls, separately for each flank.
+    """Return the forces that the contacts of all balls carry on each pressure function, separately for each flank.
+
+    A pressure function is a basis function of the contact pressure, which belongs to one contact node.
 
     Parameters
     ----------
@@ -186,7 +188,7 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
     Raises
     ------
     ValueError
-        The scene supports or loads the screw beyond the low end, so that the high end carries an unknown reaction.
+        A support or load lies above the low end of the stretch, so that the high end carries an unknown reaction.
     """
     refuse_supports_beyond_low_end(scene or setup.scene, setup.dims)
     high = setup.dims.ends(setup.scene)[1]
@@ -194,7 +196,7 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
 
 
 def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
-    """Raise ValueError if a scene supports or loads its screw beyond the low end of the 3D stretch.
+    """Raise ValueError if a support or load of a scene lies above the low end of the screw's 3D stretch.
 
     Parameters
     ----------
@@ -350,7 +352,7 @@ def stress_field_near_ball(
     material : Material
         Elastic material.
     reach : float
-        Distance from the ball's centre up to which cells are included [m].
+        Largest distance from the ball's centre at which cells are included [m].
 
     Returns
     -------
@@ -443,7 +445,7 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
     Parameters
     ----------
     scene : Scene
-        Scene whose balls have the elastic material.
+        Scene with the balls and their material.
     m : GrooveMap
         Geometry of the track.
     side : int

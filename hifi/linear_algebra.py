@@ -40,7 +40,7 @@ LEAF = 32
 class Supernodes(NamedTuple):
     """Symbolic factor of a sparse matrix: its elimination order and the rows of its supernodes."""
 
-    #: Degree of freedom that is eliminated at each step ``(n,)``.
+    #: Number of the degree of freedom that is eliminated at each step ``(n,)``.
     order: Index
     #: First column of each supernode, in the elimination order; n comes last.
     first: Index
@@ -379,10 +379,11 @@ def _list_entries_of_lines(A: sp.csc_array | sp.csr_array, lines: Index) -> tupl
 
 
 def _add_lower_triangle(target: Array, places: Index, block: Array) -> None:
-    """Add the lower triangle of a child's block to the block of its parent, in place.
+    """Add the lower triangle of a child's block to the block of its parent front, in place.
 
-    ``target``: array in Fortran order that is changed; ``places``: its rows to which the rows of ``block`` are added, of
-    which the first are also the columns. `WIDTH` columns are added at once.
+    ``target``: block of the parent, in Fortran order, which is changed; ``places``: indices of the rows of ``target`` to
+    which the rows of ``block`` are added. The first of them are also the indices of the columns. `WIDTH` columns are added
+    at once.
     """
     flat, start = target.ravel(order="K"), places * target.shape[0]
     for k in range(0, block.shape[1], WIDTH):
@@ -547,7 +548,7 @@ def _checked_positive_diagonal(matrix: sp.csc_array) -> Array:
     diagonal: Array = matrix.diagonal()
     if not np.all(diagonal > 0.0):  # also NaN
         bad = int(np.argmin(np.where(np.isnan(diagonal), -np.inf, diagonal)))
-        raise FactorError(f"not positive definite: diagonal entry {bad} is {diagonal[bad]:.3g} (a node of no cell?)")
+        raise FactorError(f"not positive definite: diagonal entry {bad} is {diagonal[bad]:.3g} (is its node in no cell?)")
     return diagonal
 
 
@@ -562,7 +563,9 @@ def _check_response_to_random_load(solve: Solve, diagonal: Array) -> None:
         response = root * solve(root * load)
         ratio = float(np.linalg.norm(response) / np.linalg.norm(load))
     if not ratio < SINGULAR:
-        raise FactorError(f"singular to working precision (response {ratio:.1e} to a unit load): is every body fixed?")
+        raise FactorError(
+            f"singular to working precision (response {ratio:.1e} to a unit load): check that every body is fixed"
+        )
 
 
 def _run_elimination(eliminate: Callable[[], T]) -> T:

@@ -50,7 +50,7 @@ SLOWEST = 0.99
 AT_RIM = "a contact reaches the rim of its patch: the expected semi-axes are too small"
 #: Seconds after which every round of a solution is reported.
 SLOW = 5.0
-#: Parts of the reference model that can be left out, to see their effect.
+#: Names of the parts of the 3D reference's model that can be left out, to see their effect.
 INGREDIENTS = ("elastic nut", "3D shaft", "finite ball", "patch coupling", "moving normals")
 #: Motion of balls and grooves that stay in their nominal positions (`ball_motion_relative_to_grooves`).
 _NO_MOTION = np.zeros((1, 1, 3)), np.zeros((1, 1))
@@ -58,13 +58,13 @@ _NO_MOTION = np.zeros((1, 1, 3)), np.zeros((1, 1))
 
 @dataclass(frozen=True)
 class ReferenceResult:
-    """Solution of the 3D reference for n balls, ordered by nut or bearing."""
+    """Solution of the 3D reference for n balls: first all balls of the first nut or bearing, then those of the next."""
 
-    #: "converged", or why not.
+    #: "converged", or the reason why the solution did not converge.
     status: str
     #: Contact loads ``(n, 4)`` [N].
     load: Array
-    #: Contact angles ``(n, 4)`` [rad]; not a number where open.
+    #: Contact angles ``(n, 4)`` [rad]; not a number where a contact is open.
     contact_angle: Array
     #: Contact loads with normals and gaps frozen at the nominal state ``(n, 4)`` [N]; None if not requested.
     frozen: Array | None
@@ -84,11 +84,12 @@ class ReferenceResult:
     sides: tuple[int, ...]
     #: Contact normals of each nut or bearing ``(balls, nodes, 3)``.
     directions: tuple[Array, ...]
-    #: Largest unbalanced force on a ball, over the largest load.
+    #: Largest unbalanced force on a ball, over the largest contact load.
     balance: float
-    #: Largest unbalanced force on a ball along its groove, over the largest load.
+    #: Largest unbalanced force on a ball along its groove, over the largest contact load.
     along_groove: float
-    #: Unbalanced force on shaft and housings along their free motions, over the largest load.
+    #: Largest unbalanced force on shaft and housings along the rigid-body motions that no support prevents, over the
+    #: largest contact load.
     screw_balance: float
     #: Degrees of freedom of the equivalent monolithic mesh.
     unknowns: int
@@ -96,7 +97,7 @@ class ReferenceResult:
     seconds: float
     #: Number of updates of normals and gaps.
     updates: int
-    #: Possible remaining change of a load by further updates [N], if the loads did not settle; else 0.
+    #: Largest change of a contact load that further updates may cause, if the loads still change [N]; else 0.
     moving: float
 
 
@@ -122,11 +123,12 @@ def solve_reference(
         Largest number of updates of normals and gaps; 0: both stay frozen at the nominal state, but for the correction
         of the gaps for the mesh grid.
     sides : tuple[int, ...] | None, default None
-        Flanks whose contacts may close; None: all prepared ones.
+        Flanks (0 to 3) whose contacts may close; None: all flanks of the prepared geometry.
     leave_out : frozenset[str], optional
-        Parts of the model to leave out, of `INGREDIENTS`.
+        Names of parts of the model to leave out, from `INGREDIENTS`, such as "elastic nut" (the nut is then rigid).
     frozen : bool, default False
-        Whether to compute the contact loads with frozen normals and gaps as well; both solutions share the first round.
+        Whether to compute, in addition, the contact loads with normals and gaps frozen at the nominal state
+        (`ReferenceResult.frozen`); both solutions share the first round.
     step : Callable[[str], None], optional
         Function that is called with a progress text in every round of a solution that takes longer than `SLOW` seconds.
 
@@ -161,7 +163,8 @@ class ContactRound(NamedTuple):
     #: Motion of the n nodes of each ball along their normals by unit rigid motions of the shaft and of h housings, for each
     #: nut or bearing ``(balls, n, 6 (1 + h))``.
     rigid_normal_motion: list[Array]
-    #: Motion of the nodes of all contact pairs along their normals by the k unconstrained rigid motions ``(pairs, k)``.
+    #: Motion of the nodes of all contact pairs along their normals by the k rigid motions of shaft and housings that no
+    #: support prevents ``(pairs, k)``.
     by_rigid: Array
     #: Contact forces of each nut or bearing ``(balls, n)`` [N].
     forces: list[Array]
@@ -188,7 +191,7 @@ class LoadCase:
         mounted : MountedShaft
             Stretches of the shaft and nuts on housings, under their supports and loads.
         leave_out : frozenset[str], optional
-            Parts of the model to leave out, of `INGREDIENTS`.
+            Names of parts of the model to leave out, from `INGREDIENTS`.
         """
         self.sets, self.frame, self.mounted = sets, frame, mounted
         self.C, self.rows = assemble_contact_compliance(sets, mounted, leave_out)
@@ -235,7 +238,10 @@ class LoadCase:
         return self._solve_round(moved, level, last.state)
 
     def rigid_amplitudes(self, last: ContactRound) -> Array:
-        """Return the amplitudes of the k unconstrained rigid motions of shaft and housings in the last round ``(k,)``."""
+        """Return the amplitudes ``(k,)`` in the last round of the k rigid motions that no support prevents.
+
+        They are motions of shaft and housings [m, rad], as columns of `MountedShaft.motions`.
+        """
         return last.result.motions[3 * self.balls :]
 
     def ball_motions(self, last: ContactRound) -> list[Array]:
@@ -256,9 +262,9 @@ class LoadCase:
     ) -> ContactRound:
         """Solve the contacts for given motions of the balls relative to their grooves and given corrections of the gaps.
 
-        ``moved``: for each nut or bearing, the motion across and along the track, of `ball_motion_relative_to_grooves` [m];
-        ``level``: for each, the corrections of the gaps for the mesh grid (balls, n) [m]; ``start``: state of the last
-        round, or None.
+        ``moved``: for each nut or bearing, the motion across and along the track, as `ball_motion_relative_to_grooves`
+        gives it [m]; ``level``: for each, the corrections of the gaps for the mesh grid (balls, n) [m]; ``start``:
+        state of the last round, or None.
         """
         directions, by_rigid, rests, touching = [], [], [], []
         for k, (p, (shift, slid)) in enumerate(zip(self.sets, moved, strict=True)):
@@ -346,7 +352,7 @@ class LoadCase:
         Returns
         -------
         status : str
-            "converged", or why not.
+            "converged", or the reason why the solution did not converge.
         moving : float
             ``left`` if the loads still change, else 0 [N].
         """
@@ -400,8 +406,8 @@ class LoadCase:
         along : float
             Largest unbalanced force on a ball along its groove, over the largest contact load.
         rigid : float
-            Largest unbalanced force on shaft and housings along their unconstrained rigid motions, over the largest contact
-            load.
+            Largest unbalanced force on shaft and housings along the rigid motions that no support prevents, over the
+            largest contact load.
         """
         nets = [(f[..., None] * d).sum(axis=1) for f, d in zip(last.forces, last.directions, strict=True)]
         along = [net @ p.setup.map.axes()[1] for p, net in zip(self.sets, nets, strict=True)]
@@ -435,7 +441,7 @@ class LoadCase:
         moving : bool, default True
             Whether normals and gaps follow the motion, as for `solve_next_round`.
         frozen : bool, default False
-            Whether to compute the contact loads with frozen normals and gaps as well.
+            Whether to compute, in addition, the contact loads with normals and gaps frozen at the nominal state.
 
         Returns
         -------
@@ -497,7 +503,7 @@ def remaining_load_change(loads: Sequence[Array]) -> float:
     Parameters
     ----------
     loads : Sequence[Array]
-        Contact loads [N] of the last rounds; at most the last three are used.
+        Contact loads [N] of each round, the last round last; at most the last three rounds are used.
 
     Returns
     -------

@@ -61,7 +61,7 @@ from rollbench.meshes.sockets import AZIMUTH_TURNED
 from rollbench.meshes.solid import Dimensions, dimensions_of_3d_parts
 
 Step = Callable[[str], None]
-#: Contacts up to which screw and nut are condensed at once: with more, each takes gigabytes.
+#: Largest number of contacts with which screw and nut are condensed in parallel; with more, each takes gigabytes of memory.
 TOGETHER = 160
 
 
@@ -73,7 +73,7 @@ class Setup:
     scene: Scene
     #: Map of the track.
     map: GrooveMap
-    #: Positions of the balls.
+    #: Positions of the balls on the track.
     layout: BallLayout
     #: Dimensions of the solid parts.
     dims: Dimensions
@@ -89,7 +89,7 @@ class Setup:
     nut: NutResponse | None
     #: Condensed ball.
     ball: BallResponse
-    #: Section of the shaft beyond the 3D stretch.
+    #: Section of the shaft outside the 3D stretch.
     section: ShaftSection
     #: Uniform beam equivalent to the grooved shaft; None where it is not needed.
     homogenised: EquivalentBeam | None
@@ -101,7 +101,7 @@ class Setup:
     #: Time of every stage [s]. A cached record counts with the time that its computation took, a parallel stage with its
     #: share of the elapsed time.
     seconds: dict[str, float] = field(default_factory=dict)
-    #: Sum of the memory peaks of the worker processes [MB].
+    #: Sum of the memory peaks of all worker processes, without this process [MB].
     others_MB: float = 0.0
 
     def body(self, side: int) -> ScrewResponse | NutResponse | None:
@@ -112,7 +112,7 @@ class Setup:
 class _StageRunner:
     """Runs the stages of a set-up, and records their times [s] and the memory of the worker processes [MB].
 
-    ``cache``: cache of computed records; ``step``: function that is called with the progress.
+    ``cache``: cache of computed records; ``step``: function that is called with a text on the progress.
     """
 
     def __init__(self, cache: Cache, step: Step) -> None:
@@ -170,7 +170,7 @@ def prepare(
     settings : Settings
         Mesh choices.
     step : Step, optional
-        Called with the progress.
+        Function that is called with a text on the progress.
     scenes : Sequence[Scene], optional
         Further scenes of the same parts that will be solved with this set-up; they may differ in loads, supports and
         errors.
@@ -258,11 +258,11 @@ def _patch_jobs(
 
 
 def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]) -> list[Job]:
-    """List the jobs that compute the section of the shaft beyond the 3D stretch.
+    """List the jobs that compute the section of the shaft outside the 3D stretch.
 
     ``stations``: axial positions of all supports and loads [m]. The jobs compute a plain section, or the stiffnesses of the
     helical section and three meshed shafts for `compute_equivalent_beam`. Their arguments are only those that the result
-    depends on, so that other nuts and loads find them in the cache. If no support or load lies beyond the stretch, any
+    depends on, so that other nuts and loads find them in the cache. If no support or load lies outside the stretch, any
     section will do.
     """
     screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends(scene)
@@ -402,7 +402,7 @@ def compute_records(
     processes : int
         Number of processes.
     report : Callable[[int, ComputedRecord], None], optional
-        Called with the index of each job and its record, one at a time.
+        Function that is called with the index of each job and its record, one at a time.
 
     Returns
     -------
@@ -451,7 +451,9 @@ def compute_records(
             for future in helping:
                 future.result()
         except BrokenProcessPool as error:
-            raise MemoryError("a process of the set-up was ended from outside: is there enough memory?") from error
+            raise MemoryError(
+                "a process of the set-up was ended from outside: free some memory, or use fewer processes"
+            ) from error
         except KeyboardInterrupt:  # a job may take minutes: nobody waits for it
             others.terminate(kill_workers=True)
             raise

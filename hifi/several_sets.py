@@ -39,21 +39,21 @@ DIFFERENCE, NOISE = 0.05, 1e-2
 
 @dataclass(frozen=True)
 class SetBodies:
-    """3D bodies of one nut or bearing of an assembly, which are meshed."""
+    """Geometry of one nut or bearing of an assembly and its stretch of shaft, as meshed in 3D."""
 
     #: Parts without errors, in local axial positions.
     bodies: Scene
     #: Parts with their errors.
     parts: Scene
-    #: Axial position on the shaft where the local ones begin [m].
+    #: Axial position on the shaft of the origin of the local axial positions [m].
     shift: float
 
 
 def describe_bodies_of_each_set(assembly: Assembly) -> tuple[SetBodies, ...]:
     """Return the geometry that is meshed in 3D for each nut or bearing of an assembly.
 
-    It includes a stretch of shaft, which reaches half the way to the next nut or bearing, but not farther beyond the nut
-    than for a single one on its shaft.
+    It includes a stretch of shaft, which reaches half the way to the next nut or bearing, but not farther from the nut than
+    if the nut or bearing were the only one on its shaft.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def describe_bodies_of_each_set(assembly: Assembly) -> tuple[SetBodies, ...]:
         if s.carrier is not None:
             raise ValueError(f"{s.name}: the 3D reference has no inner ring on a housing")
     if assembly.thermal_strain:
-        raise ValueError("the 3D reference has no thermal expansion of the shaft")
+        raise ValueError("the 3D reference does not model thermal expansion of the shaft: remove the warming")
     sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     faces = [(p.nut.position - p.nut.length / 2.0, p.nut.position + p.nut.length / 2.0) for _, p in sets]
     order = sorted(range(len(sets)), key=lambda k: faces[k])
@@ -87,7 +87,9 @@ def describe_bodies_of_each_set(assembly: Assembly) -> tuple[SetBodies, ...]:
         gap = faces[b][0] - faces[a][1]
         if gap < -NEAR:
             names = f"{sets[a][0].name} and {sets[b][0].name}"
-            raise ValueError(f"{names} overlap by {-1e3 * gap:.4g} mm: each needs a stretch of 3D shaft of its own")
+            raise ValueError(
+                f"{names} overlap by {-1e3 * gap:.4g} mm: move them apart, as each needs its part of the shaft"
+            )
         half = round(gap / 2.0, 10)  # equal nuts are equal in their last digit too
         room[a], room[b] = min(room[a], half), min(room[b], half)
     stations = {*(x.at for x in assembly.supports), *(x.at for x in assembly.loads)}
@@ -144,7 +146,7 @@ def solve_sets(
     setups : Sequence[Setup]
         Prepared bodies of each nut or bearing (`describe_bodies_of_each_set`), in order.
     frozen : bool, default False
-        Whether to compute the contact loads with frozen normals and gaps as well.
+        Whether to compute, in addition, the contact loads with normals and gaps frozen at the nominal state.
     step : Callable[[str], None], optional
         Function that is called with a progress text in every round of a solution that takes long.
 

@@ -122,7 +122,9 @@ def reduce_socket_transfer_to_modes(patch: CondensedPatch, count: int) -> tuple[
 
 
 def _dominant_left_singular_vectors(traces: Array, least: float) -> Array:
-    """Find the left singular vectors of a matrix ``(n, s)`` whose singular values exceed ``least``, largest first.
+    """Find the left singular vectors of a matrix ``(n, s)`` whose singular values exceed ``least``.
+
+    The vectors are columns, that of the largest singular value first.
 
     ``traces``: the matrix, with s nodal loads on a socket of n degrees of freedom as columns.
     """
@@ -212,7 +214,7 @@ def convert_mesh_order(mesh: Mesh, kind: str) -> Mesh:
     mesh : Mesh
         10-node tetrahedra.
     kind : str
-        "P2" or "P1".
+        Wanted order: "P2" (second order, the mesh as given) or "P1" (first order).
 
     Returns
     -------
@@ -385,7 +387,7 @@ def expansion_with_rigid_high_end(mesh: Mesh, high: float) -> sp.csc_array:
     mesh : Mesh
         The body.
     high : float
-        Height z of the reference point of the rigid section [m].
+        Axial position z of the reference point of the rigid section [m].
 
     Returns
     -------

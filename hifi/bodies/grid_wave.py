@@ -82,7 +82,7 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
     Returns
     -------
     (2,) Array
-        Cell sizes [m], negative where the grid's indices fall in that direction.
+        Cell sizes [m]; negative in a direction in which the indices of the grid's nodes fall.
 
     Raises
     ------
@@ -153,8 +153,8 @@ def approaches_at_grid_position(
         Compliance between the c pressure functions of the contact [m/N].
     loads : (f,) Array
         Forces [N].
-    place : tuple[float, float]
-        Distance of the contact from the nominal one across and along the groove, in cells.
+    grid_position : tuple[float, float]
+        Distances of the contact from its nominal position, across and along the groove, as numbers of cells.
     start : (f, c) Mask, optional, default None
         First guess: whether each contact pair is closed, as at a neighbouring position; None: no guess.
 

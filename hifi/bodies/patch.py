@@ -50,11 +50,11 @@ PLANES = ((0, -1.0), (0, 1.0), (1, 1.0), (2, -1.0), (2, 1.0))
 class PatchLines:
     """Cell boundaries of a patch in its local coordinates."""
 
-    #: Coordinates across the groove (gamma), from -1 to 1.
+    #: Coordinates across the groove, in the direction of the contact angle gamma, from -1 to 1.
     across: Array
     #: Coordinates in depth, from 0 to 1.
     depth: Array
-    #: Coordinates along the groove (azimuth), from -1 to 1.
+    #: Coordinates along the groove, in the direction of the azimuth, from -1 to 1.
     along: Array
 
 
@@ -71,9 +71,9 @@ class PatchMesh(MeshedBody):
     xi: Array
     #: Nodes of the contact zone ``(c,)``.
     contact: Index
-    #: Numbers of nodes of their grid across and along the groove; None: they form no grid.
+    #: Numbers of the contact zone's nodes across and along the groove; None: they form no grid.
     contact_shape: tuple[int, int] | None
-    #: Whether each of them is one of the outermost ``(c,)``.
+    #: Whether each node of the contact zone is one of the outermost ``(c,)``.
     rim: Flags
     #: Nodes of the interface to the body.
     interface: Index
@@ -118,7 +118,7 @@ class CondensedPatch:
     areas: Array
     #: Whether each contact node is one of the outermost ``(c,)``.
     rim: Flags
-    #: Numbers of contact nodes across and along the groove, of their grid; None: they form no grid.
+    #: Numbers of contact nodes across and along the groove; None: they form no grid.
     shape: tuple[int, int] | None
     #: Weights W ``(c, c)`` [m2] of the pressure functions (rows) at displacements (columns).
     weights: sp.csr_array
@@ -163,7 +163,7 @@ def growing_boundaries(start: float, end: float, first: float, ratio: float) -> 
     start, end : float
         First and last boundary.
     first : float
-        Approximate step that would precede the first one.
+        Approximate length of an imaginary step before ``start``, from which the steps grow.
     ratio : float
         Ratio of neighbouring steps.
 
@@ -198,7 +198,7 @@ def mesh_hexahedral_patch(
         Cell boundaries in local coordinates.
     zone : tuple[float, float]
         Half widths of the contact zone across and along the groove, in local coordinates.
-    place : Callable[[Array], Array]
+    map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     socket : SocketMesh
         Mesh of the socket's faces.
@@ -241,7 +241,7 @@ def fit_tetrahedral_patch(local: LocalTets, map_to_space: Callable[[Array], Arra
     ----------
     local : LocalTets
         Tetrahedra in local coordinates.
-    place : Callable[[Array], Array]
+    map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     socket : SocketMesh
         Mesh of the socket's faces.
@@ -444,7 +444,10 @@ def _quadratic_triangle_shapes(w: Array) -> Array:
 
 
 def _linear_triangle_shapes(w: Array) -> Array:
-    """Evaluate piecewise linear functions ``(n, 6)`` of a 6-node triangle, linear on the four triangles of its nodes."""
+    """Evaluate the six piecewise linear functions of a 6-node triangle ``(n, 6)`` at barycentric coordinates ``(n, 3)``.
+
+    The functions are linear on each of the four triangles between its nodes.
+    """
     corner, opposite = np.maximum(2 * w - 1, 0.0), np.maximum(1 - 2 * w, 0.0)
     return np.hstack([corner, opposite[:, [2, 0, 1]] - corner - corner[:, [1, 2, 0]]])
 
@@ -502,7 +505,7 @@ def condense_patch(
     poisson : float
         Poisson's ratio.
     carrier : PatchMesh, optional, default None
-        A coarser patch of the same socket that replaces the mesh; None: the patch's own mesh.
+        A coarser patch of the same socket whose mesh is used in place of that of ``mesh``; None: ``mesh`` is used.
 
     Returns
     -------

@@ -83,7 +83,7 @@ class BallBlock:
         return np.asarray(block_diag(*self.local) + self._all_modes @ self.coupling @ self._all_modes.T)
 
     def factor(self, active: Flags, known: BlockFactor | None = None) -> BlockFactor:
-        """Factorise the compliance D between the active contact pairs.
+        """Factorise the compliance D between the active contact pairs (those in contact).
 
         Parameters
         ----------
@@ -171,7 +171,7 @@ class SideFactor(NamedTuple):
     pairs: Indices
     #: Lower Cholesky factor of A_aa, the compliance between the active pairs; None where no pair is active.
     cholesky: Array | None
-    #: A_aa^-1 V ``(active, k_s)``.
+    #: A_aa^-1 V ``(active pairs, k_s)``, with the modes V of the flank.
     inner: Array
     #: V^T A_aa^-1 V ``(k_s, k_s)``.
     middle: Array
@@ -201,7 +201,7 @@ class BlockFactor:
 
         Returns
         -------
-        Array of that shape
+        Array of the shape of ``rhs``
             Contact forces [N]; zero on inactive pairs.
         """
         out = np.zeros(rhs.shape)
@@ -351,7 +351,7 @@ class ContactResult:
     motions: Array
     #: Iterations of Newton's method.
     iterations: int
-    #: "converged", or why not.
+    #: "converged", or the reason why the solution did not converge.
     status: str
     #: Largest unbalanced force over the largest force on a ball.
     equilibrium: float
@@ -434,7 +434,7 @@ class NewtonFactor(NamedTuple):
     loads: Array
     #: Lower Cholesky factor of I + R^T G R.
     inner: Array
-    #: LU factor of the equations of the rigid motions.
+    #: LU factor and pivots of the equations of the rigid motions.
     outer: tuple[Array, Indices]
 
     def step(self, back: Array, moved: Array, balance: Array) -> tuple[Array, Array]:
@@ -542,7 +542,7 @@ class _EnergySystem:
         return phi, *self.residuals(w)
 
     def gaps_without_local_compliance(self, w: Array, y: Array) -> list[Array]:
-        """Compute the gaps of the pairs of each ball ``(n_i,)`` [m] without the displacements by its own compliance D_i.
+        """Compute the gaps of the pairs of each ball ``(n_i,)`` [m] without the displacements by the ball's compliance D_i.
 
         w: modal amplitudes (r,) [N]; y: rigid motions (k,) [m, rad].
         """

@@ -47,15 +47,15 @@ SOURCE_FINE, SOURCE_COARSE, SOURCE_RADIUS = 0.08e-3, 5e-3, 0.8e-3
 class SurfaceCompliance:
     """Compliance of the surface of a quarter of a half-space under normal forces at m nodes."""
 
-    #: Coordinates x, y of the nodes ``(m, 2)`` [m].
+    #: Coordinates x, y of the nodes on the surface ``(m, 2)`` [m].
     places: Array
     #: Area of the quarter's surface that each node carries ``(m,)`` [m2]; pressure = force / area.
     areas: Array
     #: Displacement of each node into the body by unit forces, in the half-space ``(m, m)`` [m/N].
     matrix: Array
-    #: The same with the cut faces of the block fixed ``(m, m)`` [m/N].
+    #: Displacement of each node into the body by unit forces, with the cut faces of the block fixed ``(m, m)`` [m/N].
     held: Array
-    #: Largest difference of the matrix from its transpose over its largest entry, before the two were averaged.
+    #: Largest difference of `matrix` from its transpose, over its largest entry, before both were averaged.
     asymmetry: float
     #: Number of free degrees of freedom.
     unknowns: int
@@ -125,7 +125,7 @@ def nodal_contact_areas(mesh: BlockMesh) -> Array:
 
 
 def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float, poisson: float) -> SurfaceCompliance:
-    """Compute the compliance of the surface nodes within an ellipse, with and without the far field.
+    """Compute the compliance of the surface nodes within an ellipse, with the cut faces as in the half-space and fixed.
 
     Parameters
     ----------
@@ -250,8 +250,9 @@ class HertzRun:
     semi_x: float
     #: Semi-axis of that ellipsoid along y [m].
     semi_y: float
-    #: Force over area of the contact node nearest the pole [Pa], divided by the ratio of that ellipsoid's pressure there to
-    #: its pole pressure (1 where the node is at the pole, as in all meshes but P2).
+    #: Pressure at the pole, the centre of the contact [Pa]: force over area of the node nearest to the pole, divided by the
+    #: ratio of that ellipsoid's pressure there to its pole pressure (1 where the node is at the pole, in all meshes but
+    #: P2).
     pole_pressure: float
     #: Pole pressure of the ellipsoid on these semi-axes that is fitted to all nodal pressures by least squares over the
     #: area [Pa].
@@ -285,7 +286,8 @@ def solve_hertz_contact(
     far_field : bool, default True
         True: the cut faces of the block move as in the half-space; False: they are fixed.
     aim : float, default 1.0
-        Semi-axes for which the mesh is made, over those of the contact, to move the contact's edge against the mesh.
+        Ratio of the semi-axes for which the mesh is made to those of the contact; other values than 1 move the contact's
+        edge relative to the mesh.
 
     Returns
     -------
@@ -295,7 +297,7 @@ def solve_hertz_contact(
     Raises
     ------
     ValueError
-        ``element`` is none of these.
+        ``element`` is not one of the four element types.
     ArithmeticError
         The contact does not converge, or the stiffness cannot be factored.
     """
@@ -354,7 +356,7 @@ def solve_hertz_contact_on_mesh(
     b_over_h : float
         Number of cells of the mesh across the short semi-axis.
     seconds : float, default 0.0
-        Time that the mesh took [s].
+        Time that the generation of the mesh took [s].
     far_field : bool, default True
         True: the cut faces of the block move as in the half-space; False: they are fixed.
 

@@ -47,14 +47,14 @@ from rollbench.meshes.roller_body import (
 #: Mesh levels: cells across half of the zone, which is `ZONE` times as wide as the contact in the roller's middle, and
 #: along half of the roller; all other cells follow in proportion.
 LEVELS = {1: 6, 2: 8, 3: 12}
-#: Half width of the zone over that of the contact in the middle.
+#: Half width of the contact zone over the half width of the contact in the roller's middle.
 ZONE = 1.7
-#: Edge of a cell per distance from the zone, times the cells across the zone.
+#: Edge length of a cell over its distance from the contact zone, times the number of cells across half of the zone.
 GRADING = 5.4
 
 #: Meshed length of the rounding at both ends of a roller, over its radius: the rest is too far from the race to touch.
 FILLET = 0.6
-#: Length of a race beyond either end of the roller, over the depth of the ring.
+#: Length of a race past either end of the roller, over the depth of the ring.
 BEYOND = 1.0
 #: Largest half angle of the sector of a race [rad].
 WIDEST = np.pi / 4.0
@@ -105,7 +105,8 @@ class RollerState:
 
     #: Force of each race on the roller [N].
     load: float
-    #: Approach of the bases of cup and cone along the cup's normal [m].
+    #: Approach of cup and cone along the normal of the cup's race [m], measured at the depth at which the cone is fixed and
+    #: the cup is moved.
     approach: float
     #: Stiffness: derivative of the load by the approach [N/m].
     stiffness: float
@@ -147,7 +148,7 @@ def _distance_from_apex(row: RollerRow) -> float:
 
 
 def crown_and_end_rounding_depths(row: RollerRow, x: Array) -> tuple[Array, Array]:
-    """Return how far a roller's profile lies below a straight line by its crown, then by the rounding of its ends [m].
+    """Return how far a roller's profile lies below a straight line: first by its crown, then by its rounded ends [m].
 
     ``row``: row of rollers; ``x``: distances from the roller's middle [m]. The results have the shape of ``x``.
     """
@@ -203,7 +204,7 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     row
         Row of rollers.
     cells
-        Cells across half of the zone and along half of the roller, an even number (`LEVELS`).
+        Number of cells across half of the contact zone, and along half of the roller; even, as in `LEVELS`.
     load
         Largest force of a race on a roller [N].
 
@@ -215,7 +216,7 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     Raises
     ------
     RollerError
-        A straight roller has sharp ends, or a ring is deeper than its cone.
+        A straight roller has sharp ends, or a ring is thicker than the cone of its race allows.
     FactorError
         A stiffness cannot be factored.
     ImportError
@@ -390,14 +391,16 @@ def press_roller_between_races(bodies: CondensedRoller, load: float) -> RollerSt
             C, bodies.gap, N, np.array([0.5 * factor * load, 0.0, 0.0]), start=state
         )
         if not result.converged:
-            raise RollerError(f"the roller's contact did not converge: {result.status}", "try another load or level")
+            raise RollerError(
+                f"the roller's contact did not converge: {result.status}", "change the load or the mesh level"
+            )
         found.append(result)
     forces = found[2].forces.reshape(2, *bodies.areas.shape)
     touched = forces > 0.0
     if touched[:, [0, -1]].any() and bodies.row.edge_radius is None:
         raise RollerError("the roller touches with its sharp ends, whose pressure is not finite", SHARP)
     if touched[:, [0, -1]].any() or touched[:, :, -1].any():
-        reason = "the roller touches its races beyond the contact zone of the mesh"
+        reason = "the roller touches its races outside the contact zone of the mesh"
         raise RollerError(reason, "increase the rollers' edge_radius, or decrease the load")
     widths = np.concatenate([[0.0], np.diff(bodies.along)]) / 2.0 + np.concatenate([np.diff(bodies.along), [0.0]]) / 2.0
     total = 2.0 * forces.reshape(2, -1) @ np.ones(bodies.areas.size)

@@ -149,7 +149,7 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         self._cached: dict[str, tuple[Any, Any, Any]] = {}
 
     def _cached_result(self, name: str, X: Any, entities: Any, compute: Callable[[], Any]) -> Any:
-        """Return a cached result for the points X in the cells or faces ``entities``; compute it if they changed.
+        """Return a cached result for the points X in the cells or faces ``entities``; compute it if either has changed.
 
         ``name``: key of the result; ``compute``: function that computes it.
         """

@@ -24,7 +24,9 @@ def nodal_displacements_of_rigid_motions(points: Array, centre: Array | None = N
 
     Examples
     --------
-    >>> nodal_displacements_of_rigid_motions(np.array([[0.0, 2.0, 0.0]]))[:, 5].tolist()  # rotation about z
+    A rotation about z moves a point on y along -x:
+
+    >>> nodal_displacements_of_rigid_motions(np.array([[0.0, 2.0, 0.0]]))[:, 5].tolist()
     [-2.0, 0.0, 0.0]
     """
     x = np.asarray(points, dtype=float) - (0.0 if centre is None else np.asarray(centre, dtype=float))
@@ -41,7 +43,7 @@ def rigid_motion_transfer_matrix(arm: float) -> Array:
     Parameters
     ----------
     arm : float
-        Distance along z [m].
+        Distance along z from the first section to the second [m].
 
     Returns
     -------

@@ -98,7 +98,7 @@ def choose_socket_size(
     m : GrooveMap
         Geometry of the track.
     layout : BallLayout
-        Places of the balls.
+        Positions of the balls on the track.
     sides : tuple[int, ...]
         Flanks 0 to 3 that carry contacts.
     dims : Dimensions
@@ -184,10 +184,11 @@ def ball_socket_and_map(
 #: Edges [m] of first-order tetrahedra at a patch's rim, tried one by one; long ones may be turned inside out in space.
 RIM_EDGES = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
 
-#: Cells across the short semi-axis of the carrier patch, over those of the contact's patch.
+#: Ratio of the numbers of cells across the short semi-axis, in the coarser patch that only transfers loads (carrier) to the
+#: contact's patch.
 CARRIER = 0.5
 
-#: Contact as a socket of a body: (azimuth [rad], z [m], side).
+#: Contact at which a body has a socket: azimuth [rad], axial position [m], and flank (0 to 3).
 Place = tuple[float, float, int]
 
 #: Function, arguments and class of a record, as for `rollbench.meshes.cache.Cache.get`.
@@ -251,7 +252,7 @@ def mesh_parts(
     m : GrooveMap
         Geometry of the track.
     layout : BallLayout
-        Places of the balls.
+        Positions of the balls on the track.
     dims : Dimensions
         Dimensions of the solid parts.
     sides : tuple[int, ...]
@@ -288,7 +289,7 @@ def list_mesh_calls(
     m : GrooveMap
         Geometry of the track.
     layout : BallLayout
-        Places of the balls.
+        Positions of the balls on the track.
     dims : Dimensions
         Dimensions of the solid parts.
     sides : tuple[int, ...]
@@ -321,12 +322,12 @@ def list_mesh_calls(
 
 
 def contacts_on_body(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple[Place, ...]:
-    """List the contacts of all balls on the screw, or on the nut, as azimuth, axial position and flank.
+    """List the contacts of all balls on the screw, or on the nut, each as its azimuth, axial position and flank.
 
     Parameters
     ----------
     layout : BallLayout
-        Places of the balls.
+        Positions of the balls on the track.
     sides : tuple[int, ...]
         Flanks 0 to 3 that carry contacts.
     screw : bool
@@ -403,7 +404,7 @@ def mesh_load_transfer_patch(
         Size of the sockets and their contact zone.
     socket : SocketMesh
         Mesh of the socket's faces.
-    place : Callable[[Array], Array]
+    map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     settings : Settings
         Mesh choices of the contact's patch.
@@ -428,7 +429,7 @@ def mesh_patch(
         Size of the sockets and their contact zone.
     socket : SocketMesh
         Mesh of the socket's faces.
-    place : Callable[[Array], Array]
+    map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     settings : Settings
         Mesh choices.

@@ -44,9 +44,9 @@ class Settings:
 
     #: Cells across the short semi-axis b of a contact.
     b_over_h: float = frozen_default(4.0)
-    #: Semi-axes (a, b) of a typical contact [m].
+    #: Semi-axes a (across the groove) and b (along it) of a typical contact [m].
     semi: tuple[float, float] = frozen_default((0.40e-3, 0.105e-3))
-    #: Distances from the nominal contact point to the edge of the contacts, across and along the groove [m].
+    #: Largest distances from the nominal contact point to the edge of a contact, across and along the groove [m].
     reach: tuple[float, float] = frozen_default((0.40e-3, 0.105e-3))
     #: Element size of the coarse bodies at the sockets [m].
     fine: float = frozen_default(1.0e-3)
@@ -66,7 +66,7 @@ class Settings:
     own_sizes: tuple[float, float] = frozen_default((0.5e-3, 2.5e-3))
     #: Element sizes (near, far) of the submodels of balls [m].
     own_ball_sizes: tuple[float, float] = frozen_default((0.3e-3, 0.6e-3))
-    #: Element size of the 3D shafts that give the effect of a cut end [m].
+    #: Element size of the 3D shafts from which the effect of a cut end is computed [m].
     cell: float = frozen_default(4.5e-3)
     #: Number of smooth modes of each patch of screw and nut.
     modes: int = frozen_default(16)
@@ -124,7 +124,7 @@ class ExpectedContacts:
 
     #: Contact loads ``(n, 4)`` [N].
     load: Array
-    #: Contact angles ``(n, 4)`` [rad]; nominal where open.
+    #: Contact angles ``(n, 4)`` [rad]; the nominal angle where a contact is open.
     angle: Array
     #: Semi-axes across the groove ``(n, 4)`` [m].
     across: Array
@@ -149,7 +149,7 @@ class ExpectedContacts:
         return float((self.across[ball, side] * scale).mean()), float((self.along[ball, side] * scale).mean())
 
     def reach(self) -> tuple[float, float]:
-        """Return the largest distances from the nominal contact point to a contact's edge [m].
+        """Return the largest distances from the nominal contact point to the edge of any contact [m].
 
         The first distance is across the groove, the second along it.
         """
@@ -169,7 +169,7 @@ class _EstimateModel:
     K: sp.csc_array
     #: Loads on these degrees of freedom ``(f,)``.
     P: Array
-    #: Change of all vectors from groove to ball centre by unit degrees of freedom ``(8 n, f)``.
+    #: Change of the vectors from groove centre to ball centre by unit motions in all degrees of freedom ``(8 n, f)``.
     A: sp.csr_array
     #: Vectors from groove to ball centre in the unloaded state, in the section ``(n, 4, 2)`` [m].
     arms: Array
@@ -299,7 +299,8 @@ def nut_shift_for_axial_force(scene: Scene, force: float) -> float:
     Returns
     -------
     float
-        Shift [m]: (C_1 + C_2) (F / (n sin beta))^(2/3) / sin beta.
+        Shift [m]: (C_1 + C_2) (F/(n sin beta))^(2/3)/sin beta, with the approach C Q^(2/3) of either contact of a ball
+        under the load Q, the number n of balls and the contact angle beta.
     """
     sin, units = float(np.sin(scene.track.contact_angle)), hertz_contacts_under_unit_force(scene)
     return (units[0].approach + units[3].approach) * float(np.cbrt(force / (scene.ball_count * sin))) ** 2 / sin
@@ -387,7 +388,11 @@ def _assemble_contact_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _
         K[shaft:, shaft:] += spring.T @ stiff @ spring
 
     def motion(body: int, z: float) -> sp.csr_array:
-        """Return the matrix ``(6, size)`` of the motion at z of the screw (body 0), or of a nut in a housing."""
+        """Return the matrix ``(6, f)`` that gives the motion of the screw at z, or of a nut in a housing, at position z.
+
+        ``body``: 0 for the screw, 1 and up for the housings; ``z``: axial position [m]. The matrix multiplies the f degrees
+        of freedom of the estimate.
+        """
         if body:
             first, at = shaft + 6 * (body - 1), frame.housings[body - 1].at
         else:

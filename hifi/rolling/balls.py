@@ -66,9 +66,9 @@ class ContactOut:
     touch: int
     #: Centres of the cells ``(n, 2)`` [m].
     at: Array
-    #: Size of a cell ``(2,)`` [m].
+    #: Lengths of a cell along x and y ``(2,)`` [m].
     size: Array
-    #: Normal forces ``(n,)`` [N].
+    #: Normal forces of the cells ``(n,)`` [N].
     normal: Array
     #: Tangential forces on the ball ``(n, 2)`` [N].
     tangential: Array
@@ -105,7 +105,7 @@ class RollingResult:
     power: float
     #: The solved contacts.
     contacts: tuple[ContactOut, ...]
-    #: "converged", or why not.
+    #: "converged", or the reason why the solution did not converge.
     status: str
     #: Residual of the friction solver.
     residual: float
@@ -141,7 +141,7 @@ class RollingResult:
 def half_space_contact_under_unit_load(
     radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]
 ) -> Patch:
-    """Solve the contact of two half-spaces under 1 N on a grid of cells, and compute its `Patch.transport`.
+    """Solve the contact of two half-spaces under 1 N on a grid of cells, and compute its `Patch.transport_rate_matrix`.
 
     ``radii``: relative radii along and across the groove [m]; ``shape``: numbers of cells along and across. The contact
     under any other force is similar, with lengths in proportion to the cube root of the force.
@@ -159,7 +159,7 @@ def finite_body_contact_under_load(
 
     ``load``: contact force [N]; ``radii``: relative radii along and across the groove [m]; ``material``: Young's modulus
     [Pa] and Poisson's ratio; ``shape``: numbers of cells along and across; ``kernel``: compliance of the finite bodies
-    beyond that of half-spaces.
+    less that of half-spaces.
     """
     return solve_elastic_contact_on_grid(load, radii, *material, shape, kernel)
 
@@ -167,8 +167,9 @@ def finite_body_contact_under_load(
 def solve_normal_contact_with_groove(scene: kinematics.Rolling, touch: kinematics.GrooveContact, choices: Choices) -> Patch:
     """Solve the normal contact of a ball with a groove on a grid, under the contact's force.
 
-    ``scene``: the rolling balls; ``touch``: the contact; ``choices``: numerical choices. Raises ValueError if the direction
-    to the groove's bottom is unknown, or a finite body has no room for the contact zone.
+    ``scene``: the rolling balls; ``touch``: the contact of one of them with a groove; ``choices``: numerical choices.
+    Raises ValueError if the direction to the groove's bottom is unknown, or a finite body has no room for the contact
+    zone.
     """
     kernel = finite_body_kernel_at_contact(scene, touch, choices.bodies)
     if kernel is None:
@@ -285,8 +286,8 @@ def loaded_contacts(scene: kinematics.Rolling) -> list[tuple[int, int, kinematic
     Returns
     -------
     list[tuple[int, int, kinematics.GrooveContact]]
-        For each contact with more than `NEGLIGIBLE` times the ball's largest force: the index of the ball, the index of
-        the contact among those of the ball, and the contact.
+        For each contact whose force exceeds `NEGLIGIBLE` times the ball's largest contact force: the index of the ball, the
+        index of the contact among those of the ball, and the contact.
     """
     out = []
     for b, ball in enumerate(scene.balls):
@@ -332,7 +333,8 @@ def equilibrium_equations_of_balls(scene: kinematics.Rolling, contacts: Sequence
     Returns
     -------
     kinematics.BallEquilibrium
-        Equations of the forces on the balls' motions, and of the complementarity of ball-to-ball contacts.
+        Equilibrium of the forces and moments on the balls, and the condition that two balls either touch or press with no
+        force.
     """
     bound = max(float(c.bound.sum()) for c in contacts)
     return kinematics.BallEquilibrium(scene, bound / max(float(np.abs(c.given).max()) for c in contacts))
@@ -408,10 +410,11 @@ def solve_rolling(
         The balls and their contact loads.
     choices : Choices | None, default None
         Numerical choices; None: the defaults of `Choices`.
-    near : RollingResult | None, default None
+    start_result : RollingResult | None, default None
         Solution on the same grid, whose motions and forces are the starting values; None: estimated starting values.
-    path : tuple[float, ...], default PATH
-        Creeping speeds that smooth Coulomb's law, one after the other, as for `hifi.rolling.friction.solve_friction`.
+    creeping_ratios : tuple[float, ...], default PATH
+        Creeping speeds that smooth Coulomb's law, over the largest slip, in descending order, as for
+        `hifi.rolling.friction.solve_friction`.
 
     Returns
     -------
@@ -469,7 +472,7 @@ def _collect_result(
 
 
 def copy_without_ball_to_ball_contacts(scene: kinematics.Rolling) -> kinematics.Rolling:
-    """Return a copy of a scene whose balls cannot touch each other.
+    """Return a copy of a scene in which neighbouring balls cannot touch each other.
 
     Parameters
     ----------
@@ -527,7 +530,8 @@ class RigidResult:
     contact_loss: Array
     #: Losses between balls ``(M,)`` [W].
     ball_loss: Array
-    #: Slip that the smoothing of Coulomb's law leaves where bodies stick, over the largest slip.
+    #: Error left by the smoothing of Coulomb's law, over the largest slip (see
+    #: `hifi.rolling.friction.solve_rigid_friction`).
     remainder: float
 
     @property
@@ -542,7 +546,7 @@ def disk_quadrature(points: int) -> tuple[Array, Array]:
     Parameters
     ----------
     points : int
-        Points along each axis.
+        Number of points along each axis.
 
     Returns
     -------
@@ -643,7 +647,7 @@ class TransientResult:
     stored: Array
     #: Processor time [s].
     seconds: float
-    #: "converged", or the first step that did not and why.
+    #: "converged", or the first step that did not converge, with the reason.
     status: str
 
     @property
@@ -660,7 +664,8 @@ class _ContactWithoutHistory:
     contact: Contact
     #: Tangential displacements by unit forces over the step, at the present place of the material ``(2 n, 2 n)`` [m/s/N].
     present: Array
-    #: The same at the place of the material before the step ``(2 n, 2 n)`` [m/s/N].
+    #: Tangential displacements by unit forces over the step, at the place of the material before the step
+    #: ``(2 n, 2 n)`` [m/s/N].
     before: Array
 
     def add_displacements_of_last_step(self, forces: Array) -> Contact:
@@ -687,7 +692,7 @@ def compute_motion_from_rest(
     gap : float, default 0.0
         Gap between neighbouring balls at the beginning [m].
     choices : Choices | None, default None
-        Numerical choices.
+        Numerical choices; None: the defaults of `Choices`.
 
     Returns
     -------
@@ -697,7 +702,7 @@ def compute_motion_from_rest(
     Raises
     ------
     ValueError
-        Duration or number of steps is not positive, the gap is negative, or a step carries material from beyond the
+        Duration or number of steps is not positive, the gap is negative, or a step carries material from outside the
         contact zone of finite bodies.
     """
     if not duration > 0.0 or steps < 1 or gap < 0.0:
@@ -747,7 +752,7 @@ def _prepare_contacts_without_history(scene: Rolling, choices: Choices, dt: floa
         shift = rolling_speed(touch, scene) * dt
         if patch.regular is not None and float(patch.at[:, 0].max()) + shift > REACH * patch.regular.scale[0]:
             raise ValueError(
-                "in a time step, material enters a contact from beyond the zone in which the compliance of finite bodies "
+                "in a time step, material enters a contact from outside the zone in which the compliance of finite bodies "
                 "is known: use shorter steps, or half-spaces"
             )
         share = choices.elastic / dt
@@ -766,7 +771,8 @@ def _step_results(
     """Compute speeds, forces, losses and stored power of all balls at the end of a time step.
 
     ``carried``: the contacts as prepared for all steps; ``forces``: tangential forces of each contact [N] before and after
-    the step; ``slips``: slips [m/s] of each contact; ``y``: unknowns of `split_unknowns`; ``gaps``: gaps between balls [m].
+    the step; ``slips``: slips [m/s] of each contact; ``y``: unknowns of `split_unknowns`; ``gaps``: gaps between balls [m]
+    after the step.
     Returns the balls' speeds along the track, their rotations [rad/s], the forces between balls [N], the gaps [m], the
     loss, the power that the grooves put in, and the power that elastic displacements store [W].
     """

@@ -68,7 +68,8 @@ from rollbench.meshes.sockets import (
     unrolled_socket_centre,
 )
 
-#: Left flanks of screw or inner ring, and of nut or outer ring; right flanks are these turned.
+#: Numbers of the left flanks of screw or inner ring, and of nut or outer ring; right flanks are left ones after half a
+#: turn.
 INNER, OUTER = 0, 2
 
 #: Largest distances of the land and of the surface behind the groove from the pitch circle, both over the ball's radius;
@@ -79,7 +80,7 @@ LAND, WALL, CORE = 0.18, 2.7, 1.0 / 11.0
 ENDS = ("low end", "high end")
 
 #: Subdivisions of the sockets' edges; element sizes near the socket and away from it, over the ball's radius, for grooves
-#: and for balls. These are the sizes of level 1 of the static reference (`compare.reference.levels`).
+#: and for balls. These are the sizes of mesh level 1 of the static 3D reference (`compare.reference.levels`).
 CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
 
 
@@ -107,7 +108,7 @@ class ContactPiece:
     axes: Array
     #: Boundaries of the patch's cells along the track, across it and into the body [m].
     cells: tuple[Array, Array, Array]
-    #: Indices of the c contact nodes in the zone's grid along and across the track ``(c, 2)``.
+    #: Grid indices of the zone's c contact nodes, along and across the track ``(c, 2)``.
     number: Index
 
 
@@ -137,7 +138,7 @@ def mesh_contact_pieces(
     Raises
     ------
     ValueError
-        The body has no room for the socket (the hole for a patch), or a mesh cannot be built.
+        The body has no room for the hole into which the patch is fitted, or a mesh cannot be built.
     """
     side = OUTER if outer else INNER
     m = track_geometry_of_path(curve, ball, groove, angle)
@@ -206,7 +207,7 @@ def _patch_lines_and_zone(m: GrooveMap, size: SocketSize, side: int, zone: Zone)
     """Compute the cell boundaries of a patch that contains the cells of the contact zone.
 
     Also returns the half lengths of the zone across and along the track, over those of the patch. ``m``: geometry of the
-    track; ``size``: dimensions of the patch; ``side``: index of the flank.
+    track; ``size``: dimensions of the patch; ``side``: index of the flank, 0 to 3; ``zone``: the contact zone.
     """
     along = size.phi * float(np.hypot(unrolled_socket_centre(m, side)[0], m.rg))
     width = size.gamma * float(m.radius[side])
@@ -219,8 +220,8 @@ def _patch_lines_and_zone(m: GrooveMap, size: SocketSize, side: int, zone: Zone)
 def _contact_normal_and_axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
     """Compute the contact normal from ball to groove ``(3,)``, and the tangential axes of the contact ``(2, 3)``.
 
-    ``m``: geometry of the track; ``side``: index of the flank. The rows of the second result are unit vectors along the
-    groove and across it towards its bottom; with the normal they are right-handed.
+    ``m``: geometry of the track; ``side``: index of the flank, 0 to 3. The rows of the second result are unit vectors
+    along the groove and across it towards its bottom; with the normal they are right-handed.
     """
     radial, binormal = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
     sx, sz = m.signs[side]
@@ -321,7 +322,7 @@ def nodal_forces_of_tractions(
         Contact zone.
     degree : int
         Degree of the monomials, k of them.
-    bends : tuple[float, float]
+    surface_curvatures : tuple[float, float]
         Curvatures along x and y of the surface that ball and groove share [1/m], positive towards the ball.
     frame : ContactAxes | None, default None
         Axes of the contact in the body's mesh; None: they are the axes of the mesh.
@@ -499,15 +500,15 @@ class Sizes:
     cells: tuple[int, int] = frozen_default((4, 4))
     #: Ratio of the sizes of neighbouring cells outside the zone.
     growth: float = frozen_default(2.5)
-    #: Semi-axes of the zone over those of the contact ellipse.
+    #: Ratio of the zone's half lengths to the semi-axes of the contact ellipse.
     margin: float = frozen_default(1.1)
     #: Degree of the polynomials of the kernel.
     degree: int = frozen_default(4)
-    #: Size of grooved bars over the ball's radius.
+    #: Radius of the outside of grooved bars over the ball's radius.
     bar: float = frozen_default(5.0)
     #: Half of the opening angle of the grooves of bars [rad].
     opening: float = frozen_default(1.4)
-    #: Whether rings and helices are patches of the static reference, or bent bars.
+    #: True: rings and helices are patches as in the static 3D reference; False: they are bent bars.
     patches: bool = frozen_default(True)
 
 
@@ -545,7 +546,10 @@ def _call_key(call: partial[Any]) -> tuple[object, ...]:
 
 
 def _store_result(key: tuple[object, ...], value: Any) -> None:
-    """Store the result of a call in the cache of kernels, and delete the oldest results if there are more than `MOST`."""
+    """Store the result of a call in the cache of kernels, and delete the oldest results if there are more than `MOST`.
+
+    ``key``: key of the call, as from `_call_key`; ``value``: its result.
+    """
     _KEPT[key] = value
     while len(_KEPT) > MOST:
         del _KEPT[next(iter(_KEPT))]
@@ -557,9 +561,9 @@ def ball_kernel(
 ) -> SmoothKernel:
     """Compute the kernel of a whole ball: its compliance at the contact less that of a half-space.
 
-    ``radius``: radius of the ball [m]; ``zone``: contact zone; ``bends``: curvatures along x and y of
-    the surface that ball and groove share [1/m]; ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio; ``degree``:
-    degree of the kernel's polynomials.
+    ``radius``: radius of the ball [m]; ``zone``: contact zone; ``bends``: curvatures along x and y of the surface that ball
+    and groove share [1/m], positive towards the ball; ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio;
+    ``degree``: degree of the kernel's polynomials.
     """
     body = mesh_whole_ball(radius, zone)
     answer = compliance_of_free_body(body, nodal_forces_of_tractions(body, zone, degree, bends), young, poisson)
@@ -597,7 +601,9 @@ def patch_kernels(
     *,
     outer: bool,
 ) -> tuple[SmoothKernel, SmoothKernel]:
-    """Compute the kernels of groove and ball from patches of the static reference: their compliances less a half-space's.
+    """Compute the kernels of groove and ball from patches of the static 3D reference.
+
+    A kernel is the compliance of the body at the contact less that of a half-space.
 
     Parameters
     ----------

@@ -80,7 +80,7 @@ class Friction:
     motions: Array
     #: Number of Newton's steps.
     steps: int
-    #: "converged", or why not.
+    #: "converged", or the reason why the solution did not converge.
     status: str
     #: Largest violation of eqs. (1) and (2) of this module, over the largest bound.
     residual: float
@@ -120,13 +120,13 @@ def full_slip_forces(bound: Array, slip: Array, creeping_speed: float = 0.0) -> 
         Largest tangential forces [N].
     slip : (2 n,) Array
         Slip [m/s], all x first.
-    eps : float, default 0.0
-        Creeping speed [m/s]; 0: Coulomb's law.
+    creeping_speed : float, default 0.0
+        Creeping speed v [m/s], about which the smoothed law departs from full slip; 0: Coulomb's law.
 
     Returns
     -------
     (2 n,) Array
-        Forces -g s / sqrt(s^2 + eps^2) [N]; zero where nothing slips.
+        Forces -g s / sqrt(s^2 + v^2) [N] with the bound g and the slip s; zero where nothing slips.
 
     Examples
     --------
@@ -339,7 +339,7 @@ def solve_rigid_friction(
         Function that returns f of eq. (2) of this module and its derivative at the motions y.
     y : (k,) Array
         Starting values of the motions of all bodies.
-    path : tuple[float, ...], default PATH
+    creeping_ratios : tuple[float, ...], default PATH
         Creeping speeds that smooth Coulomb's law, over the largest slip, in descending order.
 
     Returns
@@ -394,7 +394,7 @@ def solve_friction(
         Starting values of the motions of all bodies; None: there are no motions.
     q : list[Array] | None, default None
         Starting values: tangential forces of every contact ``(2 n,)`` [N] of a similar solution; None: no such values.
-    path : tuple[float, ...], default PATH
+    creeping_ratios : tuple[float, ...], default PATH
         Creeping speeds that smooth Coulomb's law, over the largest slip, in descending order.
 
     Returns

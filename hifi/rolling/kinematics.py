@@ -107,7 +107,7 @@ class BallPairContact:
     #: Directions of these three speeds as rows, in common axes ``(3, 3)``: from the first ball to the second, and two
     #: tangents.
     axes: Array
-    #: Closing speed up to which the balls do not touch [m/s].
+    #: Closing speed of the balls up to which they stay apart [m/s]: in a time step, their gap over the step's duration.
     apart: float
 
     def forces(self, force: float, mu: float, slide: Array) -> Array:
@@ -347,7 +347,7 @@ def ball_to_ball_contact(
     radius : float
         Radius of the balls [m].
     apart : float, default 0.0
-        Closing speed up to which the balls do not touch [m/s].
+        Closing speed of the balls up to which they stay apart [m/s]; 0: there is no gap between them.
 
     Returns
     -------

@@ -74,7 +74,7 @@ class SmoothKernel:
     #: Coefficients M of the kernel between k monomials ``(3 k, 3 k)`` [m/N]: k along x, then k along y, then k along the
     #: normal.
     M: Array
-    #: Lengths that scale the monomials [m].
+    #: Lengths by which x and y are divided in the monomials [m].
     scale: tuple[float, float]
     #: Degree of the monomials.
     degree: int
@@ -151,10 +151,11 @@ class SmoothKernel:
 #: Directions of a kernel: along tangents, and the normal.
 TANGENTS, NORMAL = slice(0, 2), slice(2, 3)
 
-#: Width of a grid over that of Hertz's ellipse.
+#: Ratio of the width of a grid to the width of Hertz's ellipse.
 MARGIN = 1.08
 
-#: Step of the differences along the flow, in cells; a whole cell samples the same place in every cell and is less exact.
+#: Step of the differences along the flow, in cells; with a step of a whole cell they are less exact, because all points
+#: then lie at the same position within their cells.
 STEP = 0.5
 
 #: Points along each axis of Hertz's ellipse at which the displacement of finite bodies is evaluated.
@@ -339,7 +340,7 @@ class Patch:
     cells: Index
     #: Centres x, y of the cells ``(n, 2)`` [m].
     at: Array
-    #: Size of a cell ``(2,)`` [m].
+    #: Sides of a cell along x and y ``(2,)`` [m].
     size: Array
     #: Normal forces ``(n,)`` [N].
     normal: Array
@@ -347,7 +348,7 @@ class Patch:
     material: tuple[float, float]
     #: Approach of the bodies [m].
     approach: float
-    #: Contribution of finite bodies; None: half-spaces.
+    #: Compliance of the finite bodies less that of half-spaces; None: the bodies are half-spaces.
     regular: SmoothKernel | None = None
 
     @property
@@ -462,7 +463,7 @@ def cell_grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
     shape : tuple[int, int]
         Numbers of cells along x and y.
     size : (2,) Array
-        Size of a cell [m].
+        Sides of a cell along x and y [m].
 
     Returns
     -------
@@ -499,7 +500,7 @@ def equivalent_radii(
     poisson : float
         Poisson's ratio.
     regular : SmoothKernel | None
-        Kernel of finite bodies, their compliance beyond that of half-spaces; None: half-spaces.
+        Kernel of finite bodies: their compliance less that of half-spaces; None: half-spaces.
 
     Returns
     -------
@@ -547,10 +548,10 @@ def solve_elastic_contact_on_grid(
     shape : tuple[int, int]
         Numbers of cells along x and y.
     regular : SmoothKernel | None, default None
-        Kernel of finite bodies, their compliance beyond that of half-spaces; None: half-spaces. Only `Patch.strain`
-        contains the tangential displacement that their pressure causes.
+        Kernel of finite bodies: their compliance less that of half-spaces; None: half-spaces. Only
+        `Patch.tangential_displacement_rate` contains the tangential displacement that their pressure causes.
     margin : float, default MARGIN
-        Width of the grid over that of Hertz's ellipse.
+        Ratio of the width of the grid to the width of Hertz's ellipse.
 
     Returns
     -------

@@ -81,7 +81,7 @@ def rolling_scene(layout: Layout, material: Material, contact_normals: Array, lo
         Positions of balls and grooves.
     material : Material
         Elastic material and friction.
-    normals : (N, k, 2) Array
+    contact_normals : (N, k, 2) Array
         Unit vectors from each ball's centre to its k contacts, in the plane of the section.
     loads : (N, k) Array
         Contact loads [N].
@@ -215,7 +215,9 @@ def screw_layout(
     ride: Array,
     count: int,
 ) -> Layout:
-    """Place touching balls along a helix, in the axes x3, y3, z3 of Lin (2019), section 3.4.1.
+    """Place touching balls along a helix, in the axes of Lin (2019), section 3.4.1.
+
+    The axes of a ball are x3, radially outward; y3, along the helix; and z3, across the helix.
 
     Parameters
     ----------
@@ -311,7 +313,10 @@ POLISH, BALANCED = 30, 1e-9
 
 @dataclass(frozen=True)
 class StaticProblem:
-    """Static problem of N balls with k grooves each, and an inner body with m free motions."""
+    """Static problem of N balls with k grooves each, and an inner body with m free motions.
+
+    Free motions are the rigid-body motions of the inner body that no support prevents.
+    """
 
     #: Unit vectors from each ball's centre to its unloaded contacts, in the section ``(N, k, 2)``.
     normals: Array
@@ -323,7 +328,7 @@ class StaticProblem:
     C: Array
     #: Whether each groove is one of the inner body ``(k,)``.
     inner: NDArray[np.bool_]
-    #: Displacement of the inner body in each ball's section by unit free motions ``(N, 2, m)``.
+    #: Displacement of the inner body in each ball's section by a unit of each free motion ``(N, 2, m)``.
     rows: Array
     #: Prescribed displacement of the inner body in each ball's section ``(N, 2)`` [m].
     offset: Array
@@ -345,7 +350,7 @@ class Loads:
     ball: Array
     #: Free motions of the inner body ``(m,)`` [m].
     body: Array
-    #: Largest unbalanced force over the sum of the contact loads.
+    #: Largest unbalanced force, over the sum of the contact loads.
     left: float
 
     @property

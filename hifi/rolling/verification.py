@@ -308,7 +308,7 @@ def solve_normal_contact_by_rolling_model(
 def solve_normal_contact_by_patches(
     at: ContactPosition, load: float, young: float, poisson: float, cells: tuple[int, int]
 ) -> NormalContact:
-    """Solve a normal contact as in the static reference: finite-element patches of groove and ball, on the exact gap.
+    """Solve a normal contact as in the static 3D reference: finite-element patches of groove and ball, on the exact gap.
 
     Parameters
     ----------
@@ -487,7 +487,7 @@ def compare_ball_friction_with_point(
     force : float
         Distributed friction force over the friction force at one point.
     loss : float
-        Friction loss of the distributed force over that of the force at one point.
+        Friction loss of the distributed force over the friction loss of the force at one point.
     """
     m, force = scene.meetings[meeting], float(result.force[meeting])
     touch = force, (0.5 * scene.radius,) * 2, scene.young, scene.poisson
@@ -655,7 +655,8 @@ def full_slip_by_quadrature(
 def full_slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array, float]:
     """Compute the friction force and moment of full slip under the pressures of a grid, at 20 x 20 points in every cell.
 
-    The points resolve the rotation of the slip about its pole; only the error of the grid's staircase edge remains.
+    The points resolve the rotation of the slip about the point without slip; only the error of the grid's staircase edge
+    remains.
 
     Parameters
     ----------

@@ -145,7 +145,7 @@ class Frame:
     supports: tuple[Support, ...]
     #: Loads on the shaft.
     loads: tuple[Load, ...]
-    #: Length by which rotations are multiplied to become lengths [m].
+    #: Length by which rotations are multiplied to compare them with displacements [m].
     arm: float
     #: Housings that can move.
     housings: tuple[Housing, ...] = ()

@@ -1,14 +1,14 @@
 """3D stretches of the screw between beams: compliance of their contacts for the supports and loads of a scene.
 
 A stretch is fixed at its base section and loaded at the modes m of its contact patches and at ports p (its other end, and
-the supports and loads inside): u_x = F_xm f_m + F_xp f_p + B_x u_base. With the beams' stiffness K and the ports joined to
-nodes, L =
-S_p - S_base B_p^T, the nodes move by
+the supports and loads inside): u_x = F_xm f_m + F_xp f_p + B_x u_base, with the flexibility F of the stretch and its
+motions B by unit motions of the base. K is the beams' stiffness, and S_p and S_base select the degrees of freedom of
+the nodes to which ports and base are joined. With L = S_p - S_base B_p^T, the nodes move by
 
     (K + L F_pp^-1 L^T) U = P + Y^T f_m,  Y = B_m S_base^T + F_mp F_pp^-1 L^T,
 
 and the patches by u_m = (F_mm - F_mp F_pp^-1 F_pm) f_m + Y U: exact, and small enough to redo for every load case.
-Several stretches add their L F_pp^-1 L^T; a nut on a housing has that as base, and no port.
+Several stretches add their L F_pp^-1 L^T. A nut on a housing has the housing as its base, and no port.
 
 The stretch ends in flat rigid sections. Where a beam continues it, the real shaft does not end, and the effect of such a
 cut (`hifi.shaft.section`) is subtracted: at the base, in series with all that is attached there, by B A B^T; at the upper
@@ -39,7 +39,7 @@ SLACK = 1e-12
 
 @dataclass(frozen=True)
 class Stretch:
-    """Flexibility of the part of the screw that is meshed in 3D (nut's range and a little beyond), fixed at its base."""
+    """Flexibility of the stretch of the screw that is meshed in 3D, a little longer than the nut, fixed at its base."""
 
     #: Flexibility with the base fixed: motions of the contacts' modes, then of ports and observers with six rows each, by
     #: unit forces and moments there ``(x, x)``.
@@ -82,7 +82,7 @@ class CarriedNut:
     G: Array
     #: Displacements of the modes by unit rigid motions of the housing ``(k, 6)``.
     B: Array
-    #: Index of the housing in its `Frame`.
+    #: Index of the housing among those of the `Frame`, from 0.
     housing: int
 
 
@@ -113,9 +113,9 @@ class MountedShaft:
 
 
 def subtract_cut_ends(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[float]) -> Stretch:
-    """Subtract the effect of the cut ends of a stretch where the shaft continues beyond them.
+    """Subtract the effect of the cut ends of a stretch, at which the shaft in truth continues.
 
-    The effect of an end remains if there are no supports or loads beyond it: there the screw itself ends.
+    The effect of an end remains if no support or load lies outside the stretch on that side: there the screw itself ends.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def mount_stretch(stretch: Stretch, scene: Scene, section: ShaftSection) -> Moun
     Raises
     ------
     ValueError
-        A support or load inside the stretch has no port.
+        A support or load inside the stretch lies at none of its ports (sections that can be loaded).
     """
     return mount_stretches((stretch,), Frame.from_scene(scene), lambda _: section)
 
@@ -242,12 +242,13 @@ def mount_stretches(
     Raises
     ------
     ValueError
-        A support or load inside a stretch has no port, or some stretches are rigid and others are not.
+        A support or load inside a stretch lies at none of its ports (sections that can be loaded), or some stretches are
+        rigid and others are not.
     """
     rigid = stretches[0].rigid
     if any(s.rigid != rigid for s in stretches):
         raise ValueError(
-            "rings on one shaft got rigid bores, which move with the shaft, and elastic ones; allowed: only one kind"
+            "the rings on one shaft have rigid bores, which move with the shaft, and elastic bores: give all the same kind"
         )
     acted = frame.stations
     ends = {z for s in stretches for z in (s.base, *s.ports)}
@@ -288,7 +289,10 @@ def mount_stretches(
         )
 
     def freedom(body: int, at: float) -> int:
-        """Return the first degree of freedom of the shaft at an axial position, or of a housing."""
+        """Return the first degree of freedom of the shaft at an axial position, or of a housing.
+
+        ``body``: 0 for the shaft, 1 and up for the housings; ``at``: axial position on the shaft [m].
+        """
         return place[at] if body == 0 else n + 6 * (body - 1)
 
     P = np.zeros(len(K))
@@ -358,8 +362,8 @@ class _JoinedStretch(NamedTuple):
 def _contribution_of_stretch(stretch: Stretch, place: _NodeFreedoms, size: int) -> _JoinedStretch:
     """Compute the stiffness and compliance that a stretch adds to the mounted structure.
 
-    ``place``: gives the first degree of freedom of the node at an axial position; ``size``: number of degrees of freedom of
-    the structure.
+    ``place``: object that gives, for an axial position, the first degree of freedom of the node there; ``size``: number of
+    degrees of freedom of the structure.
     """
     m, p = stretch.modes, 6 * len(stretch.ports)
     F_mm, F_mp, F_pp = stretch.F[:m, :m], stretch.F[:m, m : m + p], stretch.F[m : m + p, m : m + p]
@@ -394,7 +398,7 @@ class _NodeFreedoms:
 
 
 def _distinct_positions(stations: Sequence[float]) -> list[float]:
-    """Return sorted axial positions [m] without those that lie within `SAME` of the one before.
+    """Return axial positions [m] without those that lie within `SAME` of the position before them.
 
     ``stations``: axial positions in ascending order [m].
     """
@@ -497,14 +501,13 @@ def _motions_by_section_motions(rows: Array, stations: Array, stretch: Stretch) 
     """Compute the motions of modes, ports and observers by unit rigid motions of the s sections of a beam ``(x, 6 s)``.
 
     The distances of the sections from the base ``(s,)`` [m] are returned as well. ``rows``, ``stations``: as for
-    `replace_stretch_by_beam`. Raises ValueError if a section lies below
-    the base.
+    `replace_stretch_by_beam`. Raises ValueError if a section lies below the base.
     """
     c, k, _ = rows.shape
     arms = np.concatenate([stations, stretch.ports, stretch.observers]) - stretch.base
     if arms.min() < 0.0:
         raise ValueError(
-            f"a contact or section got a place {-1e3 * arms.min():.4g} mm below the base of the 3D stretch; allowed: above"
+            f"a contact or section got a position {-1e3 * arms.min():.4g} mm below the 3D stretch's base; allowed: above it"
         )
     turn = np.zeros((c * k + 6 * (arms.size - c), 6 * arms.size))
     for i in range(c):
@@ -517,8 +520,8 @@ def _flexibility_between_beam_sections(arms: Array, axial: float, bending: float
     """Compute the flexibility between the s sections of a beam without shear ``(6 s, 6 s)`` [m/N, 1/N, 1/(N m)].
 
     ``arms``: distances of the sections from the fixed end (s,) [m]; ``axial``, ``bending``, ``torsion``: flexibilities per
-    unit length. The motion of section a by loads on section b comes from the
-    part of the beam up to the nearer of the two.
+    unit length. The motion of section a by loads on section b comes from the part of the beam from its fixed end up
+    to the nearer of the two sections.
     """
     a, b = arms[:, None], arms[None, :]
     m = np.minimum(a, b)

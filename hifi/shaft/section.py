@@ -54,7 +54,7 @@ HALF_TURN = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
 
 _UPPER = np.triu_indices(6)
 
-#: Symmetric matrices ``(21, 6, 6)`` of one entry each.
+#: Basis of the symmetric matrices ``(21, 6, 6)``: each has a one at one position and at its mirror position, else zeros.
 _UNITS = np.zeros((21, 6, 6))
 
 _UNITS[(np.arange(21), *_UPPER)] = _UNITS[(np.arange(21), *_UPPER[::-1])] = 1.0
@@ -140,7 +140,7 @@ def fit_cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array
     m : GrooveMap
         Geometry of the track.
     flexibilities : Sequence[tuple[float, Array]]
-        Length [m] of every shaft, and flexibility F of its upper end ``(6, 6)`` [m/N, 1/N, 1/(N m)].
+        For every shaft its length [m], and the flexibility F of its upper end ``(6, 6)`` [m/N, 1/N, 1/(N m)].
     per_length : (6, 6) Array
         Flexibility of the uniform beam per unit length.
 
@@ -184,7 +184,7 @@ class EquivalentBeam:
     section: ShaftSection
     #: Radii of plain shafts of equal axial, bending and torsional stiffness [m].
     radii: tuple[float, float, float]
-    #: Axial-torsional coupling: twist by an axial force over the geometric mean of both flexibilities.
+    #: Axial-torsional coupling: twist by a unit axial force, over the geometric mean of axial and torsional flexibility.
     coupling: float
     #: Flexibility E of a cut that ends the shaft ``(6, 6)``, in the frame of the cut.
     cut: Array
@@ -227,7 +227,8 @@ def compute_equivalent_beam(
     material : Material
         Elastic material.
     section : tuple[Array, float]
-        Stiffness against stretch and twist ``(2, 2)`` and bending stiffness [N m2], of `stiffness_of_grooved_shaft`.
+        Stiffness against stretch and twist ``(2, 2)`` [N, N m; N m, N m2] and bending stiffness [N m2], as from
+        `stiffness_of_grooved_shaft`.
     shafts : Sequence[tuple[float, Array]]
         Length [m] and flexibility ``(6, 6)`` of the short, the long and the third shaft, of `meshed_shaft_flexibility`.
 

@@ -67,14 +67,14 @@ class BallBearing:
     def __post_init__(self) -> None:
         """Check that the dimensions give a contact angle and a Hertz contact; raise ValueError otherwise."""
         if self.balls < 1 or self.ball_diameter <= 0.0 or self.young <= 0.0 or not 0.0 <= self.poisson < 0.5:
-            raise ValueError("balls, ball diameter and Young's modulus must be positive, Poisson's ratio in [0, 0.5)")
+            raise ValueError("number and diameter of balls and Young's modulus must be > 0, Poisson's ratio 0 to below 0.5")
         if min(self.inner_groove, self.outer_groove) <= 0.5 * self.ball_diameter:
             radii = f"groove radii of {self.inner_groove:g} and {self.outer_groove:g} m"
             raise ValueError(
                 f"the bearing got {radii}; allowed: more than the ball's radius of {0.5 * self.ball_diameter:g} m"
             )
         if not -1e-12 * self.ball_diameter <= self.clearance <= 2.0 * self.centre_distance:
-            raise ValueError("diametral clearance must lie between 0 and twice the distance of the groove centres")
+            raise ValueError("the diametral clearance must lie between 0 and twice the distance of the groove centres")
 
     @property
     def pitch_diameter(self) -> float:
@@ -242,7 +242,7 @@ def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float
     bearing
         One bearing or many.
     displacement
-        Axial displacement u [m], any shape; the load is zero where the balls are loose, u <= 0.
+        Axial displacements u [m], an array of any shape; the load is zero where the balls are loose, u <= 0.
 
     Returns
     -------
@@ -361,8 +361,8 @@ def displacement_under_thrust(bearing: BallBearing, load: float) -> float:
     Raises
     ------
     ValueError
-        The load is negative, or so large that it needs a displacement beyond the ball's diameter, for which Hertz contact
-        does not hold.
+        The load is negative, or so large that it needs a displacement of more than the ball's diameter, for which Hertz
+        contact is not valid.
 
     Examples
     --------
@@ -405,7 +405,7 @@ def bearing_states_under_thrust(bearings: BallRows, load: Array) -> ThrustState:
     Raises
     ------
     ValueError
-        A thrust needs a displacement beyond the ball's diameter, for which Hertz contact does not hold.
+        A thrust needs a displacement of more than the ball's diameter, for which Hertz contact is not valid.
     """
     first = BEGINS * bearings.ball_diameter
     u = contact_approach(load / bearing_state_at_displacement(bearings, first).load, first)

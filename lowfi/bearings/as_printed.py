@@ -165,7 +165,7 @@ def row_loads_by_smith(loads: Sequence[float], directions: Sequence[int], force:
     Parameters
     ----------
     loads
-        Loads of the rows by preload alone [N].
+        Loads of the rows by preload, without external force [N].
     directions
         Direction of each row's thrust, 1 or -1.
     force

@@ -518,7 +518,7 @@ def solve_set_equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSe
 
 
 def equal_rows_with_gap(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
-    """Return a set of equal bearing rows on a shaft, whose locknut closes the same gap between the rings of each row.
+    """Return equal bearing rows on a shaft, whose locknut closes the same gap between the rings of each row.
 
     Closing the gaps deflects two opposed rows together by twice the gap.
 
@@ -535,7 +535,7 @@ def equal_rows_with_gap(row: Row, directions: Sequence[int], gap: float) -> Bear
 
 
 def equal_rows_with_preload(row: Row, directions: Sequence[int], force: float) -> BearingSet:
-    """Return a set of equal bearing rows on a shaft with a given preload; displacements count from the preloaded state.
+    """Return equal bearing rows on a shaft with a given preload; displacements count from the preloaded state.
 
     Parameters
     ----------
@@ -576,6 +576,6 @@ def lift_off_force(bearings: BearingSet) -> float:
     """
     others = [g for g, s in zip(bearings.offsets, bearings.directions, strict=True) if s == -1]
     if not others:
-        raise ValueError("no bearing row takes thrust in the negative direction")
+        raise ValueError("lift-off got bearing rows of direction +1 only; allowed: at least one row of direction -1")
     state = bearing_set_state(bearings, max(others))
     return float(np.array(bearings.directions) @ state.loads)

@@ -13,8 +13,9 @@ power of that bracket. The integrals run over the loaded part of the circumferen
 which is 0 for pure thrust.
 
 Contact of a roller's spherical large end with the rib of the cone, in an axial plane, seen from the common apex: the end is
-a sphere of radius R_s whose centre C lies on the roller's
-axis. It passes through the large end of the contact line with the cone, at the distance g = l + L/2 from the apex:
+a sphere of radius R_s whose centre C lies on the roller's axis. It passes through the large end of the contact line with
+the cone, at the distance g = l + L/2 from the apex (l: distance of the line's middle, L: its length; gamma: half angle of
+the roller):
 
     sin(theta_0) = g sin(gamma)/R_s,   s = g cos(gamma) - R_s cos(theta_0)  (distance of C from the apex).              (2)
 

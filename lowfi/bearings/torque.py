@@ -175,7 +175,7 @@ def ball_torque(
     Parameters
     ----------
     kind
-        Design of the row.
+        Design of the row, such as "angular contact": a key of `LOAD`.
     angle
         Nominal contact angle [rad].
     pitch_diameter
@@ -216,7 +216,7 @@ class LoadTorque:
         "without lubricant and seals",
         error="empirical",
     )
-    #: Factor f_1.
+    #: Factor f_1 = 0.0013 (P_0/C_0)^(1/3) of the torque.
     factor: float = quantity_field("factor", "factor f1 = 0.0013 (P0/C0)^(1/3) of that torque")
     #: Static equivalent load P_0 [N].
     equivalent_load: float = quantity_field("equivalent_load_N", "static equivalent load P0 of the bearing")
@@ -350,7 +350,7 @@ class RollerTorque:
     film: float | None = quantity_field(
         "film_Nmm", "part of the oil film between rollers and races; null without lubricant or speed", error="upper bound"
     )
-    #: Torque of elastic hysteresis.
+    #: Torque of elastic hysteresis in the races' contacts.
     hysteresis: float = quantity_field("hysteresis_Nmm", "part of the steel's hysteresis, 1 % of the work of deformation")
     #: Torque of sliding and spin of the rollers' ends on the rib.
     rib: float = quantity_field(

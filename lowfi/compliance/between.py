@@ -58,7 +58,8 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
-#: Length of the loaded zone beyond the nut's faces over the patch's width, so that patches near a face are complete.
+#: Length by which the loaded zone exceeds the nut at either face, over the patch's width, so that patches near a face are
+#: complete.
 BESIDE = 2.5
 
 
@@ -95,13 +96,14 @@ def compliance_of_smooth_body(geometry: Scene, screw: bool, backend: Backend) ->
 def axial_range_of_contacts(geometry: Scene, tube: Tube) -> tuple[float, float]:
     """Return the lower and upper end of the axial range [m] that contains all load patches on a smooth body.
 
-    It is the nut's length and `BESIDE` widths of a patch beyond either face. ``tube``: smooth body, for the patches' width.
+    It is the nut's length and `BESIDE` widths of a patch beyond either face. ``geometry``: scene of
+    `reduce_to_compliance_geometry`; ``tube``: smooth body, which gives the width of the patches.
     """
     half = geometry.nut.length / 2.0 + BESIDE * tube.width
     return geometry.nut.position - half, geometry.nut.position + half
 
 
-#: Cached by the tube, so that scenes with the same screw but another nut share results.
+#: Functions whose results are cached by the tube, so that scenes with the same screw but another nut share results.
 cached_tube_compliance, cached_section_motions = (
     lru_cache(maxsize=32)(tube_compliance),
     lru_cache(maxsize=32)(motions_by_section_load),
@@ -120,9 +122,12 @@ def grooved_ring_compliance(geometry: Scene, screw: bool) -> RingCompliance:
 
 
 def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
-    """Return the motion of a contact by its own unit load beyond Hertz's law and the smooth body [m/N], on the true flank.
+    """Return the motion of a contact by a unit load on it, less the motions by Hertz's law and by the smooth body [m/N].
 
-    It holds for a narrow patch; `contact_size_correction` adds the influence of the contact's size.
+    The contact is on the true flank.
+
+    It holds for a narrow load patch; `lowfi.compliance.beyond_hertz.contact_size_correction` adds the influence of the
+    contact's size.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
     ``backend``: model of the bodies.
@@ -171,7 +176,7 @@ def smooth_body_compliance_beyond_beam(
 def contact_motions_by_section_wrench(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return the motions ``(2 c, 6)`` of contacts by a unit wrench on their own cross-sections, beyond the smooth body's.
+    """Return the motions ``(2 c, 6)`` of contacts by a unit wrench on their cross-sections, less those of the smooth body.
 
     The wrench consists of three forces and three moments. At a groove the body is thinner than on average and therefore
     strains more (`NearFace.strains`). Arguments, and the c contacts with two axes each, are those of
@@ -191,7 +196,7 @@ def nut_beam_compliance(
 
     The beam is clamped at the nut's faces or at its flange. The compliance is zero if the outer surface is fixed.
     ``layout``: positions of the balls; ``flanks``: flanks with contacts, 0 left, 1 right; ``section_strain_motions``: local
-    motions by wrenches at the grooves, see `clamped_beam_compliance`, or None to leave them out.
+    motions by wrenches at the grooves, see `clamped_beam_compliance`, or None to neglect these motions.
     """
     geometry = reduce_to_compliance_geometry(scene)
     x, axes = contact_points_and_axes(scene, layout, False, flanks)
@@ -209,7 +214,7 @@ def nut_beam_compliance(
 
 @lru_cache(maxsize=32)
 def near_face_compliance_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
-    """Return the compliance that grooves and end faces of screw or nut add between contacts of one or two turns.
+    """Return the compliance that grooves and end faces of screw or nut add between contacts of one groove turn or two.
 
     The result is cached in memory by the geometry, and that of `cached_near_face` on disk.
 
@@ -231,8 +236,8 @@ def cached_near_face(flank: Flank, tube: Tube, section: BeamSection, radii: tupl
     """Return the result of `near_face_compliance`, cached on disk by its arguments.
 
     ``flank``: groove of the body; ``tube``: smooth body; ``section``: section of the beam; ``radii``: range of radii in
-    which a face is fixed [m]; ``near``: whether a contact has a face within reach. Ends and flange of the tube have no
-    influence.
+    which a face is fixed [m]; ``near``: whether an end face is so near to a contact that its effect is computed. Ends and
+    flange of the tube have no influence.
     """
     return near_face_compliance(flank, tube, section, radii, near=near)
 
@@ -285,7 +290,7 @@ def groove_and_face_compliance(
 def compute_compliance_between_contacts(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Compute the compliance ``(2 c, 2 c)`` [m/N] of screw (beyond its beam) or nut between c contacts, without a cache.
+    """Compute the compliance ``(2 c, 2 c)`` [m/N] of screw (less its beam) or nut between c contacts, without a cache.
 
     It is `lowfi.compliance.bodies.compliance_between_contacts` for a body that is not rigid and for balls at any positions.
     Arguments are those of `smooth_body_compliance_beyond_beam`.
@@ -311,7 +316,7 @@ def compute_compliance_between_contacts(
 
 
 def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float, float]:
-    """Return the motions of contacts and high end of a screw by a unit wrench on its high end, beyond those of its beam.
+    """Return the motions of contacts and high end of a screw by a unit wrench on its high end, less those of its beam.
 
     The screw is fixed by the mean motions of its low end. The wrench consists of three forces and three moments.
 
@@ -378,7 +383,7 @@ def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: f
 def section_strain_motions_by_wrench(section_strain_motions: Array, stations: Array, at: float) -> Array:
     """Return the motions ``(2 c, 6)`` of c contacts, due to local strains at their grooves, by a unit wrench on a section.
 
-    ``section_strain_motions`` ``(2 c, 6)``: these motions by a unit wrench on the contact's own cross-section;
+    ``section_strain_motions`` ``(2 c, 6)``: these motions by a unit wrench on the cross-section of the contact;
     ``stations``: axial positions of the contacts, one for each axis ``(2 c,)`` [m]; ``at``: axial position of the loaded
     cross-section [m]. The wrench passes only through the sections below ``at``, so contacts above it do not move.
     """

@@ -102,7 +102,7 @@ def sphere_self_compliance_slope(radius: float, material: Material) -> float:
 
 
 def sphere_self_compliance(semi_axes: tuple[float, float], radius: float, material: Material) -> float:
-    """Return the motion of a contact on an elastic sphere by its own unit load, less that of a half space [m/N].
+    """Return the motion of a contact on an elastic sphere by a unit load on it, less that of a half space [m/N].
 
     The motion is averaged over the Hertz pressure.
 
@@ -143,7 +143,7 @@ class Flank:
     far: float
     #: Whether the body is the screw; otherwise it is the nut.
     screw: bool
-    #: Half a lead, or half a ring's width [m].
+    #: Axial distance from mid groove to mid land [m]: half a lead, or half the width of a ring.
     half: float
     #: Material of the body.
     material: Material
@@ -171,7 +171,7 @@ class Flank:
 
 
 def half_space_compliance(width: float, material: Material) -> float:
-    """Return the mean motion of a circular Gaussian patch on a half space by its own unit normal load [m/N].
+    """Return the mean motion of a half space under a circular Gaussian patch of unit normal load [m/N].
 
     It is (1 - nu^2)/(2 sqrt(pi) E s) with the standard deviation s of the patch.
 
@@ -210,7 +210,7 @@ def contact_size_correction_slope(flank: Flank) -> float:
 
 
 def contact_size_correction(flank: Flank, semi_axes: tuple[float, float]) -> float:
-    """Return the change of a contact's compliance from the narrow circular patch to its actual size and shape [m/N].
+    """Return how much the compliance of a contact of given size and shape exceeds that of a narrow circular patch [m/N].
 
     ``flank``: groove of the body; ``semi_axes``: semi-axes of the contact ellipse, across the groove and along it [m].
     """

@@ -71,7 +71,7 @@ class BodyCompliance:
 
     #: Compliance between the contacts, all left ones, then all right ones, two axes each ``(2 c, 2 c)`` [m/N].
     G: Array
-    #: Linear compliance of each contact in addition to Hertz, by its own load [m/N].
+    #: Linear compliance of each contact under the load on it, in addition to Hertz's law [m/N].
     e: float
     #: Derivative of e with respect to the logarithm of the contact's size [m/N].
     slope: float
@@ -83,7 +83,7 @@ class BodyCompliance:
 class BallCompliance:
     """Compliance of a ball as an elastic sphere at its four contacts, in addition to Hertz contact."""
 
-    #: Linear compliance of each contact by its own load [m/N].
+    #: Linear compliance of each contact under the load on it, in addition to Hertz's law [m/N].
     e: float
     #: Derivative of e with respect to the logarithm of the contact's size [m/N].
     slope: float
@@ -256,7 +256,7 @@ class EndResponse:
 
 
 def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: Backend) -> EndResponse | None:
-    """Return the motions of a screw's contacts and of its high end by a unit wrench on that end, beyond those of its beam.
+    """Return the motions of a screw's contacts and of its high end by a unit wrench on that end, less those of its beam.
 
     ``layout``: positions of the balls; ``backend``: model of the bodies' compliance. The result is None for a screw that is
     rigid or only a beam, and for a bearing ring fixed at its bore. The arrays are cached for all load cases of the same
@@ -282,7 +282,7 @@ def _cached_response_to_end_wrench(scene: Scene, backend: Backend) -> EndRespons
 
 
 def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
-    """Return the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, beyond those of its beam.
+    """Return the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less those of its beam.
 
     The order is that of `EndResponse.contacts`. ``layout``: positions of the N balls; ``at``: axial position of the section
     [m], inside the stretch of a screw for which `screw_response_to_end_wrench` is not None. The array is cached as in
@@ -375,7 +375,7 @@ class Condensed:
         return self.parts == PARTS
 
     def flanks_covered_by_file(self, sides: list[int]) -> list[int]:
-        """Return those of the flanks ``sides`` (0, 1: screw; 2, 3: nut) whose contacts have the file's compliance."""
+        """Return those of the flanks ``sides`` (0, 1: screw; 2, 3: nut) whose contact compliance is read from the file."""
         return [s for s in sides if s in self.bodies.sides and ("screw" if s < 2 else "nut") in self.parts]
 
     def replace_normal_compliance(
@@ -464,9 +464,10 @@ def nominal_normals_matrix(scene: Scene, N: int, sides: list[int]) -> Array:
 def normal_and_tangent_matrices(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
     """Return two matrices that split contact motions into those along the nominal normals of some flanks, and the others.
 
-    ``N``: number of balls; ``sides``: f flanks with contacts; ``known``: k of these flanks. Columns are two axes for each
-    ball and each of its flanks ``sides``. The first matrix ``(N k, 2 N f)`` has a unit row along the normal for each ball
-    and each flank of ``known``; the rows of the second complete it to an orthonormal basis.
+    ``N``: number of balls; ``sides``: f flanks with contacts; ``known``: k of these flanks, whose motions along the normals
+    are to be separated. Columns are two axes for each ball and each of its flanks ``sides``. The first matrix has a unit
+    row along the normal for each ball and each flank of ``known``, ``(N k, 2 N f)``; the rows of the second complete it to
+    an orthonormal basis.
     """
     beta = scene.track.contact_angle
     along: list[Array] = []
@@ -526,7 +527,7 @@ def _smallest_eigenpairs(G: Array) -> tuple[Array, Array]:
 def _ritz_pairs(G: Array, apply: Callable[[Array], Array], count: int) -> tuple[Array, Array]:
     """Return approximate eigenvalues and eigenvectors (Ritz pairs) of G in a block Krylov space of its shifted inverse.
 
-    ``apply``: function that multiplies vectors by the shifted inverse; it is applied ``INVERSES`` times to ``count`` random
+    ``apply``: function that multiplies vectors by the shifted inverse; it is applied `INVERSES` times to ``count`` random
     vectors. The smallest eigenvalues of G converge first.
     """
     basis = np.linalg.qr(np.random.default_rng(0).standard_normal((len(G), count)))[0]

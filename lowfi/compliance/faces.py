@@ -47,8 +47,8 @@ from rollbench.meshes.section import BeamSection
 
 #: Range of radii [m] in which a face is fixed if it is fixed as a whole.
 WHOLE = (0.0, np.inf)
-#: Distance over the ball's radius within which an end face influences a contact, and at which the body is clamped behind
-#: it.
+#: Distance over the ball's radius within which an end face influences a contact, and at which the body is clamped on the
+#: side of the contact that is away from the face.
 REACH = 7.0
 #: Distances of the end faces from mid groove over the ball's radius for which results are computed; the first is at the
 #: groove's edge.
@@ -92,19 +92,20 @@ class NearFace:
     distance: Array
     #: Compliance added by a face ``(2, n, 2, 2, f, 2, k)`` [m/N]. Axes: face free or fixed; harmonic around the axis; flank
     #: that moves, the one pressed towards the face or the other one; its motion along the nominal load or across it; loaded
-    #: flank, one of this groove (f = 2) or also of the groove behind it (f = 4); load along or across; distance. It is zero
-    #: beyond the last distance and constant below the first. The effect of a fixed face across the loads, a tenth of that
-    #: of a free face, is neglected.
+    #: flank, of this groove (f = 2) or also of the groove behind it (f = 4); direction of the load, along the nominal
+    #: load or across it; distance of the face. The compliance is zero beyond the last distance and constant below the
+    #: first. The effect of a fixed face on motions across the loads, a tenth of the effect of a free face, is
+    #: neglected.
     gain: Array
-    #: Distance of the contacts from mid groove [m].
+    #: Axial distance of the contacts from mid groove [m].
     beside: float
     #: Compliance added between contacts far from any face ``(n, 2, f)`` [m/N].
     far: Array
-    #: Motion of a contact there by its own load beyond Hertz and the smooth body, for a narrow patch
-    #: (`contact_size_correction`) [m/N].
+    #: Motion of a contact far from any face by a unit load on itself, less the motions by Hertz's law and by the smooth
+    #: body, for a narrow load patch; `contact_size_correction` adds the influence of the contact's size [m/N].
     alone: float
-    #: Motions by tension and moment on the contact's section, `contact_motions_by_tension_and_moment` ``(2, 2)``; zero for
-    #: a body without a beam.
+    #: Motions of the contacts by tension and bending moment on their cross-section, as from
+    #: `contact_motions_by_tension_and_moment` ``(2, 2)``; zero for a body without a beam.
     strains: Array
 
     @property
@@ -132,7 +133,7 @@ class NearFace:
         return np.asarray(np.einsum("m...k,mk->m...", sum_of_harmonics(self.gain[int(held)], angle), share))
 
     def compliance_between(self, angle: Array) -> Array:
-        """Return the compliance ``(m, 2, f)`` [m/N] between contacts far from any face, beyond the smooth body's.
+        """Return the compliance ``(m, 2, f)`` [m/N] between contacts far from any face, less that of the smooth body.
 
         ``angle`` ``(m,)``: angles around the axis between the contacts of m pairs [rad]. The last two axes are for the
         flank that moves and the loaded flank.
@@ -168,12 +169,12 @@ def near_face_compliance(
     held_radii
         Range of radii in which a face is fixed, if it is fixed [m].
     near
-        Whether a contact has a face within reach.
+        Whether an end face lies within `REACH` ball radii of a contact, so that its effect is computed.
 
     Raises
     ------
     ValueError
-        A face is within reach, and the groove ends at the land before it reaches the nominal contact.
+        ``near`` is True, and the groove ends at the land before it reaches the nominal contact.
     """
     if near:
         _check_land(flank)
@@ -181,9 +182,10 @@ def near_face_compliance(
     strains = contact_motions_by_tension_and_moment(flank, smooth) if a_beam else np.zeros((2, 2))
 
     def gains(finer: Patch, last: slice, kinds: int, radii: tuple[float, float]) -> tuple[Array, Grid, Array]:
-        """Return the added compliance for the end faces ``last`` of ``CUTS``, the grid, and the faces' distances [m].
+        """Return the added compliance, the grid of the grooved body, and the distances of the end faces [m].
 
-        kinds: 1 for motions along the loads, 2 also across them; radii: range in which a face is fixed [m].
+        ``finer``: load patch and mesh; ``last``: selection of the end faces at the distances `CUTS`; ``kinds``: 1 for
+        motions along the loads, 2 also across them; ``radii``: range of radii in which a face is fixed [m].
         """
         grid, cuts = grooved_grid(flank, finer.mesh)
         cuts, z = cuts[last], grid.z[:, 0]
@@ -245,7 +247,7 @@ def append_high_harmonics(flank: Flank, waves: Array) -> Array:
 
 
 def contact_motions_by_own_section_wrench(points: Points, side: Array, strains: Array) -> Array:
-    """Return the motions ``(k c, 6)`` of c contacts, with k axes each, by a unit wrench on their own cross-sections.
+    """Return the motions ``(k c, 6)`` of c contacts, with k axes each, by a unit wrench on the contact's cross-section.
 
     The wrench consists of three forces and three moments; only tension and bending moments have an effect. ``points``: the
     contacts; ``side`` ``(c,)``: -1 for a flank at negative z of its groove, 1 at positive z; ``strains``: see
@@ -264,8 +266,8 @@ def motions_beyond_smooth_beam(
     """Return the motions ``(2, 2, f)`` [m/N] of both flanks by the beam of the grooved body less those of the smooth body.
 
     The first axis is for harmonics 0 and 1, the second for the flank that moves, the third for the loaded flank.
-    ``section``: section of the grooved beam, which is clamped at both ``ends`` [m]; ``strains``: see
-    `contact_motions_by_tension_and_moment`.
+    ``flank``: groove of the body; ``smooth``: smooth body of revolution; ``section``: section of the grooved beam;
+    ``ends``: axial positions at which it is clamped [m]; ``strains``: see `contact_motions_by_tension_and_moment`.
     """
     plain = smooth.section
     places, along = (np.concatenate([x, x]) for x in contact_positions_and_directions(flank, ends[0]))
@@ -285,11 +287,11 @@ def motions_beyond_smooth_beam(
 def motions_beyond_smooth_body(
     flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], finer: Patch, kinds: int
 ) -> Array:
-    """Return the motions of the true flanks minus those of the smooth body [m/N], each body under its own load patch.
+    """Return the motions of the true flanks less those of the smooth body [m/N].
 
-    ``smooth``: smooth body of revolution; ``grid``: grid of the grooved body; ``finer``: size of the load patch and
-    fineness of mesh and harmonics for the true flanks; the other arguments and the axes of the result are those of
-    `patch_motions_for_end_faces`.
+    The load patches of the two bodies differ in width. ``smooth``: smooth body of revolution, with the width of its
+    patches; ``grid``: grid of the grooved body; ``finer``: size of the load patch and fineness of mesh and harmonics for
+    the true flanks; the other arguments and the axes of the result are those of `patch_motions_for_end_faces`.
     """
     width = finer.width * flank.map.ball
     true = flank_patch_loads(flank, grid, cuts, width, kinds)
@@ -312,8 +314,8 @@ def half_lead_grid(flank: Flank, grid: Grid) -> Grid:
 def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
     """Return the grid of a grooved body, then the numbers of the grid lines in z at which an end face may be.
 
-    The grid reaches from the clamped end to the furthest face; mid groove of the loaded groove is at z = 0. ``mesh``:
-    numbers of elements on the loaded flank and in depth.
+    The grid reaches from the clamped end to the end face that is furthest from the loaded groove, whose middle is at z = 0.
+    ``mesh``: numbers of elements on the loaded flank and in depth.
     """
     ball, reach = flank.map.ball, REACH * flank.map.ball
     r, z = groove_surface_nodes(
@@ -506,7 +508,7 @@ def merge_equal_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[li
 
     ``loads`` ``(f, cuts, nodes of the grid, 3)``: nodal forces of f load patches for each end face; ``cuts``: numbers of
     the grid lines in z at which the end face may be. A patch that lies entirely below an end face has the same load as for
-    the furthest face.
+    the end face furthest from the loaded groove.
 
     Returns
     -------

@@ -161,9 +161,7 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
             J = np.stack([r @ along_r, z @ along_r, r @ along_z, z @ along_z], axis=-1)
             det = J[:, 0] * J[:, 3] - J[:, 1] * J[:, 2]
             if not (det > 0.0).all():
-                raise ValueError(
-                    "an element of the finite-element grid is turned inside out; the geometry of the body is impossible"
-                )
+                raise ValueError("an element of the finite-element grid is turned inside out: check the body's dimensions")
             by_r = (J[:, 3, None] * along_r - J[:, 1, None] * along_z) / det[:, None]
             by_z = (J[:, 0, None] * along_z - J[:, 2, None] * along_r) / det[:, None]
             radius = r @ N
@@ -290,7 +288,8 @@ class Body:
         """Return the assembled stiffness parts K_0, K_1, K_2 of radial rows of elements ``(3, rows, 3, m, 3, m)``.
 
         A row consists of all elements between two neighbouring element ends in z. It has three grid lines (both ends and
-        the middle) with m degrees of freedom each. ``chosen``: numbers of the rows, all by default.
+        the middle) with m degrees of freedom each. The axes are the part, the row of elements, then grid line and degree of
+        freedom twice. ``chosen``: numbers of the rows, all by default.
         """
         columns, width = self.grid.shape[1] // 2, self.grid.shape[1]
         elements = self.elements.reshape(3, -1, columns, *(3,) * 6)[:, chosen]
@@ -391,7 +390,7 @@ class BlockSum:
         return out
 
     def reach(self, low: int, high: int) -> tuple[int, int]:
-        """Return the first row, and the last row + 1, of the entries that may be nonzero in some columns.
+        """Return the range of rows (first row, last row + 1) in which a range of columns may have nonzero entries.
 
         ``low``: first column; ``high``: last column + 1.
         """
@@ -456,7 +455,8 @@ class Stretch:
     stiffness: Array
     #: Forces on the end lines by k unit loads on the nodes between them ``(h, q, k)``.
     forces: Array
-    #: Compliance of the loaded nodes with both end lines fixed: diagonal blocks ``(h, w, w)``, each with its first load.
+    #: Compliance of the loaded nodes with both end lines fixed: diagonal blocks ``(h, w, w)``, each after the index of its
+    #: first load.
     motion: tuple[tuple[int, Array], ...] = ()
 
 

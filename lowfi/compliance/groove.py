@@ -240,7 +240,7 @@ def equal_patch_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Ar
 
 
 def unresolved_motion(flank: Flank, coarse: Grid, last: int) -> float:
-    """Return the part of a narrow patch's motion by its own unit load that a coarse grid does not resolve [m/N].
+    """Return the part of a narrow patch's motion by a unit load on it that a coarse grid does not resolve [m/N].
 
     It is the difference between the fine and the coarse grid up to the harmonic ``last``, plus all higher harmonics.
     """

@@ -49,9 +49,9 @@ class Backend:
     #: Section of the screw's beam: that of the scene (eq. C.8 of Lin's thesis), or computed from half a lead with its
     #: groove.
     section: Literal["scene", "cell"] = "cell"
-    #: Screw as a beam only, or with an elastic body of revolution (solved by Fourier harmonics) beyond the beam.
+    #: Screw as a beam only, or as a beam with an elastic body of revolution added (solved by Fourier harmonics).
     screw: Literal["beam", "kernel"] = "kernel"
-    #: Nut rigid apart from its contacts, as a beam, or with an elastic body of revolution beyond the beam.
+    #: Nut rigid apart from its contacts, as a beam, or as a beam with an elastic body of revolution added.
     nut: Literal["rigid", "beam", "kernel"] = "kernel"
     #: Ball as two half spaces (Hertz) or as an elastic sphere.
     ball: Literal["half space", "sphere"] = "sphere"
@@ -111,7 +111,8 @@ def idealisation_statements(backend: Backend, scene: Scene) -> tuple[str, ...]:
 def reduce_to_compliance_geometry(scene: Scene) -> Scene:
     """Return a scene with only the geometry and materials on which the compliance of screw and nut depends.
 
-    Loads, supports, errors, names and settings of solvers are removed, so that equal geometries share cached results.
+    Loads, supports, manufacturing errors, names and settings of solvers are removed, so that equal geometries share cached
+    results.
     """
     return Scene(
         "",

@@ -51,8 +51,8 @@ class CellSection:
 def flank_profile_points(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Array, Array]:
     """Return points on one flank of a groove from the apex to the edge of the land: radii r, then axial positions zeta [m].
 
-    Each array is ``(count,)``; zeta = 0 at the apex. ``land``: radius of the land [m]; ``screw``: whether the body is the
-    screw (True) or the nut.
+    Each array is ``(count,)``; zeta = 0 at the apex. ``m``: geometry of the groove; ``land``: radius of the land, the
+    cylindrical surface between the turns of the groove [m]; ``screw``: whether the body is the screw (True) or the nut.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def flank_profile_points(m: GrooveMap, land: float, screw: bool, count: int) -> 
     sign = -1.0 if screw else 1.0
 
     def beyond(gamma: float) -> bool:
-        """Return whether the flank's point at the contact angle gamma [rad] lies beyond the cylinder of the land."""
+        """Return whether the flank's point at the contact angle gamma [rad] lies past the cylinder of the land."""
         x3, z3 = m.polar_to_section(side, np.array(gamma), radius)
         return bool(sign * (float(m.section_to_unrolled(x3, z3)[0]) - land) < 0.0)
 
@@ -102,7 +102,7 @@ def cell_grid(
     mesh
         Numbers of elements along the flank, along the land, and in depth.
     half
-        For a body without lead: its length on each side of mid groove [m].
+        For a body without lead: its length on each side of mid groove [m]; None for a body with a lead.
 
     Raises
     ------
@@ -321,7 +321,8 @@ def points_in_space(x: Array, axes: Array) -> Points:
 def radial_element_ends(tube: Tube) -> tuple[Array, int]:
     """Return the radii at which a tube's finite elements end [m], then the number of the grid line at the loaded radius.
 
-    Elements are small near the loaded radius. Grid lines include those through the elements' mid nodes.
+    Elements are small near the loaded radius. Grid lines are numbered from 0 at the bore, and include those through the
+    elements' mid nodes.
     """
     low, high, at = tube.bore, tube.outer, float(np.clip(tube.radius, tube.bore, tube.outer))
     h = tube.size[1]
@@ -352,7 +353,7 @@ def axial_element_ends(tube: Tube, zone: tuple[float, float]) -> Array:
     middle = np.linspace(a, b, max(2, int(np.ceil((b - a) / h))) + 1)
 
     def beyond(length: float) -> Array:
-        """Return distances of element ends beyond the loaded zone, up to ``length`` [m]; elements grow outwards."""
+        """Return distances of element ends from the loaded zone, up to ``length`` [m]; elements grow outwards."""
         if length <= 0.0:
             return np.zeros(0)
         count = max(1, round(2.5 * (np.sqrt(1.0 + length / h) - 1.0)))
@@ -379,7 +380,7 @@ def add_element_ends_of_flange(tube: Tube, r_ends: Array, z_ends: Array) -> tupl
 
 
 def fixed_freedoms(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
-    """Return which degrees of freedom ``(3 nodes,)`` of a grid are fixed; nodes outside the tube are included."""
+    """Return which degrees of freedom ``(3 nodes,)`` of a grid are fixed, among them all of the nodes outside the tube."""
     beyond = np.ones(grid.r.size, dtype=bool)
     beyond[grid.cells()[tube.solid(grid)].ravel()] = False
     held = np.repeat(beyond, 3).reshape(*grid.shape, 3)
@@ -613,7 +614,7 @@ def cantilever_compliance(
 def compliance_of_local_groove_strains(section_strain_motions: Array, rows: Array, stations: Array, base: float) -> Array:
     """Return the compliance ``(k, k)`` [m/N] between k points of a beam that is due to local strains at its grooves.
 
-    ``section_strain_motions`` ``(k, 6)``: motion of each point by a unit wrench (three forces, three moments) that its own
+    ``section_strain_motions`` ``(k, 6)``: motion of each point by a unit wrench (three forces, three moments) that its
     cross-section transmits, which is the resultant of all loads beyond the section and of half the loads in it. By
     reciprocity a load at a section also moves all points beyond that section. ``base``: axial position at which the beam is
     fixed [m]; ``rows``, ``stations``: see `cantilever_compliance`.

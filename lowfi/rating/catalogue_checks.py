@@ -100,7 +100,7 @@ class ShaftLimits:
         """Warnings about permissible compression or speed that the scene exceeds."""
         found = []
         if self.compression > self.allowed_load:
-            words = f"{self.compression:.4g} N compress {1e3 * self.length:.4g} mm of shaft, {self.ends}"
+            words = f"{self.compression:.4g} N compress {1e3 * self.length:.4g} mm of shaft with the ends {self.ends}"
             text = f"{words}; makers allow {self.allowed_load:.4g} N, half of the buckling load"
             found.append(Warned("buckling", text, f"compression {self.compression:.4g} N, above {self.allowed_load:.4g} N"))
         if self.speed is not None and self.speed > self.allowed_speed:
@@ -119,7 +119,7 @@ def root_diameter(scene: Scene) -> float:
 
 
 def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
-    """Return the free lengths of a screw shaft with the kinds of support at their ends.
+    """Return the free lengths of a screw shaft, each with the supports of its ends: "fixed", "supported" or "free".
 
     A bearing that fixes both lateral displacements supports the shaft. The first or last bearing is a fixed end if it also
     fixes both tilting rotations.
@@ -127,8 +127,8 @@ def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
     Returns
     -------
     list[tuple[float, tuple[str, str]]]
-        Lengths [m] between neighbouring bearings, or from a single bearing to the farther end of the shaft. With each
-        length the kinds of its two ends, the stiffer one first.
+        For each free length its value [m], between neighbouring bearings or from a single bearing to the farther end of the
+        shaft, and the supports of its two ends, the stiffer one first.
     """
     bearings = sorted((s for s in scene.supports if _support_fixes(s, "ux", "uy")), key=lambda s: s.at)
     held = ["fixed" if _support_fixes(s, "rx", "ry") else "supported" for s in bearings]
@@ -154,7 +154,7 @@ def buckling_load_and_critical_speed(
     length
         Free length L [m].
     ends
-        Kinds of support at the two ends, a key of ``FACTORS``.
+        Supports of the two ends, the stiffer one first: "fixed", "supported" or "free", a key of `FACTORS`.
     root, bore
         Outer and inner diameter of the shaft [m].
     modulus
@@ -271,6 +271,8 @@ def efficiency_by_overall_friction(track: Track, coefficient: float) -> float:
 def warn_of_overall_friction_coefficient(track: Track, friction: Friction) -> list[Warned]:
     """Return a warning if a scene's coefficient of sliding friction is as small as overall coefficients of catalogues.
 
+    The list is empty if there is nothing to warn of.
+
     Parameters
     ----------
     track
@@ -291,7 +293,7 @@ def warn_of_overall_friction_coefficient(track: Track, friction: Friction) -> li
         f"and calculators{as_one}"
     )
     text = (
-        f"{brief}; here it is about 0.1 with grease, less with a full film: if an overall coefficient was meant, friction "
-        "torque and losses are several times too small"
+        f"{brief}; in contacts it is about 0.1 with grease, less with a full film: if an overall coefficient was meant, "
+        "friction torque and losses are several times too small"
     )
     return [Warned("coefficient", text, brief)]

@@ -148,7 +148,7 @@ class Truncation:
 
 
 def contact_pressures(scene: Scene, found: StaticResult) -> Array:
-    """Return the largest pressure of the four contacts of each of n balls ``(n, 4)`` [Pa]; nan without equilibrium.
+    """Return the largest pressure in each of the four contacts of n balls ``(n, 4)`` [Pa]; nan without equilibrium.
 
     If the model of the result ``found`` computes no pressures, they follow from the loads by Hertz's theory, for radii with
     their random errors.
@@ -163,8 +163,8 @@ def contact_of_highest_pressure(
 ) -> Contact | None:
     """Return the ball contact with the highest pressure.
 
-    It is an elliptical Hertz contact for the radii of ball and groove with their random errors, even if the force law uses
-    error-free radii (ingredient ``hertz``). Valid for ellipses small against ball and groove.
+    It is an elliptical Hertz contact for the radii of ball and groove with their random errors, even if the model computes
+    its contact forces with error-free radii. Valid for ellipses small against ball and groove.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def contact_of_highest_pressure(
     angle
         Contact angles ``(n, 4)`` [rad].
     pressure
-        Largest pressures ``(n, 4)`` [Pa] to use in place of those by Hertz.
+        Largest pressure in each contact ``(n, 4)`` [Pa], to use in place of Hertz's; None for Hertz's pressures.
 
     Returns
     -------
@@ -309,7 +309,7 @@ class RollerContact:
     )
     #: Largest pressure at that position [Pa].
     pressure: float = quantity_field("pressure_MPa", heading="peak pressure", note="roller {roller}, {race} race")
-    #: Largest pressure of the same roller on its other race [Pa].
+    #: Largest pressure on the roller's other race [Pa].
     other: float = quantity_field(
         "other_race_pressure_MPa", "largest pressure of that roller on its other race", error="half that of the line load"
     )

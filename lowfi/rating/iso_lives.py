@@ -34,8 +34,8 @@ Balls: Q_c is that of `lowfi.rating.life` (2), which the standard expresses by C
 
     L_10r = ((Q_ci/Q_ei)^(-10/3) + (Q_ce/Q_ee)^(-10/3))^(-9/10),   P_ref = C/L_10r^(1/3).                             (3)
 
-This is the life that `life` returns; for four-point contact the sum includes all four flanks. If the rating C of a
-catalogue replaces the computed one, L_10r changes by the cube of their ratio.
+This is the life that `lowfi.rating.life.basic_rating_life` returns; for four-point contact the sum includes all four
+flanks. If the rating C of a catalogue replaces the computed one, L_10r changes by the cube of their ratio.
 
 Rollers are cut into n_s >= 30 laminae; lamina k of roller j carries q_jk, and at the roller's edges the stress is higher:
 
@@ -101,7 +101,7 @@ class ModifiedLife:
     reliability: float = quantity_field("reliability_percent", "share of screws or bearings that reach it")
     #: Factor a_1 for the reliability.
     a_1: float = quantity_field("a_1", "factor of the reliability (ISO 281)")
-    #: Factor a_ISO for lubricant and contamination; None if the scene does not give them.
+    #: Factor a_ISO for lubricant and contamination; None if the scene does not give both viscosity ratio and contamination.
     a_iso: float | None = quantity_field(
         "a_ISO", "factor of lubricant and contamination (ISO 281); null where they are not given"
     )
@@ -139,7 +139,7 @@ def life_factor_for_lubrication(kappa: float, clean: float, *, thrust: bool = Fa
     kappa
         Viscosity ratio, at least 0.1; values above 4 count as 4.
     clean
-        Contamination factor times fatigue load limit over equivalent load, e_C C_u/P.
+        Product of the contamination factor e_C and the ratio C_u/P of fatigue load limit to equivalent load.
     thrust
         Whether the bearing is a thrust bearing.
 
@@ -188,6 +188,7 @@ def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
     -------
     ModifiedLife | None
         The modified life; None if the basic life is None, or if the scene gives neither reliability nor viscosity ratio.
+        The life counts a_ISO as 1 if the scene does not give both viscosity ratio and contamination.
     """
     of = scene.operation
     if life is None or (of.reliability is None and of.viscosity_ratio is None):
@@ -244,7 +245,7 @@ def ball_reference_life(scene: Scene, life: Life | None) -> ReferenceLife | None
     scene
         Scene of the bearing.
     life
-        Basic rating life under its contact loads (`rollbench.lowfi.rating.life.life`).
+        Basic rating life under its contact loads (`lowfi.rating.life.basic_rating_life`).
 
     Returns
     -------

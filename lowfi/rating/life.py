@@ -254,7 +254,8 @@ def filled_turns(scene: Scene) -> float:
 def _capacity_factors(scene: Scene) -> tuple[Array, float]:
     """Return the factors of eq. (2) of this module for conformity and curvature ``(4,)``, then the ball's diameter [mm].
 
-    The first value contains gamma^0.3; its order is SL, SR, NL, NR (screw or inner ring, nut or outer ring; left, right).
+    The factors include gamma^0.3, gamma being D cos(alpha)/D_pw; their order is SL, SR, NL, NR (screw or inner ring, nut or
+    outer ring; left, right flank).
     """
     alpha, D = scene.track.contact_angle, 2.0 * scene.balls.radius
     gamma = D * cos(alpha) / (2.0 * scene.track.pitch_radius)
@@ -450,7 +451,7 @@ LIMITS, RADIAL_FACTORS, AXIAL_FACTORS = (
 
 @result_record
 class EquivalentLife:
-    """Life of a duty cycle by the equivalent loads of a standard, eqs. (5) to (7) of the module `rating.life`."""
+    """Life of a duty cycle by the equivalent loads of a standard, eqs. (5) to (7) of the module `lowfi.rating.life`."""
 
     #: Life L10 [10^6 revolutions].
     revolutions: float = quantity_field(
@@ -631,12 +632,14 @@ def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
     if axial > e * radial:
         return X * radial + Y * axial
     if thrust:
-        raise ValueError(f"ISO 281 does not cover a thrust bearing with a radial force above {1.0 / e:.2g} times the axial")
+        raise ValueError(
+            f"ISO 281 does not cover a thrust bearing with a radial force above {1.0 / e:.2g} times the axial force"
+        )
     return radial
 
 
 def _uncovered_loads(scene: Scene, *, ring: bool) -> str:
-    """Return words for a load in a scene that the life standard does not cover; empty if it covers all loads.
+    """Return a phrase that names a load of a scene that the life standard does not cover; empty if it covers all loads.
 
     ``ring``: whether the scene is a bearing (ISO 281); otherwise it is a ball screw (ISO 3408-5).
     """

@@ -15,9 +15,10 @@ taken as thick tubes under uniform pressure over the loaded length i P_h of each
                                       + ((d_c^2 + d_b^2)/(d_c^2 - d_b^2) - nu_s)/E_s).
                                                                                                                        (2)
 
-i counts only turns that are filled with balls (`life.filled_turns`), so that gaps between circuits do not change (2). In
-reality the wall next to the loaded turns carries a part of the load over a length of about sqrt(R t)/1.3 (R its mean
-radius, t its thickness). This is neglected, as in ISO 3408-4, and makes (2) too soft, mostly for short circuits far apart.
+i counts only turns that are filled with balls (`lowfi.rating.life.filled_turns`), so that gaps between circuits do not
+change (2). In reality the wall next to the loaded turns carries a part of the load over a length of about sqrt(R t)/1.3
+(R its mean radius, t its thickness). This is neglected, as in ISO 3408-4, and makes (2) too soft, mostly for short
+circuits far apart.
 
 With unequal loads (R_nu,ar): the displacement comes from a model that solves for the contact loads; it is that of the
 screw's section at the nut's centre. ISO 3408-4 uses a factor of the tolerance class instead. This rigidity may exceed the
@@ -189,7 +190,7 @@ def axial_displacement(scene: Scene, result: StaticResult) -> float:
 
 
 def axial_force(result: StaticResult) -> float:
-    """Return the axial force of the screw on the nut [N]; zero if it is only a round-off error of the contact loads.
+    """Return the axial force of the screw on the nut [N]; zero if it does not exceed the contact loads' round-off error.
 
     Parameters
     ----------

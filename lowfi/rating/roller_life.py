@@ -115,7 +115,7 @@ def dynamic_rating(row: RollerRow) -> float:
 
 
 def static_rating(row: RollerRow) -> float:
-    """Return the basic static load rating C_0 of a row of rollers (ISO 76).
+    """Return the basic static load rating C_0 of a row of tapered rollers (ISO 76).
 
     It is the load at which the most heavily loaded roller has a pressure of 4,000 MPa at the middle of its contact with the
     cone. Under a radial load that roller carries five times the mean load (Stribeck).
