@@ -116,7 +116,7 @@ def contact_loads_of_ball(bearing: Bearing, axial_force: float, radial_displacem
 
     Returns
     -------
-    SettledCell
+    ContactLoadSolution
         Contact loads ``(4,)`` [N], contact angles from the radial direction ``(4,)`` [rad], positions of the ball along x,
         y ``(2,)`` [m] and of the inner ring along x ``(1,)`` [m].
 

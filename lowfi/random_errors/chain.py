@@ -209,8 +209,8 @@ def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float, *, compi
     --------
     Equal balls between rigid bodies carry equal loads:
 
-    >>> rigid = Chain(10, 1e10, 0.0, 0.5e-3, np.pi / 4, 0.08, "constant")
-    >>> state = solve_chain(rigid, np.zeros(10), 1e3)
+    >>> rigid = BallScrewChain(10, 1e10, 0.0, 0.5e-3, np.pi / 4, 0.08, "constant")
+    >>> state = solve_ball_screw(rigid, np.zeros(10), 1e3)
     >>> bool(np.allclose(state.load, 1e3 / (10 * rigid.slope)))
     True
     """

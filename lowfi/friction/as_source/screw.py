@@ -13,8 +13,8 @@ computed first, and this position is then held.
 
 A whole ball screw over time (section 3.4.4): in each step the loads are found as a root, then the motion of every ball
 separately, then the motion of groups of balls which are near enough to touch and approach each other (equation 3.77). The
-positions advance with these speeds. The method does not prevent negative gaps; `SourceRun.overlap` says how large they
-become.
+positions advance with these speeds. The method does not prevent negative gaps; the property
+`LinScrewHistory.largest_overlap` gives the largest of them.
 
 To count failures, the root is searched from several starts: from rolling balls, and from random deviations from rollbench's
 own solution. Every search yields the motion that it found, or None if Lin's method finds no contact loads to begin with.
@@ -108,8 +108,8 @@ def starting_positions(cell: BallsBetweenGrooves) -> BallPositions:
     """Return the positions from which the search of the contact loads starts.
 
     The screw is displaced along its load by four times the approach of a ball under its part of the load, and by the
-    clearance; the balls are half way. The nominal state of Lin's text has no stiffness without preload. `settle_load` in
-    ``lowfi.friction.screw.motion`` starts from the same positions for a screw without given displacement.
+    clearance; the balls are half way. The nominal state of Lin's text has no stiffness without preload. The
+    function `solve_screw_contact_loads` starts from the same positions for a screw without given displacement.
     """
     total, (_, size) = float(np.linalg.norm(cell.force)), load_and_approach_scales(cell)
     size += max(0.0, -float(np.min(cell.interference)))
@@ -415,7 +415,7 @@ class LinScrewHistory:
     groove_torque: Array
     #: Friction torque of the contacts between balls ``(T,)`` [N m].
     ball_torque: Array
-    #: Status of each step's motion (`SourceMotion.status`); ``"failed"`` also if no contact loads were found. After a
+    #: Status of each step's motion (`LinMotion.status`); ``"failed"`` also if no contact loads were found. After a
     #: failure the speeds of the previous step continue.
     status: tuple[str, ...]
 

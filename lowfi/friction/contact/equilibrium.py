@@ -132,7 +132,7 @@ def solve_contact_loads_of_each_ball(
     return x, force, normal, left
 
 
-#: Values of ``Motion.status`` in the order of the numbers that the kernel returns.
+#: Values of ``BodyMotion.status`` in the order of the numbers that the kernel returns.
 STATUS = ("exact", "regularised", "at rest")
 #: Options of MINPACK's hybrid method, which is nearly Matlab's fsolve. A short first step finds more roots for single balls
 #: from random starts than the default factor of 100.

@@ -122,7 +122,7 @@ def dissipated_power(contacts: Contacts, motion: Array, regularising_speed: floa
 
     Examples
     --------
-    >>> d = dissipated_power(equal_contacts(1e-3, 1e-3, 10.0, 0.1), rotation_about_point(1.0, 0.0, 0.0))
+    >>> d = dissipated_power(contacts_from_values(1e-3, 1e-3, 10.0, 0.1), motion_of_rotation_about_point(1.0, 0.0, 0.0))
     >>> round(float(d.value[0]) / 1e-3, 9)  # (3 pi / 16) mu F a spin on a circle
     0.589048623
     """
@@ -156,7 +156,7 @@ def friction_forces(contacts: Contacts, motion: Array, regularising_speed: float
     --------
     The friction force of pure sliding is mu F:
 
-    >>> sliding = friction_forces(equal_contacts(1e-3, 0.5e-3, 10.0, 0.1), np.array([[0.0, 2.0, 0.0]]))
+    >>> sliding = friction_forces(contacts_from_values(1e-3, 0.5e-3, 10.0, 0.1), np.array([[0.0, 2.0, 0.0]]))
     >>> round(float(sliding.force[0, 1]), 9), round(float(sliding.loss[0]), 9)
     (-1.0, 2.0)
     """
@@ -181,7 +181,7 @@ def linear_force_factor(axis_ratio: ArrayLike) -> Array:
 
     Examples
     --------
-    >>> round(float(linear_factor(1.0)), 6)
+    >>> round(float(linear_force_factor(1.0)), 6)
     1.178097
     """
     k = np.asarray(axis_ratio, dtype=float)

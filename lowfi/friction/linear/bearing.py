@@ -178,7 +178,7 @@ def loads_equal_on_diagonals(vertical: float, side_ratio: Array, contact_angle: 
 
     Examples
     --------
-    >>> diagonal_loads(100.0, np.array(0.5)).round(3).tolist()
+    >>> loads_equal_on_diagonals(100.0, np.array(0.5)).round(3).tolist()
     [35.355, 106.066, 35.355, 106.066]
     """
     rho = np.asarray(side_ratio, dtype=float)

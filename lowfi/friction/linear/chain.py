@@ -11,7 +11,7 @@ mu G map [0, B]^(N-1) continuously into itself and have a fixed point F(G) = G (
 force. But there may be several solutions (two balls in two-point contact may part or jam, many in four-point contact have
 other states too): friction between balls makes the very forces that cause it.
 The result then is the end of the path that begins without friction between balls, at the one solution of the convex
-problem with smoothed friction, and along which that friction rises and smoothing falls (``kernel.motion.trace_path``).
+problem with smoothed friction, and along which that friction rises and smoothing falls (``kernel.motion.follow_path``).
 Balls that all part without this friction also part with it. `find_second_state` looks for other solutions.
 
 Two balls under opposite side forces are the case study of section 3.3.4 of Lin's thesis, by this model and by the formulas.
@@ -232,7 +232,7 @@ def solve_linear_chain(chain: LinearChain, start: Array | None = None, fast: boo
 
     Returns
     -------
-    ChainResult
+    LinearChainSolution
         Motion, forces and losses; the ``status`` says whether the forces are in balance.
 
     References

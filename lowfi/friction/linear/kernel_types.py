@@ -18,7 +18,7 @@ class ChainArrays(NamedTuple):
 
     #: Direction (n_x, n_y), speed of the body in contact, friction bound, semi-axis a over the ball's radius; (N, C, 5).
     contacts: Array
-    #: Constants (b/a, q0, k1, k3) of the contacts' friction (4,), see `lowfi.friction.linear.chain.contact_shape`.
+    #: Constants (b/a, q0, k1, k3) of the contacts' friction (4,), see `contact_friction_constants`.
     shape: Array
     #: 1 where neighbours are near enough to touch, else 0 (N - 1,).
     closed: Array

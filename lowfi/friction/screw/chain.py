@@ -635,7 +635,7 @@ def solve_coupled_chain(
 
     Returns
     -------
-    CoupledChain
+    CoupledChainSolution
         The solution; if no agreement is found, its ``converged`` is False.
     """
     bare = solve_screw_contact_loads(

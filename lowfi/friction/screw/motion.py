@@ -2,7 +2,7 @@
 
 The model is that of section 3.4.1 of Lin's thesis. The motion of each ball is that of least dissipation. Its friction in
 the plane of the groove's section (the helix turns nut and screw against each other about y3) changes the contact loads
-through the ball's equilibrium: ``chain.coupled_chain`` iterates both.
+through the ball's equilibrium: ``chain.solve_coupled_chain`` iterates both.
 
 Loads are the minimum of a convex energy over all positions. Each ball moves in the plane of its groove section (x3 radial,
 z3 binormal), the screw by its free motions u, the nut is fixed. Friction in this plane is given by forces on balls and

@@ -56,9 +56,9 @@ class Pair:
     coupling: Coupling = frozen_default("none")
 
     def cell(self) -> BallsBetweenGrooves:
-        """Return both balls between screw and nut, with their loads, as data for `settle_load` and `solve_coupled_chain`.
+        """Return both balls between screw and nut with their loads, as argument of `solve_coupled_chain`.
 
-        The balls lie half their spacing before and behind azimuth 0.
+        The balls touch each other, and azimuth 0 lies in the middle between them.
         """
         half = 0.5 * self.groove.pair.spacing
         angle = self.groove.contact_angle + np.array(self.theta)[:, None] * np.array(self.pattern)
@@ -209,7 +209,7 @@ def results_over_oversize_and_force(pair: Pair, oversize: Array, axial: Array) -
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Run:
-    """Simulation over time of a ball screw (a ``Setting`` of ``travel``); azimuths are measured on the screw.
+    """Simulation over time of a ball screw (a `SimulatedSystem` for `simulate`); azimuths are measured on the screw.
 
     The fields from ``oversize`` on are assumptions that Lin does not print.
     """

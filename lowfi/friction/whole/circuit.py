@@ -185,7 +185,7 @@ class SceneGrooves(BallKinematics, GroovesInMotion):
     """Nominal grooves of a scene in motion.
 
     One object is used in a whole simulation, because the arrays for the compiled functions are cached for it
-    (`groove_arrays`).
+    (`kernel_groove_arrays`).
     """
 
     #: Largest coefficient of friction.
@@ -264,8 +264,10 @@ def solve_motion_on_track(
 
     Parameters
     ----------
-    scene, at
-        The scene and the contacts of its balls.
+    scene
+        Screw or bearing.
+    contacts
+        Contact loads, angles and ellipses of the N balls of this track.
     slack
         Largest rate at which each ball may approach the next one ``(N,)`` [rad/s], infinite where they cannot touch.
     friction

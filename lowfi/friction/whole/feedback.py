@@ -159,13 +159,14 @@ def solve_friction_equilibrium(
     fast
         Whether to use the compiled functions instead of plain Python.
     starting_friction
-        Friction of a similar state ``(N, 3)`` [N] (`FedBack.push`), from which the iteration begins instead.
+        Friction of a similar state ``(N, 3)`` [N] (`FrictionEquilibrium.push`), from which the iteration begins
+        instead of from the static state. None for no such start.
     starting_motions
         Motions of the balls in a similar state ``(N, 4)`` [rad/s]. They shorten the solution but do not change it.
 
     Returns
     -------
-    FedBack
+    FrictionEquilibrium
         The equilibrium; its field ``failed`` marks balls for which none was found.
     """
     count = static_contacts.force.shape[0]

@@ -178,8 +178,8 @@ class SceneInMotion:
         time
             Time since the start [s].
         push
-            Friction on balls and screw (`FedBack.push`) in the previous step ``(N, 3)`` [N]; it is overwritten by that of
-            this step.
+            Friction on balls and screw in the previous step ``(N, 3)`` [N] (`FrictionEquilibrium.push`); it is overwritten
+            by the friction of this step.
         q
             Motions of the balls in the previous step ``(N, 4)`` [rad/s], first estimates for `solve_friction_equilibrium`.
 

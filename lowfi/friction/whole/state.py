@@ -124,7 +124,7 @@ class FrictionState:
     bare: ScrewTorque
     #: Indices of balls for which no agreement of friction and position was found, in either direction of motion.
     unsettled: tuple[int, ...]
-    #: Largest force out of balance over a ball's contact loads (`FedBack.change`).
+    #: Largest force out of balance over a ball's contact loads (`FrictionEquilibrium.change`).
     change: float
     #: Whether friction displaces the balls in their grooves and so changes the contact loads.
     coupled: bool
@@ -167,7 +167,7 @@ def friction_state(
         Number of the specimen with random errors for which ``result`` was solved.
     fast
         Whether to use the compiled functions instead of plain Python. If None, they are used where they save time; a scene
-        with few balls does not wait until they are compiled, because `lowfi.jit.compile_afterwards` does that later.
+        with few balls does not wait until they are compiled, because `register_compile_job` has them compiled later.
 
     Raises
     ------

@@ -50,15 +50,16 @@ def solve_two_banded_systems(K: Array, A: Array, x: Array, y: Array) -> float:
 def slide_and_spin_friction(s: float, w: float, shape: Array) -> tuple[float, float, float, float, float]:
     """Return the friction of one elliptical contact in motion, over its friction bound, and its derivatives.
 
-    s: sliding speed along the minor axis; w: semi-axis a times spin; shape (4,): (b/a, q0, k1, k3), see ``contact_shape``.
-    Returns the force f and the moment over a, m, which are the gradient of the dissipation s f + w m by s and w, and then
-    its second derivatives by ss, sw and ww. s and w must not both be zero.
+    s: sliding speed along the minor axis; w: semi-axis a times spin (s and w must not both be zero); shape (4,): constants
+    (b/a, q0, k1, k3), see `contact_friction_constants`. Returns the force f and the moment m over a, which are the
+    derivatives of the dissipation s f + w m by s and by w, and then the second derivatives of the dissipation by s s, s w
+    and w w.
     """
     ratio, q0, k1, k3 = shape
     if abs(s) >= abs(w):  # the centre of rotation lies outside the ellipse
         d = dissipation(1.0, ratio, 0.0, s, w, 0.0)
         return d.by_vz, d.by_spin, d.zz, d.z_spin, d.spin_spin
-    # t = c/a: closed form of `contact_shape`, and its derivatives
+    # t = c/a: closed form of `contact_friction_constants`, and its derivatives
     t, sign = s / w, 1.0 if w > 0.0 else -1.0
     h = (k1 - 3.0 * k3 * t * t) / abs(w)
     return sign * t * (k1 - k3 * t * t), sign * (q0 - t * t * (0.5 * k1 - 0.75 * k3 * t * t)), h, -h * t, h * t * t
@@ -68,10 +69,10 @@ def slide_and_spin_friction(s: float, w: float, shape: Array) -> tuple[float, fl
 def regularised_friction(s: float, w: float, shape: Array, eps: float) -> tuple[float, float, float, float, float]:
     """Return the regularised friction of one elliptical contact, over its friction bound, and its derivatives.
 
-    s: sliding speed; w: semi-axis a times spin; shape (4,): see ``contact_shape``; eps: creeping speed. Returns the force
-    and the moment over a, the gradient of the convex function sqrt(phi^2 + eps^2) - eps with Coulomb's dissipation phi(s,
-    w), and its second derivatives by ss, sw and ww. The friction is phi/sqrt(phi^2 + eps^2) times Coulomb's, so that
-    contacts stick at creeping speeds below eps.
+    s: sliding speed; w: semi-axis a times spin; shape (4,): constants (b/a, q0, k1, k3), see `contact_friction_constants`;
+    eps: creeping speed. Returns the force and the moment over a, which are the derivatives by s and by w of the convex
+    function sqrt(phi^2 + eps^2) - eps with Coulomb's dissipation phi(s, w), and then its second derivatives by s s, s w and
+    w w. The friction is phi/sqrt(phi^2 + eps^2) times Coulomb's, so that contacts stick at creeping speeds below eps.
     """
     if s == 0.0 and w == 0.0:
         return 0.0, 0.0, 1.0 / eps, 0.0, shape[1] * shape[1] / eps
