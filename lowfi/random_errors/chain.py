@@ -307,7 +307,7 @@ def load_at_which_ball_is_loaded(chain: BallScrewChain, errors: Array, ball: int
     if e[ball] == e.max():
         return 0.0
     if gap(largest_load) < 0.0:
-        raise ValueError(f"ball {ball} is not loaded at the largest load, {largest_load:g} N")
+        raise ValueError(f"ball {ball} is not loaded at the largest axial load of the search, {largest_load:g} N")
     return float(brentq(gap, 1e-9 * largest_load, largest_load, rtol=1e-12))
 
 
@@ -355,7 +355,7 @@ class Ensemble:
         """
         at = np.flatnonzero(self.loads == load)
         if at.size != 1:
-            raise KeyError(f"the ensemble was not solved at a load of {load} N")
+            raise KeyError(f"the ensemble was not solved under an axial load of {load} N")
         return np.asarray(self.kept[:, at[0], QUANTITIES.index(quantity)])
 
 

@@ -382,8 +382,8 @@ def solve_screw_pair_by_root(
     """
     if pair.coupling == "ball and screw":
         raise ValueError(
-            "Lin's method for two balls holds the screw in its position without friction, so that it has no coupling of "
-            'friction with ball and screw; it needs coupling "none" or "ball"'
+            'coupling must be "none" or "ball" in Lin\'s method for two balls, got "ball and screw": the method holds the '
+            "screw in the position that it has without friction"
         )
     cell, law = pair.cell(), lin_sigmoid_law(pair.groove, SHARPNESS) if law is None else law
     load, reach = solve_contact_loads_by_root(cell), np.array([True])
@@ -473,8 +473,8 @@ def simulate_by_root(run: Run, steps: int | None = None) -> LinScrewHistory:
     """
     if run.tube > 0.0 or run.coupling != "none":
         raise ValueError(
-            "a run by Lin's root finding needs a track without return tube (tube = 0) and contact loads that do not depend "
-            'on friction (coupling = "none")'
+            "a simulation by Lin's method needs a track without return tube (tube = 0) and contact loads without influence "
+            'of friction (coupling = "none")'
         )
     g, n, dt = run.groove, run.count, run.duration / run.steps
     law = lin_sigmoid_law(g, SHARPNESS)
@@ -517,7 +517,7 @@ def _solve_motion_of_step(
     """
     if np.all(may_touch):
         raise RuntimeError(
-            "the motion of the balls cannot be solved because every ball touches the next one; at least one gap is needed"
+            "the motion of the balls cannot be solved because every ball touches the next one; leave at least one gap"
         )
     order = np.roll(np.arange(run.count), -int(np.argmin(may_touch)) - 1)
     balls = balls_of_screw(run.groove, force[order], angle[order])

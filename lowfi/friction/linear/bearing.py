@@ -275,7 +275,7 @@ def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: f
     settled = solve_contact_loads(cell, float(np.linalg.norm(pull)), place[None].copy(), 2.0 * place, angles_of)
     if not settled.converged:
         raise ArithmeticError(
-            f"no balance of the contact loads of a ball is found: {settled.left:.1e} N are left after {settled.steps} steps"
+            f"no equilibrium of a ball was found: {settled.left:.1e} N are out of balance after {settled.steps} steps"
         )
     return settled.force[0, TOP_FIRST], settled.angle[0]
 
