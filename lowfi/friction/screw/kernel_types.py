@@ -69,7 +69,8 @@ class BalanceParts(NamedTuple):
 
     #: Generalised forces out of balance along x, in the unit of force (N, 4).
     balance: Array
-    #: Fischer-Burmeister function f + g - sqrt(f^2 + g^2) of ball-to-ball force f and opening rate of the gap g (N,).
+    #: Fischer-Burmeister function f + g - sqrt(f^2 + g^2) of ball-to-ball force f and remaining closing rate g
+    #: (`remaining_slack`) of each gap (N,).
     complementarity: Array
     #: Derivatives of this function by f and by g (N, 2).
     slopes: Array

@@ -98,10 +98,11 @@ def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: Specimen, 
 
 
 def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array) -> Array:
-    """Return the contact forces on each ball (x3, z3) and on the screw (axial), less given forces ``(N, 3)`` [N].
+    """Return the forces on each ball (x3, z3) and on the screw (axial) that contacts balance, less given forces ``(N, 3)``.
 
-    ``force``: contact forces ``(N, 4)`` [N]; ``normal``: their directions on the ball in x3, z3 ``(N, 4, 2)``; ``along``:
-    direction of the screw's axis in x3, z3 ``(2,)``; ``applied``: the given forces ``(N, 3)`` [N].
+    All forces are in N. ``force``: contact forces ``(N, 4)``; ``normal``: unit vectors from each ball's centre to its
+    contacts in x3, z3 ``(N, 4, 2)``; ``along``: direction of the screw's axis in x3, z3 ``(2,)``; ``applied``: the given
+    forces ``(N, 3)``.
     """
     push = force[..., None] * normal
     screw = -np.einsum("nsi,i->n", push[:, ON_SCREW], along)
