@@ -105,7 +105,8 @@ class ForcesAndLosses:
     groove_loss: Array
     #: Power lost between each ball and the next one ``(N-1,)`` [W].
     ball_loss: Array
-    #: Direction in which ball k slides on ball k + 1, unit vectors along two tangents of their contact ``(N-1, 2)``.
+    #: Direction in which ball k slides on ball k + 1, as unit vectors with components along two tangents of their contact
+    #: ``(N-1, 2)``.
     rub: Array
 
 
@@ -292,7 +293,7 @@ def solve_chain_by_root(
 
 
 def linear_neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction:
-    """Return the interaction of touching balls of a linear bearing, by equations 3.26 to 3.29 of Lin's thesis.
+    """Return kinematics and friction of touching balls of a linear bearing, by equations 3.26 to 3.29 of Lin's thesis.
 
     The unknowns of a ball are its speed v along the track [m/s] and the angular speeds omega_x and omega_y [rad/s].
     """

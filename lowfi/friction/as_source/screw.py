@@ -152,7 +152,7 @@ def solve_contact_loads_by_root(cell: BallsBetweenGrooves, start: BallPositions 
 
 
 def screw_neighbour_interaction(groove: ScrewGroove) -> NeighbourInteraction:
-    """Return the interaction of touching balls of a screw, on the exact helix.
+    """Return kinematics and friction of touching balls of a screw, on the exact helix.
 
     The unknowns of a ball are its angular speeds omega_B around the axis and omega_x, omega_y, omega_z [rad/s]. The exact
     helix corrects equations 3.73 to 3.75 of Lin's thesis.
@@ -457,7 +457,7 @@ def simulate_by_root(run: Run, steps: int | None = None) -> LinScrewHistory:
     """Return the first time steps of a transient simulation of a screw by Lin's method with his sigmoid friction law.
 
     The balls are spread evenly at the beginning. Every search starts from the result of the previous step, the first one
-    from nominal rolling; Lin's text does not say where they start.
+    from nominal rolling; this is an assumption, because Lin's text does not say where they start.
 
     Parameters
     ----------

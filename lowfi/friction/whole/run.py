@@ -90,11 +90,11 @@ class TravellingCompliance:
         return np.asarray(left * (left - share) * first + 4.0 * share * left * second + share * (share - left) * third)
 
     def begin(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> ComplianceWindow:
-        """Compute the compliance at the three positions of a new window, which begins at the positions ``layout``.
+        """Return a new window, with the compliance at its three positions; it begins at the positions ``layout``.
 
-        The window is shorter than ``ahead`` where a ball would otherwise pass the nut's face. ``track``: helix along which
-        the balls travel; ``compute``: function that returns the compliance [m/N] at given positions of the balls. Raises
-        ValueError if this function does so at the first position.
+        The window is shorter than ``ahead`` where a ball would otherwise pass the face of the nut. ``track``: helix along
+        which the balls travel; ``compute``: function that returns the compliance [m/N] at given positions of the balls.
+        Raises ValueError if this function does so even for the shortest window.
         """
         rate, length = lead_per_radian(track), self.ahead
         while True:
