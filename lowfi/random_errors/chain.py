@@ -355,7 +355,7 @@ class Ensemble:
         """
         at = np.flatnonzero(self.loads == load)
         if at.size != 1:
-            raise KeyError(f"the ensemble was not solved under an axial load of {load} N")
+            raise KeyError(f"the ensemble was not solved at an axial load of {load} N")
         return np.asarray(self.kept[:, at[0], QUANTITIES.index(quantity)])
 
 
