@@ -48,23 +48,29 @@ SIDES = ("IL", "IR", "OR", "OL")
 #: omega_x3, omega_y3, omega_z3) in the order of this module (omega_B, omega_x, omega_y, omega_z).
 AROUND, TURNS = [0, 1, 3, 2], [0, 3, 1, 2]
 
-#: Signs of the contacts' positions from the ball's centre along x and y; which contacts are on the inner ring.
+#: Signs of the contacts' positions relative to the ball's centre along x and along y, in the order of ``SIDES``; which
+#: contacts are on the inner ring.
 AXIAL, RADIAL, INNER = SIGN_Z[AROUND], SIGN_X[AROUND], ON_SCREW
 
 
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Bearing(ScrewGroove):
-    """Ball bearing with gothic-arch grooves as a screw of zero lead; its inner ring rotates at ``screw_speed``."""
+    """Ball bearing with gothic-arch grooves, as a screw of zero lead.
+
+    The inner ring rotates at ``screw_speed``, the outer ring is at rest.
+    """
 
     #: Clearance of the ball along each contact normal [m], negative for an oversized ball.
     clearance: float = frozen_default(0.0)
 
     @cached_property
     def constants(self) -> GrooveHertzConstants:
-        """Hertz constants at the nominal contact angle, with the radius (R_P -+ R_B cos beta)/cos beta along the ring.
+        """Hertz constants of the four contacts of a ball at the nominal contact angle.
 
-        This is the radius of curvature of a helical groove at zero lead. Constants "as printed" are those of a screw.
+        The radius of the groove along the ring is that of a helical groove at zero lead, (R_P - R_B cos beta)/cos beta on
+        the inner and (R_P + R_B cos beta)/cos beta on the outer ring, with pitch radius R_P, ball radius R_B and contact
+        angle beta. If ``hertz`` is "as printed", the constants are those of a screw.
         """
         if self.hertz != "right":
             return super().constants
@@ -86,11 +92,11 @@ class BearingBallSolution:
     load: ContactLoadSolution
     #: Ellipses, loads and friction coefficients of the contacts.
     at: Contacts
-    #: Kinematics and forces that determine the ball's motion.
+    #: Contacts, kinematics and forces that determine the ball's motion.
     problem: MotionProblem
     #: Motion and friction of the ball.
     motion: BodyMotion
-    #: Torque that drives the inner ring against the friction of this ball [N m].
+    #: Torque on the inner ring that keeps it rotating against the friction of this ball [N m].
     torque: float
 
     @property
@@ -100,7 +106,7 @@ class BearingBallSolution:
 
 
 def contact_loads_of_ball(bearing: Bearing, axial_force: float, radial_displacement: float) -> ContactLoadSolution:
-    """Return the contact loads of a ball between the rings, by the minimum of elastic energy (`solve_contact_loads`).
+    """Return the contact loads of a ball between two rings, found at the minimum of elastic energy.
 
     The contact forces are unique. A ball with clearance and without force has no unique position; the position at the end
     of the search is then returned.
@@ -143,10 +149,10 @@ def contact_loads_of_ball(bearing: Bearing, axial_force: float, radial_displacem
 
 
 def contact_kinematics(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
-    """Return the linear relation between the motion of a ball and the motions of its four contacts with the rings.
+    """Return the linear relation between the motion of a ball and the motions at its four contacts with the rings.
 
-    ``angles``: contact angles ``(4,)`` [rad]. The unknowns are the orbital speed omega_B and the ball's rotation omega_x,
-    omega_y, omega_z [rad/s] relative to the frame that rotates with the orbit.
+    ``bearing``: the bearing with its speed; ``angles``: contact angles ``(4,)`` [rad]. The unknowns are the orbital speed
+    omega_B and the ball's rotation omega_x, omega_y, omega_z [rad/s] relative to a frame that rotates with the orbit.
 
     Returns
     -------
@@ -163,7 +169,9 @@ def contact_kinematics(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
 
 
 def ball_contacts(bearing: Bearing, load: ContactLoadSolution) -> Contacts:
-    """Return ellipses, loads and friction coefficients of a ball's contacts; unloaded ones get a tiny ellipse, not zero.
+    """Return ellipses, loads and friction coefficients of a ball's contacts.
+
+    A contact without load gets a tiny ellipse, so that its semi-axes are not zero.
 
     Parameters
     ----------
@@ -180,7 +188,7 @@ def ball_contacts(bearing: Bearing, load: ContactLoadSolution) -> Contacts:
 def ball_motion_problem(bearing: Bearing, load: ContactLoadSolution, at: Contacts) -> MotionProblem:
     """Return the contacts, kinematics and forces that determine a ball's motion at given contact loads and angles.
 
-    The unknowns are omega_B, omega_x and omega_y [rad/s]. Omega_z is left out, because it is zero by symmetry.
+    The unknowns are omega_B, omega_x and omega_y [rad/s]; omega_z is left out, because it is zero by symmetry.
 
     Parameters
     ----------
@@ -258,7 +266,7 @@ def solve_ball_by_lin_method(
     radial_displacement
         Radial displacement of the inner ring towards the ball [m].
     law
-        Lin's sigmoid.
+        Lin's sigmoid friction law.
     fast
         Whether to use the compiled functions instead of plain Python.
     """
@@ -281,19 +289,21 @@ def solve_ball_over_displacements(
     axial_force
         Axial force on the inner ring [N].
     radial_displacements
-        Radial displacements ``(n,)`` [m].
+        Radial displacements of the inner ring towards the ball ``(n,)`` [m].
     law
-        Lin's sigmoid, for his method; None for the motion of least dissipation.
+        Lin's sigmoid friction law, if the ball is to be solved by Lin's method; None for the motion of least dissipation
+        with Coulomb friction.
     """
     if law is None:
         return [solve_ball_of_bearing(bearing, axial_force, float(u), fast=True) for u in radial_displacements]
     return [solve_ball_by_lin_method(bearing, axial_force, float(u), law, fast=True) for u in radial_displacements]
 
 
-#: Names of the inner ring's degrees of freedom in the order of the unknowns; smallest relative value above round-off.
+#: Names of the inner ring's degrees of freedom (translations, then rotations) in the order of the unknowns; relative size
+#: below which a value counts as round-off.
 UNKNOWNS, RANK = ("ux", "uy", "uz", "rx", "ry"), 1e-9
 
-#: Which contacts (SL, SR, NL, NR) a row of balls has: all four, or the two opposite ones of one diagonal.
+#: Which of the contacts SL, SR, NL, NR a row of balls has: all four, or the two opposite ones of one or the other diagonal.
 ALL, DIAGONAL, OTHER = (True, True, True, True), (True, False, False, True), (False, True, True, False)
 
 
@@ -301,7 +311,7 @@ ALL, DIAGONAL, OTHER = (True, True, True, True), (True, False, False, True), (Fa
 class BallRow:
     """Row of balls of a bearing: its axial position and the contacts that its grooves allow."""
 
-    #: Axial position [m].
+    #: Axial position of the row [m].
     place: float
     #: Whether its grooves have the contacts SL, SR, NL, NR (S: inner ring, N: outer ring; L, R: left or right flank).
     contacts: tuple[bool, bool, bool, bool]
@@ -312,19 +322,20 @@ class BallRow:
 class BearingCase:
     """Bearing with a rotating, loaded inner ring and a fixed outer ring."""
 
-    #: Grooves of the bearing, as those of a screw with zero lead.
+    #: Grooves of the bearing, given as a screw with zero lead.
     groove: ScrewGroove
     #: Number of balls in a row.
     count: int
     #: Rows of balls.
     rows: tuple[BallRow, ...]
-    #: Force on the inner ring in the x-z plane [N]; its angle from the axis z is an argument of `solve_bearing`.
+    #: Magnitude of the force on the inner ring, which lies in the x-z plane [N]; its angle from the axis z is an argument
+    #: of `solve_bearing`.
     force: float
     #: Clearance of the ball at each contact [m], negative for preload.
     clearance: float = frozen_default(0.0)
     #: Whether the inner ring may tilt.
     tilt: bool = frozen_default(False)
-    #: Azimuth of the first ball from x, as a fraction of the angle between balls.
+    #: Azimuth of the first ball, measured from the axis x, as a fraction of the angle between balls.
     phase: float = frozen_default(0.0)
     #: Axial position at which the force acts [m].
     arm: float = frozen_default(0.0)
@@ -342,11 +353,11 @@ class BearingCase:
 class BearingState:
     """Loads and friction of a bearing. Arrays list all N balls: those of the first row, then those of the next one."""
 
-    #: Contact loads ``(N, 4)`` [N] and contact angles ``(N, 4)`` [rad].
+    #: Contact loads and contact angles of the balls, with the displacements of balls and inner ring.
     load: ContactLoadSolution
     #: Friction losses at the contacts ``(N, 4)`` [W].
     loss: Array
-    #: Friction torque on the inner ring [N m].
+    #: Friction torque on the inner ring, which is the power lost over the angular speed [N m].
     torque: float
     #: Number of loaded contacts of each ball ``(N,)``.
     points: NDArray[np.int64]
@@ -357,10 +368,11 @@ class BearingState:
 
 
 def inner_ring_displacement_maps(case: BearingCase) -> Array:
-    """Return the displacements of the inner ring at each of N balls by its m unit motions ``(N, 3, m)``.
+    """Return the displacements of the inner ring at each of N balls per unit of its m motions ``(N, 3, m)``.
 
-    The motions are three translations and, if the ring may tilt, rotations about x and y. Rotations are multiplied by the
-    pitch radius, so that all unknowns are lengths [m].
+    The motions are three translations and, if the ring may tilt, rotations about x and y; rotations are multiplied by the
+    pitch radius, so that all unknowns are lengths [m]. The displacements are along the axes x3, y3, z3 of each ball's
+    section. ``case``: the bearing.
     """
     radius, out = case.groove.pitch_radius, []
     for row in case.rows:
@@ -375,9 +387,9 @@ def inner_ring_displacement_maps(case: BearingCase) -> Array:
 
 
 def bearing_geometry_and_load(case: BearingCase, force_angle: float) -> BallsBetweenGrooves:
-    """Return all balls of a bearing between its rings and the force on the inner ring (for `solve_screw_contact_loads`).
+    """Return all balls of a bearing between its rings and the force on the inner ring, for `solve_screw_contact_loads`.
 
-    ``case``: the bearing and the size of the force; ``force_angle``: angle of the force from the bearing's axis [rad].
+    ``case``: the bearing and the magnitude of the force; ``force_angle``: angle of the force from the bearing's axis [rad].
     """
     g, rows = case.groove, inner_ring_displacement_maps(case)
     has = np.repeat(np.array([r.contacts for r in case.rows]), case.count, axis=0)
@@ -389,9 +401,9 @@ def bearing_geometry_and_load(case: BearingCase, force_angle: float) -> BallsBet
 
 
 def describe_unresisted_motion(case: BearingCase, force_angle: float) -> str:
-    """Return a phrase that names a motion of the inner ring which the force drives and no contact resists.
+    """Return a phrase that names a motion of the inner ring which the force causes and no contact resists.
 
-    The phrase is empty if there is no such motion.
+    An empty text is returned if there is no such motion.
 
     Parameters
     ----------
@@ -424,7 +436,7 @@ def solve_bearing(case: BearingCase, force_angle: float, near: BearingState | No
     force_angle
         Angle of the force from the axis [rad].
     near
-        State at a similar angle from which the search starts.
+        State under a force at a similar angle, from which the search starts; None to start without such a state.
 
     References
     ----------
@@ -458,7 +470,7 @@ class TorqueCurve:
     angle: Array
     #: Friction torques ``(n,)`` [N m].
     torque: Array
-    #: Number of balls with more than two contacts ``(n,)``.
+    #: Number of balls with more than two loaded contacts ``(n,)``.
     four: NDArray[np.int64]
     #: Whether each state converged ``(n,)``.
     converged: NDArray[np.bool_]

@@ -64,17 +64,18 @@ class BallScrewChain:
 
     #: Number of balls M.
     balls: int
-    #: Constant K of Q = K d^1.5 for both contacts of a ball together [N/m^1.5].
+    #: Constant K of the contact load Q = K d^1.5, with the approach d of both contacts of a ball together [N/m^1.5].
     stiffness: float
-    #: Compliance c of screw and nut between neighbouring balls [m/N].
+    #: Compliance c of screw and nut together, over the mean distance of neighbouring balls [m/N].
     compliance: float
-    #: Distance A of the groove centres [m].
+    #: Distance A of the centres of the grooves of screw and nut where an error-free ball just touches [m].
     groove_distance: float
     #: Contact angle without load [rad].
     contact_angle: float
     #: Lead angle [rad].
     lead_angle: float
-    #: Interpretation of Liu's equation of the contact angle: one of ``LAWS``.
+    #: How the contact angle changes under load, one of ``LAWS``: "constant" (not at all), "implicit" (by Liu's equations 10
+    #: and 14), "exact" (by the geometry of the groove centres).
     law: Law = "exact"
     #: Distances between neighbouring balls as ratios to their mean ``(M - 1,)``; the compliance c is that of the mean
     #: distance. Empty for equal distances.
@@ -119,7 +120,10 @@ class BallScrewChain:
 
     @property
     def slope(self) -> float:
-        """Ratio of a ball's approach to the axial motion at the unloaded contact angle, sin(a_0) cos(lead)."""
+        """Ratio of a ball's approach to the axial motion of the nut without load, sin(a_0) cos(lead angle).
+
+        a_0 is the contact angle without load.
+        """
         return float(np.sin(self.contact_angle) * np.cos(self.lead_angle))
 
 
@@ -131,13 +135,13 @@ class ChainState:
     load: Array
     #: Axial motions u of the nut relative to the screw at the balls ``(M,)`` [m].
     motion: Array
-    #: Axial motion at which the first ball comes into contact [m].
+    #: Axial motion of the nut at which the first ball comes into contact [m].
     touch: float
-    #: Axial stiffness dF/du_1 at ball 1, where the load acts [N/m].
+    #: Axial stiffness dF/du_1, the derivative of the axial load F by the motion u_1 at ball 1, where the load acts [N/m].
     stiffness: float
     #: Number of Newton steps.
     iterations: int
-    #: Largest error of the axial force of a ball over the axial load.
+    #: Largest error of the axial force of a ball, as a ratio to the axial load.
     residual: float
     #: Whether the residual is below the tolerance.
     converged: bool
@@ -149,20 +153,20 @@ class ChainState:
 
     @property
     def displacement(self) -> float:
-        """Axial motion at ball 1, where the load acts, from the first touch of any ball [m]."""
+        """Axial motion of the nut at ball 1, where the load acts, since the first contact of any ball [m]."""
         return float(self.motion[0] - self.touch)
 
     @property
     def displacement_first_loaded(self) -> float:
-        """Axial motion at the first loaded ball, from the first contact of any ball [m] (eq. (19) of Liu et al.).
+        """Axial motion of the nut at the first loaded ball, since the first contact of any ball [m] (Liu's equation 19).
 
-        It does not contain the stretch of the segments before this ball.
+        It does not contain the stretch of screw and nut before this ball.
         """
         return float(self.motion[int(np.argmax(self.load > 0.0))] - self.touch)
 
 
 def check_errors(chain: BallScrewChain, errors: Array) -> Array:
-    """Check errors of balls ``(..., M)`` [m] and return them as the contiguous array that compiled functions need.
+    """Return errors of balls ``(..., M)`` [m] as a contiguous array of floats, after checking their number and size.
 
     Raises
     ------
@@ -183,16 +187,16 @@ def check_errors(chain: BallScrewChain, errors: Array) -> Array:
 def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float, *, compiled: bool = False) -> ChainState:
     """Return contact loads, motions and stiffness of a ball screw with errors under an axial load.
 
-    Valid for approaches small against the distance of the groove centres.
+    The results are valid for approaches that are small against the distance of the groove centres.
 
     Parameters
     ----------
     chain
         Ball screw as a sequence of balls.
     errors
-        Oversize of each ball with its grooves along the contact normal ``(M,)`` [m].
+        Oversize of each ball in its grooves along the contact normal, negative for clearance ``(M,)`` [m].
     load
-        Axial load F > 0 [N].
+        Axial load F > 0 on nut and screw at the end of ball 1 [N].
     compiled
         Whether to use the compiled functions instead of plain Python.
 
@@ -225,7 +229,7 @@ def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float, *, compi
 
 
 def last_to_first_load_ratio(chain: BallScrewChain, load: float) -> float:
-    """Return the contact load of the last ball over that of ball 1, where the load acts, for balls without errors.
+    """Return the ratio of the contact load of the last ball to that of the first, where the load acts, without errors.
 
     Parameters
     ----------
@@ -239,14 +243,14 @@ def last_to_first_load_ratio(chain: BallScrewChain, load: float) -> float:
 
 
 def calibrate_compliance(chain: BallScrewChain, ratio: float, load: float) -> BallScrewChain:
-    """Return the ball screw with the compliance of screw and nut at which `last_to_first_load_ratio` has a given value.
+    """Return the ball screw with that compliance of screw and nut which makes `last_to_first_load_ratio` a given value.
 
     Parameters
     ----------
     chain
-        Ball screw as a sequence of balls.
+        Ball screw as a sequence of balls, whose compliance is replaced.
     ratio
-        Contact load of the last ball over that of the first, in (0, 1).
+        Required ratio of the contact load of the last ball to that of the first, in (0, 1).
     load
         Axial load [N].
 
@@ -275,9 +279,9 @@ def calibrate_compliance(chain: BallScrewChain, ratio: float, load: float) -> Ba
 
 
 def load_at_which_ball_is_loaded(chain: BallScrewChain, errors: Array, ball: int, largest_load: float) -> float:
-    """Return the axial load above which a ball carries load [N]; 0 for the ball that touches first.
+    """Return the axial load above which a given ball carries load [N]; 0 for the ball that touches first.
 
-    The motion at each ball increases with the axial load, so that there is only one such load.
+    There is only one such load, because the axial motion at each ball increases with the axial load.
 
     Parameters
     ----------
@@ -286,7 +290,7 @@ def load_at_which_ball_is_loaded(chain: BallScrewChain, errors: Array, ball: int
     ball
         Number of the ball, from 0.
     largest_load
-        Largest load of the search [N].
+        Largest axial load of the search [N].
 
     Raises
     ------
@@ -303,14 +307,15 @@ def load_at_which_ball_is_loaded(chain: BallScrewChain, errors: Array, ball: int
     if e[ball] == e.max():
         return 0.0
     if gap(largest_load) < 0.0:
-        raise ValueError(f"ball {ball} is not loaded at the largest load, {largest_load:g} N")
+        raise ValueError(f"ball {ball} is not loaded at the largest axial load of the search, {largest_load:g} N")
     return float(brentq(gap, 1e-9 * largest_load, largest_load, rtol=1e-12))
 
 
 def axial_motion_at_touch(chain: BallScrewChain, error: Array | float) -> Array:
-    """Return the axial motion of the nut at which each of several balls with errors just touches its grooves [m].
+    """Return the axial motion of the nut [m] at which each of several balls with errors just touches its grooves.
 
-    ``error``: oversize of each ball with its grooves along the contact normal [m], any shape, which is that of the result.
+    ``error``: oversize of each ball along the contact normal [m], an array of any shape, which is also that of the result.
+    The motion is zero for an error-free ball.
     """
     e = np.asarray(error, dtype=float)
     if chain.law != "exact":
@@ -319,8 +324,9 @@ def axial_motion_at_touch(chain: BallScrewChain, error: Array | float) -> Array:
     return np.asarray((np.sqrt((a - e) ** 2 - (a * np.cos(angle)) ** 2) - a * np.sin(angle)) / np.cos(chain.lead_angle))
 
 
-#: Quantities stored for each screw: smallest and largest contact load [N], number of loaded balls, axial motion from the
-#: first touch at ball 1 and at the first loaded ball (Liu's 19) [m], stiffness dF/du_1 [N/m].
+#: Quantities that are stored for each screw of an ensemble: smallest and largest contact load [N], number of loaded balls,
+#: axial motion since the first contact at ball 1 and at the first loaded ball (Liu's equation 19) [m], stiffness dF/du_1
+#: [N/m].
 Quantity = Literal["smallest", "largest", "loaded", "displacement", "displacement_first_loaded", "stiffness"]
 
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
@@ -337,35 +343,38 @@ class Ensemble:
     loads: Array
     #: Results of each screw under each load ``(n, L, 6)``; the last axis has the six ``QUANTITIES`` in their order.
     kept: Array
-    #: Largest error of a ball's axial force over the axial load, of all screws and loads.
+    #: Largest error of a ball's axial force, as a ratio to the axial load, of all screws and loads.
     residual: float
     #: Number of screws for which Newton's method did not converge under some load.
     failed: int
 
     def values_at(self, quantity: Quantity, load: float) -> Array:
-        """Return one quantity of all screws at a load [N], ``(n,)``; raises KeyError if the load is not among the loads."""
+        """Return one quantity of all screws under one of the axial loads [N] ``(n,)``, in the unit of the quantity.
+
+        Raises KeyError if the ensemble was not solved under this load.
+        """
         at = np.flatnonzero(self.loads == load)
         if at.size != 1:
-            raise KeyError(f"the ensemble was not solved at a load of {load} N")
+            raise KeyError(f"the ensemble was not solved at an axial load of {load} N")
         return np.asarray(self.kept[:, at[0], QUANTITIES.index(quantity)])
 
 
 def draw_uniform_errors(seed: int, first: int, count: int, balls: int, half_range: float) -> Array:
-    """Return random errors ``(count, balls)`` [m] of the balls of several screws: independent, uniform up to +-half_range.
+    """Return random errors ``(count, balls)`` [m] of the balls of several screws, independent and uniformly distributed.
 
-    Screw i has the random numbers i M to (i + 1) M - 1 of the stream of ``seed``, so its errors do not depend on how many
-    screws are drawn.
+    Screw i uses the random numbers i M to (i + 1) M - 1 of the stream that ``seed`` starts, so that its errors do not
+    depend on the number of screws.
 
     Parameters
     ----------
     seed
         Seed of the random numbers.
     first, count
-        Number of the first screw, and how many screws are drawn.
+        Number of the first screw, from 0, and number of screws.
     balls
         Number of balls M of a screw.
     half_range
-        Largest absolute value of an error [m].
+        Largest absolute value of an error [m]; the errors lie between -half_range and +half_range.
 
     References
     ----------
@@ -377,7 +386,7 @@ def draw_uniform_errors(seed: int, first: int, count: int, balls: int, half_rang
 
 
 def solve_screws_with_errors(chain: BallScrewChain, errors: Array, loads: Array) -> tuple[Array, Array]:
-    """Solve n ball screws with errors of their M balls under L axial loads each, by compiled functions.
+    """Return results for n ball screws with errors of their M balls under L axial loads each, by compiled functions.
 
     ``chain``: ball screw without errors; ``errors``: oversize of each ball ``(n, M)`` [m]; ``loads``: axial loads ``(L,)``
     [N].
@@ -408,16 +417,16 @@ def solve_screws_with_errors(chain: BallScrewChain, errors: Array, loads: Array)
 def solve_ensemble(
     chain: BallScrewChain, half_range: float, loads: Array | list[float], members: int, *, seed: int = 0, chunk: int = CHUNK
 ) -> Ensemble:
-    """Solve many ball screws of one design with random errors under several loads.
+    """Return results for many ball screws of one design with random errors under several loads.
 
-    Memory is needed for the errors of one chunk, and for six numbers per screw and load.
+    Memory is needed for the errors of one chunk of screws, and for six numbers for each screw and load.
 
     Parameters
     ----------
     chain
         Ball screw as a sequence of balls.
     half_range
-        Largest absolute value of an error [m].
+        Largest absolute value of the random errors, which are uniformly distributed [m].
     loads
         Axial loads ``(L,)`` [N].
     members
@@ -453,34 +462,40 @@ def solve_ensemble(
 class PercentileRank:
     """Percentile rank of a number in a sample of random values."""
 
-    #: Part of the sample that is below the number.
+    #: Fraction of the sample that is below the number.
     below: float
-    #: Part of the sample that is below or equal to the number.
+    #: Fraction of the sample that is below or equal to the number.
     at_most: float
     #: Size of the sample.
     size: int
 
     @property
     def middle(self) -> float:
-        """Percentile rank [%]; values equal to the number are counted half."""
+        """Percentile rank [%], for which values equal to the number are counted half."""
         return 50.0 * (self.below + self.at_most)
 
     @property
     def error(self) -> float:
-        """Standard error of the percentile rank [%], by the rule of succession, with which it is never zero."""
+        """Standard error of the percentile rank [%].
+
+        By the rule of succession, it is never zero.
+        """
         p = (0.01 * self.middle * self.size + 1.0) / (self.size + 2.0)
         return float(100.0 * np.sqrt(p * (1.0 - p) / self.size))
 
     @property
     def tail_probability(self) -> float:
-        """One-sided tail probability: part of the sample at least as extreme as the number, on its side of the median."""
+        """One-sided tail probability: fraction of the sample that is at least as far from the median as the number.
+
+        Only values on the same side of the median as the number are counted.
+        """
         return min(self.at_most, 1.0 - self.below)
 
     @property
     def tail_bound(self) -> float:
         """Upper 95 % confidence bound of ``tail_probability`` by Wilson's score interval.
 
-        2.7/size if no value is as extreme.
+        It is 2.7/size if no value of the sample is as extreme as the number.
         """
         z, n, p = 1.645, self.size, self.tail_probability
         return float((p + z * z / (2 * n) + z * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n))
@@ -496,6 +511,6 @@ def percentile_rank(sample: Array, value: float, width: float = 0.0) -> Percenti
     value
         The number, in the unit of the sample.
     width
-        Rounding error of the number; values that differ by less count as equal.
+        Rounding error of the number; values of the sample that differ from the number by no more count as equal.
     """
     return PercentileRank(float(np.mean(sample < value - width)), float(np.mean(sample <= value + width)), sample.size)

@@ -26,7 +26,7 @@ from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.random_errors.chain import BallScrewChain, check_errors
 from rollbench.meshes.arrays import Array
 
-#: Largest number of Newton steps in a round of the elimination, and of halvings of a step.
+#: Largest number of Newton steps in a round of the elimination, and largest number of halvings of a step.
 MAX_STEPS, MAX_HALVINGS = 100, 30
 #: Residual of the equations over the load at which Newton's method ends.
 TOLERANCE = 1e-10
@@ -47,9 +47,10 @@ class EliminationResult:
 
 
 def _contact_angle_sine(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the sine of the contact angle of every ball, and its derivative by the ball's approach [1/m], each ``(k,)``.
+    """Return the sine of the contact angle of k balls, and its derivative by the ball's approach [1/m], ``(k,)`` each.
 
-    ``errors``, ``approach``: oversize and approach of the k balls that are computed ``(k,)`` [m].
+    ``chain``: ball screw with the law of the contact angle; ``errors``, ``approach``: oversize and approach of the k balls
+    ``(k,)`` [m].
     """
     sine_0, cosine_0 = np.sin(chain.contact_angle), np.cos(chain.contact_angle)
     if chain.law == "constant":
@@ -61,10 +62,10 @@ def _contact_angle_sine(chain: BallScrewChain, errors: Array, approach: Array) -
 
 
 def _axial_motion_of_approach(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the axial motion (A - B)/cos(lead) of the nut at every ball [m], and its derivative by the ball's approach.
+    """Return the axial motion (A - B)/cos(lead angle) of the nut at k balls [m], and its derivative by the approach.
 
-    A and B are the terms of equation (17) of Liu et al. ``errors``, ``approach``: oversize and approach of the k balls that
-    are computed ``(k,)`` [m].
+    A and B are the terms of equation (17) of Liu et al. ``chain``: ball screw; ``errors``, ``approach``: oversize and
+    approach of the k balls ``(k,)`` [m]. Both results are ``(k,)``.
     """
     sine, turn = _contact_angle_sine(chain, errors, approach)
     if chain.law == "exact":
@@ -77,9 +78,10 @@ def _axial_motion_of_approach(chain: BallScrewChain, errors: Array, approach: Ar
 
 
 def _axial_forces(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the axial forces C(j) of the balls [N], odd in the approach, and their derivatives by the approach [N/m].
+    """Return the axial forces C(j) of k balls [N], and their derivatives by the ball's approach [N/m], ``(k,)`` each.
 
-    Tension is allowed. ``errors``, ``approach``: oversize and approach of the k balls that are computed ``(k,)`` [m].
+    Tension is allowed: the forces are odd functions of the approach. ``chain``: ball screw; ``errors``, ``approach``:
+    oversize and approach of the k balls ``(k,)`` [m].
     """
     sine, turn = _contact_angle_sine(chain, errors, approach)
     root, lead = np.sqrt(np.abs(approach)), np.cos(chain.lead_angle)

@@ -26,8 +26,8 @@ from rollbench.meshes.arrays import Array, Mask
 
 Status = Literal["exact", "overlapping", "failed"]
 
-#: Largest force out of balance over a ball's friction bound, and largest closing speed over the nominal speed, that are
-#: accepted as zero.
+#: Values accepted as zero: largest force out of balance over a ball's friction bound, and largest closing speed of
+#: neighbours over the nominal speed.
 ACCEPTED = 1e-8
 
 #: Sharpness k_S of Lin's sigmoid in searches for touching balls, for which his thesis prints no value.
@@ -36,13 +36,17 @@ SHARPNESS = 100.0
 
 @dataclass(frozen=True)
 class NeighbourInteraction:
-    """Kinematics and friction of two touching balls. A ball has n unknown motions, the first of them along the track."""
+    """Kinematics and friction of two touching balls of a track.
 
-    #: Sliding velocity of the first ball's surface at the contact with the second one, per unit of its unknowns ``(2, n)``.
+    A ball has n unknowns of motion, the first of which is its motion along the track.
+    """
+
+    #: Velocity of the first ball's surface at its contact with the second ball, along two tangents, per unit of its
+    #: unknowns ``(2, n)``.
     first: Array
-    #: The same of the second ball's surface ``(2, n)``.
+    #: Velocity of the second ball's surface at this contact, along the same tangents, per unit of its unknowns ``(2, n)``.
     second: Array
-    #: Velocity at which two balls approach each other per difference of their first unknowns.
+    #: Velocity at which two balls approach each other, per difference of their first unknowns.
     closing: float
     #: Coefficient of friction from ball to ball.
     mu: float
@@ -53,7 +57,7 @@ class NeighbourInteraction:
 
     @property
     def speed(self) -> float:
-        """Nominal speed of a ball along the track [m/s]; 1 if the track is at rest, so that it can be divided by."""
+        """Nominal speed of a ball along the track [m/s]; 1 m/s for a track at rest, because speeds are divided by it."""
         return abs(float(self.nominal[0] * self.units[0])) or 1.0
 
 
@@ -61,13 +65,13 @@ class NeighbourInteraction:
 class LoadedBalls:
     """N balls in order along the track at given contact loads. A ball has four contacts and n unknowns of motion."""
 
-    #: Contacts of all balls ``(4 N,)``, ball after ball.
+    #: Contacts of all balls, the four of each ball in succession ``(4 N,)``.
     at: Contacts
     #: Sliding along x and z [m/s] and spin [rad/s] of each contact per unit of its ball's unknowns ``(N, 4, 3, n)``.
     maps: Array
     #: Sliding [m/s] and spin [rad/s] of each contact while the balls rest ``(N, 4, 3)``.
     drives: Array
-    #: Forces between neighbouring balls.
+    #: Kinematics and friction of neighbouring balls that touch.
     pair: NeighbourInteraction
 
     @property
@@ -81,7 +85,7 @@ class LoadedBalls:
         return max(float(self.at.strength.reshape(-1, 4).sum(axis=1).max()), 1e-300)
 
     def subset(self, chosen: slice) -> LoadedBalls:
-        """Return the balls whose indices are in the range ``chosen``, with their contacts."""
+        """Return the balls with indices in the range ``chosen``, with their contacts."""
         rows = slice(4 * chosen.start, 4 * chosen.stop)
         at = Contacts(self.at.a[rows], self.at.b[rows], self.at.load[rows], self.at.mu[rows])
         return LoadedBalls(at, self.maps[chosen], self.drives[chosen], self.pair)
@@ -91,7 +95,7 @@ class LoadedBalls:
 class ForcesAndLosses:
     """Forces out of balance, friction and losses of N balls in given motions, with n unknowns for each ball."""
 
-    #: Generalised forces out of balance ``(N, n)``: power per unit of each unknown.
+    #: Generalised forces out of balance, power per unit of each unknown ``(N, n)``.
     left: Array
     #: Friction on the balls along the axes x and z of each contact ``(N, 4, 2)`` [N].
     force: Array
@@ -101,7 +105,8 @@ class ForcesAndLosses:
     groove_loss: Array
     #: Power lost between each ball and the next one ``(N-1,)`` [W].
     ball_loss: Array
-    #: Unit vector of the direction in which ball k slides on ball k + 1 ``(N-1, 2)``.
+    #: Direction in which ball k slides on ball k + 1, as unit vectors with components along two tangents of their contact
+    #: ``(N-1, 2)``.
     rub: Array
 
 
@@ -111,7 +116,7 @@ class LinMotion:
 
     #: Motions of the balls ``(N, n)``.
     q: Array
-    #: Motions of the same balls if none touches another ``(N, n)``.
+    #: Motions of the balls if they exert no forces on each other ``(N, n)``.
     free: Array
     #: Force of each ball on the next one ``(N-1,)`` [N].
     ball_force: Array
@@ -119,13 +124,13 @@ class LinMotion:
     groove_loss: Array
     #: Power lost between each ball and the next one ``(N-1,)`` [W].
     ball_loss: Array
-    #: Largest force out of balance over the friction bound of a ball.
+    #: Largest residual of the scaled equations: force out of balance over the largest friction bound of a ball.
     left: float
     #: Number of evaluations of the force balance.
     calls: int
-    #: ``"exact"``, ``"failed"`` (no root was found), or ``"overlapping"``: a root was found, but neighbours which do not
-    #: count as touching approach each other, or touching ones pull at each other. This may occur because the method decides
-    #: first which balls touch (equation 3.31 of Lin's thesis).
+    #: ``"exact"``: a root was found; ``"failed"``: no root was found; ``"overlapping"``: a root was found, but balls that
+    #: do not count as touching approach each other, or touching balls pull each other. This may occur because the method
+    #: decides first which balls touch (equation 3.31 of Lin's thesis).
     status: Status
 
     @property
@@ -137,8 +142,8 @@ class LinMotion:
 def forces_and_losses(balls: LoadedBalls, law: FrictionLaw, q: Array, ball_force: Array) -> ForcesAndLosses:
     """Return the forces out of balance and the losses of N balls in given motions.
 
-    ``law``: friction law of the contacts with the grooves; ``q``: motions ``(N, n)``; ``ball_force``: forces of each ball k
-    on ball k + 1 ``(N-1,)`` [N].
+    ``balls``: the balls with their contacts; ``law``: friction law of the contacts with the grooves; ``q``: motions, n
+    unknowns for each ball ``(N, n)``; ``ball_force``: force of each ball k on ball k + 1 ``(N-1,)`` [N].
 
     References
     ----------
@@ -164,7 +169,7 @@ def forces_and_losses(balls: LoadedBalls, law: FrictionLaw, q: Array, ball_force
 
 
 def touching_groups(touching: Mask) -> list[slice]:
-    """Return the index ranges of groups of touching balls; a ball that touches no other one is a group of its own.
+    """Return the index ranges of groups of touching balls; a ball that touches no other one is a group by itself.
 
     ``touching``: whether each ball touches the next one ``(N-1,)``.
     """
@@ -180,7 +185,7 @@ def solve_touching_group(
     The scaled equations are solved by MINPACK's hybrid method with a Jacobian by finite differences, as by Matlab's fsolve.
     ``balls``: the balls of this group; ``law``: friction law of their contacts with the grooves; ``q``: motions from which
     the search starts, n unknowns for each ball ``(N, n)``; ``ball_force``: forces of each ball on the next one from which
-    it starts ``(N-1,)`` [N].
+    the search starts ``(N-1,)`` [N].
 
     Returns
     -------
@@ -211,11 +216,11 @@ def solve_touching_group(
 def solve_touching_groups(
     balls: LoadedBalls, law: FrictionLaw, touching: Mask, start: tuple[Array, Array]
 ) -> tuple[Array, Array, float, int]:
-    """Return the motions of N balls and the forces between them, if it is known which balls touch.
+    """Return the motions of N balls and the forces between them, for known pairs of touching balls.
 
-    Each group of touching balls is solved separately. ``law``: friction law of the contacts with the grooves; ``touching``:
-    whether each ball touches the next one ``(N-1,)``; ``start``: motions, n unknowns for each ball ``(N, n)``, and forces
-    of each ball on the next one ``(N-1,)`` [N], from which the search starts.
+    Each group of touching balls is solved separately. ``balls``: the balls; ``law``: friction law of the contacts with the
+    grooves; ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: motions, n unknowns for each ball
+    ``(N, n)``, and forces of each ball on the next one ``(N-1,)`` [N], from which the search starts.
 
     Returns
     -------
@@ -235,10 +240,10 @@ def solve_touching_groups(
 
 
 def neighbours_not_separating(pair: NeighbourInteraction, q: Array, tolerance: float = 0.0) -> Mask:
-    """Return whether each ball approaches the next one, or keeps its distance from it ``(N-1,)``.
+    """Return whether each ball approaches the next one or keeps its distance from it ``(N-1,)``.
 
     ``pair``: kinematics of touching balls; ``q``: motions of the balls, n unknowns each ``(N, n)``; ``tolerance``: least
-    speed of approach that counts, as a fraction of the nominal speed; 0 includes neighbours of equal speed.
+    speed of approach that counts, as a fraction of the nominal speed; with 0 neighbours of equal speed are included.
     """
     rate = (q[:-1, 0] - q[1:, 0]) * pair.units[0] / pair.speed
     return np.asarray(rate >= tolerance)
@@ -265,10 +270,10 @@ def solve_chain_by_root(
     may_touch
         Whether each ball is near enough to the next one to touch it ``(N-1,)``.
     start
-        Motions ``(N, n)`` from which the search for separate balls starts; None: nominal rolling.
+        Motions ``(N, n)`` from which the search for balls without forces between them starts; None: nominal rolling.
     touching
-        Motions ``(N, n)`` and forces ``(N-1,)`` [N] from which the search for touching balls starts; None: the motions of
-        the separate balls, and no forces.
+        Motions ``(N, n)`` and forces ``(N-1,)`` [N] from which the search for touching balls starts; None: the motions
+        found for balls without forces between them, and no forces.
     """
     pair = balls.pair
     none = np.zeros(balls.count - 1)
@@ -288,7 +293,7 @@ def solve_chain_by_root(
 
 
 def linear_neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction:
-    """Return the interaction of touching balls of a linear bearing, by equations 3.26 to 3.29 of Lin's thesis.
+    """Return kinematics and friction of touching balls of a linear bearing, by equations 3.26 to 3.29 of Lin's thesis.
 
     The unknowns of a ball are its speed v along the track [m/s] and the angular speeds omega_x and omega_y [rad/s].
     """
@@ -301,8 +306,8 @@ def linear_neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction
 def balls_of_linear_bearing(bearing: LinearBearing, angles: Array, loads: Array) -> LoadedBalls:
     """Return N balls of a linear bearing with the kinematics of their contacts, by equations 3.22 to 3.24 of Lin's thesis.
 
-    ``angles``: contact angles ``(N, 4)`` [rad]; ``loads``: normal loads ``(N, 4)`` [N], both in the order BL, BR, TR, TL
-    (bottom or top, left or right). Raises ValueError if a load is negative.
+    ``bearing``: the bearing with its speed; ``angles``: contact angles ``(N, 4)`` [rad]; ``loads``: normal loads ``(N, 4)``
+    [N], both in the order BL, BR, TR, TL (bottom or top, left or right). Raises ValueError if a load is negative.
     """
     angles, loads = np.atleast_2d(np.asarray(angles, dtype=float)), np.atleast_2d(np.asarray(loads, dtype=float))
     r, n = bearing.ball_radius, contact_directions(angles)
@@ -320,9 +325,10 @@ def balls_of_linear_bearing(bearing: LinearBearing, angles: Array, loads: Array)
 def linear_bearing_friction_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> FrictionLaw:
     """Return the sigmoid friction law of equation 3.20 of Lin's thesis for a linear bearing, or Coulomb's law.
 
-    ``sharpness``: factor k_S of the sigmoid; None: Coulomb's law. The reference of the sigmoid is the nominal spin v
-    tan(beta)/(2 R_B). This is an assumption: equation 3.25 contains no sigmoid, and the reference for rotary bearings, the
-    difference of the spins of both rings, is zero between grooves that do not turn.
+    ``bearing``: bearing with carriage speed v, contact angle beta and ball radius R_B; ``sharpness``: factor k_S of the
+    sigmoid; None: Coulomb's law. The reference spin of the sigmoid is the nominal spin v tan(beta)/(2 R_B). This is an
+    assumption: equation 3.25 contains no sigmoid, and the reference for rotary bearings, the difference of the spins of
+    both rings, is zero between grooves that do not turn.
     """
     if sharpness is None:
         return Coulomb()
@@ -334,8 +340,9 @@ def solve_linear_bearing_by_root(
 ) -> LinMotion:
     """Return the motion of balls in a linear bearing by Lin's method, equations 3.25 to 3.31 of his thesis.
 
-    ``angles`` [rad], ``loads`` [N]: contact angles and loads ``(N, 4)``; ``may_touch``: whether each ball is near enough to
-    the next one to touch it ``(N-1,)``; ``law``: friction law; None: Coulomb's law, as equation 3.25 is printed.
+    ``bearing``: the bearing; ``angles`` [rad], ``loads`` [N]: contact angles and loads of N balls ``(N, 4)``;
+    ``may_touch``: whether each ball is near enough to the next one to touch it ``(N-1,)``, or one value for all; ``law``:
+    friction law; None: Coulomb's law, as equation 3.25 is printed.
     """
     balls = balls_of_linear_bearing(bearing, angles, loads)
     near = np.broadcast_to(np.asarray(may_touch, dtype=bool), (balls.count - 1,))
@@ -345,11 +352,12 @@ def solve_linear_bearing_by_root(
 def solve_linear_pair_by_root(
     bearing: LinearBearing, theta: float, side_force_ratio: float, vertical: float, law: FrictionLaw | None = None
 ) -> LinMotion:
-    """Return the motion of the two balls in section 3.3.4 of Lin's thesis by his method; they are near enough to touch.
+    """Return the motion by Lin's method of the two balls in section 3.3.4 of his thesis, which are near enough to touch.
 
-    ``theta``: deviation of the contact angles on the bottom groove [rad]; ``side_force_ratio``: ratio N_x/N_y of side force
-    to vertical force; ``vertical``: vertical force N_y on each ball [N]; ``law``: friction law; None: Coulomb's law. The
-    contact loads are in equilibrium at the given angles, in closed form (`pair_angles_and_loads`).
+    ``bearing``: the bearing; ``theta``: deviation of the contact angles on the bottom groove [rad]; ``side_force_ratio``:
+    ratio N_x/N_y of side force to vertical force on the first ball; the second has the opposite side force; ``vertical``:
+    vertical force N_y on each ball [N]; ``law``: friction law; None: Coulomb's law. The contact loads are in equilibrium at
+    the given angles, in closed form (`pair_angles_and_loads`).
     """
     return solve_linear_bearing_by_root(
         bearing, *pair_angles_and_loads(bearing, theta, side_force_ratio, vertical), True, law

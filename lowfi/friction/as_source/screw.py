@@ -13,8 +13,8 @@ computed first, and this position is then held.
 
 A whole ball screw over time (section 3.4.4): in each step the loads are found as a root, then the motion of every ball
 separately, then the motion of groups of balls which are near enough to touch and approach each other (equation 3.77). The
-positions advance with these speeds. The method does not prevent negative gaps; `LinScrewHistory.largest_overlap` says how
-large they become.
+positions advance with these speeds. The method does not prevent negative gaps; the property
+`LinScrewHistory.largest_overlap` gives the largest of them.
 
 To count failures, the root is searched from several starts: from rolling balls, and from random deviations from rollbench's
 own solution. Every search yields the motion that it found, or None if Lin's method finds no contact loads to begin with.
@@ -63,18 +63,18 @@ from rollbench.meshes.arrays import Array, Mask
 
 @dataclass(frozen=True)
 class BallPositions:
-    """Positions of N balls between their grooves, and of the screw with its m motions."""
+    """Positions of N balls between their grooves, and of the screw, which may have m motions."""
 
     #: Displacement of the balls along x3, z3 ``(N, 2)`` [m].
     ball: Array
-    #: Contact angles ``(N, 4)`` [rad].
+    #: Contact angles gamma of the balls ``(N, 4)`` [rad].
     gamma: Array
-    #: Displacements of the screw in its motions ``(m,)`` [m].
+    #: Displacement of the screw in each of its m motions ``(m,)`` [m].
     screw: Array
 
 
 def contact_loads_at_positions(cell: BallsBetweenGrooves, positions: BallPositions) -> tuple[Array, Array, Array]:
-    """Return the contact loads of N balls in given positions, with the conditions for the contact angles.
+    """Return the contact loads of N balls in given positions, with the residuals of the conditions for the contact angles.
 
     They follow from the contact conditions in chapter 2 of Lin's thesis: at the contact angle gamma, the tangent of the
     groove is perpendicular to the line of centres. ``cell``: the balls and their grooves; ``positions``: positions of balls
@@ -96,9 +96,9 @@ def contact_loads_at_positions(cell: BallsBetweenGrooves, positions: BallPositio
 
 
 def load_and_approach_scales(cell: BallsBetweenGrooves) -> tuple[float, float]:
-    """Return the load on the screw divided by the number of balls [N], then a ball's approach under this load [m].
+    """Return first the load on the screw per ball [N], then the approach of a ball and a groove under this load [m].
 
-    The equations of `solve_contact_loads_by_root` are scaled by them.
+    Forces and displacements in the equations of `solve_contact_loads_by_root` are divided by these values.
     """
     share = max(float(np.linalg.norm(cell.force)) / cell.angle.shape[0], 1e-300)
     return share, float(np.max(cell.groove.constants.C)) * share ** (2.0 / 3.0)
@@ -107,9 +107,9 @@ def load_and_approach_scales(cell: BallsBetweenGrooves) -> tuple[float, float]:
 def starting_positions(cell: BallsBetweenGrooves) -> BallPositions:
     """Return the positions from which the search of the contact loads starts.
 
-    The screw is displaced along its load by four times the approach of a ball under its part of the load, and by the
-    clearance; the balls are half way. The nominal state of Lin's text has no stiffness without preload.
-    `solve_screw_contact_loads` in ``lowfi.friction.screw.motion`` starts from the same positions for a screw without given
+    The screw is displaced along its load by four times the approach of a ball under its part of the load, plus the
+    clearance; the balls are displaced half as far. The nominal state, from which Lin's text starts, has no stiffness
+    without preload. The function `solve_screw_contact_loads` starts from the same positions for a screw without given
     displacement.
     """
     total, (_, size) = float(np.linalg.norm(cell.force)), load_and_approach_scales(cell)
@@ -119,10 +119,11 @@ def starting_positions(cell: BallsBetweenGrooves) -> BallPositions:
 
 
 def solve_contact_loads_by_root(cell: BallsBetweenGrooves, start: BallPositions | None = None) -> ContactLoadSolution:
-    """Return the contact loads of N balls without friction, as the root of 6 N + m equations (m: motions of the screw).
+    """Return the contact loads of N balls without friction, as the root of 6 N + m equations for a screw with m motions.
 
     ``start``: positions from which the search starts; None: `starting_positions`. In the result, ``left`` is the largest
-    force out of balance [N], ``steps`` the number of evaluations, and ``converged`` is False if no root was found.
+    force out of balance [N], ``steps`` the number of evaluations of the equations, and ``converged`` is False if no root
+    was found.
     """
     n = cell.angle.shape[0]
     scale, size = load_and_approach_scales(cell)
@@ -151,7 +152,7 @@ def solve_contact_loads_by_root(cell: BallsBetweenGrooves, start: BallPositions 
 
 
 def screw_neighbour_interaction(groove: ScrewGroove) -> NeighbourInteraction:
-    """Return the interaction of touching balls of a screw, on the exact helix.
+    """Return kinematics and friction of touching balls of a screw, on the exact helix.
 
     The unknowns of a ball are its angular speeds omega_B around the axis and omega_x, omega_y, omega_z [rad/s]. The exact
     helix corrects equations 3.73 to 3.75 of Lin's thesis.
@@ -163,9 +164,10 @@ def screw_neighbour_interaction(groove: ScrewGroove) -> NeighbourInteraction:
 
 
 def least_sliding_motion(groove: ScrewGroove) -> Array:
-    """Return the motion of a ball that slides least at four contacts at the nominal contact angle ``(4,)`` [rad/s].
+    """Return the motion of a ball that slides least at its four contacts at the nominal contact angle ``(4,)`` [rad/s].
 
-    Searches start from it. This is an assumption, because Lin's text does not say where they start.
+    The four values are the angular speeds omega_B around the axis and omega_x, omega_y, omega_z. Searches start from this
+    motion, which is an assumption, because Lin's text does not say where they start.
     """
     maps, drives = groove.maps(groove.normals(np.full(4, groove.contact_angle)))
     units = np.array([groove.radius, *[groove.ball_radius] * 3])
@@ -187,11 +189,11 @@ def balls_of_screw(groove: ScrewGroove, force: Array, angle: Array) -> LoadedBal
 class LinState:
     """Positions, contact loads and motions of N balls by Lin's method."""
 
-    #: Positions of the balls and the screw.
+    #: Positions of balls and screw, with the contact angles.
     at: BallPositions
     #: Contact forces ``(N, 4)`` [N].
     force: Array
-    #: Motions ``(N, 4)`` [rad/s].
+    #: Motions of the balls, orbit and three rotations ``(N, 4)`` [rad/s].
     q: Array
     #: Force of each ball on the next one ``(N-1,)`` [N].
     ball_force: Array
@@ -218,11 +220,11 @@ class LinScrewSolution:
 def solve_loads_and_motion_of_group(
     cell: BallsBetweenGrooves, law: FrictionLaw, start: LinState, reference_load: float
 ) -> LinState:
-    """Return loads and motions of N touching balls as the root of one system, with the screw held in position.
+    """Return loads and motions of N balls that touch, as the root of one system, with the screw held in its position.
 
     The equations are 3.71 and 3.75 to 3.77 of Lin's thesis. ``cell``: the balls and their grooves; ``law``: friction law;
-    ``start``: state from which the search starts, which also gives the screw's position; ``reference_load``: sum of a
-    ball's contact loads [N], by which the equations are scaled.
+    ``start``: state from which the search starts, which also gives the position of the screw; ``reference_load``: sum of
+    the contact loads of one ball [N], a scale by which forces are divided.
     """
     g, pair = cell.groove, screw_neighbour_interaction(cell.groove)
     n, turn = cell.angle.shape[0], pair.units / pair.speed
@@ -263,11 +265,11 @@ def solve_loads_and_motion_of_group(
 def solve_loads_and_motion_of_groups(
     cell: BallsBetweenGrooves, law: FrictionLaw, touching: Mask, start: LinState, reference_load: float
 ) -> LinState:
-    """Return loads and motions of all N balls with the screw held in position, if it is known which balls touch.
+    """Return loads and motions of all N balls, with the screw held in its position and known pairs of touching balls.
 
     Each group of touching balls is solved separately. ``cell``: the balls and their grooves; ``law``: friction law;
     ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: state of all balls from which the searches
-    start; ``reference_load``: sum of a ball's contact loads [N], by which the equations are scaled.
+    start; ``reference_load``: sum of the contact loads of one ball [N], a scale by which forces are divided.
     """
     n = cell.angle.shape[0]
     ball, gamma, q = start.at.ball.copy(), start.at.gamma.copy(), start.q.copy()
@@ -292,10 +294,9 @@ def solve_loads_and_motion_of_groups(
 
 
 def lin_state_of_result(result: ScrewPairSolution, touching: bool) -> LinState:
-    """Return rollbench's own solution for two balls in the form of a state from which Lin's searches start.
+    """Return the solution by rollbench for two balls in the form of a state from which searches by Lin's method start.
 
-    ``result``: this solution; ``touching``: whether to take the state with forces between the balls (True) or that of
-    separate balls.
+    ``result``: this solution; ``touching``: whether to take the state with ball-to-ball contact (True) or that without.
     """
     solution = result.touching if touching else result.free
     at = BallPositions(solution.load.ball, solution.load.angle, np.zeros(0))
@@ -303,10 +304,11 @@ def lin_state_of_result(result: ScrewPairSolution, touching: bool) -> LinState:
 
 
 def solve_motion_of_separate_balls(cell: BallsBetweenGrooves, load: ContactLoadSolution, law: FrictionLaw) -> LinState:
-    """Return the motions of separate balls at contact loads without friction, found by a search from nominal rolling.
+    """Return the motions of balls that do not touch each other, at contact loads without friction.
 
-    Searches for loads and motion together start from this state if no other start is given. ``cell``: the balls and their
-    grooves; ``load``: their contact loads without friction; ``law``: friction law.
+    They are found by a search from nominal rolling. Searches for loads and motion together start from this state if no
+    other start is given. ``cell``: the balls and their grooves; ``load``: their contact loads without friction; ``law``:
+    friction law.
     """
     n, pair = cell.angle.shape[0], screw_neighbour_interaction(cell.groove)
     none, first = np.zeros(n - 1), np.tile(pair.nominal, (n, 1))
@@ -332,15 +334,16 @@ def solve_loads_and_motion_by_root(
     Parameters
     ----------
     cell, load
-        The balls, and their loads without friction.
+        The balls with their grooves, and their contact loads without friction.
     may_touch
-        Whether neighbours are near enough to touch ``(N-1,)``.
+        Whether each ball is near enough to the next one to touch it ``(N-1,)``.
     law
         Friction law.
     start
-        State from which the search for separate balls starts; None: their motion at the loads without friction.
+        State from which the search for balls without contact with each other starts; None: their motion at the contact
+        loads without friction.
     touching
-        State from which the search for touching balls starts; None: the result for separate balls.
+        State from which the search for touching balls starts; None: the result for balls without contact with each other.
     """
     held, pair = with_fixed_screw(cell, load), screw_neighbour_interaction(cell.groove)
     scale = max(float(load.force.sum(axis=1).max()), 1e-300)
@@ -366,9 +369,9 @@ def solve_screw_pair_by_root(
     """Return the loads and motions of two balls of a screw that are near enough to touch, by Lin's method (section 3.4.3).
 
     The contact loads without friction are found first. If the coupling of the pair is "none", the motion is solved at these
-    loads, otherwise loads and motion together. ``law``: friction law; None: Lin's sigmoid with the factor ``SHARPNESS``.
-    ``start``, ``touching``: states from which the searches for separate and for touching balls start, as in
-    `solve_loads_and_motion_by_root`.
+    loads, otherwise loads and motion together. ``law``: friction law; None: Lin's sigmoid with the sharpness ``SHARPNESS``.
+    ``start``, ``touching``: states from which the searches for balls without and with contact with each other start; None
+    as in `solve_loads_and_motion_by_root`.
 
     Raises
     ------
@@ -379,8 +382,8 @@ def solve_screw_pair_by_root(
     """
     if pair.coupling == "ball and screw":
         raise ValueError(
-            "Lin's method for two balls holds the screw in its position without friction, so that it has no coupling of "
-            'friction with ball and screw; it needs coupling "none" or "ball"'
+            'coupling must be "none" or "ball" in Lin\'s method for two balls, got "ball and screw": the method holds the '
+            "screw in the position that it has without friction"
         )
     cell, law = pair.cell(), lin_sigmoid_law(pair.groove, SHARPNESS) if law is None else law
     load, reach = solve_contact_loads_by_root(cell), np.array([True])
@@ -440,7 +443,7 @@ class LinScrewHistory:
 class _PreviousStep:
     """State of N balls in the previous step, from which searches start."""
 
-    #: Positions of the balls.
+    #: Positions of balls and screw in the previous step.
     at: BallPositions
     #: Motions of the balls if none touches another ``(N, 4)`` [rad/s].
     free: Array
@@ -451,17 +454,17 @@ class _PreviousStep:
 
 
 def simulate_by_root(run: Run, steps: int | None = None) -> LinScrewHistory:
-    """Return the first steps of a transient simulation of a screw by Lin's method with his sigmoid friction law.
+    """Return the first time steps of a transient simulation of a screw by Lin's method with his sigmoid friction law.
 
     The balls are spread evenly at the beginning. Every search starts from the result of the previous step, the first one
-    from nominal rolling; Lin's text does not say where they start.
+    from nominal rolling; this is an assumption, because Lin's text does not say where they start.
 
     Parameters
     ----------
     run
-        Parts and settings of the simulation of a whole screw.
+        Ball screw with the settings of its simulation.
     steps
-        Number of time steps; None: all.
+        Number of time steps to simulate; None: all steps of ``run``.
 
     Raises
     ------
@@ -470,8 +473,8 @@ def simulate_by_root(run: Run, steps: int | None = None) -> LinScrewHistory:
     """
     if run.tube > 0.0 or run.coupling != "none":
         raise ValueError(
-            "a run by Lin's root finding needs a track without return tube (tube = 0) and contact loads that do not depend "
-            'on friction (coupling = "none")'
+            "a simulation by Lin's method needs a track without return tube (tube = 0) and contact loads without influence "
+            'of friction (coupling = "none")'
         )
     g, n, dt = run.groove, run.count, run.duration / run.steps
     law = lin_sigmoid_law(g, SHARPNESS)
@@ -505,16 +508,16 @@ def simulate_by_root(run: Run, steps: int | None = None) -> LinScrewHistory:
 def _solve_motion_of_step(
     run: Run, force: Array, angle: Array, may_touch: NDArray[np.bool_], law: FrictionLaw, previous: _PreviousStep | None
 ) -> tuple[LinMotion, NDArray[np.intp]]:
-    """Return the motion of the balls in one step, then the order of the balls in this motion (indices ``(N,)``).
+    """Return the motion of the balls in one time step, and the indices of the balls in the order of this motion ``(N,)``.
 
-    The order begins after a ball that is out of reach of the next one, where the ring of balls is cut open. ``force`` [N],
+    The order begins after a ball that cannot touch the next one: there the ring of balls is cut open. ``force`` [N],
     ``angle`` [rad]: contact loads and angles ``(N, 4)``; ``may_touch``: whether each ball is near enough to the next one to
-    touch it ``(N,)``; ``law``: friction law; ``previous``: previous step. Raises RuntimeError if every ball touches the
-    next one.
+    touch it ``(N,)``; ``law``: friction law; ``previous``: state in the previous step, from which the searches start, None
+    for nominal rolling. Raises RuntimeError if every ball may touch the next one.
     """
     if np.all(may_touch):
         raise RuntimeError(
-            "the motion of the balls cannot be solved because every ball touches the next one; at least one gap is needed"
+            "the motion of the balls cannot be solved because every ball touches the next one; leave at least one gap"
         )
     order = np.roll(np.arange(run.count), -int(np.argmin(may_touch)) - 1)
     balls = balls_of_screw(run.groove, force[order], angle[order])
@@ -530,8 +533,8 @@ def randomly_perturbed_motions(q: Array, units: Array, rng: np.random.Generator,
     """Return motions of N balls with random relative deviations, for searches from several starts.
 
     ``q``: motions, n unknowns for each ball ``(N, n)``; ``units``: surface speed per unit of each unknown ``(n,)``;
-    ``rng``: generator of random numbers; ``largest_deviation``: largest deviation of an unknown as a fraction of its value,
-    or of 1 % of the ball's largest surface speed if this is more.
+    ``rng``: generator of random numbers; ``largest_deviation``: largest deviation of an unknown, as a fraction of its value
+    or, if this is more, of 1 % of the ball's largest surface speed. The result has the shape of ``q``.
     """
     x = q * units
     size = np.maximum(np.abs(x), 0.01 * np.max(np.abs(x), axis=1, keepdims=True))
@@ -541,10 +544,10 @@ def randomly_perturbed_motions(q: Array, units: Array, rng: np.random.Generator,
 def linear_solutions_from_starts(
     bearing: LinearBearing, angles: Array, loads: Array, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[LinMotion]:
-    """Yield motions of N balls of a linear bearing by Lin's method, each from another random start.
+    """Yield motions of N balls of a linear bearing by Lin's method, from nominal rolling and then from random starts.
 
-    All neighbours are near enough to touch. The first search starts from nominal rolling. The others start from motions
-    that deviate from rollbench's own solution, with its ball-to-ball forces multiplied by random factors from 0 to 2.
+    All neighbours are near enough to touch. The random starts are motions that deviate from the solution by rollbench, with
+    its ball-to-ball forces multiplied by random factors from 0 to 2.
 
     Parameters
     ----------
@@ -555,11 +558,11 @@ def linear_solutions_from_starts(
     loads
         Contact loads, ``(N, 4)`` [N].
     rng
-        Source of the random starts.
+        Generator of the random numbers.
     count
-        Number of starts.
+        Number of random starts.
     off
-        Largest relative deviation of a start from rollbench's own solution.
+        Largest deviation of a start from the solution by rollbench, as a fraction of the value.
     """
     apart, together = (
         solve_linear_chain(prepare_linear_chain(bearing, angles, loads, touching)) for touching in (False, True)
@@ -580,7 +583,7 @@ def linear_solutions_from_starts(
 def sigmoid_of_moving_or_resting_screw(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
     """Return Lin's sigmoid friction law for a screw, also for a screw at rest.
 
-    At rest the reference spin of the sigmoid would be zero; it is then set to 1 rad/s.
+    For a screw at rest the reference spin of the sigmoid would be zero; it is then set to 1 rad/s.
 
     Parameters
     ----------
@@ -595,23 +598,23 @@ def sigmoid_of_moving_or_resting_screw(groove: ScrewGroove, sharpness: float = S
 def pair_solutions_from_starts(
     pair: Pair, solved: ScrewPairSolution, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[LinMotion | None]:
-    """Yield motions of two balls of a screw by Lin's method, each from another random start.
+    """Yield motions of two balls of a screw by Lin's method, from nominal rolling and then from random starts.
 
-    None is yielded where the method finds no contact loads. The first search starts from nominal rolling, the others from
-    states that deviate from rollbench's own solution.
+    None is yielded where the method finds no contact loads. The random starts are states that deviate from the solution by
+    rollbench.
 
     Parameters
     ----------
     pair
         Two balls of a screw.
     solved
-        Rollbench's own solution of the pair.
+        Solution of the pair by rollbench.
     rng
-        Source of the random starts.
+        Generator of the random numbers.
     count
-        Number of starts.
+        Number of random starts.
     off
-        Largest relative deviation of a start from rollbench's own solution.
+        Largest deviation of a start from the solution by rollbench, as a fraction of the value.
     """
     free, touching, units = (
         lin_state_of_result(solved, False),
@@ -633,10 +636,10 @@ def pair_solutions_from_starts(
 def chain_motions_from_random_starts(
     chain: Chain, angle: Array, solved: ChainMotion, rng: np.random.Generator, count: int, largest_deviation: float
 ) -> Iterator[LinMotion]:
-    """Yield motions of an open chain of balls of a screw by Lin's method at given contact loads, each from a random start.
+    """Yield motions of an open chain of balls of a screw by Lin's method, from nominal rolling and then from random starts.
 
-    Only neighbours without a gap count as near enough to touch: if a gap closes within a time step, the balls come into
-    contact in rollbench's own method, but overlap in Lin's.
+    The contact loads are given. Only neighbours without a gap count as near enough to touch: if a gap closes within a time
+    step, the balls come into contact in the method of rollbench, but overlap in Lin's.
 
     Parameters
     ----------
@@ -645,13 +648,13 @@ def chain_motions_from_random_starts(
     angle
         Contact angles, ``(N, 4)`` [rad].
     solved
-        Rollbench's own solution of the chain.
+        Solution of the chain by rollbench.
     rng
         Source of the random starts.
     count
-        Number of starts.
+        Number of random starts.
     largest_deviation
-        Largest relative deviation of a start from rollbench's own solution.
+        Largest deviation of a start from the solution by rollbench, as a fraction of the value.
     """
     alone = solve_motion_of_chain(replace(chain, slack=np.full(chain.slack.shape, np.inf)))
     balls, law = balls_of_screw(chain.groove, chain.force, angle), sigmoid_of_moving_or_resting_screw(chain.groove)

@@ -35,7 +35,7 @@ STEPS = 600
 
 @dataclass(frozen=True)
 class ContactLoadSolution:
-    """Contact loads of N balls between two rigid bodies, the inner of which has m free motions."""
+    """Contact loads of N balls between two rigid bodies, the inner of which is free in m motions."""
 
     #: Contact forces ``(N, 4)`` [N].
     force: Array
@@ -43,7 +43,7 @@ class ContactLoadSolution:
     angle: Array
     #: Displacements of the balls along x, z of their sections ``(N, 2)`` [m].
     ball: Array
-    #: Displacement of the inner body along its free motions ``(m,)`` [m].
+    #: Displacement of the inner body in each of the m motions in which it is free ``(m,)`` [m].
     inner: Array
     #: Largest unbalanced force [N].
     left: float
@@ -54,7 +54,7 @@ class ContactLoadSolution:
 
 
 def zero_cell_state(cell: CellArrays) -> CellState:
-    """Return zero arrays for the balls in ``cell``, to which the kernels write contact forces, stiffness and gradients."""
+    """Return zero arrays to which the kernels write contact forces, stiffness and gradients of the balls in ``cell``."""
     n, m = cell.interference.shape[0], cell.pull.shape[0]
     return CellState(np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2)))
 
@@ -64,9 +64,10 @@ def solve_contact_loads(
 ) -> ContactLoadSolution:
     """Return the contact loads of balls between two rigid bodies, by Newton's method with line search.
 
-    They are the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p over the displacements u of the inner
-    body and p of the balls. The model is valid for approaches far below the distance r_G - r_B of groove and ball centres.
-    The loads do not depend on the start.
+    They are found at the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p over the displacements u of
+    the inner body and p of the balls. C is the Hertz constant of a contact, <approach> the approach where positive, and
+    pull and push are the applied forces in ``cell``. The model is valid for approaches far below the distance of groove
+    centre and ball centre. The loads do not depend on the start.
 
     Parameters
     ----------
@@ -105,9 +106,10 @@ def solve_contact_loads_of_each_ball(
     Parameters
     ----------
     start
-        Vectors from the grooves' centres of curvature to the ball's centre along x, z ``(N, 4, 2)`` [m].
+        Vectors from the grooves' centres of curvature to the ball's centre along x, z, before any displacement ``(N, 4,
+        2)`` [m].
     interference
-        Interference of ball and groove before any displacement ``(N, 4)`` [m].
+        Interference of ball and groove before any displacement, negative for clearance ``(N, 4)`` [m].
     C
         Hertz constants C of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)].
     inner_direction
@@ -132,10 +134,10 @@ def solve_contact_loads_of_each_ball(
     return x, force, normal, left
 
 
-#: Values of ``Motion.status`` in the order of the numbers that the kernel returns.
+#: Values of ``BodyMotion.status``; the kernel returns their indices.
 STATUS = ("exact", "regularised", "at rest")
-#: Options of MINPACK's hybrid method, which is nearly Matlab's fsolve. A short first step finds more roots for single balls
-#: from random starts than the default factor of 100.
+#: Options of MINPACK's hybrid method, which is similar to Matlab's fsolve. With a short first step it finds more roots for
+#: single balls from random starts than with the default factor of 100.
 HYBRID = {"xtol": 1e-13, "factor": 0.1}
 
 
@@ -157,15 +159,19 @@ class MotionProblem:
         return np.asarray(self.drives + self.maps @ q)
 
     def units(self) -> Array:
-        """Return the surface speed of the loaded contacts per unit of each unknown ``(n,)``; 1 for one that moves none."""
+        """Return the surface speed of the loaded contacts per unit of each unknown ``(n,)``.
+
+        It is 1 for an unknown that moves none of them. Unknowns are scaled by it.
+        """
         rows = self.maps * np.stack([np.ones_like(self.at.a), np.ones_like(self.at.a), self.at.a], axis=1)[:, :, None]
         size = np.sqrt(np.sum(rows[self.at.strength > 0.0] ** 2, axis=(0, 1)))
         return np.asarray(np.where(size > 0.0, size, 1.0))
 
     def imbalance(self, friction: Friction) -> float:
-        """Return the largest generalised force by which ``friction`` and the other forces are out of balance [N].
+        """Return the largest force out of balance [N] under a given friction and the other forces.
 
-        The generalised force on each unknown is divided by its entry of `units`.
+        ``friction``: friction at the contacts. The generalised force on each unknown is divided by its surface speed per
+        unit (`units`), so that it is a force.
         """
         wrench = np.column_stack([friction.force, friction.moment])
         return float(np.max(np.abs((np.einsum("ir,irj->j", wrench, self.maps) + self.push) / self.units())))
@@ -185,7 +191,7 @@ class BodyMotion:
     rest: NDArray[np.bool_]
     #: Largest unbalanced force [N].
     imbalance: float
-    #: Lower and upper bound of the least value of eq. (1) of this module: dissipation less power of the other forces [W].
+    #: Lower and upper bound of the least value of eq. (1) of this module, dissipation less power of the other forces [W].
     bounds: tuple[float, float]
     #: ``"exact"``: equilibrium in which contacts rest or slip exactly; ``"regularised"``: equilibrium with regularised
     #: friction, because a contact is on the verge of slip; ``"at rest"``: no motion, for lack of drive and force;
@@ -203,14 +209,14 @@ class BodyMotion:
 def least_dissipation(problem: MotionProblem, start: Array | None = None, fast: bool = False) -> BodyMotion:
     """Return the motion of least dissipation, the minimum of eq. (1) of this module.
 
-    Unknowns that cause no dissipation keep their values from the start.
+    Unknowns that cause no dissipation keep their values at the start.
 
     Parameters
     ----------
     problem
         Contacts, kinematics and forces, with any number of loaded contacts.
     start
-        Values of the unknowns ``(n,)`` from which the search begins; None begins with the motion nearest to pure rolling.
+        Values of the unknowns ``(n,)`` from which the search begins; None to begin with the motion nearest to pure rolling.
     fast
         Whether to use compiled kernels.
     """
@@ -241,9 +247,10 @@ def least_dissipation(problem: MotionProblem, start: Array | None = None, fast: 
 
 
 def remove_friction_forces(motion: BodyMotion) -> BodyMotion:
-    """Return the same motion with friction forces and losses of zero: the limit of a vanishing coefficient of friction.
+    """Return the same motion with friction forces and losses of zero.
 
-    With given normal loads the motion itself does not depend on the coefficient.
+    This is the limit for a coefficient of friction that tends to zero, because with given normal loads the motion does not
+    depend on the coefficient.
 
     Parameters
     ----------
@@ -303,9 +310,9 @@ def motion_by_root(problem: MotionProblem, law: FrictionLaw, start: Array, fast:
 def motion_by_sharpened_sigmoids(problem: MotionProblem, law: Sigmoid, start: Array, fast: bool = False) -> BodyMotion:
     """Return the motion at a root of the force balance, by a sequence of sigmoids of increasing sharpness up to ``law``.
 
-    Each root is the start of the next search (`motion_by_root`). This is not Lin's method; it finds the roots that his
-    table prints where the direct search fails. After a failure the step in sharpness is reduced; the status is "failed" if
-    it becomes too small.
+    Each root is the start of the next search (`motion_by_root`). This is not Lin's method, but it finds the roots that his
+    table prints where the direct search fails. After a failure the step in sharpness is reduced; if it becomes too small,
+    the last motion is returned with the status "failed".
 
     Parameters
     ----------

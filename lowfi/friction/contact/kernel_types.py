@@ -39,21 +39,21 @@ class DissipationTerms(NamedTuple):
 
 
 class CellArrays(NamedTuple):
-    """Geometry, stiffness and loads of N balls between an inner rigid body, which moves by u (m,), and a fixed outer one.
+    """Geometry, stiffness and loads of N balls between an inner rigid body, free in m motions u, and a fixed outer one.
 
-    m: number of free motions of the inner body. The axes x and z lie in the plane of each ball's groove section. Contacts 0
-    and 1 of a ball are on the inner body, 2 and 3 on the outer body.
+    The axes x and z lie in the plane of each ball's groove section. Contacts 0 and 1 of a ball are on the inner body, 2 and
+    3 on the outer body.
     """
 
     #: Vectors from the grooves' centres of curvature to the ball's centre (N, 4, 2) along x, z [m], at zero displacement.
     start: Array
-    #: Interference of ball and groove at zero displacement (N, 4) [m].
+    #: Interference of ball and groove at zero displacement, negative for clearance (N, 4) [m].
     interference: Array
     #: Hertz constants C of the approach C F^(2/3) at the four contacts of a ball (4,) [m/N^(2/3)].
     C: Array
-    #: Displacements of the inner body along x, z at each ball by unit u (N, 2, m).
+    #: Displacement of the inner body along x, z at each ball per unit of each motion u (N, 2, m).
     section: Array
-    #: Prescribed additional displacement of the inner body along x, z at each ball (N, 2) [m].
+    #: Given displacement of the inner body along x, z at each ball, in addition to its motions u (N, 2) [m].
     offset: Array
     #: Applied forces on the balls along x, z (N, 2) [N].
     push: Array
@@ -66,9 +66,10 @@ class CellArrays(NamedTuple):
 class CellState(NamedTuple):
     """Derivatives of the elastic energy, and contact forces, at given positions of balls and inner body."""
 
-    #: Gradient of elastic energy less work of the applied forces by the positions of the balls (N, 2) [N].
+    #: Derivative of elastic energy less work of the applied forces by the positions of the balls: forces out of balance (N,
+    #: 2) [N].
     ball: Array
-    #: The same gradient by the position of the inner body (m,) [N].
+    #: Derivative of the same function by the displacements of the inner body (m,) [N].
     inner: Array
     #: Stiffness of the contacts, entries xx, xz, zz of a symmetric matrix (N, 4, 3) [N/m].
     stiffness: Array

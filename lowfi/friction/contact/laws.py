@@ -66,7 +66,8 @@ class Dissipation:
 def contacts_from_values(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> Contacts:
     """Return the data of n contacts from numbers or arrays that broadcast to ``(n,)``, after checking them.
 
-    The relative error of friction is 1e-10 for b/a >= 0.01 (against quadrature), 1e-8 at 1e-3, and 1e-7 at 1e-4.
+    Values out of range are refused. With these contacts the relative error of friction is 1e-10 for b/a >= 0.01 (against
+    quadrature), 1e-8 at b/a = 1e-3, and 1e-7 at b/a = 1e-4.
 
     Parameters
     ----------
@@ -94,19 +95,20 @@ def contacts_from_values(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayL
 
 
 def motion_of_rotation_about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
-    """Return the motion vx, vz [m/s], spin [rad/s] ``(n, 3)`` of a rotation about a point of a contact (Lin 3.12).
+    """Return the motion of a contact that rotates about a point of its plane: vx, vz [m/s], spin [rad/s] ``(n, 3)``.
 
-    ``spin``: angular speed about the contact normal [rad/s]; ``c``, ``d``: coordinates of the point along x and z of the
-    contact plane [m].
+    It is eq. (3.12) of Lin's thesis. ``spin``: angular speed about the contact normal [rad/s]; ``c``, ``d``: coordinates of
+    the point along x and z of the contact plane [m].
     """
     s, x, z = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (spin, c, d)))
     return np.stack([-s * z, s * x, s], axis=1)
 
 
 def dissipated_power(contacts: Contacts, motion: Array, regularising_speed: float = 0.0, fast: bool = False) -> Dissipation:
-    """Return the power mu int p sqrt(|v|^2 + speed^2) dA that each contact dissipates, with derivatives, in closed form.
+    """Return the power that friction dissipates in each of n contacts, with its derivatives, in closed form.
 
-    v is the local sliding velocity, p the Hertz pressure and mu the coefficient of friction.
+    The power is mu int p sqrt(|v|^2 + speed^2) dA, with the local sliding velocity v, the Hertz pressure p, the coefficient
+    of friction mu and the regularising speed.
 
     Parameters
     ----------
@@ -116,7 +118,7 @@ def dissipated_power(contacts: Contacts, motion: Array, regularising_speed: floa
         Sliding and spin of the contacts, vx, vz [m/s] and spin [rad/s] ``(n, 3)``. A contact at rest without regularisation
         has no gradient; zeros are returned.
     regularising_speed
-        Regularising speed >= 0 [m/s]; it raises the value by at most mu F speed.
+        Regularising speed >= 0 [m/s]; it raises the power by at most mu F times this speed.
     fast
         Whether to use compiled kernels.
 
@@ -144,8 +146,8 @@ def friction_forces(contacts: Contacts, motion: Array, regularising_speed: float
     """Return friction force, moment and loss of contacts for a given sliding motion.
 
     ``contacts``: ellipses, loads and coefficients of friction of n contacts; ``motion``: their sliding vx, vz [m/s] and
-    spin [rad/s] ``(n, 3)``; ``regularising_speed``: regularising speed >= 0 [m/s]; ``fast``: whether to use compiled
-    kernels.
+    spin [rad/s] ``(n, 3)``; ``regularising_speed``: regularising speed >= 0 [m/s], 0 for exact Coulomb friction; ``fast``:
+    whether to use compiled kernels.
 
     References
     ----------
@@ -167,8 +169,9 @@ def friction_forces(contacts: Contacts, motion: Array, regularising_speed: float
 def linear_force_factor(axis_ratio: ArrayLike) -> Array:
     """Return the slope k_f of the friction force over mu F against c/a, for rotation about a point near the centre.
 
-    c is the distance of the centre of rotation from the ellipse's centre along the semi-axis a. k_f = (b/a)^2 R_D(0, 1,
-    b^2/a^2)/2; it is 3 pi/8 = 1.178 for a circle and 3/2 in the limit of a line.
+    c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. The slope is
+    k_f = (b/a)^2 R_D(0, 1, b^2/a^2)/2 with Carlson's elliptic integral R_D; it is 3 pi/8 = 1.178 for a circle and 3/2 in
+    the limit of a line.
 
     Parameters
     ----------
@@ -189,11 +192,11 @@ def linear_force_factor(axis_ratio: ArrayLike) -> Array:
 
 
 def cubic_force_factor(axis_ratio: ArrayLike) -> Array:
-    """Return the cubic factor g of the exact relative friction force, force/(mu F) = k_f t - g t^3 with t = c/a.
+    """Return the factor g of the cubic term in the exact friction force, force/(mu F) = k_f t - g t^3 with t = c/a.
 
-    c is the distance of the centre of rotation from the ellipse's centre along the semi-axis a. The force has this form for
-    -1 <= t <= 1; k_f: `linear_force_factor`. The factor is g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)) with
-    r = b/a <= 1 - 1e-6.
+    c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. The force has
+    this form for -1 <= t <= 1; k_f is `linear_force_factor`. The factor is g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6
+    (1 - r^2)), with r = b/a <= 1 - 1e-6 and Carlson's elliptic integral R_D.
 
     Parameters
     ----------
@@ -206,10 +209,11 @@ def cubic_force_factor(axis_ratio: ArrayLike) -> Array:
 
 
 def error_of_linear_force(axis_ratio: ArrayLike, force_slope: ArrayLike, reach: float = 0.5) -> Array:
-    """Return the largest relative error of a friction force that is linear in c/a, over 0 < |c/a| <= reach.
+    """Return the largest relative error of a friction force that is assumed linear in c/a, over 0 < |c/a| <= reach.
 
-    The ratio of exact force to c/a is k_f - g t^2 with t = c/a (`linear_force_factor`, `cubic_force_factor`). It is
-    monotonous in t, so the error is largest at an end of the range.
+    c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. The ratio of
+    the exact force to t = c/a is k_f - g t^2 (`linear_force_factor`, `cubic_force_factor`). It is monotonous in t, so the
+    error is largest at an end of the range.
 
     Parameters
     ----------
@@ -280,23 +284,26 @@ class RegularisedCoulomb:
 class Sigmoid:
     """Lin's friction law: Coulomb friction times the sigmoid Sig(k_S spin/reference) (Lin 3.20).
 
-    It is not the gradient of a convex function, and sliding without spin has no friction.
+    Sig is the sigmoid function, k_S the sharpness and reference the reference spin. The law is not the gradient of a convex
+    function, and sliding without spin has no friction.
     """
 
     #: Sharpness k_S of the sigmoid.
     sharpness: float
-    #: Reference spin omega_I sin(beta), that of two opposite contacts [rad/s].
+    #: Reference spin, omega_I sin(beta) for a bearing with the speed omega_I of the inner ring and the contact angle beta
+    #: [rad/s].
     reference: float
-    #: Step in c/a of Lin's table of friction forces (d = 0), in which he interpolates linearly; None for exact integrals.
+    #: Step in c/a of Lin's table of friction forces, in which he interpolates linearly; None for exact integrals. c is the
+    #: distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a.
     map_spacing: float | None = None
-    #: Whether the sigmoid takes abs(spin). With the signed spin, as printed in 3.19, the sign enters twice, and friction
-    #: does not change sign with the motion.
+    #: Whether the sigmoid is a function of abs(spin). If it is one of the signed spin, as printed in Lin's eq. (3.19), the
+    #: sign enters twice, and friction does not change its sign with the motion.
     magnitude: bool = True
 
     def factor(self, spin: Array) -> Array:
-        """Return the sigmoid Sig(k_S spin/reference) at each ``spin`` [rad/s], computed as a hyperbolic tangent.
+        """Return the sigmoid Sig(k_S spin/reference) at each ``spin`` [rad/s].
 
-        A hyperbolic tangent cannot overflow.
+        It is computed as a hyperbolic tangent, which cannot overflow.
         """
         x = np.abs(spin) if self.magnitude else spin
         return np.asarray(np.tanh(0.5 * self.sharpness * x / self.reference))
@@ -313,9 +320,10 @@ class Sigmoid:
 def interpolated_friction(contacts: Contacts, motion: Array, spacing: float, exact: Friction, fast: bool) -> Friction:
     """Return Coulomb friction of n contacts, interpolated linearly in c/a as in section 3.2.1 of Lin's thesis.
 
-    ``motion``: vx, vz [m/s] and spin [rad/s] ``(n, 3)``; ``spacing``: step of c/a between the entries of the table;
-    ``exact``: friction without interpolation, which is returned for contacts without spin, whose c/a is not defined.
-    Raises ValueError if vx is not 0, the centre of rotation then lying off the semi-axis a (d not 0).
+    c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. ``motion``:
+    vx, vz [m/s] and spin [rad/s] ``(n, 3)``; ``spacing``: step of c/a in the table; ``exact``: friction without
+    interpolation, which is returned for contacts without spin, whose c/a is not defined; ``fast``: whether to use compiled
+    kernels. Raises ValueError if vx is not 0, because the centre of rotation then does not lie on the semi-axis a.
     """
     if np.any(motion[:, 0] != 0.0):
         raise ValueError(

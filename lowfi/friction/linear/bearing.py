@@ -27,13 +27,13 @@ from rollbench.meshes.arrays import Array
 #: How contact loads are computed: by `loads_equal_on_diagonals`, `loads_in_equilibrium` or `loads_of_elastic_contacts`.
 Loads = Literal["diagonal", "balanced", "elastic"]
 
-#: Order of the contacts with those of the carriage first; applied twice it is the original order.
+#: Indices that put the contacts of the carriage first; applied twice they restore the original order.
 TOP_FIRST = [2, 3, 0, 1]
 
 #: Names of the four contacts, in the order of all arrays of contacts.
 CONTACTS = ("BL", "BR", "TR", "TL")
 
-#: Signs of the directions from the ball's centre to the contacts along x, y.
+#: Signs of the components along x and y of the directions from the ball's centre to the contacts.
 SENSE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
 #: 1 for contacts on the moving carriage, 0 for those on the rail.
@@ -125,12 +125,14 @@ def contact_semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Arra
 
 
 def contact_angle_deviations(theta: Array, *, mated: bool = False) -> Array:
-    """Return deviations of the contact angles ``(..., 4)`` [rad] in Lin's case study: -theta, theta on the bottom groove.
+    """Return deviations of the contact angles BL, BR, TR, TL ``(..., 4)`` [rad]: -theta and theta on the bottom groove.
+
+    These are the deviations in the case study of Lin's thesis.
 
     Parameters
     ----------
     theta
-        Deviation of the contact angles on the bottom groove [rad], any shape.
+        Deviation theta of the contact angles on the bottom groove [rad], any shape ``(...)``.
     mated
         Whether the top groove deviates so as to match the bottom groove (see `top_deviations_matching_bottom`), as in
         design (b) of section 3.3.4.2 of Lin's thesis; otherwise it has no deviation.
@@ -144,14 +146,18 @@ def contact_angle_deviations(theta: Array, *, mated: bool = False) -> Array:
 def top_deviations_matching_bottom(bottom: Array) -> Array:
     """Return deviations of the contact angles (TR, TL) [rad] for which the ball's velocity does not depend on the loads.
 
-    ``bottom``: deviations at BL, BR ``(..., 2)`` [rad]. By the rule of section 3.3.4.2 of Lin's thesis, the contacts of
-    each diagonal stay opposite, so that the deviation of the velocity, eq. (3.43) of the thesis, is zero under any load.
+    ``bottom``: deviations of the contact angles at BL, BR ``(..., 2)`` [rad]. By the rule of section 3.3.4.2 of Lin's
+    thesis, the two contacts of each diagonal remain opposite to each other, so that the deviation of the velocity, eq.
+    (3.43) of the thesis, is zero under any load.
     """
     return np.asarray(bottom, dtype=float).copy()
 
 
 def loads_equal_on_diagonals(vertical: float, side_ratio: Array, contact_angle: float = 0.25 * np.pi) -> Array:
-    """Return contact loads that are equal on each diagonal, F_BL = F_TR = (N_y/cos - N_x/sin)/2, F_BR = F_TL with plus.
+    """Return contact loads that are equal on each diagonal, BL with TR and BR with TL.
+
+    They are F_BL = F_TR = (N_y/cos beta_0 - N_x/sin beta_0)/2 and F_BR = F_TL = (N_y/cos beta_0 + N_x/sin beta_0)/2 with
+    the vertical force N_y, the side force N_x and the contact angle beta_0.
 
     Parameters
     ----------
@@ -196,8 +202,8 @@ def loads_equal_on_diagonals(vertical: float, side_ratio: Array, contact_angle: 
 def loads_in_equilibrium(angles: Array, vertical: float, side_ratio: Array) -> Array:
     """Return contact loads ``(N, 4)`` [N] in equilibrium at given contact angles.
 
-    The two equations of equilibrium of the carriage give the two loads at the top, those of the ball the two loads at the
-    bottom; negative loads are set to zero.
+    The two equations of equilibrium of the carriage determine the two loads at the top, those of the ball the two loads at
+    the bottom. Negative loads are set to zero.
 
     Parameters
     ----------
@@ -221,7 +227,8 @@ def loads_of_elastic_contacts(
     """Return first the contact loads [N], then the contact angles under load [rad], ``(N, 4)`` each.
 
     Balls and grooves have Hertz contacts without clearance and friction. The loads are those at the minimum of the energy
-    sum 2/5 C^(-3/2) <approach>^(5/2) - N_x u_x + N_y u_y over the displacements of ball and carriage (u_x, u_y).
+    sum 2/5 C^(-3/2) <approach>^(5/2) - N_x u_x + N_y u_y over the displacements of ball and carriage. C is the Hertz
+    constant of the contacts, <approach> the approach where positive, and u_x, u_y is the displacement of the carriage.
 
     Parameters
     ----------
@@ -246,8 +253,9 @@ def loads_of_elastic_contacts(
 def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: float, rho: float) -> tuple[Array, Array]:
     """Return first the contact loads ``(4,)`` [N], then the contact angles ``(4,)`` [rad] of one ball under load.
 
-    ``angles``: contact angles of the unloaded ball ``(4,)`` [rad]; ``vertical``: vertical force N_y on the carriage [N];
-    ``rho``: ratio N_x/N_y of side force to vertical force. See `loads_of_elastic_contacts`.
+    ``bearing``: bearing with the Hertz constants of its contacts; ``angles``: contact angles of the unloaded ball ``(4,)``
+    [rad]; ``vertical``: vertical force N_y on the carriage [N]; ``rho``: ratio N_x/N_y of side force to vertical force. The
+    method is described in `loads_of_elastic_contacts`.
     """
     n, slack, C = (
         contact_directions(angles),
@@ -268,20 +276,26 @@ def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: f
     )
 
     def angles_of(normal: Array) -> Array:
-        """Return contact angles [rad] from contact normals with those of the carriage first."""
+        """Return contact angles in the order BL, BR, TR, TL [rad] from normals in the order ``TOP_FIRST``.
+
+        ``normal``: contact normals, those of the carriage first ``(N, 4, 2)``.
+        """
         outward = SENSE * normal[:, TOP_FIRST]
         return np.asarray(np.arctan2(outward[..., 0], outward[..., 1]))
 
     settled = solve_contact_loads(cell, float(np.linalg.norm(pull)), place[None].copy(), 2.0 * place, angles_of)
     if not settled.converged:
         raise ArithmeticError(
-            f"no balance of the contact loads of a ball is found: {settled.left:.1e} N are left after {settled.steps} steps"
+            f"no equilibrium of a ball was found: {settled.left:.1e} N are out of balance after {settled.steps} steps"
         )
     return settled.force[0, TOP_FIRST], settled.angle[0]
 
 
 def elliptic_integral_second_kind(axis_ratio: float) -> float:
-    """Return the complete elliptic integral of the second kind E(e), e = sqrt(1 - (b/a)^2); ``axis_ratio``: b/a."""
+    """Return the complete elliptic integral of the second kind E(e), with e = sqrt(1 - (b/a)^2).
+
+    ``axis_ratio``: ratio b/a of the semi-axes, up to 1.
+    """
     from scipy.special import ellipe
 
     return float(ellipe(1.0 - axis_ratio**2))
@@ -316,11 +330,13 @@ def ball_force_by_formula(bearing: LinearBearing, loads: Array, difference: Arra
     bearing
         Bearing with its ball radius, contact angle and coefficients of friction.
     loads
-        Contact loads F_U and F_D (last axis) of balls 1 and 2 ``(..., 2, 2)`` [N].
+        Contact loads F_U (diagonal BL, TR) and F_D (diagonal BR, TL), last axis, of balls 1 and 2 ``(..., 2, 2)`` [N].
     difference
-        Difference epsilon_1 - epsilon_2 of the relative deviations of the balls' velocities without contact.
+        Difference epsilon_1 - epsilon_2 of the relative deviations of the balls' velocities without ball-to-ball contact
+        ``(...)``.
     k_f
-        Slope of the friction force over mu F against c/a, see `rollbench.lowfi.friction.contact.laws.linear_force_factor`.
+        Slope of the friction force over mu F against c/a, see `linear_force_factor`; c is the distance of the centre of
+        rotation from the centre of the contact ellipse along its semi-axis a.
 
     References
     ----------
@@ -339,12 +355,15 @@ def ball_force_by_formula(bearing: LinearBearing, loads: Array, difference: Arra
 
 
 def ball_to_ball_sliding_speed(bearing: LinearBearing) -> float:
-    """Return the speed at which two rolling balls rub on each other, abs(v)/cos beta_0 [m/s] (Lin 3.52)."""
+    """Return the speed at which two rolling balls slide on each other, abs(v)/cos beta_0 [m/s] (Lin 3.52).
+
+    ``bearing``: bearing with the speed v of its carriage and the contact angle beta_0.
+    """
     return float(abs(bearing.speed) / np.cos(bearing.contact_angle))
 
 
 def ball_to_ball_loss(bearing: LinearBearing, force: Array) -> Array:
-    """Return the friction loss between two balls that press on each other with ``force`` [N], in W (Lin 3.53)."""
+    """Return the friction loss [W] between two balls that press on each other with ``force`` [N] (Lin 3.53)."""
     return np.asarray(bearing.mu_balls * force * ball_to_ball_sliding_speed(bearing))
 
 
@@ -352,8 +371,9 @@ def groove_spin_loss(bearing: LinearBearing, loads: Array) -> Array:
     """Return the friction loss of each contact that spins about its centre at nominal rolling [W].
 
     The sum over all contacts is the groove loss to which Lin compares the loss between balls, eq. (3.53) of his thesis.
-    ``loads``: contact loads F [N], any shape, which is that of the result. The spin is v tan(beta_0)/(2 R_B), and the
-    moment 3/8 mu F a E(e) by eq. (3.32) of Lin's thesis.
+    ``bearing``: bearing with speed v, contact angle beta_0 and ball radius R_B; ``loads``: contact loads F [N], any shape,
+    which is that of the result. The spin is v tan(beta_0)/(2 R_B), and the moment 3/8 mu F a E(e) by eq. (3.32) of Lin's
+    thesis.
     """
     constants = bearing.hertz()
     spin = 0.5 * abs(bearing.speed) * np.tan(bearing.contact_angle) / bearing.ball_radius

@@ -49,30 +49,32 @@ from rollbench.meshes.arrays import Array, Mask
 
 Status = Literal["converged", "not converged"]
 
-#: Creeping speed of sticking contacts, over the carriage's speed.
+#: Creeping speed, at which contacts that stick yield to a force, over the carriage's speed.
 CREEP = 1e-8
 
 #: Force out of balance at which the search ends, over the largest friction bound of a ball.
 TOLERANCE = 1e-12
 
-#: Stiffness of a weak spring to nominal rolling, which fixes motions without resistance, over the ball's friction bound.
+#: Stiffness of a weak spring that draws balls to nominal rolling, over the ball's friction bound; it fixes motions that no
+#: friction resists.
 HOLD = 1e-11
 
-#: Force out of balance, over the largest friction bound of a ball, up to which a result counts as converged (there is
-#: round-off where contacts stick).
+#: Force out of balance, over the largest friction bound of a ball, up to which a result counts as converged; where contacts
+#: stick, round-off limits the accuracy.
 ACCEPTED = 1e-9
 
 #: Least difference of the ball-to-ball forces of two different states, over the largest friction bound of a ball.
 ANOTHER = 1e-3
 
-#: Raised coefficients of friction between balls at which a search for a jammed state also begins, and the factor by which
-#: the coefficient is then reduced step by step.
+#: Coefficients of friction between balls, above the actual one, at which a search for a state with jammed balls also
+#: begins, and the factor by which the coefficient is then reduced step by step.
 RISEN, FALLING = (0.3, 1.0), 0.85
 
 #: Largest number of Newton steps.
 STEPS = 50_000
 
-#: Least ratio b/a of the semi-axes for which the friction of a contact is accurate to many digits.
+#: Least ratio b/a of the semi-axes of a contact ellipse that is allowed, because the friction formulas lose accuracy below
+#: it.
 NARROWEST = 1e-3
 
 
@@ -82,19 +84,19 @@ class LinearChainSolution:
 
     #: Velocity along the track ``(N,)`` [m/s].
     velocity: Array
-    #: Angular velocities omega_x, omega_y across the track ``(N, 2)`` [rad/s].
+    #: Angular velocities omega_x, omega_y of the balls about the two axes across the track ``(N, 2)`` [rad/s].
     rotation: Array
-    #: Sliding along the track at the contacts ``(N, 4)`` [m/s].
+    #: Sliding speed along the track at the contacts with the grooves ``(N, 4)`` [m/s].
     sliding: Array
-    #: Spin at the contacts ``(N, 4)`` [rad/s].
+    #: Spin about the normal at the contacts with the grooves ``(N, 4)`` [rad/s].
     spin: Array
-    #: Friction on the ball along the track at the contacts ``(N, 4)`` [N].
+    #: Friction force on the ball along the track at each contact ``(N, 4)`` [N].
     friction: Array
     #: Friction loss at the contacts with the grooves ``(N, 4)`` [W].
     groove_loss: Array
-    #: Force between neighbours ``(N-1,)`` [N].
+    #: Force between balls k and k + 1 ``(N-1,)`` [N].
     ball_force: Array
-    #: Friction loss between neighbours ``(N-1,)`` [W].
+    #: Friction loss between balls k and k + 1 ``(N-1,)`` [W].
     ball_loss: Array
     #: Force on the carriage along the track that keeps its speed [N].
     drive: float
@@ -102,16 +104,16 @@ class LinearChainSolution:
     speed: float
     #: Number of Newton steps.
     iterations: int
-    #: Force out of balance over the largest friction bound of a ball.
+    #: Largest force out of balance, over the largest friction bound of a ball.
     residual: float
-    #: Largest speed at which balls that press on each other approach or part, over the creeping speed.
+    #: Largest speed at which balls that press on each other approach or separate, over the creeping speed; ideally zero.
     lag: float
-    #: Whether forces are in balance and balls that press on each other stay together.
+    #: "converged" if forces are in balance and balls that press on each other stay together, else "not converged".
     status: Status
 
     @property
     def deviation(self) -> Array:
-        """Deviation epsilon of the balls' velocities from half the carriage's, over the latter ``(N,)`` (Lin 3.42)."""
+        """Deviation epsilon of each ball's velocity from half the carriage's, over the latter (Lin 3.42) ``(N,)``."""
         return np.asarray(2.0 * self.velocity / self.speed - 1.0)
 
     @property
@@ -129,15 +131,16 @@ class LinearChainSolution:
 class LinearChain:
     """Chain of balls in a linear bearing, with its data in the scaled units of the kernels.
 
-    The motion does not depend on the grooves' mu, and forces and losses are proportional to it. Without friction (mu = 0)
-    the unit of force is the one for mu = 1, so that the motion is the limit for a mu that vanishes.
+    The motion does not depend on the grooves' coefficient of friction mu, and forces and losses are proportional to it.
+    Without friction (mu = 0) the unit of force is the one for mu = 1, so that the motion is the limit for a mu that tends
+    to zero.
     """
 
     #: Bearing with speed and coefficients of friction.
     bearing: LinearBearing
-    #: Contacts and neighbours of the balls, in units of the carriage's speed and of ``scale``.
+    #: Contacts and neighbours of the balls; speeds are in units of the carriage's speed, forces in units of ``scale``.
     problem: ChainArrays
-    #: Largest friction bound of a ball [N].
+    #: Largest friction bound of a ball, the sum of mu F over its contacts [N].
     scale: float
     #: Sign of the carriage's speed.
     sign: float
@@ -160,7 +163,8 @@ def prepare_linear_chain(bearing: LinearBearing, angles: Array, loads: Array, to
     loads
         Normal loads of the contacts ``(N, 4)`` [N]; zero for a contact that is open.
     touching
-        Whether the distance of each two neighbours is at most a ball diameter ``(N-1,)``, or one value for all.
+        Whether the distance of balls k and k + 1 is at most a ball diameter, so that they can press on each other
+        ``(N-1,)``; or one value for all pairs.
 
     Raises
     ------
@@ -193,11 +197,12 @@ def prepare_linear_chain(bearing: LinearBearing, angles: Array, loads: Array, to
 
 
 def contact_friction_constants(bearing: LinearBearing) -> Array:
-    """Return the constants (b/a, q0, k1, k3) of the friction of the bearing's contacts ``(4,)``.
+    """Return the constants (b/a, q0, k1, k3) from which the friction of the bearing's contacts is computed ``(4,)``.
 
-    A contact with load F and mu = 1 that turns about a point of its ellipse at c = t a on the semi-axis a has the friction
-    force f = F (k1 t - k3 t^3) and, about its centre, the moment M = a F (q0 - k1 t^2/2 + 3 k3 t^4/4). q0 = 3 E(e)/8 is
-    that of eq. (3.32) of Lin's thesis.
+    b/a is the ratio of the semi-axes of the contact ellipse. Consider a contact with load F and coefficient of friction 1
+    that turns about a point on its semi-axis a, at the distance c = t a from the centre. Its friction force is f = F (k1 t
+    - k3 t^3), and the moment about the centre M = a F (q0 - k1 t^2/2 + 3 k3 t^4/4). q0 = 3 E(e)/8, with the complete
+    elliptic integral E, is that of eq. (3.32) of Lin's thesis. ``bearing``: the bearing with its Hertz constants.
 
     Raises
     ------
@@ -217,16 +222,16 @@ def solve_linear_chain(chain: LinearChain, start: Array | None = None, fast: boo
     """Return motion, forces and losses of a chain of balls in a linear bearing.
 
     For a carriage at rest, or a chain without load, motion and friction forces are returned as zero, although any friction
-    force below its bound would balance. A ball with less than three loaded contacts has motions without resistance: its
-    forces are determined, and these motions only roughly.
+    force below its bound would be in balance. A ball with less than three loaded contacts can move in some direction
+    without resistance: its forces are determined, but this motion only roughly.
 
     Parameters
     ----------
     chain
         Chain of balls under given contact loads.
     start
-        Motions v, R_B omega_x, R_B omega_y over the carriage's speed ``(N, 3)`` from which the search begins; they do not
-        influence the result.
+        Motions from which the search begins: v, R_B omega_x, R_B omega_y of each ball over the carriage's speed ``(N, 3)``,
+        with the ball radius R_B; they do not influence the result. None for nominal rolling.
     fast
         Whether to use compiled kernels.
 
@@ -263,10 +268,10 @@ def may_have_several_states(chain: LinearChain) -> bool:
 def find_second_state(chain: LinearChain, known: LinearChainSolution, fast: bool = True) -> LinearChainSolution | None:
     """Return a state of a chain of balls other than a known one; None if the search finds none, which is no proof.
 
-    The search begins from the end of the path of rising friction between balls, from the balls as they move without this
-    friction, and from all pairs pressed together. It also begins from the end of the path with more friction between balls
-    (``RISEN``), and follows that state while the friction falls to the chain's. Of several states, the one with the largest
-    ball-to-ball force is returned. Without friction between balls there is only one state.
+    The search begins from several states: the end of the path of rising friction between balls, the motion without this
+    friction, and all pairs pressed together. It also begins from the end of the path for higher coefficients of friction
+    between balls (``RISEN``), and follows that state while the coefficient falls to that of the chain. If there are several
+    states, the one with the largest ball-to-ball force is returned. Without friction between balls there is only one state.
 
     Parameters
     ----------
@@ -303,7 +308,7 @@ def find_second_state(chain: LinearChain, known: LinearChainSolution, fast: bool
 
 
 def _starting_point_and_work_arrays(chain: LinearChain) -> tuple[ChainPoint, NewtonArrays]:
-    """Return a point at the nominal motion without forces between balls, and work arrays for Newton's method."""
+    """Return the nominal motion without ball-to-ball forces as the start of a search, and Newton's work arrays."""
     count, n = chain.count, 4 * chain.count
     point = ChainPoint(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1))
     return point, NewtonArrays(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
@@ -312,9 +317,10 @@ def _starting_point_and_work_arrays(chain: LinearChain) -> tuple[ChainPoint, New
 def _solution_in_si_units(
     chain: LinearChain, point: ChainPoint, steps_and_residual: tuple[int, float], fast: bool
 ) -> LinearChainSolution:
-    """Return motion, forces and losses in SI units at the ``point`` where the search for a solution ended.
+    """Return motion, forces and losses of a chain in SI units at the ``point`` where the search for a solution ended.
 
-    ``steps_and_residual``: number of Newton steps of the search, and its largest residual over the chain's ``scale``.
+    ``steps_and_residual``: number of Newton steps of the search, and its largest force out of balance over the chain's
+    ``scale``; ``fast``: whether to use compiled kernels.
     """
     contacts, shape, _, mu_balls, _, nominal = chain.problem
     slips, pair, drift, push = point
@@ -355,11 +361,14 @@ def _solution_in_si_units(
 
 @dataclass(frozen=True)
 class LinearPairSolution:
-    """Two balls of Lin's case study; ``free.deviation`` are the epsilons of Lin's Table 3.4."""
+    """Motion and forces of the two balls of Lin's case study, without and with contact between them.
 
-    #: State of balls that are too far apart to touch.
+    ``free.deviation`` are the deviations epsilon of Lin's Table 3.4.
+    """
+
+    #: State of the two balls if they are too far apart to touch.
     free: LinearChainSolution
-    #: State of balls at a distance of one ball diameter, which press on each other or part.
+    #: State of the two balls at a distance of one ball diameter, where they press on each other or separate.
     touching: LinearChainSolution
 
     @property
@@ -374,12 +383,15 @@ class LinearPairSolution:
 
     @property
     def friction_increase(self) -> float:
-        """Increase of the losses by ball-to-ball contact over the losses without it; the drive force increases alike."""
+        """Relative increase of the losses, and of the drive force, by ball-to-ball contact."""
         return self.touching.loss / self.free.loss - 1.0
 
     @property
     def rubbing_ratio(self) -> float:
-        """Groove loss without ball-to-ball contact plus loss between balls, over this groove loss (Lin Figure 3.15 (c))."""
+        """Ratio of groove loss plus loss between balls to the groove loss (Lin Figure 3.15 (c)).
+
+        The groove loss is that without ball-to-ball contact.
+        """
         return 1.0 + float(self.touching.ball_loss[0]) / self.free.loss
 
 
@@ -392,16 +404,18 @@ def pair_angles_and_loads(
     mated: bool = False,
     loads: Loads = "balanced",
 ) -> tuple[Array, Array]:
-    """Return contact angles [rad] and loads [N] of the two balls of Lin's case study, ``(2, 4)`` each.
+    """Return first the contact angles [rad], then the loads [N] of the two balls of Lin's case study, ``(2, 4)`` each.
 
-    Both balls are under the vertical force N_y, the first under the side force rho N_y and the second under -rho N_y.
+    Both balls are under the vertical force N_y. The side force on the first ball is rho N_y, with rho the
+    ``side_force_ratio``, and that on the second ball -rho N_y.
 
     Parameters
     ----------
     bearing
         Bearing with the Hertz constants of its contacts.
     theta
-        Deviation of the contact angles on the bottom groove [rad].
+        Deviation theta of the contact angles on the bottom groove, -theta at its left and +theta at its right contact
+        [rad].
     side_force_ratio
         Ratio N_x/N_y of side force to vertical force.
     vertical
@@ -438,7 +452,8 @@ def solve_pair(
     bearing
         Bearing with speed and coefficients of friction.
     theta
-        Deviation of the contact angles on the bottom groove [rad].
+        Deviation theta of the contact angles on the bottom groove, -theta at its left and +theta at its right contact
+        [rad].
     side_force_ratio
         Ratio N_x/N_y of side force to vertical force on the first ball; the second has the opposite side force.
     vertical
@@ -446,9 +461,10 @@ def solve_pair(
     mated
         Whether the top groove is made to match the bottom groove, design (b) of section 3.3.4.2 of Lin's thesis.
     loads
-        How the contact loads are computed. ``"balanced"``, from equilibrium, gives the epsilons printed in Lin's Table 3.4;
-        ``"diagonal"``, equal loads on each diagonal as in Lin's text before eq. (3.54), makes the two epsilons equal and
-        opposite; ``"elastic"`` lets the contact angles follow the loads.
+        How the contact loads are computed. ``"balanced"``: from equilibrium at the given contact angles, which yields the
+        deviations epsilon printed in Lin's Table 3.4; ``"diagonal"``: equal loads on each diagonal as in Lin's text before
+        eq. (3.54), with which the epsilons of the two balls are equal and opposite; ``"elastic"``: contact angles follow
+        the loads.
     fast
         Whether to use compiled kernels.
     """
@@ -458,7 +474,10 @@ def solve_pair(
 
 
 class ModelAndFormula(NamedTuple):
-    """One quantity by the numerical model and by the closed formulas, over T values of theta and R values of rho."""
+    """One quantity by the numerical model and by the closed formula, for T values of theta and R values of rho.
+
+    theta is the deviation of the contact angles on the bottom groove, rho the ratio of side force to vertical force.
+    """
 
     #: Quantity by the numerical model ``(T, R)``.
     numerical: Array
@@ -473,17 +492,19 @@ class ModelAndFormula(NamedTuple):
 
 @dataclass(frozen=True)
 class PairResultsOverGrid:
-    """Results for two balls over a grid of T deviations theta and R side forces (Figures 3.14 and 3.15 of Lin's thesis)."""
+    """Results for two balls over a grid of T deviations theta and R side force ratios rho (Lin Figures 3.14 and 3.15)."""
 
     #: Deviations of the contact angles on the bottom groove ``(T,)`` [rad].
     theta: Array
     #: Ratios of side force to vertical force ``(R,)``.
     rho: Array
-    #: Difference epsilon_1 - epsilon_2 of the balls' relative deviations from nominal velocity without contact.
+    #: Difference epsilon_1 - epsilon_2 of the relative deviations of the balls' velocities from the nominal one, without
+    #: ball-to-ball contact.
     difference: ModelAndFormula
     #: Ball-to-ball force [N].
     force: ModelAndFormula
-    #: Groove loss without ball-to-ball contact plus loss between balls, over this groove loss.
+    #: Ratio of groove loss plus loss between balls to the groove loss; the groove loss is that without ball-to-ball
+    #: contact.
     ratio: ModelAndFormula
     #: Number of states of the numerical model that did not converge.
     failures: int
@@ -492,7 +513,9 @@ class PairResultsOverGrid:
 def pair_results_over_grid(
     bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float
 ) -> PairResultsOverGrid:
-    """Return the results of numerical model and closed formulas for two balls over theta and rho (Lin Figures 3.14, 3.15).
+    """Return the results of the numerical model and of the closed formulas for two balls over a grid of theta and rho.
+
+    These are the results in Figures 3.14 and 3.15 of Lin's thesis.
 
     Parameters
     ----------
@@ -501,11 +524,12 @@ def pair_results_over_grid(
     theta
         Deviations of the contact angles on the bottom groove ``(T,)`` [rad].
     rho
-        Ratios of side force to vertical force ``(R,)``.
+        Ratios of side force to vertical force on the first ball ``(R,)``; the second has the opposite side force.
     vertical
         Vertical force N_y on each ball [N].
     k_f
-        Slope of the friction force over mu F against c/a in the formulas.
+        Slope of the friction force over mu F against c/a in the formulas; c is the distance of the centre of rotation from
+        the centre of the contact ellipse along its semi-axis a.
     """
     values, failures = np.empty((3, 2, len(theta), len(rho))), 0
     for i, j in np.ndindex(len(theta), len(rho)):
@@ -527,13 +551,15 @@ def pair_results_by_formulas(
     bearing
         Bearing with speed and coefficients of friction.
     theta
-        Deviation of the contact angles on the bottom groove [rad].
+        Deviation theta of the contact angles on the bottom groove, -theta at its left and +theta at its right contact
+        [rad].
     side_force_ratio
         Ratio of side force to vertical force on the first ball; the second has the opposite side force.
     vertical
         Vertical force N_y on each ball [N].
     k_f
-        Slope of the friction force over mu F against c/a; Lin reads it off a figure.
+        Slope of the friction force over mu F against c/a, which Lin reads off a figure; c is the distance of the centre of
+        rotation from the centre of the contact ellipse along its semi-axis a.
     mated
         Whether the top groove is made to match the bottom groove, design (b) of section 3.3.4.2 of Lin's thesis.
 

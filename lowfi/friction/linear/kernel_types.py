@@ -16,11 +16,12 @@ Array = NDArray[Any]
 class ChainArrays(NamedTuple):
     """Contacts, friction and neighbours of N balls of a chain in a linear bearing, with C contacts each."""
 
-    #: Direction (n_x, n_y), speed of the body in contact, friction bound, semi-axis a over the ball's radius; (N, C, 5).
+    #: For each contact: direction n_x, n_y from the ball's centre, speed of the body in contact (1 carriage, 0 rail, with
+    #: the sign of the speed), friction bound, semi-axis a over the ball's radius; (N, C, 5).
     contacts: Array
-    #: Constants (b/a, q0, k1, k3) of the contacts' friction (4,), see `lowfi.friction.linear.chain.contact_shape`.
+    #: Constants (b/a, q0, k1, k3) of the friction of the contacts (4,), see `contact_friction_constants`.
     shape: Array
-    #: 1 where neighbours are near enough to touch, else 0 (N - 1,).
+    #: 1 where balls k and k + 1 are near enough to touch, else 0 (N - 1,).
     closed: Array
     #: Coefficient of friction from ball to ball.
     mu: float
@@ -33,29 +34,31 @@ class ChainArrays(NamedTuple):
 class ChainPoint(NamedTuple):
     """Present motion of the balls, relative motions at their contacts, and forces between neighbours.
 
-    All entries are changed by increments, so that nothing cancels where contacts stick.
+    All values are changed by increments, so that no accuracy is lost where contacts stick.
     """
 
-    #: Sliding speed and semi-axis a times spin of the contacts (N, C, 2).
+    #: For each contact: sliding speed along the track, and semi-axis a times spin (N, C, 2).
     slip: Array
-    #: Speed at which neighbours approach, and two components of their sliding on each other (N - 1, 3).
+    #: For balls k and k + 1: speed at which they approach each other, and two components of their sliding on each other (N
+    #: - 1, 3).
     pair: Array
     #: Motion x of the balls less the nominal motion (N, 3).
     drift: Array
-    #: Unknowns of the ball-to-ball contacts: the force where positive, minus the rate of the gap where negative (N - 1,).
+    #: Unknown z of each ball-to-ball contact: the force where it is positive, minus the rate at which the gap opens where
+    #: it is negative (N - 1,).
     z: Array
 
 
 class Smoothing(NamedTuple):
-    """How far the equations are from Coulomb's law and exact complementarity."""
+    """Parameters that say how far the equations are from Coulomb's law and from exact complementarity of force and gap."""
 
     #: Creeping speed: below it, sliding contacts exert less than their friction bound.
     eps: float
     #: Fraction of the friction between balls that acts, 0 to 1.
     share: float
-    #: Product of ball-to-ball force and rate of the gap; zero for exact complementarity.
+    #: Product of ball-to-ball force and opening rate of the gap; zero for exact complementarity.
     smooth: float
-    #: Stiffness towards nominal rolling in addition to ``hold`` of ``ChainArrays``.
+    #: Stiffness of springs that draw the balls to nominal rolling, in addition to ``hold`` of ``ChainArrays``.
     spring: float
 
 
@@ -70,5 +73,5 @@ class NewtonArrays(NamedTuple):
     g: Array
     #: Newton step of the unknowns (4 N,).
     step: Array
-    #: Second right-hand side that is solved with the step (4 N,).
+    #: Second right-hand side of the linear system, which is solved together with the step (4 N,).
     other: Array

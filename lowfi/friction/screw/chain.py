@@ -49,21 +49,24 @@ from rollbench.meshes.arrays import Array
 #: Regularising speeds as parts of the balls' speed, from the first (cold start) to the last.
 SPEEDS = tuple(10.0 ** (-0.5 * k) for k in range(2, 15))
 
-#: Fractions of the friction between balls, to which it rises in turn at the first of these speeds.
+#: Fractions of the friction between balls, to which it is raised in turn at the first of these speeds.
 PARTS = (0.0, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 
-#: Force out of balance, as a fraction of the largest friction bound of a ball: aimed at (root of the sum of squares), and
-#: what counts as converged (largest, relative to the largest ball-to-ball force where that is larger).
+#: Force out of balance, as a fraction of the largest friction bound (mu times load) of a ball: value aimed at (root of the
+#: sum of squares), and value up to which a result counts as converged (largest force out of balance, relative to the
+#: largest ball-to-ball force where this is larger than the bound).
 GOAL, ACCEPTED = 1e-12, 2e-9
 
 #: Residual aimed at for all regularising speeds but the last (in the unit of ``GOAL``), largest number of Newton steps, and
 #: largest number of Newton steps in the first attempt.
 COARSE, STEPS, SHORT = 1e-10, 60, 15
 
-#: Residual above which the solution at one stage counts as failed, and largest number of halvings of stages.
+#: Residual above which the solution of a stage (a fraction of friction at one regularising speed) counts as failed, and
+#: largest number of halvings of stages.
 MISSED, DEPTH = 1e-8, 12
 
-#: Stiffness of weak springs to the nominal motion over the friction bound, for balls with contacts and without.
+#: Stiffness of weak springs that draw balls to their nominal motion, over the friction bound, for balls with load and
+#: without.
 HOLD, HOLD_IDLE = 1e-13, 1e-10
 
 #: Balls with less than this fraction of the largest load count as unloaded.
@@ -72,13 +75,18 @@ NEGLIGIBLE = 1e-7
 
 @dataclass(frozen=True)
 class FrictionContacts:
-    """Ellipses, friction bounds and kinematics of the contacts of N balls; axes x along the semi-axis a, z along b."""
+    """Ellipses, friction bounds and kinematics of the contacts of N balls with the grooves.
 
-    #: Semi-axes a >= b [m] and mu F [N], ``(N, 4, 3)``.
+    In each contact the axis x lies along the semi-axis a, z along the semi-axis b, and y along the normal into the ball.
+    """
+
+    #: Semi-axes a >= b [m] and friction bound mu F [N] (coefficient of friction times load) of each contact, ``(N, 4, 3)``.
     shape: Array
-    #: Motion vx, vz [m/s], spin [rad/s] at each contact by unit of the ball's motion (orbit, three spins) ``(N, 4, 3, 4)``.
+    #: Sliding vx, vz [m/s] and spin [rad/s] at each contact per unit of the ball's motion (orbit and three spins [rad/s]),
+    #: ``(N, 4, 3, 4)``.
     maps: Array
-    #: Motion vx, vz [m/s], spin [rad/s] at each contact of a ball at rest ``(N, 4, 3)``.
+    #: Sliding vx, vz [m/s] and spin [rad/s] at each contact while the ball is at rest and screw and nut move, ``(N, 4,
+    #: 3)``.
     drives: Array
 
 
@@ -94,10 +102,10 @@ class BallChain(ABC):
     groove: GroovesInMotion
     #: Contact forces ``(N, 4)`` [N].
     force: Array
-    #: Contact normals ``(N, 4, 3)``.
+    #: Unit vectors from each ball's centre to its contacts in x3, y3, z3 ``(N, 4, 3)``.
     normals: Array
-    #: Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch; the last entry is
-    #: for the last ball against the first of a closed track.
+    #: Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch; the last element
+    #: is for the last ball against the first one of a closed track.
     slack: Array
 
     @property
@@ -111,9 +119,10 @@ class BallChain(ABC):
         """Coefficient of friction between touching balls."""
 
     def wrench(self, pull: Array) -> Array:
-        """Return force and moment of friction on the balls in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
+        """Return force and moment of friction on the balls at each contact in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
 
-        ``pull``: friction in the contacts' axes ``(N, 4, 3)``: force along x and z [N], moment about y [N m].
+        ``pull``: friction on the balls in the axes of each contact ``(N, 4, 3)``: force along x and along z [N], moment
+        about y [N m].
         """
         return friction_wrench_at_contacts(self.normals, pull[..., :2], pull[..., 2])
 
@@ -121,7 +130,8 @@ class BallChain(ABC):
     def input_power(self, wrench: Array) -> float:
         """Return the power [W] that screw and nut put in against friction.
 
-        ``wrench``: force and moment of friction on the balls at each contact in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
+        ``wrench``: force (first three components) and moment of friction on the balls at each contact in x3, y3, z3 ``(N,
+        4, 6)`` [N, N m].
         """
 
 
@@ -148,7 +158,8 @@ class Chain(BallChain):
     def input_power(self, wrench: Array) -> float:
         """Return the power [W] that screw and nut put in against friction.
 
-        ``wrench``: force and moment of friction on the balls at each contact in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
+        ``wrench``: force (first three components) and moment of friction on the balls at each contact in x3, y3, z3 ``(N,
+        4, 6)`` [N, N m].
         """
         return power_of_helical_motion(self.groove, self.normals, wrench)
 
@@ -157,35 +168,36 @@ class Chain(BallChain):
 class ChainMotion:
     """Motion and friction of N balls of a screw."""
 
-    #: Motions ``(N, 4)`` [rad/s]: orbit and rotations about x3, y3, z3.
+    #: Motions of the balls ``(N, 4)`` [rad/s]: orbit and rotations about x3, y3, z3.
     q: Array
     #: Force of ball k on ball k + 1 ``(N,)`` [N].
     ball_force: Array
     #: Force and moment of friction on the balls at each contact, in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
     wrench: Array
-    #: Relative motion at the contacts: sliding along x and z [m/s], spin about y [rad/s] ``(N, 4, 3)``.
+    #: Motion of the ball relative to the groove at each contact: sliding along x and z [m/s], spin about y [rad/s] ``(N, 4,
+    #: 3)``.
     seen: Array
-    #: Friction on the balls in the same axes: force along x and z [N], moment about y [N m] ``(N, 4, 3)``.
+    #: Friction on the balls in the axes of each contact: force along x and z [N], moment about y [N m] ``(N, 4, 3)``.
     pull: Array
-    #: All forces from neighbours on each ball in x3, y3, z3 ``(N, 3)`` [N].
+    #: Sum of the forces from neighbours on each ball, friction included, in x3, y3, z3 ``(N, 3)`` [N].
     ball_push: Array
     #: Friction loss at each contact with the grooves ``(N, 4)`` [W].
     groove_loss: Array
-    #: Ball loss by sliding of balls on each other ``(N,)`` [W].
+    #: Power lost where balls k and k + 1 slide on each other ``(N,)`` [W].
     ball_loss: Array
-    #: Closing loss by gaps that close under force ``(N,)`` [W].
+    #: Power lost where the gap between balls k and k + 1 closes while they press on each other ``(N,)`` [W].
     closing_loss: Array
     #: Power that screw and nut put in [W].
     input_power: float
     #: Largest force out of balance [N].
     left: float
-    #: Largest rate at which a ball gains on the next one beyond what their gap allows [rad/s].
+    #: Largest rate [rad/s] by which a ball approaches the next one faster than their gap allows; 0 if none does.
     violation: float
     #: Number of Newton steps.
     steps: int
     #: Whether the forces on all balls are in balance.
     converged: bool
-    #: Whether the given start led to the solution.
+    #: Whether the search from the start that the caller gave found the solution.
     from_start: bool = False
 
     @property
@@ -207,17 +219,18 @@ def zero_balance_arrays(count: int) -> BalanceParts:
 class BalanceSearch:
     """Search for motions and ball-to-ball forces that balance the friction on all balls of one chain, in scaled units.
 
-    The scaled motions x ``(N, 4)`` are surface speeds (orbit, and spins times the ball radius) over ``speed`` [m/s], the
-    nut's speed along the path. The scaled forces f ``(N,)`` act from ball k on ball k + 1 and are given over ``bound``
-    [N], the largest friction bound mu F of a ball. The motion does not depend on the grooves' mu, and all friction forces
-    are proportional to it. Without friction (mu = 0) the bound is computed with mu = 1, so that the motion is the limit
-    for a mu that vanishes.
+    The scaled motions x ``(N, 4)`` are surface speeds (orbit, and spins times the ball radius) over ``speed`` [m/s], which
+    is the nut's speed along the path. The scaled forces f ``(N,)`` act from ball k on ball k + 1 and are ratios to
+    ``bound`` [N], the largest friction bound of a ball, which is coefficient of friction mu times load. The motion does not
+    depend on the size of the grooves' mu, and all friction forces are proportional to it. Without friction (mu = 0) the
+    bound is computed with mu = 1, so that the motion is the limit for a mu that tends to zero.
     """
 
     def __init__(self, chain: BallChain, fast: bool = True) -> None:
-        """Scale the data of ``chain`` for the kernels; ``fast``: whether to use compiled kernels.
+        """Scale contacts and kinematics of the balls of ``chain`` for the kernels.
 
-        Balls with less than ``NEGLIGIBLE`` times the largest load of a ball get no friction.
+        Balls with less than ``NEGLIGIBLE`` times the largest load of a ball get no friction. ``fast``: whether to use
+        compiled kernels.
         """
         g, contacts = chain.groove, chain.friction_contacts
         total = chain.force.sum(axis=1)
@@ -249,7 +262,10 @@ class BalanceSearch:
         self.parts = zero_balance_arrays(self.count)
 
     def motions_without_neighbours(self) -> Array:
-        """Return the scaled motions ``(N, 4)`` of the balls without neighbours."""
+        """Return the scaled motions ``(N, 4)`` that the balls have without forces from neighbours.
+
+        Loaded balls move with least dissipation, the others with their nominal motion.
+        """
         x = np.tile(self.groove.nominal, (self.count, 1))
         self.kernels.move_without_neighbours(self.balls, x)
         return x
@@ -258,8 +274,9 @@ class BalanceSearch:
         """Solve the force balance of all balls by Newton's method at one regularising speed of friction.
 
         ``x``: scaled motions ``(N, 4)`` and ``f``: scaled ball-to-ball forces ``(N,)`` to begin from; ``eps``: regularising
-        speed over ``speed``; ``goal``: residual at which the iteration ends; ``limit``: most Newton steps. Returns the
-        scaled motions, the scaled forces, the residual (root of the sum of squares) and the number of steps.
+        speed over ``speed``; ``goal``: residual at which the iteration ends; ``limit``: largest number of Newton steps.
+        Returns the scaled motions, the scaled forces, the residual (root of the sum of squares of the forces out of
+        balance) and the number of steps.
         """
         x, f = contiguous_floats(x).copy(), contiguous_floats(f).copy()
         size, steps = self.kernels.solve_balance(self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts)
@@ -268,15 +285,17 @@ class BalanceSearch:
     def is_converged(self, f: Array) -> bool:
         """Return whether the last result of `solve` balances the forces on all balls.
 
-        ``f``: its scaled ball-to-ball forces ``(N,)``; the largest of them, if above one, scales the tolerance.
+        ``f``: scaled ball-to-ball forces ``(N,)`` of this result; if the largest of them is above one, the tolerance is
+        multiplied by it.
         """
         return bool(self.kernels.largest_residual(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
 
     def solve_at_last_speed(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
-        """Solve the force balance at the last, smallest regularising speed; give up after ``SHORT`` Newton steps.
+        """Solve the force balance at the last, smallest regularising speed, with up to ``SHORT`` Newton steps.
 
-        ``x``, ``f``: scaled motions ``(N, 4)`` and ball-to-ball forces ``(N,)`` to begin from. Returns the scaled motions,
-        the scaled forces, whether they are in balance, and the number of Newton steps.
+        If the forces are in balance after exactly ``SHORT`` steps, the search goes on for higher accuracy. ``x``, ``f``:
+        scaled motions ``(N, 4)`` and ball-to-ball forces ``(N,)`` to begin from. Returns the scaled motions, the scaled
+        forces, whether they are in balance, and the number of Newton steps.
         """
         x, f, _, steps = self.solve(x, f, SPEEDS[-1], GOAL, SHORT)
         good = self.is_converged(f)
@@ -288,10 +307,10 @@ class BalanceSearch:
     def solve_by_stages(self, x: Array) -> tuple[Array, Array, int]:
         """Solve the force balance in stages, from little to full friction between balls and to the last regularising speed.
 
-        First the friction between balls rises at the first, largest regularising speed, then this speed falls. The change
-        in a stage that fails is halved, at most ``DEPTH`` times in all. ``x``: scaled motions ``(N, 4)`` to begin from,
-        without forces between balls. Returns the scaled motions, the scaled ball-to-ball forces ``(N,)``, and the number of
-        Newton steps.
+        First the friction between balls rises at the first, largest regularising speed, then this speed falls. If a stage
+        fails, a stage half way to it is inserted, at most ``DEPTH`` times in all. ``x``: scaled motions ``(N, 4)`` to begin
+        from, without forces between balls. Returns the scaled motions, the scaled ball-to-ball forces ``(N,)``, and the
+        number of Newton steps.
         """
         f, full, total = np.zeros(self.count), self.mu, 0
         goals = [(share, SPEEDS[0]) for share in PARTS] + [(1.0, eps) for eps in SPEEDS[1:]]
@@ -315,18 +334,18 @@ def solve_motion_of_chain(
 ) -> ChainMotion:
     """Return motions and ball-to-ball forces of a chain of balls at given contact loads.
 
-    Newton's method at the last regularising speed begins from ``start`` if balls press on each other there (with ``warm``
-    also if none do), then from the balls' motions without neighbours. Where both fail, friction between balls is raised and
-    the regularising speed lowered by stages. A closed track needs a gap somewhere: the forces in a track that its balls
-    fill are not determined.
+    The search begins from ``start`` if balls press on each other there (with ``warm`` also if none do), then from the
+    motions that the balls have without neighbours, both by Newton's method at the last, smallest regularising speed. If
+    both fail, friction between balls is raised and the regularising speed lowered by stages. A closed track needs a gap
+    somewhere: in a track that is full of balls the forces between them are not determined.
 
     Parameters
     ----------
     chain
-        Balls with their contact loads and the gaps between them.
+        Balls with their contact loads and the largest rates at which neighbours may approach each other.
     start
         Motions ``(N, 4)`` [rad/s] (orbit, and spins about x3, y3, z3) and ball-to-ball forces ``(N,)`` [N] of a similar
-        chain; with None the search begins from balls without neighbours.
+        chain; None if none is known.
     fast
         Whether to use compiled kernels.
     warm
@@ -355,7 +374,8 @@ def _motion_in_si_units(s: BalanceSearch, x: Array, f: Array, steps: int, from_s
     """Return motion, forces and losses of the balls in SI units.
 
     ``s``: the search with its scales; ``x``: scaled motions ``(N, 4)``; ``f``: scaled ball-to-ball forces ``(N,)``;
-    ``steps``: Newton steps that were taken; ``from_start``: whether the start that was given led to the solution.
+    ``steps``: number of Newton steps of the search; ``from_start``: whether the start that the caller gave led to the
+    solution.
     """
     chain, n, eps, g = s.chain, s.count, SPEEDS[-1], s.chain.groove
     good, bound = s.is_converged(f), s.bound if s.rubbing else 0.0
@@ -392,14 +412,15 @@ def _motion_in_si_units(s: BalanceSearch, x: Array, f: Array, steps: int, from_s
     )
 
 
-#: Number of iterations of loads and friction after which both are solved as one system.
+#: Number of rounds, in which contact loads and friction are solved in turn, after which both are solved as one system.
 PATIENCE = 26
 
-#: Residual aimed at when loads and friction are solved as one system, and residual up to which a stage is accepted,
-#: both over the largest friction bound of a ball.
+#: Residual aimed at when loads and friction are solved as one system, and residual up to which a stage of rising friction
+#: is accepted, both over the largest friction bound of a ball.
 COUPLED_GOAL, PASSED = 1e-13, 1e-9
 
-#: Largest numbers of Newton steps in one stage and in all stages; number of steps up to which the next stage is longer.
+#: Largest numbers of Newton steps in one stage and in all stages; number of steps up to which a stage is easy, so that the
+#: next one is longer.
 COUPLED_STEPS, MOST, EASY = 80, 800, 8
 
 #: Regularising speeds at which friction rises, tried in turn, because the path of solutions may turn back at a fold.
@@ -411,21 +432,22 @@ FIRST, SHORTEST = 1.0 / 32.0, 1e-5
 
 @dataclass(frozen=True)
 class JointSolution:
-    """Balls and screw with loads and friction solved as one system."""
+    """Positions, motions and forces of N balls and the screw, with contact loads and friction solved as one system."""
 
     #: Displacements of the balls along x3, z3 ``(N, 2)`` [m].
     ball: Array
-    #: Displacement of the screw along its m free motions ``(m,)`` [m].
+    #: Displacement of the screw along each of the m motions in which it is free ``(m,)`` [m].
     screw: Array
-    #: Motions: orbit and rotations about x3, y3, z3 ``(N, 4)`` [rad/s].
+    #: Motions of the balls: orbit and rotations about x3, y3, z3 ``(N, 4)`` [rad/s].
     q: Array
     #: Force of ball k on ball k + 1 ``(N,)`` [N].
     ball_force: Array
-    #: Forces on the balls with which the contacts are in balance ``(N, 2)`` [N], see `BallsBetweenGrooves`.
+    #: Forces of friction and neighbours on the balls that their contact loads balance ``(N, 2)`` [N], field ``push`` of
+    #: `BallsBetweenGrooves`.
     push: Array
-    #: Forces on the screw with which the contacts are in balance ``(m,)`` [N].
+    #: Forces of friction on the screw that the contact loads balance ``(m,)`` [N], field ``drag`` of `BallsBetweenGrooves`.
     drag: Array
-    #: Whether the search arrived at all friction; if not, this is the state where it ended.
+    #: Whether the search arrived at the full friction; if not, this is the state in which it ended.
     done: bool
     #: Number of Newton steps.
     steps: int
@@ -440,20 +462,22 @@ def solve_loads_and_motion(
 ) -> JointSolution:
     """Return loads and motion of balls with friction, solved as one system of equations.
 
-    The search begins at positions in balance without friction and raises friction. Where several states exist, the result
-    is the one that grows out of the state without friction.
+    The search begins at positions in balance without friction and raises friction step by step. Where several states exist,
+    the result is the one that develops from the state without friction.
 
     Parameters
     ----------
     cell
-        Balls between screw and nut; the forces ``push`` and ``drag`` in it are not used.
+        Balls between screw and nut with the external loads; the forces of friction in it (``push`` and ``drag``) are not
+        used, because they are unknown.
     slack
         Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
     start
-        Displacements of the balls ``(N, 2)`` and of the screw ``(m,)`` [m] without friction; m: free motions of the screw.
+        Displacements of the balls ``(N, 2)`` and of the screw ``(m,)`` [m] in balance without friction; m: number of
+        motions in which the screw is free.
     similar_start
-        Displacements, as ``start``, of a similar state with friction, from which the search begins if it fails from
-        ``start``.
+        Displacements of balls and screw, as in ``start``, in a similar state with friction; the search begins from them if
+        it fails from ``start``. None if no such state is known.
     fast
         Whether to use compiled kernels.
     """
@@ -476,7 +500,8 @@ def solve_loads_and_motion(
 def joint_kernel_arguments(cell: BallsBetweenGrooves, search: BalanceSearch) -> JointSystem:
     """Return the arguments of the kernels that solve loads and motion as one system.
 
-    ``cell``: balls between screw and nut; ``search``: the scaled arrays of the chain of these balls.
+    ``cell``: balls between screw and nut; ``search``: arrays of the chain of these balls, scaled at the present contact
+    loads.
     """
     pair, total = cell.groove.pair, float(search.balls.force.sum())
     length = float(np.max(cell.groove.constants.C)) * max(total, 1e-30) ** (2.0 / 3.0)
@@ -503,8 +528,8 @@ class _JointPath:
         """Begin at given positions, with the motion of the balls at the contact loads there.
 
         ``cell``: balls between screw and nut; ``slack``: largest rate at which ball k may approach ball k + 1 ``(N,)``
-        [rad/s]; ``start``: displacements of balls ``(N, 2)`` and screw ``(m,)`` [m]; ``fast``: whether to use compiled
-        kernels.
+        [rad/s]; ``start``: displacements of the balls ``(N, 2)`` and of the screw ``(m,)`` [m]; ``fast``: whether to use
+        compiled kernels.
         """
         self.cell, self.slack, self.fast, self.steps = cell, slack, fast, 0
         self.ball, self.screw = start
@@ -513,7 +538,7 @@ class _JointPath:
         self.q, self.ball_force = moved.q, moved.ball_force
 
     def update_loads(self) -> None:
-        """Compute the contact loads at the present positions, and from them the scales and the set of loaded balls."""
+        """Compute the contact loads at the present positions, and from them the scales and which balls count as loaded."""
         g, arrays = self.cell.groove, kernel_load_arrays(self.cell)
         self.state = zero_cell_state(arrays)
         load_kernel_package(CONTACT, compiled=self.fast).contact_energy(arrays, self.ball, self.screw, self.state)
@@ -525,8 +550,9 @@ class _JointPath:
     def follow_solution(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
         """Follow the solution while friction and its regularising speed change; return whether it arrived at ``end``.
 
-        ``start``, ``end``: each the fraction of friction that acts on the loads (0 to 1), and the natural logarithm of the
-        regularising speed over the nut's speed along the path.
+        ``start``, ``end``: values of two parameters at the beginning and at the end: the fraction of the friction that acts
+        on the loads (0 to 1), and the natural logarithm of the ratio of the regularising speed to the nut's speed along the
+        path.
         """
         way, step = 0.0, FIRST
         last: tuple[float, JointUnknowns] | None = None
@@ -546,9 +572,9 @@ class _JointPath:
         return way >= 1.0
 
     def unknowns(self) -> JointUnknowns:
-        """Return the present displacements [m], scaled motions, and ball-to-ball forces.
+        """Return the present displacements [m], scaled motions (ratios to the nut's speed), and ball-to-ball forces [N].
 
-        The forces are in newtons, because the unit of force of the kernels changes with the contact loads.
+        The forces are not scaled, because the unit of force of the kernels changes with the contact loads.
         """
         return JointUnknowns(self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force)
 
@@ -556,8 +582,9 @@ class _JointPath:
         """Solve loads and motion by Newton's method at one amount and one regularising speed of friction.
 
         ``guess``: unknowns to begin from, as `unknowns` returns them; ``share``: fraction of the friction that acts on the
-        loads; ``eps``: regularising speed over the nut's speed along the path. Returns the number of Newton steps; None if
-        they do not converge, the present solution then being unchanged.
+        loads; ``eps``: regularising speed over the nut's speed along the path. Returns the number of Newton steps and
+        stores the new solution in this object. If the steps do not converge, None is returned and the stored solution is
+        not changed.
         """
         s = self.search
         p, u, x, f = (contiguous_floats(a).copy() for a in guess)
@@ -575,17 +602,17 @@ class _JointPath:
 class CoupledChainSolution:
     """Contact loads and motion of a chain of balls, with the loads in balance with the friction that the motion causes."""
 
-    #: Contact loads without friction. A screw that friction may not move stays in the position of this state.
+    #: Contact loads without friction. If friction may not move the screw, it stays in its position in this state.
     bare: ContactLoadSolution
     #: Contact loads with friction.
     load: ContactLoadSolution
     #: Motion, friction and ball-to-ball forces.
     motion: ChainMotion
-    #: Change of the friction forces that act on the loads, in the last round [N].
+    #: Largest change, in the last round, of a friction force that acts on the contact loads [N].
     change: float
-    #: Number of iterations of contact loads and friction.
+    #: Number of rounds in which contact loads and friction were solved in turn.
     rounds: int
-    #: Whether the change is at most ``AGREED`` of the sum of contact loads, and loads and motion are in balance.
+    #: Whether ``change`` is at most ``AGREED`` times the sum of contact loads, and loads and motion are in balance.
     converged: bool
 
 
@@ -593,11 +620,12 @@ class CoupledChainSolution:
 class IterationStart:
     """Forces and motions of N balls from which the iteration of contact loads and friction begins."""
 
-    #: Forces on the balls ``(N, 2)`` [N], as in `BallsBetweenGrooves`.
+    #: Forces of friction and neighbours on the balls along x3, z3 ``(N, 2)`` [N].
     push: Array
-    #: Forces on the screw along its m free motions ``(m,)`` [N]; not used where friction does not move the screw.
+    #: Forces of friction on the screw along each of the m motions in which it is free ``(m,)`` [N]; not used where friction
+    #: does not move the screw.
     drag: Array
-    #: Motions: orbit and rotations about x3, y3, z3 ``(N, 4)`` [rad/s].
+    #: Motions of the balls: orbit and rotations about x3, y3, z3 ``(N, 4)`` [rad/s].
     q: Array
     #: Force of ball k on ball k + 1 ``(N,)`` [N].
     ball_force: Array
@@ -613,8 +641,8 @@ def solve_coupled_chain(
 ) -> CoupledChainSolution:
     """Return contact loads and motion of N balls, with the loads in balance with friction and ball-to-ball forces.
 
-    The solution is not always unique: a ball that bears no load without friction, or next to none, may float or be wedged
-    between the grooves by its own friction. What is found then depends on where the search begins.
+    The solution is not always unique: a ball that bears little or no load without friction may either be loose or be wedged
+    between the grooves by its own friction. Which of these states is found depends on where the search begins.
 
     Parameters
     ----------
@@ -623,15 +651,15 @@ def solve_coupled_chain(
     slack
         Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
     coupling
-        What friction and ball-to-ball forces may change. ``"none"``: nothing; ``"ball"``: the loads of the balls, while
-        the screw stays where it is without these forces (section 3.4.1 of Lin's thesis); ``"ball and screw"``: also the
-        position of the screw, which is in balance with them.
+        What friction and ball-to-ball forces may change. ``"none"``: nothing; ``"ball"``: the contact loads of the balls,
+        while the screw stays where it is without these forces (section 3.4.1 of Lin's thesis); ``"ball and screw"``: also
+        the position of the screw, which is then in equilibrium with these forces.
     similar_solution
-        Solution of a similar chain from which the search begins.
+        Solution of a similar chain from which the search begins; None to begin from loads without friction.
     rounds
-        Largest number of rounds of loads and friction.
+        Largest number of rounds, in each of which the loads are solved at given friction, then the friction at these loads.
     guess
-        Forces and motion to begin from, in place of those of ``similar_solution``.
+        Forces and motions to begin from, in place of those of ``similar_solution``; None: not given.
 
     Returns
     -------
@@ -674,10 +702,10 @@ def solve_coupled_chain(
 def _starting_forces_and_motion(
     cell: BallsBetweenGrooves, coupling: Coupling, near: CoupledChainSolution | None
 ) -> IterationStart:
-    """Return forces and motions from which the iteration begins: those of a similar chain, if there is one.
+    """Return forces and motions from which the iteration of contact loads and friction begins.
 
-    ``cell``: balls between screw and nut; ``coupling``: what friction may change; ``near``: solution of the similar chain;
-    if it is None, the forces are those of ``cell`` and all motions zero.
+    ``cell``: balls between screw and nut; ``coupling``: what friction may change; ``near``: solution of a similar chain,
+    whose friction and motions are returned. If it is None, the forces are those of ``cell`` and all motions are zero.
     """
     n = cell.angle.shape[0]
     if near is None:

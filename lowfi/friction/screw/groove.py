@@ -58,7 +58,7 @@ class HelicalMotion:
 
     @property
     def radius(self) -> float:
-        """Length of the helical path per angle, L/(2 pi) with the length L of a turn [m] (Lin 3.66)."""
+        """Length of the helical path of ball centres per angle, L/(2 pi) with the length L of one turn [m] (Lin 3.66)."""
         return float(np.hypot(self.pitch_radius, self.ratio))
 
     @property
@@ -96,9 +96,10 @@ class HelicalMotion:
     def maps(self, normals: Array, ball_radius: Array | None = None) -> tuple[Array, Array]:
         """Return the linear relation between the motion of a ball and the motion at its four contacts.
 
-        The motion of a contact is sliding vx, vz [m/s] and spin [rad/s] of the ball relative to the body, in axes x across
-        the groove, z along the path, y into the ball. It is ``maps @ q + drives`` with the ball's motion q: omega_B
-        (orbit), omega_x, omega_y, omega_z [rad/s], the latter three relative to the turning frame.
+        The motion at a contact is the sliding vx, vz [m/s] and the spin [rad/s] of the ball relative to screw or nut, in
+        the axes x across the groove, z along the path, y into the ball. It is ``maps @ q + drives`` with the ball's motion
+        q: omega_B (orbit) and omega_x, omega_y, omega_z [rad/s], the latter three relative to the axes x3, y3, z3, which
+        turn with the orbit.
 
         Parameters
         ----------
@@ -128,12 +129,12 @@ class HelicalMotion:
 
     @cached_property
     def turns(self) -> Array:
-        """Rotation axes of a ball's four motions, orbit and three spins, in x3, y3, z3 ``(4, 3)``."""
+        """Axes of a ball's four motions (orbit and three spins) in x3, y3, z3, unit vectors ``(4, 3)``."""
         return np.concatenate([self.axis[None, :], np.eye(3)])
 
     @cached_property
     def cross_product_matrices(self) -> Array:
-        """Matrices that multiply a vector to give the cross product of each axis in ``turns`` with it ``(4, 3, 3)``."""
+        """Matrices that form the cross product of each axis in ``turns`` with a vector by multiplication ``(4, 3, 3)``."""
         return np.array([np.cross(t, np.eye(3)).T for t in self.turns])
 
 
@@ -151,13 +152,13 @@ def contact_axes(normals: Array) -> Array:
 
 @dataclass(frozen=True)
 class GrooveHertzConstants:
-    """Hertz constants of the four contacts of a ball."""
+    """Hertz constants of the four contacts of a ball under a contact force F."""
 
-    #: C of the approach C F^(2/3) ``(4,)`` [m/N^(2/3)].
+    #: Constant C of the approach C F^(2/3) ``(4,)`` [m/N^(2/3)].
     C: Array
-    #: C_a of the semi-axis C_a F^(1/3) across the groove ``(4,)`` [m/N^(1/3)].
+    #: Constant C_a of the semi-axis C_a F^(1/3) across the groove ``(4,)`` [m/N^(1/3)].
     C_a: Array
-    #: C_b of the semi-axis C_b F^(1/3) along the groove ``(4,)`` [m/N^(1/3)].
+    #: Constant C_b of the semi-axis C_b F^(1/3) along the groove ``(4,)`` [m/N^(1/3)].
     C_b: Array
 
 
@@ -263,15 +264,19 @@ class ScrewGroove(GroovesInMotion):
 
 @dataclass(frozen=True)
 class PairGeometry:
-    """Contact of two balls that touch, the second at the larger azimuth; vectors are in each ball's x3, y3, z3."""
+    """Geometry of the contact of two balls that touch; the second ball is the one at the larger azimuth.
+
+    Vectors are in the axes x3, y3, z3 of the ball to which they belong.
+    """
 
     #: Difference of their azimuths [rad].
     spacing: float
-    #: Speed at which the balls approach each other per difference of their omega_B [m].
+    #: Speed at which the balls approach each other per difference of their orbital speeds omega_B [m].
     closing: float
-    #: Velocity of the first ball's surface in two tangents of the contact by unit of its motion ``(2, 4)`` [m].
+    #: Velocity of the first ball's surface along two tangents of the contact, per unit of its motion (orbit and three
+    #: spins) ``(2, 4)`` [m].
     first: Array
-    #: Velocity of the second ball's surface in the same tangents by unit of its motion ``(2, 4)`` [m].
+    #: Velocity of the second ball's surface along the same tangents, per unit of its motion ``(2, 4)`` [m].
     second: Array
     #: Direction of the contact force on the first and on the second ball ``(2, 3)``.
     push: Array
@@ -280,7 +285,9 @@ class PairGeometry:
 
 
 def azimuth_between_touching_balls(screw: HelicalMotion) -> float:
-    """Return the difference of azimuths at which two balls touch [rad]: their centres, on the helix, are 2 R_B apart.
+    """Return the difference of the azimuths of two balls that touch [rad].
+
+    Their centres lie on the helix at a distance of two ball radii R_B.
 
     Parameters
     ----------
@@ -299,7 +306,10 @@ def azimuth_between_touching_balls(screw: HelicalMotion) -> float:
     pitch, rise, reach = screw.pitch_radius, screw.ratio, 2.0 * screw.ball_radius
 
     def excess(angle: float) -> float:
-        """Return by how much the distance of two ball centres exceeds the ball diameter [m]; ``angle`` in rad."""
+        """Return by how much the distance of two ball centres exceeds the ball diameter [m].
+
+        ``angle``: difference of the azimuths of the balls [rad].
+        """
         return float(np.hypot(2.0 * pitch * np.sin(0.5 * angle), rise * angle)) - reach
 
     if excess(0.5 * np.pi) <= 0.0:
@@ -311,7 +321,7 @@ def azimuth_between_touching_balls(screw: HelicalMotion) -> float:
 
 
 def section_axes(screw: HelicalMotion, azimuth: ArrayLike) -> Array:
-    """Return the axes x3, y3, z3 of balls in fixed axes x, y, z as rows ``(..., 3, 3)`` (Lin 3.62).
+    """Return the axes x3, y3, z3 of the groove sections at several balls, as rows in fixed axes ``(..., 3, 3)`` (Lin 3.62).
 
     ``screw``: the helix, of which only the lead angle is used; ``azimuth``: azimuths of the balls ``(...)`` [rad].
     """
@@ -321,7 +331,7 @@ def section_axes(screw: HelicalMotion, azimuth: ArrayLike) -> Array:
 
 
 def pair_geometry(screw: HelicalMotion) -> PairGeometry:
-    """Return the geometry of the contact of two nominal balls on the exact helix.
+    """Return the geometry of the contact of two balls of nominal size that touch, on the exact helix.
 
     Parameters
     ----------
@@ -363,7 +373,8 @@ def pair_geometry(screw: HelicalMotion) -> PairGeometry:
 def kernel_groove_arrays(groove: GroovesInMotion) -> GrooveArrays:
     """Return kinematics and Hertz constants of the grooves as arrays for the kernels; results are cached.
 
-    In these arrays the motions of a ball are surface speeds over the speed of the nut along the path.
+    In these arrays the motions of a ball are surface speeds over the speed of the nut along the path. ``groove``: the
+    grooves with the speeds of screw and nut.
     """
     unit, speed, pair, h = surface_speed_levers(groove), nut_speed_along_path(groove), groove.pair, groove.constants
     scale = speed / unit
@@ -381,15 +392,21 @@ def kernel_groove_arrays(groove: GroovesInMotion) -> GrooveArrays:
 
 
 def contiguous_floats(values: Array) -> Array:
-    """Return ``values`` as contiguous floats, so that the kernels are compiled for one kind of array only."""
+    """Return ``values`` as a contiguous array of floats, so that the kernels are compiled for one type of array only."""
     return np.ascontiguousarray(values, dtype=float)
 
 
 def surface_speed_levers(groove: HelicalMotion) -> Array:
-    """Return the levers [m] that multiply omega_B, omega_x, omega_y, omega_z [rad/s] to give surface speeds ``(4,)``."""
+    """Return the levers [m] that convert omega_B, omega_x, omega_y, omega_z [rad/s] to surface speeds ``(4,)``.
+
+    They are the length of the path per angle, and three times the ball radius. ``groove``: helix and ball radius.
+    """
     return np.array([groove.radius, groove.ball_radius, groove.ball_radius, groove.ball_radius])
 
 
 def nut_speed_along_path(groove: HelicalMotion) -> float:
-    """Return the speed of the nut relative to the screw along the helical path [m/s]; 1 m/s if they do not move."""
+    """Return the speed of the nut relative to the screw along the helical path [m/s]; 1 m/s if both are at rest.
+
+    ``groove``: helix and speeds of screw and nut. Speeds are divided by the result, so that it must not be zero.
+    """
     return float(abs(groove.speed) * groove.radius) or 1.0

@@ -13,9 +13,11 @@ from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays
 class GrooveArrays(NamedTuple):
     """Geometry of the grooves of screw and nut for the motion of a ball."""
 
-    #: Maps (3, 3, 4) from x to vx, vz [m/s], spin [rad/s] at a contact of normal (n_x, n_z): A_0 + n_x A_1 + n_z A_2.
+    #: Three matrices A_0, A_1, A_2 (3, 3, 4). A_0 + n_x A_1 + n_z A_2 is the map from x to sliding vx, vz [m/s] and spin
+    #: [rad/s] at a contact with the normal (n_x, n_z).
     affine: Array
-    #: Scaled rotation about the axis of the body, screw or nut, on which each contact of a ball lies (4,).
+    #: Rotation about the axis of the body (screw or nut) on which each contact of a ball lies, in the unit of the orbit
+    #: x[0] (4,).
     ride: Array
     #: Hertz constants (4,) of the semi-axes across the groove, a = C_a F^(1/3) [m/N^(1/3)].
     C_a: Array
@@ -23,18 +25,21 @@ class GrooveArrays(NamedTuple):
     C_b: Array
     #: Motion (4,) of a ball that rolls at the nominal contact angle.
     nominal: Array
-    #: Sliding at the contact of two balls, along two tangents, by unit of x of the first ball (2, 4).
+    #: Velocity of the first ball's surface at the contact of two balls, along two tangents, per unit of its x (2, 4).
     first: Array
-    #: Minus this sliding by unit of x of the second ball (2, 4).
+    #: Velocity of the second ball's surface along the same tangents, per unit of its x (2, 4).
     second: Array
-    #: Rate at which the gap to the next ball closes by unit of x[0] of the first ball.
+    #: Rate at which the gap to the next ball closes, per unit of the orbit x[0] of the first ball.
     closing: float
     #: Speed of the nut along the path relative to the screw [m/s].
     speed: float
 
 
 class BallArrays(NamedTuple):
-    """Contacts of balls under known loads; all friction forces are in one unit of force, the largest friction bound."""
+    """Contacts of N balls under known loads.
+
+    All friction forces are in one unit of force, which is the largest friction bound mu F of a ball.
+    """
 
     #: Contact forces (N, 4) [N].
     force: Array
@@ -42,19 +47,20 @@ class BallArrays(NamedTuple):
     normal: Array
     #: Stiffness (N,) of weak springs that draw the balls to the nominal motion.
     hold: Array
-    #: Largest rate (N,) at which ball k may approach ball k + 1, as a fraction of ``speed``.
+    #: Largest rate at which ball k may approach ball k + 1, over ``speed`` (N,).
     slack: Array
     #: 1 where ball k can touch ball k + 1, else 0 (N,).
     allowed: Array
     #: Coefficient of friction (N,) from ball k to ball k + 1.
     mu: Array
-    #: Coefficient of friction of the grooves over the unit of force [1/N].
+    #: Coefficient of friction of the grooves divided by the unit of force [1/N].
     strength: float
     #: Semi-axes a, b [m] and friction bound mu F (in the unit of force) of the contacts (N, 4, 3).
     shape: Array
-    #: Motion (vx, vz, spin) of the contacts over ``speed`` by unit of x: it is maps @ x + drives (N, 4, 3, 4).
+    #: Matrices of the motion (vx, vz, spin) of the contacts over ``speed`` per unit of x (N, 4, 3, 4); the motion is maps @
+    #: x + drives.
     maps: Array
-    #: Motion of the contacts over ``speed`` at x = 0 (N, 4, 3).
+    #: Motion of the contacts over ``speed`` at x = 0, caused by screw and nut (N, 4, 3).
     drives: Array
 
 
@@ -63,11 +69,12 @@ class BalanceParts(NamedTuple):
 
     #: Generalised forces out of balance along x, in the unit of force (N, 4).
     balance: Array
-    #: Fischer-Burmeister function of ball-to-ball force and gap (N,).
+    #: Fischer-Burmeister function f + g - sqrt(f^2 + g^2) of ball-to-ball force f and remaining closing rate g
+    #: (`remaining_slack`) of each gap (N,).
     complementarity: Array
-    #: Derivatives of this function by force and gap (N, 2).
+    #: Derivatives of this function by f and by g (N, 2).
     slopes: Array
-    #: Hessian (N, 4, 4) of the grooves' dissipation.
+    #: Second derivatives of the dissipation in the grooves by x (N, 4, 4).
     hessian: Array
 
 
@@ -88,7 +95,7 @@ class JointSystem(NamedTuple):
     push: Array
     #: Directions of the two tangents of their contact in the axes x3, z3 of the first and the second ball (2, 2, 2).
     slide: Array
-    #: Displacement of the screw along x3, y3, z3 at each ball by unit u (N, 3, m).
+    #: Displacement of the screw along x3, y3, z3 at each ball per unit of each motion u (N, 3, m).
     rows: Array
 
 
@@ -97,7 +104,7 @@ class JointUnknowns(NamedTuple):
 
     #: Displacements of the balls along x3, z3 (N, 2) [m].
     ball: Array
-    #: Displacement of the screw u (m,) [m].
+    #: Displacement of the screw in its motions u (m,) [m].
     screw: Array
     #: Motions x (N, 4) of the balls, surface speeds over ``speed``.
     motion: Array
@@ -106,13 +113,16 @@ class JointUnknowns(NamedTuple):
 
 
 class JointMatrix(NamedTuple):
-    """Residual and Jacobian of the system for loads and motion, a banded matrix with a border; 7 unknowns a ball."""
+    """Residual and Jacobian of the equations for loads and motion together: a banded matrix with a border.
+
+    Each of the N balls has seven unknowns, and the screw has m.
+    """
 
     #: Residual of the balls' equations (7 N,).
     side: Array
-    #: Residual of the screw's equations (m,).
+    #: Residual of the equations of the screw (m,).
     side_screw: Array
-    #: Derivatives of the balls' equations by their unknowns, as a band (7 N, 3 x half bandwidth + 1).
+    #: Derivatives of the balls' equations by the balls' unknowns, as a band (7 N, 3 times the half bandwidth + 1).
     band: Array
     #: Derivatives of the balls' equations by u (7 N, m).
     columns: Array

@@ -45,9 +45,10 @@ def balls_without_friction(
 ) -> BallsBetweenGrooves:
     """Return N balls between screw and nut under an external force on the screw, without friction forces.
 
-    The screw has no given displacement. ``angle``: contact angles of the unloaded balls ``(N, 4)`` [rad]; ``interference``:
-    interference of ball and groove at each contact ``(N, 4)`` [m]; ``rows``: displacement of the screw along x3, y3, z3 at
-    each ball by unit of its m free motions ``(N, 3, m)``; ``force``: force on the screw along these motions ``(m,)`` [N].
+    ``groove``: grooves of screw and nut; ``angle``: contact angles of the unloaded balls ``(N, 4)`` [rad];
+    ``interference``: interference of ball and groove at each contact, negative for clearance ``(N, 4)`` [m]; ``rows``:
+    displacement of the screw along x3, y3, z3 at each ball per unit of each of the m motions in which the screw is free
+    ``(N, 3, m)``; ``force``: force on the screw along these motions ``(m,)`` [N].
     """
     none = np.zeros((angle.shape[0], 2))
     return BallsBetweenGrooves(groove, angle, interference, rows, force, none, none, np.zeros(force.size))
@@ -55,28 +56,28 @@ def balls_without_friction(
 
 @dataclass(frozen=True)
 class BallsBetweenGrooves:
-    """N balls between screw and nut, with m free motions u of the screw."""
+    """N balls between screw and nut with the forces on them; the screw is free in m motions u."""
 
     #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
     #: Contact angles of the unloaded balls ``(N, 4)`` [rad].
     angle: Array
-    #: Interference of ball and groove at each contact, before any displacement ``(N, 4)`` [m].
+    #: Interference of ball and groove at each contact before any displacement, negative for clearance ``(N, 4)`` [m].
     interference: Array
-    #: Displacement of the screw along x3, y3, z3 at each ball by unit u ``(N, 3, m)``.
+    #: Displacement of the screw along x3, y3, z3 at each ball per unit of each motion u ``(N, 3, m)``.
     rows: Array
-    #: External force on the screw along u ``(m,)`` [N].
+    #: External force on the screw along each motion u ``(m,)`` [N].
     force: Array
-    #: Further displacement of the screw along x3, z3 at each ball, which is given ``(N, 2)`` [m].
+    #: Given displacement of the screw along x3, z3 at each ball, in addition to its motions u ``(N, 2)`` [m].
     offset: Array
     #: Forces on the balls along x3, z3, such as friction ``(N, 2)`` [N].
     push: Array
-    #: Forces of friction on the screw along u ``(m,)`` [N].
+    #: Force of friction on the screw along each motion u ``(m,)`` [N].
     drag: Array
 
     @property
     def section_displacement_maps(self) -> Array:
-        """Displacement of the screw along x3 and z3 at each ball by unit u ``(N, 2, m)``."""
+        """Displacement of the screw along x3 and z3 at each ball per unit of each motion u ``(N, 2, m)``."""
         return self.rows[:, [0, 2]]
 
 
@@ -99,9 +100,10 @@ def kernel_load_arrays(cell: BallsBetweenGrooves) -> CellArrays:
 
 
 def _starting_displacements(cell: BallsBetweenGrooves) -> tuple[Array, Array]:
-    """Return displacements from which the search for the loads begins: of the balls ``(N, 2)`` and the screw ``(m,)`` [m].
+    """Return starting displacements of the search for the loads: of the balls ``(N, 2)``, then of the screw ``(m,)`` [m].
 
-    The screw moves along its load by about the approach under equal loads of all balls, and the balls move half as far.
+    The screw moves along its load by four times the approach under equal loads of all balls, plus the clearance, and the
+    balls move half as far. ``cell``: the balls and the load on the screw.
     """
     total = float(np.linalg.norm(cell.force))
     count, m = cell.angle.shape[0], cell.rows.shape[2]
@@ -117,8 +119,10 @@ def solve_screw_contact_loads(
 ) -> ContactLoadSolution:
     """Return the contact loads of balls between screw and nut, in balance with the forces on balls and screw.
 
-    They are the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - (force + drag) . u - push . p over the displacements u of
-    the screw and p of the balls, found by Newton's method with line search. The loads do not depend on the start.
+    They are found by Newton's method with line search at the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - (force +
+    drag) . u - push . p over the displacements u of the screw and p of the balls. C is the Hertz constant of a contact,
+    <approach> the approach where positive, and force, drag and push are fields of ``cell``. The loads do not depend on the
+    start.
 
     Parameters
     ----------
@@ -142,11 +146,11 @@ def solve_screw_contact_loads(
 
 
 def screw_displacement_maps(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
-    """Return the displacement of the screw along x3, y3, z3 at each ball by unit of its free translations ``(N, 3, m)``.
+    """Return the displacement of the screw along x3, y3, z3 at each ball per unit of its m translations ``(N, 3, m)``.
 
-    ``azimuth``: azimuths of the balls ``(N,)`` [rad]. ``free`` has one letter for each of the m translations, in their
-    order: "z" along the axis, "x" and "y" across it, in fixed axes, "r" radially at every ball (each ball has a screw of
-    its own). Raises ValueError for other letters.
+    ``groove``: the helix; ``azimuth``: azimuths of the balls ``(N,)`` [rad]; ``free``: one letter for each translation in
+    which the screw is free, in their order: "z" along the axis, "x" and "y" across it, in fixed axes, "r" radially at every
+    ball (as if each ball had a screw of its own). Raises ValueError for other letters.
     """
     if any(letter not in "xyzr" for letter in free):
         raise ValueError(f'free motions of the screw must be letters of "xyzr", got "{free}"')
@@ -157,17 +161,18 @@ def screw_displacement_maps(groove: ScrewGroove, azimuth: Array, free: str) -> A
     return out
 
 
-#: What friction may change: nothing; the loads of the balls (section 3.4.1 of Lin's thesis); also the screw's position.
+#: What friction may change: nothing ("none"); the contact loads of the balls ("ball", section 3.4.1 of Lin's thesis); also
+#: the position of the screw ("ball and screw").
 Coupling = Literal["none", "ball", "ball and screw"]
 
-#: Change of the friction forces in one iteration, over the sum of the contact loads, at which loads and friction agree, and
-#: largest number of iterations.
+#: Change of the friction forces in one round, over the sum of the contact loads, up to which loads and friction agree, and
+#: largest number of rounds.
 AGREED, ROUNDS = 1e-11, 100
 
 
 @dataclass(frozen=True)
 class BallMotion:
-    """Motion of one ball under given contact loads."""
+    """Motion of one ball under given contact loads, with its friction."""
 
     #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
@@ -205,9 +210,10 @@ def friction_wrench_at_contacts(normals: Array, force: Array, moment: Array) -> 
 def power_of_helical_motion(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
     """Return the power [W] that keeps nut and screw in helical motion against friction.
 
-    The drives of the bodies push with the friction on the balls: the power is the velocity of the body's surface at the
-    contact times the force plus the body's angular velocity times the moment. ``normals``: directions to the contacts
-    ``(..., 4, 3)``; ``wrench``: force and moment of friction on the balls in x3, y3, z3 ``(..., 4, 6)`` [N, N m].
+    The power is the velocity of the body's surface at each contact times the force, plus the body's angular velocity times
+    the moment, because screw and nut push with the friction on the balls. ``groove``: grooves with the speeds of screw and
+    nut; ``normals``: directions from the ball's centre to the contacts in x3, y3, z3 ``(..., 4, 3)``; ``wrench``: force and
+    moment of friction on the balls in x3, y3, z3 ``(..., 4, 6)`` [N, N m].
     """
     body = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed)
     surface = groove.ball_radius * (normals @ groove.cross_product_matrices[0].T) + groove.radius * np.array(
@@ -218,7 +224,7 @@ def power_of_helical_motion(groove: ScrewGroove, normals: Array, wrench: Array) 
 
 
 def contact_ellipses_of_screw(groove: ScrewGroove, force: Array) -> Contacts:
-    """Return ellipses, loads and coefficients of friction of contacts, all balls in one row ``(n,)``.
+    """Return ellipses, loads and coefficients of friction of the contacts of several balls, as one row ``(n,)``.
 
     A contact without load has an ellipse of vanishing size.
 
@@ -256,7 +262,8 @@ def solve_ball_motion(
     push
         Generalised forces other than friction along omega_B, omega_x, omega_y, omega_z ``(4,)`` [N m]; None for none.
     start
-        Motion omega_B, omega_x, omega_y, omega_z to begin from ``(4,)`` [rad/s]; None begins near pure rolling.
+        Motion omega_B, omega_x, omega_y, omega_z from which the search begins ``(4,)`` [rad/s]; None to begin near pure
+        rolling.
     fast
         Whether to use compiled kernels.
     """
@@ -270,7 +277,8 @@ def solve_ball_motion(
 def lin_sigmoid_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None = None) -> Sigmoid:
     """Return Lin's sigmoid friction law for the contacts of a screw.
 
-    Its reference spin is the relative spin of two opposite contacts, omega_I sin(beta) for a bearing.
+    Its reference spin is the relative spin of two opposite contacts, which for a bearing is omega_I sin(beta) with the
+    speed omega_I of the inner ring and the contact angle beta.
 
     Parameters
     ----------
@@ -279,7 +287,8 @@ def lin_sigmoid_law(groove: ScrewGroove, sharpness: float, map_spacing: float | 
     sharpness
         Sharpness k_S of the sigmoid.
     map_spacing
-        Step in c/a of Lin's tables of friction forces, between which he interpolates; None for exact integrals.
+        Step in c/a of Lin's tables of friction forces, between whose values he interpolates (c: distance of the centre of
+        rotation from the centre of the contact ellipse along its semi-axis a); None for exact integrals.
 
     References
     ----------
@@ -292,9 +301,9 @@ def lin_sigmoid_law(groove: ScrewGroove, sharpness: float, map_spacing: float | 
 def solve_ball_motion_by_root(ball: BallMotion, law: FrictionLaw, start: Array | None = None) -> BodyMotion:
     """Return the motion of a ball by Lin's method for comparison: a root of the balance of forces (Lin 3.69, 3.71).
 
-    ``ball``: the same ball, of which contacts and kinematics are used; ``law``: friction law; ``start``: motion omega_B,
-    omega_x, omega_y, omega_z to begin from ``(4,)`` [rad/s], with None rolling at the nominal contact angle. The search
-    fails (status "failed") from many starts near two-point contact.
+    ``ball``: the ball, of which contacts and kinematics are used; ``law``: friction law; ``start``: motion omega_B,
+    omega_x, omega_y, omega_z from which the search begins ``(4,)`` [rad/s], None for rolling at the nominal contact angle.
+    From many starts near two-point contact the search fails (status "failed").
     """
     first = np.array([ball.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
     return motion_by_root(ball.problem, law, first, fast=True)
@@ -303,12 +312,12 @@ def solve_ball_motion_by_root(ball: BallMotion, law: FrictionLaw, start: Array |
 def friction_on_balls_and_screw(
     cell: BallsBetweenGrooves, wrench: Array, neighbour_forces: Array, coupling: Coupling
 ) -> tuple[Array, Array]:
-    """Return the forces of friction and of neighbours that change the contact loads.
+    """Return the forces of friction and of neighbours that change the contact loads: on the balls, then on the screw.
 
-    They act on the balls along x3, z3 ``(N, 2)`` and on the screw along its m free motions ``(m,)`` [N]. ``cell``: balls
-    between screw and nut; ``wrench``: force and moment of friction on the balls at each contact in x3, y3, z3 ``(N, 4, 6)``
-    [N, N m]; ``neighbour_forces``: forces of neighbours on the balls along x3, z3 ``(N, 2)`` [N]; ``coupling``: what
-    friction may change. The forces on what it may not change are zero.
+    The forces on the balls are along x3, z3 ``(N, 2)`` [N], those on the screw along its m motions ``(m,)`` [N]. ``cell``:
+    balls between screw and nut; ``wrench``: force and moment of friction on the balls at each contact in x3, y3, z3 ``(N,
+    4, 6)`` [N, N m]; ``neighbour_forces``: forces of neighbours on the balls along x3, z3 ``(N, 2)`` [N]; ``coupling``:
+    what friction may change. The forces on what it may not change are zero.
     """
     push = wrench[:, :, [0, 2]].sum(axis=1) + neighbour_forces
     on_screw = wrench[:, ON_SCREW, :3].sum(axis=1)
@@ -319,23 +328,32 @@ def friction_on_balls_and_screw(
 
 
 class AndersonMixer:
-    """Anderson acceleration of the iteration x = g(x) over the last few rounds, damped, and restarted after many rounds."""
+    """Anderson acceleration of a fixed-point iteration x = g(x), from the history of the last few rounds.
+
+    The steps are damped and the history is dropped after many rounds.
+    """
 
     def __init__(self, depth: int = 3, patience: int = 20) -> None:
         """Begin without history.
 
-        ``depth``: number of differences of rounds that are used; ``patience``: number of rounds after which the steps are
-        halved and the history is dropped.
+        ``depth``: number of differences between successive rounds that are used; ``patience``: number of rounds after
+        which, each time, the steps are halved and the history is dropped.
         """
         self.depth, self.patience, self.rounds = depth, patience, 0
         self.x, self.r = list[Array](), list[Array]()
 
     def keep_vectors(self, which: Mask) -> None:
-        """Drop the history of those vectors x, of all iterated together, for which ``which`` is False."""
+        """Keep the history of only some of the vectors x that are iterated together.
+
+        ``which``: whether to keep each vector; the history of the others is dropped.
+        """
         self.x, self.r = [x[which] for x in self.x], [r[which] for r in self.r]
 
     def next_iterate(self, x: Array, g: Array) -> Array:
-        """Return the next iterate: ``x`` is the present one and ``g`` = g(x); both may be overwritten afterwards."""
+        """Return the next iterate of the iteration x = g(x).
+
+        ``x``: present iterate; ``g``: value g(x) for it. Both arrays may be overwritten afterwards.
+        """
         if self.rounds % self.patience == 0:
             self.x, self.r = [], []
         damping = 0.5 ** (self.rounds // self.patience)
@@ -349,7 +367,10 @@ class AndersonMixer:
 
 
 def with_fixed_screw(cell: BallsBetweenGrooves, load: ContactLoadSolution) -> BallsBetweenGrooves:
-    """Return the balls of ``cell`` with the screw fixed in its position in the solution ``load``, without free motions."""
+    """Return the balls of ``cell`` with the screw fixed in its position in the solution ``load``.
+
+    The screw has no motions in which it is free, so that its forces are empty arrays.
+    """
     return replace(
         cell,
         rows=np.zeros((cell.angle.shape[0], 3, 0)),

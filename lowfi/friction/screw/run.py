@@ -30,35 +30,36 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
 
-#: Factors of the deviation theta at the contacts SL, SR, NL, NR: both contact angles on the screw deviate alike, or in
-#: opposite directions, as on a groove that is shifted sideways.
+#: Factors of the deviation theta at the contacts SL, SR, NL, NR (screw or nut, left or right): both contact angles on the
+#: screw deviate by the same amount, or by opposite amounts, as on a groove that is shifted sideways.
 BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
 
 
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Pair:
-    """Two neighbouring balls of a ball screw that touch, the first behind the second, with their loads."""
+    """Two neighbouring balls of a ball screw at a distance at which they touch, with their loads."""
 
     #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
     #: Deviation theta of the contact angles of each ball [rad].
     theta: tuple[float, float]
-    #: Factors of theta at the contacts SL, SR, NL, NR of each ball (screw or nut, left or right).
+    #: Factors of theta at the contacts SL, SR, NL, NR (screw or nut, left or right) of the first and of the second ball.
     pattern: tuple[tuple[float, ...], tuple[float, ...]] = frozen_default((BOTH, BOTH))
     #: Oversize of the ball radii [m], negative for clearance.
     oversize: float = frozen_default(0.0)
-    #: Free translations of the screw, letters of "xyzr" (see `screw_displacement_maps`).
+    #: Translations in which the screw is free, letters of "xyzr" (see `screw_displacement_maps`).
     free: str = frozen_default("z")
-    #: Force on the screw along each of its free translations [N].
+    #: External force on the screw along each of these translations [N].
     force: tuple[float, ...] = frozen_default((0.0,))
-    #: What friction may change: nothing, the loads of the balls, or also the screw's position.
+    #: What friction may change: nothing ("none"), the contact loads of the balls ("ball"), or also the position of the
+    #: screw ("ball and screw").
     coupling: Coupling = frozen_default("none")
 
     def cell(self) -> BallsBetweenGrooves:
-        """Return both balls between screw and nut, with their loads, as data for `solve_coupled_chain`.
+        """Return both balls between screw and nut with their loads, as argument of `solve_coupled_chain`.
 
-        The balls lie half their spacing before and behind azimuth 0.
+        The balls touch each other, and azimuth 0 lies in the middle between them.
         """
         half = 0.5 * self.groove.pair.spacing
         angle = self.groove.contact_angle + np.array(self.theta)[:, None] * np.array(self.pattern)
@@ -92,18 +93,21 @@ class ScrewPairSolution:
 
     @property
     def rubbing_ratio(self) -> float:
-        """Loss by balls that slide on each other over the total loss without ball-to-ball contact; nan without friction."""
+        """Ratio of the loss between the balls to the total loss without ball-to-ball contact; nan without friction."""
         return _ratio_or_nan(float(self.touching.motion.ball_loss.sum()), self.free.motion.loss)
 
     @property
     def closing(self) -> float:
-        """Orbital speed omega_B of the first ball less the second ball's, without contact [rad/s]; positive: they meet."""
+        """Orbital speed omega_B of the first ball less that of the second, without ball-to-ball contact [rad/s].
+
+        It is positive if the first ball, which is behind, approaches the second one.
+        """
         q = self.free.motion.q
         return float(q[0, 0] - q[1, 0])
 
     @property
     def ball_loads(self) -> Array:
-        """Sum of the contact loads of each ball with ball-to-ball contact ``(2,)`` [N]."""
+        """Sum of the contact loads of each of the two balls in the state with ball-to-ball contact ``(2,)`` [N]."""
         return np.asarray(self.touching.load.force.sum(axis=1))
 
     @property
@@ -113,22 +117,23 @@ class ScrewPairSolution:
 
 
 def _ratio_or_nan(amount: float, whole: float) -> float:
-    """Return the ratio amount/whole; nan if ``whole`` is not positive."""
+    """Return the ratio of ``amount`` to ``whole``; nan if ``whole`` is not positive."""
     return amount / whole if whole > 0.0 else float("nan")
 
 
 def solve_pair(pair: Pair, guess: IterationStart | None = None) -> ScrewPairSolution:
     """Return the states of two balls without and with ball-to-ball contact (Lin 3.69-3.76).
 
-    The ball-to-ball force and the rate at which the gap opens are complementary, so that balls that part exert no force.
+    The ball-to-ball force and the rate at which the gap opens are complementary: one of both is zero, so that balls that
+    separate exert no force on each other.
 
     Parameters
     ----------
     pair
         The two balls with their loads.
     guess
-        Forces and motion from which the search for both states begins. With None the state without contact is sought from
-        no friction, and the state with contact from that without.
+        Forces and motions from which the searches for both states begin. With None, the search for the state without
+        contact begins without friction, and the search for the state with contact from the state without contact.
     """
     cell, apart = pair.cell(), None if guess is None else replace(guess, ball_force=np.zeros(2))
     free = solve_coupled_chain(cell, np.full(2, np.inf), pair.coupling, guess=apart)
@@ -136,17 +141,21 @@ def solve_pair(pair: Pair, guess: IterationStart | None = None) -> ScrewPairSolu
 
 
 def pair_sliding_speed(pair: Pair) -> float:
-    """Return the speed at which the two balls of a pair slide on each other [m/s], from their loss over mu times force."""
+    """Return the speed at which the two touching balls of a pair slide on each other [m/s].
+
+    It is computed from the loss between the balls, divided by coefficient of friction times ball-to-ball force. ``pair``:
+    the balls, which must press on each other.
+    """
     motion = solve_pair(pair).touching.motion
     return float(motion.ball_loss[0]) / (pair.groove.between * float(motion.ball_force[0]))
 
 
 def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> float:
-    """Return the sum of contact loads of one ball [N] that a ball-to-ball force and its increase of friction imply.
+    """Return the sum of contact loads of one ball [N] that follows from a ball-to-ball force and an increase of friction.
 
-    The loss mu F v of the balls on each other, over the relative increase, is the loss at the grooves of both balls; here
-    four equal contacts of each ball cause it. Of the pair only the kinematics are used: the sliding speed v depends on its
-    loads by per cents.
+    The loss mu F v of the balls that slide on each other, divided by the relative increase, is the loss at the grooves of
+    both balls. The result is four times the equal load of four contacts of a ball at which its loss is half of this. Of
+    ``pair`` only the kinematics matter, because the sliding speed v depends on its loads by a few per cent only.
 
     Parameters
     ----------
@@ -155,7 +164,7 @@ def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> flo
     force
         Ball-to-ball force F [N].
     increase
-        Increase of the friction loss by ball-to-ball contact, over the loss without it.
+        Increase of the friction loss by ball-to-ball contact, as a ratio to the loss without this contact.
     """
     g = pair.groove
     loss = 0.5 * g.between * force * pair_sliding_speed(pair) / increase
@@ -174,7 +183,7 @@ class PairResultGrid:
 
     #: Ball-to-ball force ``(m, n)`` [N].
     force: Array
-    #: Relative increase of the dissipation by ball-to-ball contact ``(m, n)``.
+    #: Relative increase of the friction loss by ball-to-ball contact ``(m, n)``.
     increase: Array
     #: Whether both states, without and with contact, converged ``(m, n)``.
     converged: Array
@@ -183,16 +192,17 @@ class PairResultGrid:
 def results_over_oversize_and_force(pair: Pair, oversize: Array, axial: Array) -> PairResultGrid:
     """Return ball-to-ball force and increase of friction of two balls for m oversizes and n forces on the screw.
 
-    The force on the screw has the direction that ``pair`` gives by its forces along the screw's free translations.
+    The forces on the screw have the same direction as that of ``pair``, which gives a force along each translation of the
+    screw.
 
     Parameters
     ----------
     pair
-        Two balls of a screw; oversize and magnitude of the force are replaced.
+        Two balls of a screw, whose oversize and magnitude of the force are replaced by the given values.
     oversize
         Oversizes of the ball radius, ``(m,)`` [m].
     axial
-        Forces on the screw, ``(n,)`` [N].
+        Magnitudes of the force on the screw, ``(n,)`` [N].
     """
     total = float(np.linalg.norm(pair.force)) or 1.0
     solved = [
@@ -209,7 +219,7 @@ def results_over_oversize_and_force(pair: Pair, oversize: Array, axial: Array) -
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Run:
-    """Simulation over time of a ball screw (a ``Setting`` of ``travel``); azimuths are measured on the screw.
+    """Simulation over time of a ball screw (a `SimulatedSystem` for `simulate`); azimuths are measured on the screw.
 
     The fields from ``oversize`` on are assumptions that Lin does not print.
     """
@@ -220,9 +230,9 @@ class Run:
     count: int
     #: Number of loaded turns of the nut.
     turns: float
-    #: Force on the screw along each of its free translations [N].
+    #: External force on the screw along each of the translations in ``free`` [N].
     force: tuple[float, ...]
-    #: Free translations of the screw, letters of "xyzr" (see `screw_displacement_maps`).
+    #: Translations in which the screw is free, letters of "xyzr" (see `screw_displacement_maps`).
     free: str
     #: Time to simulate [s].
     duration: float
@@ -230,9 +240,9 @@ class Run:
     steps: int
     #: Oversize of the ball radii [m].
     oversize: float = frozen_default(0.0)
-    #: Amplitude of the deviation theta of the contact angles, a sine of the azimuth [rad].
+    #: Amplitude of the deviation theta of the contact angles, which is a sine function of the azimuth [rad].
     amplitude: float = frozen_default(0.0)
-    #: Number of cycles of theta per turn.
+    #: Number of periods of theta per turn.
     cycles: float = frozen_default(2.0)
     #: Phase of theta at azimuth 0 [rad].
     phase: float = frozen_default(0.0)
@@ -240,20 +250,23 @@ class Run:
     pattern: tuple[float, ...] = frozen_default(BOTH)
     #: Length of the return tube as an angle of the track [rad]; balls in it bear no load.
     tube: float = frozen_default(0.0)
-    #: Position of the first ball at the start as a fraction of the distance between balls.
+    #: Distance of the first ball from the beginning of the loaded turns at the start, as a fraction of the distance between
+    #: balls.
     first: float = frozen_default(0.5)
-    #: What friction may change: nothing, the loads of the balls, or also the screw's position.
+    #: What friction may change: nothing ("none"), the contact loads of the balls ("ball"), or also the position of the
+    #: screw ("ball and screw").
     coupling: Coupling = frozen_default("none")
-    #: Iterations of loads and friction in each step; with one the loads are those under the friction of the previous step.
+    #: Largest number of rounds of contact loads and friction in each time step; with one round the loads are those under
+    #: the friction of the previous step.
     rounds: int = frozen_default(1)
-    #: Body with which the deviation theta of the contact angles turns.
+    #: Body, screw or nut, whose groove has the deviation theta, so that theta turns with it.
     follows: Literal["screw", "nut"] = frozen_default("screw")
 
     def __post_init__(self) -> None:
         """Raise ValueError for values out of range, or if the balls do not fit into the closed track."""
         if self.count < 2 or self.steps < 1 or self.duration <= 0.0 or self.tube < 0.0:
             raise ValueError(
-                "a run needs at least 2 balls and 1 step, a positive duration and a return tube that is not negative, "
+                "a simulation needs at least 2 balls, 1 step, a positive duration and a return tube of no negative length, "
                 f"got count {self.count}, steps {self.steps}, duration {self.duration} s, tube {self.tube} rad"
             )
         if self.count * self.groove.pair.spacing >= self.ring:
@@ -285,14 +298,15 @@ class Run:
 
     @property
     def track_occupation(self) -> float:
-        """Ratio of the length that the touching balls would fill to the loaded turns (97.8 % in section 3.4.4 of Lin)."""
+        """Ratio of the length of all balls in a row to that of the loaded turns (97.8 % in Lin's section 3.4.4)."""
         return self.count * self.groove.pair.spacing / (2.0 * np.pi * self.turns)
 
     def place(self, azimuth: Array, nut_angle: float) -> tuple[Array, NDArray[np.bool_]]:
         """Return the balls' azimuths folded into the closed track, and which balls are in its loaded turns.
 
-        ``azimuth``: azimuths of the balls, measured on the screw, unwrapped ``(N,)`` [rad]; ``nut_angle``: angle by which
-        the nut has turned on the screw [rad]. Returns azimuths on the screw ``(N,)`` [rad] and a mask ``(N,)``.
+        ``azimuth``: azimuths of the balls, measured on the screw, which increase without bound ``(N,)`` [rad];
+        ``nut_angle``: angle by which the nut has turned relative to the screw [rad]. Returns first the azimuths within one
+        passage of the track, measured on the screw ``(N,)`` [rad], then whether each ball is in the loaded turns ``(N,)``.
         """
         (track,) = self.tracks
         along = track.along(azimuth, nut_angle)
@@ -307,9 +321,9 @@ class Run:
     def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:
         """Return the time until a ball passes an end of the nut's loaded turns [s].
 
-        It is inf without a return tube if the contact angles are the same at both ends. ``azimuth``: azimuths of the balls,
-        measured on the screw ``(N,)`` [rad]; ``omega``: their angular speeds ``(N,)`` [rad/s]; ``time``: time since the
-        start [s].
+        The result is inf for a track without return tube whose contact angles are the same at both ends, because nothing
+        then changes there. ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``omega``: their
+        angular speeds ``(N,)`` [rad/s]; ``time``: time since the start [s].
         """
         if self.tube == 0.0 and (self.amplitude == 0.0 or (self.cycles * self.turns).is_integer()):
             return np.inf
@@ -348,22 +362,22 @@ def contact_angle_deviation(run: Run, azimuth: Array, nut_angle: float = 0.0) ->
     Parameters
     ----------
     run
-        Simulated ball screw, which gives amplitude, cycles and phase of theta.
+        Simulated ball screw, which gives amplitude, number of periods and phase of theta.
     azimuth
         Azimuths of the balls on the screw ``(N,)`` [rad].
     nut_angle
-        Angle by which the nut has turned on the screw [rad].
+        Angle by which the nut has turned relative to the screw [rad].
     """
     own = azimuth - (nut_angle if run.follows == "nut" else 0.0)
     return np.asarray(run.amplitude * np.sin(run.cycles * own + run.phase))
 
 
 def balls_at_instant(run: Run, azimuth: Array, loaded: NDArray[np.bool_], nut_angle: float) -> BallsBetweenGrooves:
-    """Return the balls of a simulated screw at one instant, with the force on the screw, as data for `solve_coupled_chain`.
+    """Return the balls of a simulated screw at one instant and the force on it, as argument of `solve_coupled_chain`.
 
-    ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``loaded``: which balls are in the loaded
-    turns ``(N,)``; the others get a clearance that keeps them free of contact; ``nut_angle``: angle by which the nut has
-    turned on the screw [rad].
+    ``run``: the simulated screw; ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``loaded``:
+    whether each ball is in the loaded turns ``(N,)``; the others get so much clearance that they have no contact;
+    ``nut_angle``: angle by which the nut has turned relative to the screw [rad].
     """
     g = run.groove
     angle = g.contact_angle + contact_angle_deviation(run, azimuth, nut_angle)[:, None] * np.array(run.pattern)
@@ -373,7 +387,7 @@ def balls_at_instant(run: Run, azimuth: Array, loaded: NDArray[np.bool_], nut_an
 
 
 def simulate_equal_steps(run: Run) -> TravelHistory:
-    """Simulate a ball screw over time by Lin's scheme of equal time steps, from evenly spread balls.
+    """Return the time history of a ball screw, simulated by Lin's scheme of equal time steps from evenly spread balls.
 
     Parameters
     ----------
@@ -385,17 +399,17 @@ def simulate_equal_steps(run: Run) -> TravelHistory:
 
 @dataclass(frozen=True)
 class RunSummary:
-    """Results of a simulated ball screw that section 3.4.4 of Lin's thesis states."""
+    """Those results of a simulated ball screw that section 3.4.4 of Lin's thesis states for its case study."""
 
-    #: Largest ratio of ball-to-ball torque to groove torque.
+    #: Largest ratio of the friction torque between balls to that in the grooves.
     largest: float
     #: Nut angle at which this ratio is largest [deg].
     at: float
-    #: Nut angle of the first step after it at which no balls touch [deg]; nan if there is none.
+    #: Nut angle of the first time after this at which no balls press on each other [deg]; nan if there is none.
     none_at: float
-    #: Largest number of groups of touching balls.
+    #: Largest number of groups of touching balls at any time.
     groups: int
-    #: Variation of the groove torque, (largest - least)/mean; nan without friction.
+    #: Variation of the friction torque in the grooves, (largest - least)/mean; nan without friction.
     groove_variation: float
 
 

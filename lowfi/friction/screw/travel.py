@@ -23,34 +23,34 @@ from rollbench.meshes.arrays import Array, Mask
 
 
 class ClosedTrack(NamedTuple):
-    """One closed track of balls: a loaded arc and a return."""
+    """One closed track of balls: a loaded arc, on which balls carry load, and a return, in which they do not."""
 
     #: Number of the thread start on which the track lies, from 0.
     start: int
-    #: Azimuth where the loaded arc begins [rad].
+    #: Azimuth of the beginning of the loaded arc [rad].
     first: float
     #: Length of the loaded arc as an azimuth [rad].
     arc: float
     #: Length of the whole track, return included, as an azimuth [rad].
     ring: float
-    #: Difference of the azimuths of two nominal balls that touch [rad].
+    #: Difference of the azimuths of two balls of nominal size that touch [rad].
     spacing: float
-    #: Which of all N balls are on this track.
+    #: Indices, among all N balls of the screw or bearing, of the balls on this track.
     balls: slice
 
     def along(self, azimuth: Array, turned: float = 0.0) -> Array:
         """Return the angular distances of the track's balls from the beginning of its loaded arc, 0 to ``ring`` [rad].
 
-        ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``turned``: angle by which the track has turned about
-        the axis [rad]. The result has one entry for each ball on this track.
+        ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``turned``: angle by which the track has turned about the axis
+        [rad]. The result has one entry for each ball on this track.
         """
         return np.asarray(np.mod(azimuth[self.balls] - turned - self.first, self.ring))
 
     def time_to_end(self, azimuth: Array, rate: Array, turned: float = 0.0) -> float:
         """Return the time until one of the track's balls passes an end of the loaded arc [s]; inf if none moves.
 
-        ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``rate``: their speeds relative to the track ``(N,)`` [rad/s];
-        ``turned``: angle by which the track has turned about the axis [rad].
+        ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``rate``: their angular speeds relative to the track ``(N,)``
+        [rad/s], which are taken as constant; ``turned``: angle by which the track has turned about the axis [rad].
         """
         along, rate = self.along(azimuth, turned), rate[self.balls]
         forward = np.where(along < self.arc, self.arc, self.ring) - along
@@ -60,21 +60,21 @@ class ClosedTrack(NamedTuple):
 
 Scheme = Literal["located", "equal"]
 
-#: Duration of the pieces before and after an event and least duration of a piece, both as fractions of a time step; largest
-#: number of pieces of a step.
+#: Duration of the pieces of a time step before and after an event, and least duration of a piece, both as fractions of a
+#: time step; largest number of pieces of a time step.
 SHORT, TINY, PIECES = 1e-2, 1e-6, 100
 
 #: Gap [rad] up to which neighbouring balls count as touching.
 CLOSED = 1e-10
 
-#: Ratio of the closing rate of two neighbours to the largest speed of a ball that is never reached: gaps that would need a
-#: faster closing stay open in a step.
+#: Ratio of the closing rate of two neighbours to the largest speed of a ball that is never reached: a gap that could only
+#: close at a faster rate counts as staying open in a time step.
 FASTEST = 10.0
 
-#: Fields of `TravelHistory` with the torques of the three entries of ``Instant.losses``, in their order.
+#: Fields of `TravelHistory` with the torques of the three entries of ``InstantSolution.losses``, in their order.
 TORQUES = ("groove_torque", "ball_torque", "closing_torque")
 
-#: First number of time steps where none is given: steps per ball diameter travelled, and smallest and largest number.
+#: First number of time steps if the caller gives none: steps per ball diameter travelled, and smallest and largest number.
 STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 
 
@@ -83,9 +83,9 @@ class BallState(NamedTuple):
 
     #: Azimuths of the balls ``(N,)`` [rad].
     azimuth: Array
-    #: Gap to the next ball of the track ``(N,)`` [rad].
+    #: Gap between each ball and the next one of its track ``(N,)`` [rad].
     gap: Array
-    #: Speeds of the balls in the frame of the azimuths ``(N,)`` [rad/s].
+    #: Angular speeds of the balls in the frame in which azimuths are measured ``(N,)`` [rad/s].
     omega: Array
     #: Solution at the previous instant, from which the search at the next instant begins; None at the start.
     memory: Any
@@ -103,7 +103,7 @@ class InstantSolution:
     load: Array
     #: Which balls are on a loaded arc ``(N,)``.
     loaded: Mask
-    #: Losses in the grooves, by ball-to-ball sliding, and by closing gaps [W].
+    #: Losses by friction in the grooves, by balls that slide on each other, and by gaps that close under force [W].
     losses: tuple[float, float, float]
     #: Power that screw and nut put in [W].
     input_power: float
@@ -111,11 +111,11 @@ class InstantSolution:
     converged: bool
     #: Solution from which the search at the next instant begins.
     memory: Any
-    #: Change, in the last iteration of loads and friction, of the friction forces that act on the loads [N].
+    #: Change of the friction forces that act on the contact loads, in the last iteration of loads and friction [N].
     change: float = 0.0
-    #: External axial load on the screw [N].
+    #: External axial load on the screw [N]; nan if it is not computed.
     axial: float = float("nan")
-    #: Torque about +z that drives the screw [N m].
+    #: Torque about +z that drives the screw [N m]; nan if it is not computed.
     on_screw: float = float("nan")
 
 
@@ -124,11 +124,11 @@ class SimulatedSystem(Protocol):
 
     @property
     def groove(self) -> HelicalMotion:
-        """Nominal grooves in motion."""
+        """Grooves without errors, with the speeds of screw and nut (or of the rings)."""
 
     @property
     def tracks(self) -> Sequence[ClosedTrack]:
-        """Closed tracks, with their balls in order."""
+        """Closed tracks of the balls; the balls of a track have consecutive indices in the order of azimuth."""
 
     @property
     def spacing(self) -> Array:
@@ -136,7 +136,7 @@ class SimulatedSystem(Protocol):
 
     @property
     def number(self) -> NDArray[np.int64]:
-        """Numbers of the balls in the scene ``(N,)``; -1 for a ball that begins in the return."""
+        """Numbers of the balls in the scene ``(N,)``; -1 for a ball that is in the return at the start."""
 
     def begin(self) -> BallState:
         """Return positions and speeds of the balls at the start of the simulation."""
@@ -159,13 +159,16 @@ class SimulatedSystem(Protocol):
 
 @dataclass(frozen=True)
 class TravelHistory:
-    """Time history of N balls, with time steps divided into T pieces in all; ball k pushes the next one of its track."""
+    """Time history of N balls over time steps that are divided into T pieces in all.
 
-    #: Screw or bearing that was simulated, see `SimulatedSystem`.
+    Ball k pushes the next ball of its track: forces and gaps with index k lie between these two balls.
+    """
+
+    #: Screw or bearing that was simulated (a `SimulatedSystem`).
     setting: Any
-    #: Time that was to be covered [s].
+    #: Time that was to be simulated [s]; the simulation may have ended earlier.
     span: float
-    #: Number of equal steps.
+    #: Number of equal time steps into which ``span`` is divided.
     steps: int
     #: Times at which loads and motions are solved, one in each piece ``(T,)`` [s].
     time: Array
@@ -185,7 +188,8 @@ class TravelHistory:
     omega: Array
     #: Contact forces ``(T, N, 4)`` [N].
     load: Array
-    #: Friction torque by losses in the grooves: power over the nut's speed on the screw ``(T,)`` [N m].
+    #: Friction torque by losses in the grooves, which is the power lost over the angular speed of the nut relative to the
+    #: screw ``(T,)`` [N m].
     groove_torque: Array
     #: Friction torque by balls that slide on each other ``(T,)`` [N m].
     ball_torque: Array
@@ -195,13 +199,16 @@ class TravelHistory:
     axial: Array
     #: Torque about +z that drives the screw ``(T,)`` [N m]; nan if ``setting`` does not compute it.
     on_screw: Array
-    #: Power taken in less losses, over the losses ``(T,)``; where there are no losses, the power taken in [W].
+    #: Input power less all losses, as a ratio to the losses ``(T,)``; where there are no losses, the input power itself
+    #: [W].
     imbalance: Array
-    #: Change, in the last iteration of loads and friction, of the friction forces that act on the loads ``(T,)`` [N].
+    #: Change of the friction forces that act on the contact loads, in the last iteration of loads and friction ``(T,)``
+    #: [N].
     change: Array
     #: Whether loads and motions of each piece converged ``(T,)``.
     converged: Mask
-    #: ``"converged"``, or a text with the angle at which the simulation ended early or found no balance of forces.
+    #: ``"converged"``, or a text with the angle at which the simulation ended early or at which no balance of friction was
+    #: found.
     status: str
 
     @cached_property
@@ -220,7 +227,7 @@ class TravelHistory:
 
     @cached_property
     def per_step(self) -> Array:
-        """Mean friction torque of each step of which at least one piece was solved ``(begun,)`` [N m]."""
+        """Mean friction torque of each step of which at least one piece was solved ``(begun_step_count,)`` [N m]."""
         return np.asarray(np.bincount(self.step, self.lasts * self.torque) / np.bincount(self.step, self.lasts))
 
     @cached_property
@@ -230,7 +237,7 @@ class TravelHistory:
 
     @property
     def share(self) -> float:
-        """Largest ratio over time of the torque by ball-to-ball contact to that of the grooves; nan without friction."""
+        """Largest ratio over time of the friction torque between balls to that in the grooves; nan without friction."""
         return float(self.ball_to_groove_ratio.max())
 
     @property
@@ -240,12 +247,12 @@ class TravelHistory:
 
     @property
     def rotation_angle(self) -> Array:
-        """Angle by which the rotating part has turned ``(T,)`` [rad]."""
+        """Angle by which the rotating part (screw or nut) has turned, never negative ``(T,)`` [rad]."""
         return np.asarray(np.abs(self.nut_angle))
 
     @property
     def angles(self) -> tuple[float, float]:
-        """Angle by which the rotating part has turned when the simulation ended, and the angle intended [rad]."""
+        """Angle by which the rotating part has turned when the simulation ended, then the angle intended [rad]."""
         speed = abs(self.setting.groove.speed)
         return speed * float(self.lasts.sum()), speed * self.span
 
@@ -256,7 +263,7 @@ class TravelHistory:
 
     @property
     def good(self) -> bool:
-        """Whether loads and motions converged at every instant."""
+        """Whether the whole time was simulated and loads and motions converged at every instant."""
         return self.status == "converged"
 
     @property
@@ -281,7 +288,10 @@ class TravelHistory:
 
     @cached_property
     def ball_to_groove_ratio(self) -> Array:
-        """Torque by ball-to-ball contact over that of the grooves ``(T,)``; nan without friction."""
+        """Ratio of the friction torque between balls to that in the grooves ``(T,)``; nan without friction in the grooves.
+
+        The torque between balls contains the losses by sliding and by gaps that close under force.
+        """
         groove, between = self.groove_torque, self.ball_torque + self.closing_torque
         return np.divide(between, groove, out=np.full_like(groove, np.nan), where=groove > 0.0)
 
@@ -312,7 +322,8 @@ def count_touching_groups(contact: Mask) -> Array:
 def _time_to_meeting(place: BallState, tracks: Sequence[ClosedTrack]) -> float:
     """Return the time until the first two neighbours with a gap between them meet at their present speeds [s].
 
-    It is inf if none meet. ``place``: positions and speeds of the balls; ``tracks``: the closed tracks with their balls.
+    The result is inf if none meet. ``place``: positions and speeds of the balls; ``tracks``: the closed tracks with their
+    balls.
     """
     least = np.inf
     for track in tracks:
@@ -324,10 +335,10 @@ def _time_to_meeting(place: BallState, tracks: Sequence[ClosedTrack]) -> float:
 
 
 def _next_piece_of_step(left: float, step: float, time_to_event: float, after_event: bool) -> tuple[float, bool]:
-    """Return the duration of the next piece of a step [s], and whether an event ends it.
+    """Return first the duration of the next piece of a time step [s], then whether an event ends this piece.
 
     ``left``: time that remains of the step [s]; ``step``: duration of the whole step [s]; ``time_to_event``: time until the
-    next event [s]; ``after_event``: whether an event ended the piece before, so that this one is short.
+    next event [s]; ``after_event``: whether an event ended the preceding piece, so that this one is to be short.
     """
     short = SHORT * step
     limit = min(short, left) if after_event else left
@@ -343,12 +354,12 @@ def _next_piece_of_step(left: float, step: float, time_to_event: float, after_ev
 def _history_of_pieces(
     rows: list[dict[str, Any]], setting: SimulatedSystem, duration: float, steps: int, status: str
 ) -> TravelHistory:
-    """Return the history that consists of the given values at all pieces of the time steps.
+    """Return the time history that consists of the given values at all pieces of the time steps.
 
-    ``setting``: screw or bearing that was simulated; ``rows``: for each piece a dictionary of values by the names of the
-    fields of `TravelHistory`; ``duration``: time that was to be simulated [s]; ``steps``: number of equal time steps;
-    ``status``: see `TravelHistory`. The status "converged" is replaced if a piece did not converge, by a text with the
-    first angle at which this happened.
+    ``rows``: for each piece a dictionary of values by the names of the fields of `TravelHistory`; ``setting``: screw or
+    bearing that was simulated; ``duration``: time that was to be simulated [s]; ``steps``: number of equal time steps;
+    ``status``: text for the field of this name. The status "converged" is replaced by a text with the first angle at which
+    a piece did not converge, if there is one.
     """
     direct = ("setting", "span", "steps", "status")
     arrays = {f.name: np.array([row[f.name] for row in rows]) for f in fields(TravelHistory) if f.name not in direct}
@@ -366,10 +377,11 @@ def simulate(
     scheme: Scheme = "located",
     report: Callable[[float], object] = float,
 ) -> TravelHistory:
-    """Simulate balls that travel round their closed tracks, in equal time steps.
+    """Return the time history of balls that travel round their closed tracks, simulated in equal time steps.
 
-    The scheme "located" divides steps at events: a ball enters or leaves a loaded arc, or meets its neighbour. Gaps stay >=
-    0 and sum up to the free length of their track. The simulation ends early where no contact loads are found.
+    The scheme "located" divides a step at every event: a ball enters or leaves a loaded arc, or meets its neighbour. The
+    gaps between balls are never negative, and their sum on a track does not change. The simulation ends early where no
+    contact loads are found; the field ``status`` of the result then tells why.
 
     Parameters
     ----------
@@ -382,7 +394,7 @@ def simulate(
     scheme
         ``"located"``: steps divided at events, second order; ``"equal"``: steps not divided, first order.
     report
-        Function that is called after each step with the fraction of the steps that is done.
+        Function that is called after each step with the fraction of the steps that is done, from 0 to 1.
 
     Raises
     ------
@@ -432,9 +444,9 @@ def simulate(
 
 
 def ignore_progress(steps: str, share: float) -> None:
-    """Ignore a report on the progress of a simulation.
+    """Do nothing: the default function to which `run_with_step_errors` reports progress.
 
-    ``steps``: text with the number of time steps; ``share``: fraction of them that is done.
+    ``steps``: text that names the number of time steps; ``share``: fraction of them that is done.
     """
 
 
@@ -454,15 +466,18 @@ def run_with_step_errors(
     duration
         Time to simulate [s].
     steps
-        Number of equal time steps. With None it is doubled until no estimated error is above ``goal``.
+        Largest number of equal time steps; two simulations with about a quarter and half of it are made for comparison.
+        With None the number of steps is doubled until no estimated error is above ``goal``.
     goal
-        Largest error that finite time steps may cause, over the mean friction torque.
+        Largest error that finite time steps may cause, as a ratio to the mean friction torque; only used if ``steps`` is
+        None.
     report
-        Function that is called with a text, which names the number of steps, and the fraction of them that is done.
+        Function that is called with a text, which names the number of steps of the present simulation, and the fraction of
+        them that is done.
 
     Returns
     -------
-    tuple[History, StepError | None]
+    tuple[TravelHistory, StepError | None]
         The simulation with the most time steps, and its errors. The errors are None if the simulation ended early or has
         fewer than four steps.
     """
@@ -490,11 +505,12 @@ def _state_after_piece(setting: SimulatedSystem, place: BallState, instant: Inst
     return BallState(place.azimuth + piece * instant.omega, gap, instant.omega, instant.memory)
 
 
-#: Order of convergence of smooth motion and of jumps of the torque; factor by which the change between two simulations is
-#: multiplied to estimate the error where no order is observed.
+#: Order of convergence of the error for smooth motion and for jumps of the torque; factor by which the change between two
+#: simulations is multiplied to estimate the error where no order is observed.
 SMOOTH, OF_JUMPS, UNCLEAR = 2.0, 1.0, 10.0
 
-#: Order below which Richardson's extrapolation has the factor ``UNCLEAR`` too.
+#: Order of convergence below which Richardson's extrapolation would give a factor above ``UNCLEAR``; the order then counts
+#: as not observed.
 LEAST = float(np.log2(1.0 + 1.0 / UNCLEAR))
 
 #: Safety factor on an extrapolated error.
@@ -511,16 +527,16 @@ ROUND_OFF = 1e-9
 class ErrorEstimate:
     """Estimated discretisation error of one quantity."""
 
-    #: Error over the mean friction torque.
+    #: Estimated error as a ratio to the mean friction torque.
     error: float
-    #: Order of convergence observed over three levels; nan where the change is round-off.
+    #: Order of convergence observed over three simulations; nan where their differences are round-off.
     order: float = float("nan")
-    #: Order with which the error is extrapolated; nan where no order is observed.
+    #: Order of convergence with which the error is extrapolated; nan where no order is observed.
     used: float = SMOOTH
 
     @property
     def unclear(self) -> bool:
-        """Whether no order is observed."""
+        """Whether no order of convergence is observed, so that the error is a cautious guess."""
         return bool(np.isnan(self.used))
 
 
@@ -528,7 +544,8 @@ class ErrorEstimate:
 class StepError:
     """Estimated errors of a simulation due to its finite time steps."""
 
-    #: Errors by quantity: ``torque`` over the angle, the ``torques`` of `TravelHistory` by their names, and its ``share``.
+    #: Estimated errors by the name of the quantity: "torque" (its course over the angle), "mean", "largest" and "least"
+    #: (see `TravelHistory.torques`), and "share" (see `TravelHistory.share`).
     quantities: dict[str, ErrorEstimate]
     #: Numbers of time steps of the three simulations that are compared, in increasing order.
     steps: tuple[int, ...]
@@ -556,8 +573,9 @@ class StepError:
 def mean_torque_difference(long_step_torques: Array, short_step_torques: Array) -> float:
     """Return the mean absolute difference of the torques of two simulations of the same time, in the unit of the torques.
 
-    ``long_step_torques``: mean torque in each of the S time steps of the first simulation ``(S,)``; ``short_step_torques``:
-    that in each of the S' >= S steps of the second one ``(S',)``, which is averaged over the longer steps of the first.
+    ``long_step_torques``: mean torque in each of the S time steps of the simulation with longer steps ``(S,)``;
+    ``short_step_torques``: mean torque in each of the S' >= S steps of the other simulation ``(S',)``, which is averaged
+    over the longer steps before the comparison.
     """
     at = np.arange(long_step_torques.size + 1) * (short_step_torques.size / long_step_torques.size)
     work = np.interp(at, np.arange(short_step_torques.size + 1), np.concatenate([[0.0], np.cumsum(short_step_torques)]))
@@ -565,13 +583,14 @@ def mean_torque_difference(long_step_torques: Array, short_step_torques: Array) 
 
 
 def extrapolated_error(first_change: float, last_change: float, jumps: bool = False) -> ErrorEstimate:
-    """Return the estimated discretisation error of a quantity from three simulations, each with time steps half as long.
+    """Return the estimated error of a quantity due to finite time steps, from three simulations with ever shorter steps.
 
-    ``first_change``: change of the quantity from the simulation with the longest steps to the second one; ``last_change``:
-    change from the second to that with the shortest steps, both over the mean torque. Richardson's extrapolation uses the
-    observed order of convergence, at most that of smooth motion. If the quantity may have ``jumps``, it uses the order for
-    jumps unless the observed one is near that of smooth motion. Changes that grow, keep their size, or change their sign
-    give no order: the error is then UNCLEAR times the largest of them.
+    The number of steps is doubled from one simulation to the next. ``first_change``: change of the quantity from the first
+    to the second simulation; ``last_change``: change from the second to the third simulation, which has the shortest steps,
+    both as ratios to the mean torque. Richardson's extrapolation uses the observed order of convergence, but at most that
+    of smooth motion. If the quantity may have ``jumps``, it uses the order for jumps unless the observed one is near that
+    of smooth motion. Changes that grow, keep their size, or change their sign show no order: the error is then ``UNCLEAR``
+    times the largest of them.
     """
     most = max(abs(first_change), abs(last_change), abs(first_change + last_change))
     if most <= ROUND_OFF:
@@ -584,11 +603,12 @@ def extrapolated_error(first_change: float, last_change: float, jumps: bool = Fa
 
 
 def estimate_step_error(levels: Sequence[TravelHistory]) -> StepError | None:
-    """Return the estimated errors of the last of several simulations of the same motion, from the last three of them.
+    """Return the estimated errors of a simulation due to its finite time steps, by comparison with two coarser simulations.
 
-    ``levels``: simulations in the order of increasing numbers of time steps. Returns None for fewer than three, or if the
+    ``levels``: simulations of the same motion in the order of increasing numbers of time steps, of which the last three are
+    compared and the errors of the last one are returned. The result is None for fewer than three simulations, or if the
     numbers of steps do not increase. Simulations may by chance agree on a wrong time of a jump of the torque: the error of
-    the torque is never below the largest jump between two steps, lasting half a step.
+    the torque is therefore never below that of the largest jump between two steps, if this is displaced by half a step.
     """
     steps = tuple(level.per_step.size for level in levels[-3:])
     if len(steps) < 3 or not steps[0] < steps[1] < steps[2]:
@@ -612,12 +632,12 @@ def estimate_step_error(levels: Sequence[TravelHistory]) -> StepError | None:
 def simulate_until_accurate(
     simulate: Callable[[int], TravelHistory], steps: int | None, first_count: int, goal: float
 ) -> tuple[TravelHistory, StepError | None]:
-    """Return the simulation with the most time steps of a series, and the estimated errors due to its finite steps.
+    """Return the simulation with the most time steps of a series, and its estimated errors due to the finite time steps.
 
-    ``simulate``: function that returns the simulation with a given number of steps. ``steps``: largest number of steps; the
-    series then also has about a quarter and half of it. With None the series begins with ``first_count`` steps and doubles
-    them until no error is above ``goal``, a fraction of the mean torque. The errors are None where a simulation ended
-    early, or for fewer than four steps.
+    ``simulate``: function that returns the simulation with a given number of steps; ``steps``: largest number of steps, the
+    series then also having about a quarter and half of it. If ``steps`` is None, the series begins with ``first_count``
+    steps and doubles them until no error is above ``goal``, a fraction of the mean torque. The errors are None where a
+    simulation ended early, or for fewer than four steps.
     """
     if steps is not None:
         counts = sorted({max(1, steps // 4), max(1, steps // 2), steps})

@@ -38,10 +38,10 @@ from rollbench.meshes.helix import BallLayout, ball_layout_at_positions, lead_pe
 from rollbench.meshes.parts import Circulation, Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Tolerance [rad] for overlapping arcs, and for balls beyond the ends of their arc.
+#: Tolerance [rad] for the overlap of loaded arcs, and for balls outside the ends of their arc.
 CLOSE = 1e-9
 
-#: Distance between neighbours over the median distance from which on a gap lies between two circuits.
+#: Ratio of the distance between two neighbours to the median distance, above which two circuits are separated there.
 APART = 1.5
 
 
@@ -49,7 +49,11 @@ class CircuitError(ValueError):
     """Error for a circuit that cannot hold its balls or overlaps another one."""
 
     def __init__(self, key: str, allowed: str, advice: str) -> None:
-        """Store the key of the scene file that is to be changed, a text with its allowed values, and advice."""
+        """Store the key of the scene file that is to be changed, the condition that its value must satisfy, and advice.
+
+        ``key``: name in the table [circulation]; ``allowed``: text with the values that are allowed; ``advice``: text that
+        says what to change.
+        """
         super().__init__(f"{key}: {allowed}; {advice}")
         self.key, self.allowed, self.advice = key, allowed, advice
 
@@ -60,7 +64,7 @@ class Circuit(NamedTuple):
     A bearing is one closed turn, so that its loaded arc is as long as the whole track.
     """
 
-    #: The track.
+    #: The closed track with its loaded arc.
     track: ClosedTrack
     #: Azimuth of the balls at the beginning, in order, those of the return last ``(n,)`` [rad].
     azimuth: Array
@@ -69,10 +73,10 @@ class Circuit(NamedTuple):
 
 
 def circuits_of_scene(scene: Scene) -> tuple[Circuit, ...]:
-    """Return the circuits of a scene, beginning with those of the first start.
+    """Return the circuits of the balls of a scene, first those of the first thread start.
 
-    If a screw has no table [circulation], its loaded arcs reach from one gap between its balls to the next. A ball that
-    leaves such an arc at one end enters it at once at the other end.
+    If a screw has no table [circulation], gaps in the row of its balls separate the circuits. A ball that leaves the loaded
+    arc of such a circuit at one end enters it at once at the other end.
 
     Parameters
     ----------
@@ -90,8 +94,8 @@ def circuits_of_scene(scene: Scene) -> tuple[Circuit, ...]:
     path = ball_kinematics(scene, scene.motion or ONE_TURN, scene.balls.radius)
     spacing = azimuth_between_touching_balls(path)
     if azimuths.size % loop.circuits:
-        allowed = f"a number that divides the {azimuths.size} balls of a start"
-        raise CircuitError("circuits", allowed, "circuits share the balls of their start equally")
+        allowed = f"a number by which the {azimuths.size} balls of a start can be divided"
+        raise CircuitError("circuits", allowed, "give all circuits of a start the same number of balls")
     apart = scene.circulation is None and not ring
     groups = np.split(azimuths, _first_balls_after_gaps(azimuths) if apart else loop.circuits)
     turns = None if loop.turns is None else 2.0 * np.pi * loop.turns / loop.circuits
@@ -100,7 +104,7 @@ def circuits_of_scene(scene: Scene) -> tuple[Circuit, ...]:
     for k in range(1, len(groups)):
         if middles[k] - middles[k - 1] < 0.5 * (arcs[k] + arcs[k - 1]) - CLOSE:
             most = len(groups) * float(np.min(np.diff(middles))) / (2.0 * np.pi)
-            raise CircuitError("turns", f"up to {most:.6g}", "the loaded arcs of neighbouring circuits would overlap")
+            raise CircuitError("turns", f"up to {most:.6g}", "shorten the loaded arcs, so that they do not overlap")
     order, out, count = np.argsort(np.asarray(scene.balls.azimuths), kind="stable"), list[Circuit](), 0
     members = np.split(order, np.cumsum([group.size for group in groups])[:-1])
     for start in range(scene.track.starts):
@@ -118,7 +122,10 @@ def circuits_of_scene(scene: Scene) -> tuple[Circuit, ...]:
 
 
 def _first_balls_after_gaps(azimuths: Array) -> NDArray[np.int64]:
-    """Return the numbers of the balls, in the order of their azimuths [rad], before which a gap between circuits lies."""
+    """Return the indices of the first balls after the gaps that separate circuits, in the order of azimuth.
+
+    ``azimuths``: azimuths of the balls in this order [rad].
+    """
     apart = np.diff(azimuths)
     return np.flatnonzero(apart > APART * np.median(apart)) + 1 if apart.size else np.zeros(0, dtype=np.int64)
 
@@ -126,17 +133,17 @@ def _first_balls_after_gaps(azimuths: Array) -> NDArray[np.int64]:
 def _loaded_arc_length(group: Array, given_length: float | None, spacing: float) -> float:
     """Return the length of the loaded arc of one circuit [rad].
 
-    It is the length ``given_length`` in the scene [rad]. If this is None, it is the length that the balls fill, with half a
-    distance between neighbours beyond each outer ball. ``group``: sorted azimuths of the balls on the arc [rad];
-    ``spacing``: azimuth between two balls that touch [rad], the length of an arc with a single ball. Raises CircuitError if
-    the given arc is too short for its balls.
+    It is ``given_length``, the length in the scene [rad]. If this is None, it is the length that the balls fill, with half
+    a distance between neighbours outside the first and the last ball. ``group``: sorted azimuths of the balls on the arc
+    [rad]; ``spacing``: difference of the azimuths of two balls that touch [rad], which is the length of an arc with a
+    single ball. Raises CircuitError if the given arc is too short for its balls.
     """
     span = float(group[-1] - group[0])
     if given_length is None:
         return span * group.size / (group.size - 1) if group.size > 1 else spacing
     if given_length < span - CLOSE:
         allowed = f"at least {span / (2.0 * np.pi):.6g} turns for each circuit"
-        raise CircuitError("turns", allowed, "the loaded arc must hold the balls that the scene places on it")
+        raise CircuitError("turns", allowed, "increase the turns, so that the balls of the scene fit into them")
     return given_length
 
 
@@ -144,9 +151,9 @@ def _track_length(loop: Circulation, loaded_count: int, arc: float, spacing: flo
     """Return the length of a closed track, loaded arc and return together, as an azimuth [rad].
 
     ``loop``: table [circulation], whose filling or gap determines the length; ``loaded_count``: number of balls on the
-    loaded arc; ``arc``: its length [rad]; ``spacing``: azimuth between two balls that touch [rad];
-    ``path_length_per_angle``: length of the track per angle [m]. Raises CircuitError if the loaded arc and the return
-    cannot hold their balls.
+    loaded arc; ``arc``: length of the loaded arc [rad]; ``spacing``: difference of the azimuths of two balls that touch
+    [rad]; ``path_length_per_angle``: length of the track per angle [m]. Raises CircuitError if the loaded arc and the
+    return cannot hold their balls.
     """
     count = loaded_count + loop.returning
     if loop.filling is not None:
@@ -158,21 +165,21 @@ def _track_length(loop: Circulation, loaded_count: int, arc: float, spacing: flo
     least = arc + loop.returning * spacing
     if length >= least - CLOSE:
         return max(length, least)
-    advice = "the loaded arc and the return must hold their balls: fewer turns, more balls in the return, or more clearance"
+    advice = "use fewer turns, more balls in the return or larger gaps: arc and return must each hold their balls"
     if loop.filling is not None:
         raise CircuitError("filling", f"up to {count * spacing / least:.4g}", advice)
     raise CircuitError("gap", f"at least {1e6 * path_length_per_angle * (least / count - spacing):.4g} um", advice)
 
 
 def nut_travel(scene: Scene) -> Array:
-    """Return the axial positions of the nut on the screw at the start (0) and the end of a simulation ``(2,)`` [m].
+    """Return the axial positions of the nut relative to the screw at the start and the end of a simulation ``(2,)`` [m].
 
-    They are measured from the position at the start.
+    They are measured from the position at the start, so that the first one is 0.
 
     Parameters
     ----------
     scene
-        Screw with settings of a simulation over time; without them the nut does not move.
+        Screw with the settings of a simulation over time; without such settings both positions are 0.
     """
     motion = scene.motion or ONE_TURN
     span = 0.0 if scene.time is None else scene.time.span(motion)
@@ -182,27 +189,28 @@ def nut_travel(scene: Scene) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SceneGrooves(BallKinematics, GroovesInMotion):
-    """Nominal grooves of a scene in motion.
+    """Grooves of a scene without errors, in motion.
 
     One object is used in a whole simulation, because the arrays for the compiled functions are cached for it
     (`kernel_groove_arrays`).
     """
 
-    #: Largest coefficient of friction.
+    #: Larger one of the coefficients of friction of the screw's and the nut's grooves.
     mu: float
-    #: Hertz constants of nominal contacts.
+    #: Hertz constants of the contacts without errors.
     hertz: GrooveHertzConstants = field(repr=False)
 
     @property
     def constants(self) -> GrooveHertzConstants:
-        """Hertz constants of nominal contacts."""
+        """Hertz constants of the contacts without errors."""
         return self.hertz
 
 
 def grooves_of_scene(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
-    """Return the nominal grooves of a scene; ``drive``: motion of the screw or nut that turns.
+    """Return the grooves of a scene without errors, with the speeds of screw and nut.
 
-    Their coefficient of friction is the larger one of the screw's and the nut's grooves.
+    Their coefficient of friction is the larger one of the screw's and the nut's grooves. ``friction``: coefficients of
+    friction; ``drive``: motion of the screw or nut that turns.
     """
     path, h = ball_kinematics(scene, drive, scene.balls.radius), error_free_hertz(scene)
     return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=GrooveHertzConstants(h.C, h.C_a, h.C_b))
@@ -214,7 +222,7 @@ class SceneChain(BallChain):
 
     #: Contact forces, angles and ellipses of the balls.
     at: StaticContacts
-    #: Sliding contacts of the same balls: semi-axes, directions and coefficients of friction.
+    #: Ellipses, friction bounds and kinematics of the contacts of the same balls.
     contacts: FrictionContacts
     #: Coefficient of friction from ball to ball.
     between: float
@@ -230,9 +238,9 @@ class SceneChain(BallChain):
         return self.between
 
     def wrench(self, pull: Array) -> Array:
-        """Return the friction on the balls as forces [N] and moments [N m] in the section's axes x3, y3, z3 ``(N, 4, 6)``.
+        """Return force and moment of friction on the balls in the section's axes x3, y3, z3 ``(N, 4, 6)`` [N, N m].
 
-        ``pull``: friction in the axes of each contact ``(N, 4, 3)``, two forces [N] and the drilling moment [N m].
+        ``pull``: friction in the axes of each contact ``(N, 4, 3)``: two forces [N] and the moment about the normal [N m].
         """
         turned = pull.copy()
         rotate_to_groove_axes(self.at, turned)
@@ -241,7 +249,7 @@ class SceneChain(BallChain):
     def input_power(self, wrench: Array) -> float:
         """Return the power that screw and nut supply against friction [W].
 
-        ``wrench``: friction on the balls, forces [N] and moments [N m] in the sections' axes ``(N, 4, 6)`` (`wrench`).
+        ``wrench``: force and moment of friction on the balls in the section's axes ``(N, 4, 6)`` [N, N m], from `wrench`.
         """
         axial, moment = axial_forces_and_moments(self.at, wrench)
         helical = moment + self.groove.ratio * axial
@@ -260,20 +268,23 @@ def solve_motion_on_track(
 ) -> ChainMotion:
     """Return the motion of the balls of one closed track, in order of azimuth, and the forces between them.
 
-    Two balls touch each other as two nominal balls do; their actual sizes only change the slack between them.
+    Two balls touch each other as two balls of nominal size do; their actual sizes only change the rate at which they may
+    approach each other.
 
     Parameters
     ----------
-    scene, at
-        The scene and the contacts of its balls.
+    scene
+        Screw or bearing.
+    contacts
+        Contact loads, angles and ellipses of the N balls of this track.
     slack
         Largest rate at which each ball may approach the next one ``(N,)`` [rad/s], infinite where they cannot touch.
     friction
         Coefficients of friction.
     drive
-        Motion of screw or nut.
+        Motion of the screw or nut that turns.
     grooves
-        Nominal grooves.
+        Grooves without errors, from `grooves_of_scene`.
     start
         First estimates: motions of the balls ``(N, 4)`` [rad/s], then forces between neighbours ``(N,)`` [N]. If None, the
         solution begins without estimates.
@@ -298,7 +309,8 @@ def solve_motion_on_track(
     return motion
 
 
-#: Sum of gaps [rad] below which a closed track is full: forces between its balls are not determined.
+#: Sum of the gaps of a closed track [rad] below which it counts as full, so that the forces between its balls are not
+#: determined.
 FULL = 1e-9
 
 
@@ -310,13 +322,13 @@ class BallsInCircuits:
     tracks: tuple[ClosedTrack, ...]
     #: Radii of the balls ``(N,)`` [m].
     radius: Array
-    #: Number of the ball in the scene ``(N,)``, -1 in the return.
+    #: Number of each ball in the scene ``(N,)``, -1 for a ball in the return.
     number: NDArray[np.int64]
-    #: Azimuth in the nut's frame at the start ``(N,)`` [rad].
+    #: Azimuth of each ball in the nut's frame at the start ``(N,)`` [rad].
     azimuth: Array
     #: Azimuth by which the next ball of a circuit is ahead where they touch ``(N,)`` [rad].
     spacing: Array
-    #: Nominal grooves.
+    #: Grooves without errors.
     grooves: SceneGrooves
 
     def gaps(self, azimuth: Array) -> Array:
@@ -348,10 +360,11 @@ class BallsInCircuits:
         return folded, loaded
 
     def layout(self, scene: Scene, folded: Array, turned: float = 0.0) -> BallLayout:
-        """Return azimuths, centres and section axes of all balls in space.
+        """Return azimuths, centres and section axes of all balls in fixed axes.
 
-        ``scene``: the scene with these balls; ``folded``: azimuths of the balls ``(N,)`` [rad], the first value that
-        `place` returns; ``turned``: angle by which the nut has turned since the start [rad].
+        ``scene``: the scene with these balls; ``folded``: azimuths of the balls within one revolution of their circuits
+        ``(N,)`` [rad], the first value that `place` returns; ``turned``: angle by which the nut has turned since the start
+        [rad].
         """
         track, starts = scene.track, np.empty(folded.size)
         for loop in self.tracks:
@@ -372,11 +385,11 @@ def balls_in_circuits(
     friction
         Coefficients of friction.
     drive
-        Motion of screw and nut.
+        Motion of the screw or nut that turns.
     drawn
-        Random errors of balls and grooves that were drawn for the specimen.
+        Random errors of the balls and grooves of the specimen.
     member
-        Number of this specimen.
+        Number of the specimen, from which the random radii of the balls in the return follow.
 
     Raises
     ------
@@ -399,19 +412,19 @@ def balls_in_circuits(
     gaps = balls.gaps(azimuth)
     if gaps.min() < -FULL:
         raise ValueError(
-            f"neighbouring balls overlap by {-1e6 * pair.closing * gaps.min():.3g} um at the beginning; smaller balls or "
-            "larger angles between them are needed"
+            f"neighbouring balls overlap by {-1e6 * pair.closing * gaps.min():.3g} um at the beginning; use smaller "
+            "balls or larger angles between them"
         )
     for members in (track.balls for track in tracks):
         if members.stop - members.start > 1 and gaps[members].sum() < FULL:
             raise ValueError(
                 "a circuit has no clearance, so that the forces between its balls are not determined; "
-                "it needs gaps between the balls"
+                "leave gaps between the balls"
             )
     return balls
 
 
-#: Motion for which `contact_onset` is computed by default: the nut turns at 1 rad/s.
+#: Default motion of `contact_onset`: the nut turns at 1 rad/s.
 NUT = Drive(1.0, "nut")
 
 #: Ratio of the closing speed of neighbours to the speed of the turning part below which they count as not approaching.
@@ -420,17 +433,18 @@ CLOSING = 1e-9
 
 @dataclass(frozen=True)
 class ContactOnset:
-    """Rotation until neighbouring balls of a static state meet: N balls, M pairs of neighbours in their circuits."""
+    """Rotation until neighbouring balls meet, estimated from a static state with N balls and M pairs of neighbours."""
 
     #: Angular speeds of the balls around the axis ``(N,)`` [rad/s]; those of unloaded balls are assumed.
     orbit: Array
     #: Sum of the contact loads of each ball ``(N,)`` [N].
     loaded: Array
-    #: Numbers of the balls, the second at the larger azimuth ``(M, 2)``.
+    #: Numbers of the two balls of each pair, the one at the larger azimuth second ``(M, 2)``.
     pair: NDArray[np.int64]
     #: Gap between the two balls of a pair ``(M,)`` [rad].
     gap: Array
-    #: Rotation of the driven part after which the two balls meet at these speeds ``(M,)`` [rad]; infinite if they never do.
+    #: Rotation of the driven part after which the two balls of a pair meet at these speeds ``(M,)`` [rad]; infinite if they
+    #: never meet.
     meeting: Array
     #: Rotation of the driven part after which the leading ball of the pair has left its loaded arc, or the balls of a
     #: bearing have gone round once ``(M,)`` [rad].
@@ -445,29 +459,29 @@ class ContactOnset:
 
     @property
     def touch(self) -> bool:
-        """Whether any two neighbours meet at a rotation of at most ``leaving``, so that both still carry load."""
+        """Whether any two neighbours meet while both still carry load, at a rotation of at most ``leaving``."""
         return bool(np.any(self.meeting <= self.leaving))
 
 
 def contact_onset(
     scene: Scene, result: StaticResult, unloaded_speed_ratio: float = 0.0, drive: Drive = NUT
 ) -> ContactOnset:
-    """Return when neighbouring balls begin to touch, from a static load distribution (section 4.3.2 of Lin's thesis).
+    """Return after which rotation neighbouring balls begin to touch, estimated from a static load distribution.
 
-    Lin argues from the loads: balls that lose contact stay behind, so that others run into them. Here each loaded ball
-    moves with least dissipation at its static loads. The speeds are those at this instant; how the balls go on, and how
-    their loads change, can only be computed by a transient simulation. The speeds do not depend on the coefficient of
-    friction and are proportional to the speed of the rotating part.
+    The method is that of section 4.3.2 of Lin's thesis, who argues from the loads: balls that lose contact stay behind, so
+    that others run into them. Here each loaded ball moves with least dissipation at its static loads. The speeds are those
+    at this instant; how the balls go on, and how their loads change, can only be computed by a transient simulation. The
+    speeds do not depend on the coefficient of friction and are proportional to the speed of the rotating part.
 
     Parameters
     ----------
     scene, result
         The scene and its static result.
     unloaded_speed_ratio
-        Angular speed of unloaded balls around the axis as a ratio of the nominal one: with 0 they do not move, as Lin
+        Angular speed of unloaded balls around the axis, as a ratio to the nominal one: with 0 they do not move, as Lin
         assumes; with 1 they roll along with the others.
     drive
-        Motion of screw or nut.
+        Motion of the screw or nut that turns.
 
     Raises
     ------
@@ -493,7 +507,7 @@ def contact_onset(
             leaving.append(np.full(after.size, 2.0 * np.pi / abs(path.nominal_orbit)) if ring else left / leader)
     pair, gap = np.concatenate(pairs), np.concatenate(gaps)
     if np.any(gap < -CLOSE):
-        raise ValueError("neighbouring balls of the scene overlap; larger angles between the balls are needed")
+        raise ValueError("neighbouring balls of the scene overlap; increase the angles between the balls")
     speed = abs(drive.speed)
     closing = orbit[pair[:, 0]] - orbit[pair[:, 1]]
     meets = closing > CLOSING * speed

@@ -25,7 +25,8 @@ from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_radii
 from rollbench.meshes.parts import Errors, Scene
 from rollbench.meshes.surface import printed_principal_radii
 
-#: Fraction of a ball's largest contact load by which the smallest size of its ellipses, also of unloaded ones, is computed.
+#: Fraction of a ball's largest contact load that counts as the load of its unloaded contacts when the size of their
+#: ellipses is computed, so that it is not zero.
 FAINT = 1e-9
 
 
@@ -45,7 +46,7 @@ class StaticContacts:
     b: Array
     #: Whether the long semi-axis lies across the groove ``(N, 4)``.
     across: NDArray[np.bool_]
-    #: Azimuths, centres and section frames of the balls.
+    #: Azimuths, centres and section axes of the balls.
     layout: BallLayout
 
     @cached_property
@@ -64,7 +65,10 @@ class StaticContacts:
         return np.asarray(1.5 * self.force / (np.pi * self.a * self.b))
 
     def subset(self, balls: NDArray[np.int64] | slice) -> StaticContacts:
-        """Return the contacts of the balls with the given indices."""
+        """Return the contacts of some of the balls.
+
+        ``balls``: indices of these balls, or a range of indices.
+        """
         layout = BallLayout(*(getattr(self.layout, f.name)[balls] for f in fields(self.layout)))
         return StaticContacts(
             self.ball_radius[balls],
@@ -84,10 +88,11 @@ class StaticContacts:
 
 
 def contacts_of_result(scene: Scene, result: StaticResult, member: int = 0) -> StaticContacts:
-    """Return the contacts of a static result, with the Hertz constants that the scene's ingredient ``hertz`` chooses.
+    """Return the contacts of a static result: forces, angles and Hertz ellipses.
 
-    ``member``: number of the specimen with random errors for which ``result`` was solved. Raises ValueError if the result
-    did not converge.
+    ``scene``: the scene, whose ingredient ``hertz`` chooses the Hertz constants; ``result``: its static result; ``member``:
+    number of the specimen with random errors for which ``result`` was solved. Raises ValueError if the result did not
+    converge.
     """
     if not result.converged:
         raise ValueError(f"friction cannot be computed, because the contact loads did not converge: {result.status}")
@@ -119,18 +124,19 @@ def contacts_of_solution(
 
 
 def _force_cube_root(force: Array) -> Array:
-    """Return the cube roots of contact forces ``force`` ``(N, 4)`` [N], to which the semi-axes are proportional.
+    """Return the cube roots of contact forces ``(N, 4)`` [N^(1/3)].
 
-    For unloaded contacts they are tiny but not zero, so that semi-axes can be divided by.
+    ``force``: contact forces ``(N, 4)`` [N]. The semi-axes of the contact ellipses are proportional to the result. For
+    unloaded contacts it is tiny but not zero, so that one can divide by semi-axes.
     """
     most = force.max(axis=1, keepdims=True)
     return np.asarray(np.cbrt(np.maximum(force, np.maximum(FAINT * most, 1e-30))))
 
 
 def contacts_with_loads(contacts: StaticContacts, force: Array, angle: Array) -> StaticContacts:
-    """Return contacts with other forces and angles, and with the ellipses that belong to these forces.
+    """Return contacts with other forces and contact angles, and with the ellipses that belong to these forces.
 
-    ``contacts``: contacts before, whose Hertz constants are used; ``force``: contact forces ``(N, 4)`` [N]; ``angle``:
+    ``contacts``: contacts whose Hertz constants are used; ``force``: new contact forces ``(N, 4)`` [N]; ``angle``: new
     contact angles ``(N, 4)`` [rad].
     """
     grown = _force_cube_root(force) / _force_cube_root(contacts.force)
@@ -140,7 +146,7 @@ def contacts_with_loads(contacts: StaticContacts, force: Array, angle: Array) ->
 def contacts_of_all_balls(
     contacts: StaticContacts | None, layout: BallLayout, balls: NDArray[np.int64], ball_radius: Array, unloaded_angle: float
 ) -> StaticContacts:
-    """Return the contacts of all N balls of a scene, of which only some are loaded.
+    """Return the contacts of all N balls of a scene, of which only some may be loaded.
 
     Parameters
     ----------
@@ -149,7 +155,7 @@ def contacts_of_all_balls(
     layout
         Positions of all balls.
     balls
-        Indices of the balls in ``contacts``.
+        Indices of the balls to which ``contacts`` belongs.
     ball_radius
         Radii of all balls ``(N,)`` [m].
     unloaded_angle
@@ -173,11 +179,11 @@ def contacts_of_all_balls(
 
 
 def _ellipse_constants(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Return the Hertz constants of the long, then the short semi-axes, and whether the long one lies across the groove.
+    """Return the Hertz constants of the long, then the short semi-axes, then whether the long one lies across the groove.
 
     Each array is ``(N, 4)``; the semi-axes [m] are the constants times the cube root of the force [N]. The scene's
-    ingredient ``hertz`` chooses the radii: nominal, with the errors ``drawn``, or as printed in Lin's thesis. ``angle``:
-    contact angles ``(N, 4)`` [rad].
+    ingredient ``hertz`` chooses the radii of curvature: without errors, with the errors of ``drawn``, or as printed in
+    Lin's thesis. ``angle``: contact angles ``(N, 4)`` [rad].
     """
     kind, shape = scene.ingredients.hertz, angle.shape
     if kind == "as printed":
@@ -195,7 +201,10 @@ def _ellipse_constants(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Arr
 
 
 def _printed_ellipse_constants(scene: Scene) -> tuple[Array, Array]:
-    """Return the Hertz constants of the long, then the short semi-axes ``(4,)`` [m/N^(1/3)] by Lin's printed Table B.1."""
+    """Return the Hertz constants of the long, then the short semi-axes ``(4,)`` [m/N^(1/3)] by Lin's printed Table B.1.
+
+    ``scene``: the scene, whose random errors are left out.
+    """
     bare = replace(scene, errors=Errors())
     drawn = draw_specimen(bare, ball_layout(bare))
     gamma, ball = np.full(scene.ball_count, scene.track.contact_angle), scene.balls.material

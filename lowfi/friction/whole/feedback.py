@@ -25,8 +25,8 @@ from rollbench.meshes.errors import Specimen, draw_specimen
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Difference between the friction in the contacts and the friction that they balance, as a fraction of a ball's contact
-#: loads: the tolerance that the iteration aims at, and the largest difference that is accepted.
+#: Difference between the friction in the contacts and the friction that their loads balance, as a fraction of the sum of a
+#: ball's contact loads: tolerance that the iteration aims at, and largest difference that is accepted.
 AGREED, ACCEPTED = 1e-7, 1e-4
 #: Number of iterations after which a ball is solved by Newton's method. Where a lightly loaded contact is about to slip or
 #: to stick, friction changes its direction at the smallest change of position, and the iteration oscillates.
@@ -34,9 +34,10 @@ ROUNDS = 40
 #: Newton's method: step of the finite differences and final step, as fractions of a ball's contact loads; largest number of
 #: evaluations.
 DIFFERENCE, SOLVED, TRIALS = 1e-8, 1e-12, 400
-#: Displaced starts in the search for other states, and difference of states, as fractions of a ball's largest force.
+#: Force that displaces a ball at the start of the search for other states, and least difference of the contact forces of
+#: two states, as fractions of a ball's largest contact force.
 DISPLACED, ANOTHER = 3.0, 1e-3
-#: Coefficient of friction from which a second, jammed state of a ball was seen.
+#: Coefficient of friction from which on a second state of a ball, jammed between its grooves, was observed.
 JAMMED = 0.3
 
 
@@ -44,7 +45,7 @@ JAMMED = 0.3
 class PositionsInGrooves:
     """Positions of N balls relative to their four grooves in the static state, without friction."""
 
-    #: Vector from the centre of each groove's profile to the ball's centre along x3, z3 ``(N, 4, 2)`` [m].
+    #: Vector from the centre of each groove's profile to the ball's centre, along x3 and z3 ``(N, 4, 2)`` [m].
     away: Array
     #: Length of this vector where ball and groove just touch ``(N, 4)`` [m].
     reach: Array
@@ -57,10 +58,10 @@ class PositionsInGrooves:
 def positions_in_grooves(contacts: StaticContacts, C: Array, reach: Array, centre: Array) -> PositionsInGrooves:
     """Return the positions of N balls relative to their grooves in the static state, from their contact loads and angles.
 
-    A flank without contact moves with the other flank of its body. A ball without load keeps its nominal position.
-    ``contacts``: contacts of the balls; ``C``: Hertz constants ``(N, 4)`` [m/N^(2/3)]; ``reach`` ``(N, 4)`` [m]: distance
-    of the ball's centre from the centre of each groove's profile where both just touch; ``centre`` ``(N, 4, 2)`` [m]:
-    centres of the profiles.
+    A flank without contact is assumed to move with the other flank of the same body. A ball without load keeps its nominal
+    position. ``contacts``: contacts of the balls; ``C``: Hertz constants of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)];
+    ``reach``: distance of the ball's centre from the centre of each groove's profile where ball and groove just touch ``(N,
+    4)`` [m]; ``centre``: centres of the profiles along x3 and z3 ``(N, 4, 2)`` [m].
     """
     squeeze = C * np.cbrt(contacts.force) ** 2
     away = (reach + squeeze)[..., None] * contacts.normals[..., [0, 2]]
@@ -77,8 +78,8 @@ def positions_in_grooves_of_result(
 ) -> PositionsInGrooves:
     """Return the positions of the balls of a solved scene relative to their grooves.
 
-    ``result``: static result of the scene; ``contacts``: its contacts; ``member``: number of the specimen with random
-    errors that was solved.
+    ``scene``: the scene; ``result``: its static result; ``contacts``: contacts of this result; ``member``: number of the
+    specimen with random errors that was solved.
     """
     return positions_in_grooves_with_errors(contacts, draw_specimen(scene, contacts.layout, member), result.hertz_C)
 
@@ -86,8 +87,8 @@ def positions_in_grooves_of_result(
 def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: Specimen, C: Array) -> PositionsInGrooves:
     """Return the positions of N balls relative to grooves with errors.
 
-    ``contacts``: contacts of the balls; ``drawn``: radii, groove centres and groove profiles with random errors; ``C``:
-    Hertz constants ``(N, 4)`` [m/N^(2/3)].
+    ``contacts``: contacts of the balls; ``drawn``: radii, groove centres and groove profiles of a specimen with random
+    errors; ``C``: Hertz constants of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)].
     """
     inward = np.zeros_like(contacts.angle)
     for s, row in enumerate(drawn.profile):
@@ -97,10 +98,11 @@ def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: Specimen, 
 
 
 def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array) -> Array:
-    """Return the sum of the contact forces on each ball (x3, z3) and on the screw (z), less given forces ``(N, 3)`` [N].
+    """Return the forces on each ball (x3, z3) and on the screw (axial) that contacts balance, less given forces ``(N, 3)``.
 
-    ``force`` ``(N, 4)``: contact forces [N]; ``normal`` ``(N, 4, 2)``: their directions in x3, z3; ``along`` ``(2,)``:
-    direction of the screw's axis in x3, z3; ``applied`` ``(N, 3)``: the given forces [N].
+    All forces are in N. ``force``: contact forces ``(N, 4)``; ``normal``: unit vectors from each ball's centre to its
+    contacts in x3, z3 ``(N, 4, 2)``; ``along``: direction of the screw's axis in x3, z3 ``(2,)``; ``applied``: the given
+    forces ``(N, 3)``.
     """
     push = force[..., None] * normal
     screw = -np.einsum("nsi,i->n", push[:, ON_SCREW], along)
@@ -109,10 +111,10 @@ def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array
 
 @dataclass(frozen=True)
 class FrictionEquilibrium:
-    """Contacts of N balls whose loads are in equilibrium with the friction that acts in these contacts.
+    """Contacts of N balls whose loads are in equilibrium with the friction that acts in the same contacts.
 
     A ball fails if its forces, or the axial load that it carried without friction, are out of balance by more than
-    ``ACCEPTED`` times its contact loads.
+    ``ACCEPTED`` times the sum of its contact loads.
     """
 
     #: Contacts of the balls with friction.
@@ -123,9 +125,10 @@ class FrictionEquilibrium:
     failed: NDArray[np.bool_]
     #: Number of rounds of the iteration.
     rounds: int
-    #: Largest force out of balance on a ball over the sum of its contact loads.
+    #: Largest force out of balance on a ball, as a ratio to the sum of its contact loads.
     change: float
-    #: Friction on the balls along x3 and z3 and on the screw along its axis, which the contacts balance ``(N, 3)`` [N].
+    #: Friction on each ball along x3 and z3 and on the screw along its axis, which the contact loads balance ``(N, 3)``
+    #: [N].
     push: Array
 
 
@@ -139,10 +142,10 @@ def solve_friction_equilibrium(
     starting_friction: Array | None = None,
     starting_motions: Array | None = None,
 ) -> FrictionEquilibrium:
-    """Return the contact loads, angles and friction of each ball that are in equilibrium with each other.
+    """Return the contact loads, contact angles and friction of each ball that are in equilibrium with each other.
 
-    The iteration begins at the static state. If a ball has several equilibria, this leads to the one that it reaches by
-    rolling from the static state.
+    The iteration begins at the static state without friction. If a ball has several equilibria, this leads to the one that
+    it reaches by rolling from the static state.
 
     Parameters
     ----------
@@ -155,13 +158,15 @@ def solve_friction_equilibrium(
     friction
         Coefficients of friction.
     drive
-        Motion of screw or nut.
+        Motion of the screw or nut that turns.
     fast
         Whether to use the compiled functions instead of plain Python.
     starting_friction
-        Friction of a similar state ``(N, 3)`` [N] (`FrictionEquilibrium.push`), from which the iteration begins instead.
+        Friction of a similar state ``(N, 3)`` [N] (`FrictionEquilibrium.push`), at which the iteration begins; None to
+        begin at the static state.
     starting_motions
-        Motions of the balls in a similar state ``(N, 4)`` [rad/s]. They shorten the solution but do not change it.
+        Motions of the balls in a similar state ``(N, 4)`` [rad/s], which shorten the solution but do not change it; None if
+        none are known.
 
     Returns
     -------
@@ -199,7 +204,11 @@ def solve_friction_equilibrium(
         one, size = np.array([ball]), float(contacts.force[ball].sum())
 
         def excess(x: Array, one: NDArray[np.int64] = one, size: float = size) -> Array:
-            """Return the friction in the contacts that balance an assumed friction x, less x, over the contact loads."""
+            """Return the friction less the assumed friction that the contacts balance, over the contact loads ``(3,)``.
+
+            ``x``: assumed friction on ball and screw over the sum of the contact loads ``(3,)``; ``one``: index of the ball
+            ``(1,)``; ``size``: sum of its contact loads [N].
+            """
             there, _, _ = _contacts_under_forces(
                 static_contacts, positions, one, still[one] + size * x, shift[one], static_contacts, fast
             )
@@ -243,11 +252,13 @@ def balls_with_second_state(
     drive: Drive,
     fast: bool = False,
 ) -> tuple[int, ...]:
-    """Return the indices of balls for which another equilibrium is found, jammed between their grooves.
+    """Return the indices of balls for which another equilibrium is found, in which they are jammed between their grooves.
 
-    The search starts from four displaced states, in which the balls are pushed along x3 or z3 with ``DISPLACED`` times
-    their largest contact load. It may miss such an equilibrium. ``positions``, ``static_contacts``: positions and contacts
-    of the balls without friction; ``rolling_state``: the equilibrium that the balls reach by rolling from there.
+    The search starts from four displaced states, in which the balls are pushed along x3 or z3, in either direction, with
+    ``DISPLACED`` times their largest contact load. It may miss such an equilibrium. ``scene``: the screw; ``positions``,
+    ``static_contacts``: positions and contacts of the balls without friction; ``rolling_state``: equilibrium that the balls
+    reach by rolling from there; ``friction``: coefficients of friction; ``drive``: motion of the screw or nut that turns;
+    ``fast``: whether to use the compiled functions.
     """
     size, other = rolling_state.at.force.max(axis=1), np.zeros(static_contacts.force.shape[0], dtype=bool)
     for axis in range(2):
@@ -269,12 +280,12 @@ def _contacts_under_forces(
     frictionless: StaticContacts,
     fast: bool,
 ) -> tuple[StaticContacts, Array, NDArray[np.bool_]]:
-    """Return contacts in which k of the N balls are in equilibrium with given forces.
+    """Return the contacts of N balls, of which k are newly brought into equilibrium with given forces.
 
-    ``contacts``: contacts of all balls, of which those of ``balls`` ``(k,)`` (indices) are replaced; ``place``: positions
-    of all balls without friction; ``forces`` ``(k, 3)``: forces on each ball and on the screw [N]; ``start`` ``(k, 3)``:
-    displacements to begin from [m]; ``frictionless``: contacts without friction, whose loads give the scale of the
-    tolerance.
+    ``contacts``: contacts of all balls, of which those of ``balls`` (indices ``(k,)``) are replaced; ``place``: positions
+    of all balls without friction; ``forces``: forces on each of the k balls and on the screw ``(k, 3)`` [N]; ``start``:
+    displacements to begin from ``(k, 3)`` [m]; ``frictionless``: contacts without friction, whose loads give the scale of
+    the tolerance; ``fast``: whether to use the compiled functions.
 
     Returns
     -------

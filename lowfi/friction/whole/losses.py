@@ -29,10 +29,12 @@ from rollbench.meshes.helix import lead_per_radian, nominal_groove_radii
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Causes of the losses of a contact: sliding of its centre across the groove or along the path, spin about the normal.
+#: Causes of the losses of a contact: sliding of its centre across the groove, sliding of its centre along the path, spin
+#: about the normal.
 CAUSES = ("sliding_across", "sliding_along", "spin")
 
-#: Force out of balance, as a fraction of a ball's sum of mu F, above which the solution for its motion counts as failed.
+#: Force out of balance, as a fraction of the sum of the friction bounds mu F of a ball, above which the solution for its
+#: motion counts as failed.
 UNBALANCED = 1e-6
 
 
@@ -58,7 +60,7 @@ class BallKinematics(HelicalMotion):
 def ball_kinematics(scene: Scene, drive: Drive, ball_radius: float) -> BallKinematics:
     """Return the helix, the contact angle and the speeds that determine the motion of a ball; results are cached.
 
-    ``drive``: motion of the screw or nut that turns; ``ball_radius``: radius of the ball [m].
+    ``scene``: screw or bearing; ``drive``: motion of the screw or nut that turns; ``ball_radius``: radius of the ball [m].
     """
     screw = drive.speed if drive.turns == "screw" else 0.0
     track = scene.track
@@ -89,7 +91,7 @@ class BallFriction:
     rest: NDArray[np.bool_]
     #: Status of the solution for each ball; ``"no load"`` for a ball without contact forces.
     status: tuple[str, ...]
-    #: Largest generalised force out of balance of all balls, as a fraction of the ball's sum of mu F.
+    #: Largest force out of balance of all balls, as a fraction of the sum of the ball's friction bounds mu F.
     left: float
 
     @property
@@ -99,7 +101,7 @@ class BallFriction:
 
     @property
     def q(self) -> Array:
-        """Motions ``(N, 4)`` [rad/s]: orbit, then rotation."""
+        """Motions of the balls ``(N, 4)`` [rad/s]: orbit, then the three rotations."""
         return np.column_stack([self.orbit, self.rotation])
 
     @property
@@ -108,10 +110,9 @@ class BallFriction:
         return float(self.loss.sum())
 
     def wrench(self, normals: Array) -> Array:
-        """Return the friction on each ball at its contacts ``(N, 4, 6)``: three forces [N], three moments [N m].
+        """Return force and moment of friction on each ball at its contacts in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
 
-        The components are in x3, y3, z3. ``normals``: unit vectors from each ball's centre to its contacts in x3, y3, z3
-        ``(N, 4, 3)``.
+        ``normals``: unit vectors from each ball's centre to its contacts in x3, y3, z3 ``(N, 4, 3)``.
         """
         return friction_wrench_at_contacts(normals, self.force, self.moment)
 
@@ -126,9 +127,9 @@ def ball_friction(
 ) -> BallFriction:
     """Return the motion of least dissipation and the friction of every ball.
 
-    If all coefficients are zero, the motion is the limit of motions with equal coefficients that tend to zero. It is valid
-    for a helix of any hand and number of starts and for a ring (zero lead). Groove errors and the bending of the screw
-    have an influence by the loads and contact angles, but not by the directions of motion.
+    If all coefficients of friction are zero, the motion is the limit of motions with equal coefficients that tend to zero.
+    The function is valid for a helix of any hand and number of starts and for a ring (zero lead). Groove errors and the
+    bending of the screw influence the loads and contact angles, but not the directions in which screw and nut move.
 
     Parameters
     ----------
@@ -139,7 +140,7 @@ def ball_friction(
     friction
         Coefficients of friction.
     drive
-        Motion of screw or nut.
+        Motion of the screw or nut that turns.
     fast
         Whether to use the compiled functions instead of plain Python.
     starting_motions
@@ -152,7 +153,7 @@ def ball_friction(
         The speed of screw and nut is zero.
     """
     if drive.speed == 0.0:
-        raise ValueError("friction at rest is not determined; it needs a speed of screw or nut other than zero")
+        raise ValueError("the speed of screw or nut must not be zero, because friction at rest is not determined")
     count = contacts.force.shape[0]
     loaded = np.flatnonzero(contacts.force.sum(axis=1) > 0.0)
     pressed = contacts.subset(loaded)
@@ -187,7 +188,7 @@ def friction_of_motions(
     status: list[str],
     imbalance: float,
 ) -> BallFriction:
-    """Return motion, friction and losses of N balls, with the losses computed from motions and friction.
+    """Return motion, friction and losses of N balls, with the losses computed from given motions and friction.
 
     ``contacts``: contacts of the balls; ``motions``: motions ``(N, 4)`` [rad/s], orbit and then rotation, nan without load;
     ``motion``: sliding and spin of the contacts ``(N, 4, 3)`` [m/s, rad/s]; ``pull``: friction on the ball ``(N, 4, 3)``,
@@ -203,10 +204,11 @@ def friction_of_motions(
 
 
 def relative_coefficients(friction: Friction) -> tuple[Array, float]:
-    """Return the ratios of the four contacts' coefficients of friction to the largest coefficient, and this coefficient.
+    """Return first the ratios of the contacts' coefficients of friction to the largest one ``(4,)``, then the largest one.
 
-    The ratios ``(4,)`` are in the order SL, SR, NL, NR. They are 1 if all coefficients are zero: the motions depend only on
-    the ratios, so those without friction are the limit of motions with equal coefficients that tend to zero.
+    The ratios are in the order SL, SR, NL, NR. They are 1 if all coefficients are zero: the motions depend only on the
+    ratios, so that motions without friction are the limit for equal coefficients that tend to zero. ``friction``:
+    coefficients of friction of screw and nut.
     """
     mu = np.array([friction.screw, friction.screw, friction.nut, friction.nut])
     top = float(mu.max())
@@ -216,11 +218,11 @@ def relative_coefficients(friction: Friction) -> tuple[Array, float]:
 def friction_contacts(
     scene: Scene, contacts: StaticContacts, friction_coefficients: Array, drive: Drive
 ) -> FrictionContacts:
-    """Return the sliding contacts of all balls in axes whose x lies along the long semi-axis of each contact ellipse.
+    """Return ellipses, friction bounds and kinematics of all contacts, in axes x along the long semi-axis of each ellipse.
 
     ``contacts``: contact forces and ellipses; ``friction_coefficients``: coefficients of friction of the contacts SL, SR,
-    NL, NR ``(4,)``, absolute or relative; the friction bounds in the result are products of these and the forces.
-    ``drive``: motion of screw or nut.
+    NL, NR ``(4,)``, or their ratios to the largest one; the friction bounds in the result are products of these and the
+    forces. ``drive``: motion of the screw or nut that turns.
     """
     maps, drives = ball_kinematics(scene, drive, scene.balls.radius).maps(contacts.normals, contacts.ball_radius)
     for rows in (maps, drives):
@@ -235,7 +237,8 @@ def friction_contacts(
 def rotate_to_groove_axes(at: StaticContacts, values: Array) -> None:
     """Rotate components from the axes of `friction_contacts` to axes x across the groove and z along it.
 
-    ``values`` ``(N, 4, 3)``: components along x and z and about the normal for each contact; they are overwritten.
+    ``at``: the N balls' contacts; ``values`` ``(N, 4, 3)``: components along x and z and about the normal for each contact,
+    which are overwritten.
     """
     values[~at.across] = _rotate_quarter_turn(values[~at.across], -1.0)
 
@@ -252,9 +255,10 @@ def _rotate_quarter_turn(components: Array, sign: float = 1.0) -> Array:
 def closing_speeds_of_neighbours(scene: Scene, contacts: StaticContacts, by_ball: BallFriction, drive: Drive) -> Array:
     """Return the speed at which each ball approaches the next one of the same start ``(N,)`` [m/s].
 
-    It is negative if they separate. The next ball is the neighbour at the larger azimuth. The last ball of a ring is
-    followed by its first. The speed is nan for a ball without a next one and where one of both has no load. ``contacts``:
-    contacts of the N balls; ``by_ball``: their motions; ``drive``: motion of screw or nut.
+    The speed is negative if the balls separate. The next ball is the neighbour at the larger azimuth; in a ring, the last
+    ball is followed by the first. The speed is nan for a ball without a next one, and where one of the two balls has no
+    load. ``contacts``: contacts of the N balls; ``by_ball``: their motions; ``drive``: motion of the screw or nut that
+    turns.
     """
     path = ball_kinematics(scene, drive, scene.balls.radius)
     count, starts = contacts.force.shape[0], scene.track.starts
@@ -272,11 +276,11 @@ def closing_speeds_of_neighbours(scene: Scene, contacts: StaticContacts, by_ball
 #: Numbers of quadrature points along a radius of a contact ellipse and around it.
 OUTWARDS, ROUND = 10, 20
 
-#: Regularising speeds as fractions of a typical sliding speed, largest number of Newton steps at each of them, and of
-#: halvings of a step.
+#: Regularising speeds as fractions of a typical sliding speed; largest number of Newton steps at each of them; largest
+#: number of halvings of a step.
 SPEEDS, STEPS, HALVINGS = (0.3, 0.1, 0.03, 0.01, 0.003), 12, 12
 
-#: Relative increase of the losses by Heathcote slip from which on a warning is given.
+#: Relative increase of the losses by Heathcote slip above which a warning is given.
 WIDE = 0.03
 
 
@@ -304,9 +308,9 @@ def surface_speeds_in_contacts(
 ) -> tuple[Array, Array]:
     """Return the sliding velocities of points in the contacts, as a linear function of the motions of the balls.
 
-    ``contacts``: contacts of N balls, each with the k points of `hertz_pressure_quadrature`; ``drive``: motion of screw or
-    nut; ``curvature_factor``: factor of the contacts' curvature across the groove, 1 for the actual one and 0 for flat
-    ellipses.
+    ``contacts``: contacts of N balls, each with the k points of `hertz_pressure_quadrature`; ``drive``: motion of the screw
+    or nut that turns; ``curvature_factor``: factor by which the curvature of the contacts across the groove is multiplied,
+    1 for the actual one and 0 for flat contact ellipses.
 
     Returns
     -------
@@ -342,11 +346,11 @@ def surface_speeds_in_contacts(
 def least_dissipated_power(rows: Array, added: Array, strength: Array, start: Array, typical_sliding_speed: float) -> Array:
     """Return the power that each of N balls loses in its motion of least dissipation ``(N,)``.
 
-    It is found by Newton's method. The sliding speed is regularised as sqrt(v^2 + eps^2), with eps reduced in steps.
-    ``rows``, ``added``: sliding of the contacts' points (`surface_speeds_in_contacts`); ``strength`` ``(N, 4)``: friction
-    bound of each contact, coefficient times force [N], or force times relative coefficient, then the power is relative,
-    too; ``start`` ``(N, 4)``: motions to begin from [rad/s]; ``typical_sliding_speed``: a typical sliding speed [m/s], the
-    scale of eps.
+    It is found by Newton's method. The sliding speed v is regularised as sqrt(v^2 + eps^2), with eps reduced in steps.
+    ``rows``, ``added``: sliding of the points in the contacts per unit of the balls' motions and while the balls rest, the
+    two results of `surface_speeds_in_contacts`; ``strength`` ``(N, 4)``: friction bound of each contact, coefficient times
+    force [N] (if the coefficients are ratios, the power is in the same proportion); ``start`` ``(N, 4)``: motions to begin
+    from [rad/s]; ``typical_sliding_speed``: a typical sliding speed [m/s], which sets the scale of eps.
     """
     loaded = (strength > 0.0).any(axis=0)
     weight = (strength[:, loaded, None] * hertz_pressure_quadrature()[2]).reshape(len(strength), -1)
@@ -386,10 +390,11 @@ def least_dissipated_power(rows: Array, added: Array, strength: Array, start: Ar
 def heathcote_loss_increase(
     scene: Scene, contacts: StaticContacts, by_ball: BallFriction, friction: Friction, drive: Drive
 ) -> float:
-    """Return the relative increase of the losses of all contacts by Heathcote slip, at given loads; nan without any loss.
+    """Return the relative increase of the losses of all contacts by Heathcote slip at given loads; nan without any loss.
 
-    It is the loss with contacts on their curved surfaces over that with flat contacts, less 1, accurate to about 0.002.
-    The accuracy is limited by quadrature and regularised friction, which are the same for both losses.
+    Heathcote slip comes from the curvature of the contact surfaces across the groove. The increase is the ratio of the loss
+    with curved contact surfaces to that with flat ones, less 1. Quadrature and regularised friction, which are the same for
+    both, limit its accuracy to about 0.002.
 
     Parameters
     ----------
@@ -402,7 +407,7 @@ def heathcote_loss_increase(
     friction
         Coefficients of friction.
     drive
-        Motion of screw and nut.
+        Motion of the screw or nut that turns.
     """
     balls = np.flatnonzero(np.isfinite(by_ball.orbit))
     if balls.size == 0:

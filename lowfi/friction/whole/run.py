@@ -30,21 +30,22 @@ from rollbench.meshes.helix import BallLayout, ball_layout_at_positions, lead_pe
 from rollbench.meshes.parts import Friction, Scene, Track
 from rollbench.meshes.parts import Motion as Drive
 
-#: Length and least length of a window of `TravellingCompliance` [rad], distance of balls beyond its ends that is allowed,
-#: as a fraction of its length, and largest motion of the balls relative to each other within it [rad].
+#: Length of a window of `TravellingCompliance` and least length [rad]; distance by which balls may be outside its ends, as
+#: a fraction of its length; largest motion of the balls relative to each other within it [rad].
 WINDOW, LEAST, BEYOND, APART = np.radians(8.0), 1e-4, 0.01, 5e-4
 
 
 class ComplianceWindow(NamedTuple):
     """Compliance of a body at three positions of its balls: at the start, middle and end of a piece of the track."""
 
-    #: Azimuth of the balls at the start [rad].
+    #: Azimuths of the balls at the start of the window [rad].
     azimuth: Array
-    #: Axial position of the balls at the start [m].
+    #: Axial positions of the balls at the start of the window [m].
     z: Array
     #: Angle by which the balls travel from the first to the third position [rad], negative if they travel backwards.
     length: float
-    #: Compliance between the c contacts, each with two axes, at the three positions, each ``(2 c, 2 c)`` [m/N].
+    #: Compliance between the c contacts, each with two axes, at the three positions in this order, each ``(2 c, 2 c)``
+    #: [m/N].
     G: tuple[Array, Array, Array]
 
 
@@ -60,15 +61,15 @@ class TravellingCompliance:
 
     #: Length of a window [rad], with the sign of the balls' travel in the nut.
     ahead: float
-    #: Windows computed so far, by body, flanks and number of balls.
+    #: Windows computed so far; the key is body (whether screw), flanks and number of balls.
     windows: dict[tuple[object, ...], list[ComplianceWindow]] = field(default_factory=dict)
 
     def __call__(self, scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int]) -> Array:
-        """Return the compliance of screw or nut between its contacts [m/N].
+        """Return the compliance of screw or nut between its c contacts, each with two axes ``(2 c, 2 c)`` [m/N].
 
-        ``layout``: positions of the balls; ``screw``: whether the body is the screw (True) or the nut; ``backend``: models
-        for the compliance of the parts; ``flanks``: numbers of the flanks with contacts. The result is ``(2 c, 2 c)`` for c
-        contacts, each with two axes, as from `compliance_between_contacts`.
+        ``scene``: screw or bearing; ``layout``: present positions of the balls; ``screw``: whether the body is the screw
+        (True) or the nut; ``backend``: models for the compliance of the parts; ``flanks``: numbers of the flanks with
+        contacts, 0 left and 1 right. The form of the result is that of `compliance_between_contacts`.
         """
         track, rate = scene.track, lead_per_radian(scene.track)
         known = self.windows.setdefault((screw, tuple(flanks), layout.z.size), [])
@@ -89,11 +90,11 @@ class TravellingCompliance:
         return np.asarray(left * (left - share) * first + 4.0 * share * left * second + share * (share - left) * third)
 
     def begin(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> ComplianceWindow:
-        """Compute the compliance at the three positions of a new window, which begins at the positions ``layout``.
+        """Return a new window, with the compliance at its three positions; it begins at the positions ``layout``.
 
-        The window is shorter than ``ahead`` where a ball would otherwise pass the nut's face. ``track``: helix along which
-        the balls travel; ``compute``: function that returns the compliance [m/N] at given positions of the balls. Raises
-        ValueError if this function does so at the first position.
+        The window is shorter than ``ahead`` where a ball would otherwise pass the face of the nut. ``track``: helix along
+        which the balls travel; ``compute``: function that returns the compliance [m/N] at given positions of the balls.
+        Raises ValueError if this function does so even for the shortest window.
         """
         rate, length = lead_per_radian(track), self.ahead
         while True:
@@ -112,14 +113,14 @@ class TravellingCompliance:
 
 
 def load_solver_for_travelling_balls(model: str, travel_sense: float) -> Callable[..., ContactLoads]:
-    """Return the function by which a static model computes contact loads at each instant of a simulation over time.
+    """Return the function that computes contact loads at each instant of a simulation over time.
 
     Parameters
     ----------
     model
-        Name of the static model.
+        Name of the static model: "lin" or "refined".
     travel_sense
-        Sense in which the balls travel in the nut: 1.0 towards larger azimuths, or -1.0.
+        Sense in which the balls travel in the nut: 1.0 towards larger azimuths, -1.0 towards smaller ones.
     """
     if model != "refined":
         return AGAIN[model]
@@ -136,7 +137,7 @@ Solve = Callable[[Specimen, BallLayout], StaticResult | ContactLoads]
 class LastInstant(NamedTuple):
     """Motions and forces of N balls at the previous instant, from which the next solution begins."""
 
-    #: Motions of the balls, orbit and then rotation ``(N, 4)`` [rad/s].
+    #: Motions of the balls, orbit and then three rotations ``(N, 4)`` [rad/s].
     q: Array
     #: Force of each ball on the next one ``(N,)`` [N].
     force: Array
@@ -152,9 +153,9 @@ class SceneInMotion:
     scene: Scene
     #: Coefficients of friction.
     friction: Friction
-    #: Motion of screw or nut.
+    #: Motion of the screw or nut that turns.
     drive: Drive
-    #: Parts with their random errors.
+    #: Random errors of balls and grooves.
     drawn: DrawnErrors
     #: Balls in their circuits.
     balls: BallsInCircuits
@@ -164,12 +165,15 @@ class SceneInMotion:
     fast: bool = True
 
     def angles(self, time: float) -> tuple[float, float]:
-        """Return the angles by which first the screw and second the nut have turned in space at a time [s], both [rad]."""
+        """Return the angles by which first the screw, then the nut have turned in space after a given time [rad].
+
+        ``time``: time since the start [s].
+        """
         turned = self.drive.speed * time
         return (turned, 0.0) if self.drive.turns == "screw" else (0.0, turned)
 
     def contacts(self, azimuth: Array, time: float, push: Array, q: Array) -> tuple[StaticContacts, NDArray[np.bool_], str]:
-        """Solve the contact loads of all N balls at one instant, with the effect of friction on them.
+        """Return the contact loads of all N balls at one instant, with the effect of friction on them if this is requested.
 
         Parameters
         ----------
@@ -178,8 +182,8 @@ class SceneInMotion:
         time
             Time since the start [s].
         push
-            Friction on balls and screw (`FrictionEquilibrium.push`) in the previous step ``(N, 3)`` [N]; it is overwritten
-            by that of this step.
+            Friction on balls and screw in the previous step ``(N, 3)`` [N] (`FrictionEquilibrium.push`); it is overwritten
+            by the friction of this step.
         q
             Motions of the balls in the previous step ``(N, 4)`` [rad/s], first estimates for `solve_friction_equilibrium`.
 
@@ -210,7 +214,7 @@ class SceneInMotion:
 
     @property
     def groove(self) -> SceneGrooves:
-        """Nominal grooves of screw and nut, with their speeds."""
+        """Grooves of screw and nut without errors, with their speeds."""
         return self.balls.grooves
 
     @property
@@ -247,11 +251,11 @@ class SceneInMotion:
         return min(track.time_to_end(azimuth, omega) for track in self.tracks)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: LastInstant) -> InstantSolution | str:
-        """Return the loads and motions of the balls at one instant, or a phrase that says what failed.
+        """Return the loads and motions of the balls at one instant, or a text that says why no loads were found.
 
         ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``:
-        largest rate at which each ball may approach the next one ``(N,)`` [rad/s]; ``memory``: results at the previous
-        instant, which are the first estimates.
+        largest rate at which each ball may approach the next one ``(N,)`` [rad/s], inf where they cannot touch; ``memory``:
+        results at the previous instant, from which the searches begin.
         """
         push = memory.push.copy()
         at, loaded, status = self.contacts(azimuth, time, push, memory.q)
@@ -292,11 +296,11 @@ class SceneInMotion:
 
 
 def _driving_torque_on_screw(setting: SceneInMotion, contacts: StaticContacts, wrench: Array, axial: float) -> float:
-    """Return the torque about +z that drives the screw under an external axial load ``axial`` [N], in N m.
+    """Return the torque about +z [N m] that drives the screw under an external axial load ``axial`` [N].
 
-    It is the moment of contact loads and friction about the axis. The axial force of friction that the contact loads do not
-    balance adds its work along the helix. ``setting``: screw with its thread; ``contacts``: contacts of the N balls;
-    ``wrench``: friction on the balls, forces [N] and moments [N m] in their sections' axes ``(N, 4, 6)``.
+    It is the moment of contact loads and friction about the axis. An axial force of friction that the contact loads do not
+    balance contributes its work along the helix. ``setting``: the simulated screw; ``contacts``: contacts of the N balls;
+    ``wrench``: force and moment of friction on the balls in their sections' axes ``(N, 4, 6)`` [N, N m].
     """
     wrenches = wrench.copy()
     wrenches[..., :3] -= contacts.force[..., None] * contacts.normals

@@ -34,16 +34,16 @@ from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Number of balls up to which a command does not wait until functions are compiled. In plain Python they take some 0.05 s
-#: for each ball, and the answer of a command, with drag torque and a range of coefficients, needs up to seven solutions.
+#: Number of balls up to which a command does not wait until functions are compiled. In plain Python they take about 0.05 s
+#: for each ball, and a command, with drag torque and a range of coefficients, needs up to seven solutions.
 UNCOMPILED = 120
-#: Gap [m] up to which neighbours count as touching.
+#: Gap between neighbouring balls [m] up to which they count as touching.
 TOUCHING = 1e-6
 
 
 @dataclass(frozen=True)
 class NeighbourFriction:
-    """Friction of N balls, in the order of the scene, where touching neighbours push each other."""
+    """Friction of N balls, in the order of the scene, if touching neighbours press on each other."""
 
     #: Motion and friction of the balls.
     balls: BallFriction
@@ -51,7 +51,7 @@ class NeighbourFriction:
     force: Array
     #: Power lost between touching balls [W].
     power: float
-    #: Number of pairs that touch.
+    #: Number of pairs of neighbouring balls that touch.
     touching: int
     #: Smallest gap between neighbours on the loaded arcs [m]; infinite if no ball has a neighbour.
     least: float
@@ -60,11 +60,11 @@ class NeighbourFriction:
 def friction_with_neighbours(
     scene: Scene, contacts: StaticContacts, friction: Friction, drive: Drive, member: int = 0, fast: bool = False
 ) -> NeighbourFriction:
-    """Return the friction of all balls at given contact loads, where neighbours closer than ``TOUCHING`` push each other.
+    """Return the friction of all balls at given contact loads, with forces between neighbours that touch.
 
-    Balls in the return touch no other ball. ``contacts``: contacts of the balls; ``friction``: coefficients; ``drive``:
-    motion of screw or nut; ``member``: number of the specimen with random errors; ``fast``: whether to use the compiled
-    functions.
+    Neighbours touch if their gap is at most ``TOUCHING``; balls in the return touch no other ball. ``scene``: screw or
+    bearing; ``contacts``: contacts of its balls; ``friction``: coefficients of friction; ``drive``: motion of the screw or
+    nut that turns; ``member``: number of the specimen with random errors; ``fast``: whether to use the compiled functions.
 
     Raises
     ------
@@ -110,27 +110,29 @@ def friction_with_neighbours(
 
 @dataclass(frozen=True)
 class FrictionState:
-    """Friction of all balls of a scene at one pair of coefficients of friction, those of screw and nut."""
+    """Friction of all balls of a scene for given coefficients of friction of screw and nut."""
 
     #: Contacts of all balls.
     at: StaticContacts
     #: Motion and friction of every ball.
     balls: BallFriction
-    #: Torques, forces and losses, as sums over all balls.
+    #: Torque, axial force and power of the friction, as sums over all balls.
     torque: ScrewTorque
-    #: Speed at which each ball approaches the next one ``(N,)`` [m/s].
+    #: Speed at which each ball approaches the next one ``(N,)`` [m/s]; negative if they separate, nan without load or next
+    #: ball.
     closing: Array
-    #: The same sums at the static loads, without the effect of friction on the loads.
+    #: Torque, axial force and power as in ``torque``, but at the static contact loads, without the effect of friction on
+    #: the loads.
     bare: ScrewTorque
-    #: Indices of balls for which no agreement of friction and position was found, in either direction of motion.
+    #: Indices of balls for which friction and position could not be made to agree, in the given or in the reversed motion.
     unsettled: tuple[int, ...]
-    #: Largest force out of balance over a ball's contact loads (`FrictionEquilibrium.change`).
+    #: Largest force out of balance on a ball, as a ratio to the sum of its contact loads (`FrictionEquilibrium.change`).
     change: float
     #: Whether friction displaces the balls in their grooves and so changes the contact loads.
     coupled: bool
-    #: Forces and losses between touching balls; None if not requested.
+    #: Forces and losses between touching balls; None if they are not requested.
     neighbours: NeighbourFriction | None = None
-    #: Indices of balls for which a second, jammed state was found; None if no second state was searched.
+    #: Indices of balls for which a second, jammed state was found; None if it was not searched for.
     second: tuple[int, ...] | None = None
 
     @property
@@ -149,25 +151,25 @@ def friction_state(
 ) -> FrictionState:
     """Return the friction of a scene at the contact loads of a static result.
 
-    If ``friction`` requests it, friction changes the positions of the balls (feedback), and touching neighbours push each
-    other. With both, neighbours push at the loads that result from each ball's own friction, as in a transient
-    simulation. In a ring, friction acts along the groove and displaces no ball.
+    If ``friction`` requests it, friction changes the positions of the balls (feedback), and touching neighbours press on
+    each other. If both are requested, neighbours press on each other at the contact loads that result from each ball's own
+    friction, as in a transient simulation. In a bearing ring, friction acts along the groove and displaces no ball.
 
     Parameters
     ----------
     scene
         Screw or bearing.
     result
-        Its static result.
+        Static result of this scene, with the contact loads.
     friction
-        Coefficients of friction, and what is requested.
+        Coefficients of friction, and whether feedback and forces between neighbours are requested.
     drive
-        Motion of screw or nut.
+        Motion of the screw or nut that turns.
     member
         Number of the specimen with random errors for which ``result`` was solved.
     fast
         Whether to use the compiled functions instead of plain Python. If None, they are used where they save time; a scene
-        with few balls does not wait until they are compiled, because `lowfi.jit.run_compile_jobs` does that later.
+        with few balls does not wait until they are compiled, because `register_compile_job` has them compiled later.
 
     Raises
     ------
@@ -226,5 +228,5 @@ def friction_state(
 
 
 def reversed_motion(drive: Drive) -> Drive:
-    """Return the motion of screw or nut with the opposite speed."""
+    """Return the motion ``drive`` of screw or nut with the opposite speed."""
     return replace(drive, speed=-drive.speed)

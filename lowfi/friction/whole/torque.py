@@ -45,16 +45,16 @@ class ScrewTorque:
     speed: float
     #: Advance per angle, lead/(2 pi) [m/rad], negative for a left-hand thread.
     ratio: float
-    #: External axial load on the screw that the contacts carry [N].
+    #: External axial load on the screw that the contacts balance [N].
     load: float
     #: Power lost in the contacts [W].
     power: float
     #: Axial force of friction on the screw [N], which the contact loads of the static model do not balance.
     pull: float
-    #: Work of the drive of first the screw and second the nut, per angle of its helical motion [N m]. It contains the
-    #: moments about the axis and the axial forces of all contacts, normal forces included.
+    #: Work per angle [N m] that the drive of the screw, then the drive of the nut, does in a helical motion. It contains
+    #: the moments about the axis and the axial forces of all contacts, normal forces included.
     helical: tuple[float, float]
-    #: Largest ratio, over all balls, of the friction in the plane of a ball's section to its largest contact load.
+    #: Largest ratio, of all balls, of the friction in the plane of a ball's groove section to its largest contact load.
     tilt: float
     #: Sum of all contact loads [N].
     carried: float
@@ -63,22 +63,28 @@ class ScrewTorque:
 
     @property
     def friction(self) -> float:
-        """Friction torque, the power lost over the angular speed [N m]; it opposes the screw, and its opposite the nut."""
+        """Friction torque on the screw, the power lost over the angular speed [N m].
+
+        On the nut it has the opposite sign.
+        """
         return self.power / abs(self.speed)
 
     @property
     def on_screw(self) -> float:
-        """Torque about +z that drives the screw at this speed (negative: brakes it); the opposite on the nut [N m]."""
+        """Torque about +z that drives the screw at this speed [N m]; negative if it brakes the screw.
+
+        The torque on the nut is the opposite one.
+        """
         return self.power / self.speed - self.ratio * self.load
 
     @property
     def input_power(self) -> float:
-        """Power that the contacts take from screw and nut [W], as the sum of forces and moments in space times motions."""
+        """Power that the contacts take from screw and nut [W], from the forces and moments on these and their motions."""
         return self.helical[0] * self.speed
 
     @property
     def moves_axial_load(self) -> bool:
-        """Whether the rotation moves an axial load: the lead is not zero, and the load is above round-off."""
+        """Whether the rotation moves an axial load: the lead is not zero, and the load is more than round-off."""
         return self.ratio != 0.0 and abs(self.load) > ROUND_OFF * self.carried
 
     @property
@@ -119,8 +125,9 @@ def sum_friction_over_contacts(
 ) -> ScrewTorque:
     """Return torque, axial force and power of the friction of a scene, as sums over all contacts.
 
-    ``contacts``: contacts of its balls; ``by_ball``: friction of each ball; ``drive``: motion of the screw or nut that
-    turns; ``coupled``: whether contact loads and friction together carry the axial load (True), or the contact loads alone.
+    ``scene``: screw or bearing; ``contacts``: contacts of its balls; ``by_ball``: friction of each ball; ``drive``: motion
+    of the screw or nut that turns; ``coupled``: whether contact loads and friction together balance the axial load (True),
+    or the contact loads alone (False).
     """
     normals, frames = contacts.normals, contacts.frames
     friction = by_ball.wrench(normals)
@@ -151,8 +158,8 @@ def sum_friction_over_contacts(
 def axial_forces_and_moments(contacts: StaticContacts, wrench: Array) -> tuple[Array, Array]:
     """Return the axial forces [N], then the moments about the screw's axis [N m], of all contacts, each ``(N, 4)``.
 
-    ``wrench`` ``(N, 4, 6)``: three forces [N] and three moments [N m] at each contact ``contacts``, in the axes x3, y3, z3
-    of the ball's section.
+    ``contacts``: contacts of the N balls; ``wrench``: force (first three components) and moment at each contact in the axes
+    x3, y3, z3 of the ball's section ``(N, 4, 6)`` [N, N m].
     """
     turn = contacts.frames
     force = np.einsum("nsi,nij->nsj", wrench[..., :3], turn)
@@ -167,20 +174,22 @@ def axial_forces_and_moments(contacts: StaticContacts, wrench: Array) -> tuple[A
 #: Motion that is assumed if the scene gives none: the screw turns once a second.
 ONE_TURN = Motion(2.0 * pi)
 
-#: Numbers of balls above which compilation (20 s, once) saves time in one solution, without and with effect on the loads.
+#: Numbers of balls above which compiling the functions (20 s, once) saves time in one solution: first without, then with
+#: the effect of friction on the loads.
 COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 
 
 def friction_displaces_balls(scene: Scene, friction: Friction) -> bool:
-    """Return whether friction displaces balls in their grooves.
+    """Return whether friction displaces the balls of a scene in their grooves.
 
-    It does if this feedback is requested in ``friction``, a coefficient is above zero, and the track has a lead.
+    It does if ``friction`` requests this feedback, one of its coefficients is above zero, and the track of ``scene`` has a
+    lead.
     """
     return friction.feedback and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
 
 
 def compiling_saves_time(scene: Scene, friction: Friction) -> bool:
-    """Return whether a scene has so many balls that compiling the functions of contact friction first saves time.
+    """Return whether a scene has so many balls that it saves time to compile the functions of contact friction first.
 
     The result does not depend on whether compiled functions are on disk already (`lowfi.jit.is_machine_code_cached`).
 
@@ -189,7 +198,7 @@ def compiling_saves_time(scene: Scene, friction: Friction) -> bool:
     scene
         Screw or bearing.
     friction
-        Coefficients of friction.
+        Coefficients of friction, and whether feedback and forces between neighbours are requested.
     """
     often = friction_displaces_balls(scene, friction) or friction.neighbours
     return scene.ball_count > (COUPLED_ABOVE if often else COMPILE_ABOVE)

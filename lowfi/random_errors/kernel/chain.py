@@ -17,13 +17,14 @@ from rollbench.lowfi.jit import kernel
 #: Array of floats.
 Array = NDArray[Any]
 
-#: Contact angle: constant; by Liu's implicit equation (10); by the exact geometry of the groove centres.
+#: Numbers of the laws of the contact angle: constant; by Liu's implicit equation (10); by the exact geometry of the groove
+#: centres.
 CONSTANT, IMPLICIT, EXACT = 0, 1, 2
 
 
 @kernel
 def _implicit_approach(v: float, error: float, p: Array) -> tuple[float, float, float]:
-    """Return approach [m], sine of the contact angle and d(approach)/dv of a ball by Liu's equations (10) and (14).
+    """Return approach [m], sine of the contact angle and derivative of the approach by v of a ball by Liu's (10) and (14).
 
     The equation solved is approach = error + v sin(angle(approach)). v: axial motion of the groove times the cosine of the
     lead angle [m]; error: oversize of the ball [m]; p (5,): Hertz stiffness [N/m^1.5], distance A of the groove centres
@@ -46,11 +47,12 @@ def _implicit_approach(v: float, error: float, p: Array) -> tuple[float, float, 
 
 @kernel
 def _exact_approach(v: float, error: float, p: Array) -> tuple[float, float, float]:
-    """Return approach [m], sine of the contact angle and d(approach)/dv of a ball from the distance of the groove centres.
+    """Return approach [m], sine of the contact angle and derivative of the approach by v of a ball by exact geometry.
 
-    The lateral offset of the centres is constant. v: axial motion of the groove times the cosine of the lead angle [m];
-    error: oversize of the ball [m]; p (5,): Hertz stiffness [N/m^1.5], distance A of the groove centres [m], sine and
-    cosine of the unloaded contact angle, cosine of the lead angle.
+    The approach follows from the distance of the groove centres, whose offset across the axis is constant. v: axial motion
+    of the groove times the cosine of the lead angle [m]; error: oversize of the ball [m]; p (5,): Hertz stiffness
+    [N/m^1.5], distance A of the groove centres [m], sine and cosine of the unloaded contact angle, cosine of the lead
+    angle.
     """
     along, across = p[1] * p[2] + v, p[1] * p[3]
     distance = sqrt(along * along + across * across)
@@ -62,11 +64,11 @@ def _exact_approach(v: float, error: float, p: Array) -> tuple[float, float, flo
 
 @kernel
 def ball_force(u: float, error: float, law: int, p: Array) -> tuple[float, float, float]:
-    """Return contact load [N], axial force [N] and its slope [N/m] of a ball at the axial motion u [m] of its groove.
+    """Return contact load [N], axial force [N] and the derivative of the axial force by u [N/m] of one ball.
 
-    error [m]: oversize of the ball; law: interpretation of the contact angle (``CONSTANT``, ``IMPLICIT`` or ``EXACT``);
-    p: Hertz stiffness [N/m^1.5], distance A of the groove centres [m], sine and cosine of the unloaded contact angle,
-    cosine of the lead angle.
+    u: axial motion of the groove [m]; error: oversize of the ball [m]; law: number of the law of the contact angle
+    (``CONSTANT``, ``IMPLICIT`` or ``EXACT``); p (5,): Hertz stiffness [N/m^1.5], distance A of the groove centres [m], sine
+    and cosine of the unloaded contact angle, cosine of the lead angle. All three results are zero without contact.
     """
     v = u * p[4]
     approach, sine, slope = error + v * p[2], p[2], p[2]
@@ -87,7 +89,7 @@ def ball_force(u: float, error: float, law: int, p: Array) -> tuple[float, float
 #: Number of Newton steps after which the iteration ends without convergence.
 MAX_ITERATIONS = 60
 
-#: Largest error of a ball's force against the load of the screw.
+#: Largest error of a ball's axial force, as a ratio to the axial load of the screw, that counts as converged.
 TOLERANCE = 1e-10
 
 

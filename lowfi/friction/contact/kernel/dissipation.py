@@ -23,9 +23,9 @@ from rollbench.lowfi.jit import kernel
 
 @kernel
 def _carlson_series(x: float, y: float, mean: float) -> float:
-    """Return Carlson's R_D for nearly equal arguments by its series to the seventh order (DLMF 19.36.2).
+    """Return Carlson's elliptic integral R_D for nearly equal arguments by its series to the seventh order (DLMF 19.36.2).
 
-    x, y: relative deviations of the first two arguments from their mean ``mean``.
+    x, y: relative deviations of the first two arguments from ``mean``, the weighted mean of all three.
     """
     z = -(x + y) / 3.0
     xy, zz = x * y, z * z
@@ -87,21 +87,22 @@ def carlson_rd_and_slope(x: float, y: float, z: float) -> tuple[float, float]:
     return 3.0 * total + scale * end, -4.0 / 3.0 * slope
 
 
-#: Mean distance psi and its derivatives, with r = (x, y, h) and the Hessian H: psi; psi_x, psi_y, psi_h; N = psi - r . grad
-#: psi; psi_xx, psi_xy, psi_yy; (H r)_x, (H r)_y; r . H r.
+#: Mean distance psi and its derivatives, with r = (x, y, h) and the Hessian matrix H: psi; psi_x, psi_y, psi_h; N = psi - r
+#: . grad psi; psi_xx, psi_xy, psi_yy; (H r)_x, (H r)_y; r . H r.
 Potential = tuple[float, float, float, float, float, float, float, float, float, float, float]
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 
-#: Squares and weights of the positive nodes only, as the integrand over (-1, 1) is even.
+#: Squares and weights of the positive Gauss nodes only, because the integrand over (-1, 1) is even.
 _U2, _W = _NODES[12:] ** 2, _WEIGHTS[12:].copy()
 
 
 @kernel
 def confocal_coordinate(x: float, y: float, h: float, b2: float) -> float:
-    """Return the largest root l >= 0 of x^2/(1 + l) + y^2/(b^2 + l) + h^2/l = 1; zero inside the ellipse at h = 0.
+    """Return the confocal ellipsoidal coordinate of the point (x, y, h); zero for a point of the ellipse at h = 0.
 
-    l is the confocal ellipsoidal coordinate of the point (x, y, h); b2: square of the ratio of the semi-axes.
+    It is the largest root l >= 0 of x^2/(1 + l) + y^2/(b^2 + l) + h^2/l = 1. Lengths are in units of the semi-axis a; b2:
+    square of the ratio b of the semi-axes.
     """
     x2, y2, h2 = x * x, y * y, h * h
     p = x2 + y2 - 1.0 - b2
@@ -220,10 +221,11 @@ def mean_distance_far_from_ellipse(x: float, y: float, h: float, b2: float, low:
 def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: float) -> DissipationTerms:
     """Return the dissipated power over mu F of one contact, D = int p sqrt(|v|^2 + speed^2) dA/F, and its derivatives.
 
-    The local sliding velocity is v = (vx + spin z, vz - spin x), p the Hertz pressure of the force F. a >= b > 0: semi-axes
-    along x and z [m]; vx, vz, and the regularising speed >= 0 [m/s]; spin [rad/s]. The friction force is -mu F dD/dv, and
-    the loss is mu F (D - speed dD/dspeed) (Lin 3.14-3.18 at speed = 0). D is convex and homogeneous of degree one in (vx,
-    vz, spin, speed). It is smooth except at rest, where the derivatives returned are zero.
+    The local sliding velocity is v = (vx + spin z, vz - spin x), p the Hertz pressure of the contact force F, mu the
+    coefficient of friction. a >= b > 0: semi-axes along x and z [m]; vx, vz, and the regularising speed >= 0 [m/s]; spin
+    [rad/s]. The friction force is -mu F dD/dv, and the loss is mu F (D - speed dD/dspeed) (Lin 3.14-3.18 at speed = 0). D
+    is convex and homogeneous of degree one in (vx, vz, spin, speed). It is smooth except at rest, where the derivatives are
+    returned as zero.
     """
     turn = spin * a
     slide = sqrt(vx * vx + vz * vz + speed * speed)

@@ -25,12 +25,13 @@ from .dissipation import dissipation
 def evaluate_dissipation(
     shape: Array, maps: Array, drives: Array, push: Array, speed: float, q: Array, grad: Array, hess: Array
 ) -> tuple[float, float]:
-    """Return the dissipation less the power of other forces at q (n,), and its excess over the friction loss [W].
+    """Return the dissipation less the power of other forces [W] in a motion, and its excess over the friction loss [W].
 
-    The excess is sum_i strength_i speed dD_i/dspeed. Writes the gradient by q to grad (n,) and the lower triangle of the
-    Hessian to hess (n, n). shape (m, 3): semi-axes a, b [m] and friction bound mu F [N] of m contacts; maps (m, 3, n):
-    motion vx, vz [m/s], spin [rad/s] of the contacts by unit of each of n unknowns; drives (m, 3): their motion at q = 0;
-    push (n,): generalised forces other than friction; speed: regularising speed [m/s].
+    The excess, by regularisation, is sum_i strength_i speed dD_i/dspeed. q (n,): motion of the body; grad (n,), hess (n,
+    n): gradient by q and lower triangle of the Hessian, which are written. shape (m, 3): semi-axes a, b [m] and friction
+    bound mu F [N] of m contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts per unit of each of n
+    unknowns; drives (m, 3): their motion at q = 0; push (n,): generalised forces other than friction; speed: regularising
+    speed [m/s].
     """
     n = q.shape[0]
     value, excess = 0.0, 0.0
@@ -96,8 +97,9 @@ def write_motion_newton_step(hess: Array, grad: Array, units: Array, step: Array
 def surface_speed_per_unknown(shape: Array, maps: Array) -> Array:
     """Return the surface speed of the loaded contacts per unit of each unknown (n,); 1 for one that moves none of them.
 
-    It is the root of the sum of squares of vx, vz and a spin over the contacts, a being the larger semi-axis. shape (m, 3):
-    semi-axes a, b [m] and friction bound [N] of m contacts; maps (m, 3, n): motion vx, vz, spin by unit of each unknown.
+    It is the root of the sum of squares of vx, vz and a times spin over the contacts, with the larger semi-axis a. shape
+    (m, 3): semi-axes a, b [m] and friction bound [N] of m contacts; maps (m, 3, n): motion vx, vz, spin of the contacts per
+    unit of each unknown.
     """
     n = maps.shape[2]
     units = np.empty(n)
@@ -135,7 +137,7 @@ def minimise_dissipation(
     limit: int,
     reach: float,
 ) -> tuple[float, float, float, int]:
-    """Minimise the dissipation at one regularising speed by Newton's method from q (n,), which is overwritten.
+    """Minimise the dissipation by Newton's method at one regularising speed, from the motion q (n,), which is overwritten.
 
     shape, maps, drives, push, speed: contacts, kinematics, other forces and regularising speed, arguments of
     `evaluate_dissipation`. The iteration ends if the largest unbalanced force is below ``tolerance`` times the sum of the
@@ -180,11 +182,11 @@ def minimise_dissipation(
 
 @kernel
 def motion_nearest_to_rolling(shape: Array, maps: Array, drives: Array) -> Array:
-    """Return the motion q (n,) nearest to pure rolling: least squared surface speed, weighted by the friction bounds.
+    """Return the motion q (n,) nearest to pure rolling: least sum of squared surface speeds, weighted by friction bounds.
 
-    It solves a linear system and is unique except for motions without surface speed. shape (m, 3): semi-axes a, b [m] and
-    friction bound [N] of m contacts; maps (m, 3, n): motion vx, vz, spin of the contacts by unit of each unknown; drives
-    (m, 3): their motion at q = 0.
+    It is the solution of a linear system, and unique except for motions without surface speed. shape (m, 3): semi-axes a, b
+    [m] and friction bound [N] of m contacts; maps (m, 3, n): motion vx, vz, spin of the contacts per unit of each unknown;
+    drives (m, 3): their motion at q = 0.
     """
     n = maps.shape[2]
     grad, hess, q = np.zeros(n), np.zeros((n, n)), np.empty(n)
@@ -232,19 +234,20 @@ def contact_speeds(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[
     return motion, size
 
 
-#: Status: exact rest and slip; regularised only (a contact is on the verge of slip); no drive and no force.
+#: Status of a solution: contacts rest or slip exactly; friction is regularised, because a contact is on the verge of slip;
+#: everything rests, because there is neither drive nor force.
 EXACT, REGULARISED, AT_REST = 0, 1, 2
 
-#: Start of a search: the motion nearest to pure rolling, a given motion, or a given motion near the minimum.
+#: Where a search starts: the motion nearest to pure rolling, a given motion, or a given motion near the minimum.
 ROLLING, GIVEN, NEAR = 0, 1, 2
 
 
 @kernel
 def write_friction_gradients(shape: Array, motion: Array, speed: float, forces: Array) -> None:
-    """Write the gradient of each contact's dissipation by (vx, vz, spin) to forces (m, 3); friction is its negative.
+    """Write the gradient of each contact's dissipation by (vx, vz, spin) to forces (m, 3): friction with opposite sign.
 
     shape (m, 3): semi-axes a, b [m] and friction bound [N]; motion (m, 3): vx, vz [m/s] and spin [rad/s] of the contacts;
-    speed: regularising speed [m/s]; forces: along x, z [N] and moment about y [N m].
+    speed: regularising speed [m/s]; forces: components along x, z [N] and moment about y [N m].
     """
     for i in range(shape.shape[0]):
         f = shape[i, 2]
@@ -256,9 +259,9 @@ def write_friction_gradients(shape: Array, motion: Array, speed: float, forces: 
 def contact_can_stick(shape: Array, force: Array) -> bool:
     """Return whether one contact can carry a force without sliding.
 
-    shape (1, 3): semi-axes and friction bound; force (3,): along x, z [N] and moment about the normal [N m]. The contact
-    can if the dissipation D(v; 1 m/s) less force . v has a minimum: the force is then a gradient of D and lies inside the
-    limit surface of friction.
+    shape (1, 3): semi-axes [m] and friction bound [N]; force (3,): components along x, z [N] and moment about the normal [N
+    m]. The contact can stick if the dissipation D(v) less force . v, regularised with a speed of 1 m/s, has a minimum: the
+    force is then a gradient of D and lies inside the limit surface of friction.
     """
     maps, q = np.eye(3).reshape(1, 3, 3), np.zeros(3)
     _, _, left, _ = minimise_dissipation(shape, maps, np.zeros((1, 3)), force, 1.0, q, 1e-9, int(np.int64(100)), 1e9)
@@ -269,11 +272,11 @@ def contact_can_stick(shape: Array, force: Array) -> bool:
 def minimise_over_free_motions(
     slipping: Array, maps: Array, drives: Array, push: Array, basis: Array, q: Array, reach: float
 ) -> int:
-    """Minimise the dissipation without regularisation over q plus any combination of the rows of ``basis``.
+    """Minimise the dissipation, without regularisation, over q plus any linear combination of the rows of ``basis``.
 
-    slipping (m, 3): semi-axes and friction bounds of the contacts, the bounds of those at rest being zero; maps, drives,
-    push: as in `evaluate_dissipation`; basis (f, n): the f motions of the body at which these remain at rest; reach:
-    surface speed at which the search is given up [m/s]. Overwrites q (n,) and returns the number of steps.
+    slipping (m, 3): semi-axes [m] and friction bounds [N] of the contacts, the bounds of contacts at rest being zero; maps,
+    drives, push: as in `evaluate_dissipation`; basis (f, n): the f motions of the body at which these contacts remain at
+    rest; reach: surface speed [m/s] at which the search is given up. Overwrites q (n,) and returns the number of steps.
     """
     reduced = np.empty((maps.shape[0], 3, basis.shape[0]))
     for i in range(maps.shape[0]):
@@ -296,7 +299,7 @@ def write_sticking_reactions(
     q: Array,
     forces: Array,
 ) -> float:
-    """Write friction gradients and the reactions of sticking contacts that balance the body to ``forces`` (m, 3) [N, N m].
+    """Write to forces (m, 3) [N, N m] friction gradients and the reactions of sticking contacts that balance the body.
 
     slipping (m, 3): semi-axes and friction bounds of the contacts, the bounds of sticking ones being zero; maps, drives,
     push, q: as in `evaluate_dissipation`; resting (k,): numbers of the sticking contacts, whose previous reactions are read
@@ -323,8 +326,9 @@ def write_sticking_reactions(
 def kinematic_inverse_and_null_space(rows: Array, units: Array) -> tuple[Array, Array]:
     """Return the pseudo-inverse (n, 3k) of the kinematic equations of k sticking contacts, and their null space (f, n).
 
-    rows (3k, n): surface speeds of these contacts by each of the n unknowns times its entry of ``units``. The rows of the
-    null space are the f motions of the body, in its unknowns, at which these contacts remain at rest.
+    rows (3k, n): surface speeds of these contacts per unit of each of the n unknowns, divided by its entry of ``units``
+    (`surface_speed_per_unknown`). The rows of the null space are the f motions of the body, in its unknowns, at which these
+    contacts remain at rest.
     """
     n = rows.shape[1]
     left, size, right = np.linalg.svd(rows, True)
@@ -374,15 +378,16 @@ def set_slow_contacts_to_rest(
 def least_dissipation(
     shape: Array, maps: Array, drives: Array, push: Array, start: int, q: Array, forces: Array, rest: Array, bounds: Array
 ) -> tuple[int, float, int]:
-    """Compute the motion of least dissipation; write q (n,), forces (m, 3), rest (m,) and bounds (2,).
+    """Compute the motion of least dissipation of one body on m contacts with given normal loads.
 
-    Written are the motion q, the negative friction and reactions ``forces`` [N, N m], ``rest`` (1 for contacts at rest, 0
-    for others), and the lower and upper bound [W] of the least dissipation less the power of ``push``, by joint convexity
-    in motion and speed. shape, maps, drives, push: contacts, kinematics and other forces, see `evaluate_dissipation`. The
-    regularising speed decreases from 0.1 to 1e-6 times the drive's speed (to 1e-10 if a contact is on the verge of slip);
-    each minimum is the start of the next. Then contacts that stand still are set to rest. start: ``ROLLING``, ``GIVEN``
-    (start from q), or ``NEAR`` (start from q with the speed 1e-6 at once, and from ``ROLLING`` if this fails). Returns the
-    status (``EXACT``, ``REGULARISED``, ``AT_REST``), the largest unbalanced force [N], and the number of steps.
+    Written are the motion q (n,), the negative friction and reactions forces (m, 3) [N, N m], rest (m,), which is 1 for
+    contacts at rest and 0 for others, and bounds (2,): lower and upper bound [W] of the least dissipation less the power of
+    ``push``, by joint convexity in motion and speed. shape, maps, drives, push: contacts, kinematics and other forces, see
+    `evaluate_dissipation`. The regularising speed decreases from 0.1 to 1e-6 times the drive's speed (to 1e-10 if a contact
+    is on the verge of slip); each minimum is the start of the next. Then contacts that stand still are set to rest. start:
+    ``ROLLING``, ``GIVEN`` (start from q), or ``NEAR`` (start from q with the speed 1e-6 at once, and from ``ROLLING`` if
+    this fails). Returns the status (``EXACT``, ``REGULARISED``, ``AT_REST``), the largest unbalanced force [N], and the
+    number of steps.
     """
     top = largest_imposed_speed(shape, drives)
     if top == 0.0 and np.sum(np.abs(push)) == 0.0:

@@ -13,7 +13,7 @@ from rollbench.lowfi.jit import kernel
 
 #: Number of a ball's contacts on the inner body, which come first; the others are on the outer body.
 ON_INNER = 2
-#: Longest step over the distance of the grooves' centres of curvature from the ball's centre.
+#: Longest Newton step, as a fraction of the distance of the grooves' centres of curvature from the ball's centre.
 LONGEST_STEP = 0.3
 
 
@@ -23,9 +23,10 @@ def hertz_contact(
 ) -> tuple[float, float, float, float, float]:
     """Return the contact force of ball and groove after a displacement of the ball relative to the groove.
 
-    start_x, start_z: vector from the groove's centre of curvature to the ball's centre before [m]; move_x, move_z:
-    displacement [m]; interference: at zero displacement [m]; C: Hertz constant [m/N^(2/3)]. Returns the force [N], its
-    direction (x, z), approach/C, and the distance of both centres [m].
+    start_x, start_z: vector from the groove's centre of curvature to the ball's centre before the displacement [m]; move_x,
+    move_z: displacement [m]; interference: that before the displacement [m]; C: Hertz constant of the approach C F^(2/3)
+    [m/N^(2/3)]. Returns the force [N], the unit vector (x, z) from the ball's centre to the contact, the approach over C,
+    and the distance of the centres of groove and ball [m].
     """
     x, z = start_x + move_x, start_z + move_z
     size = sqrt(x * x + z * z)
@@ -37,9 +38,10 @@ def hertz_contact(
 
 @kernel
 def contact_energy(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
-    """Return the elastic energy [J] of N balls displaced by p (N, 2) and the inner body by u (m,) [m]; write ``state``.
+    """Return the elastic energy [J] of N balls and an inner body in given positions; write its derivatives to ``state``.
 
-    m: number of free motions of the inner body. The energy is sum (2/5) C^(-3/2) <approach>^(5/2). Contact forces, normals,
+    p (N, 2): displacements of the balls; u (m,): displacements of the inner body in the m motions in which it is free [m].
+    The energy is sum (2/5) C^(-3/2) <approach>^(5/2), with <approach> the approach where positive. Contact forces, normals,
     stiffness and gradient are written to ``state``; the gradient is that of the energy less the work push . p + pull . u of
     the applied forces, a convex function.
     """
@@ -138,7 +140,7 @@ def largest_entry(balls: Array, inner: Array) -> float:
 
 @kernel
 def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: CellState, goal: float, limit: int) -> int:
-    """Minimise the energy from positions p of the balls and u of the inner body; return the number of steps.
+    """Minimise the elastic energy from positions p of the balls and u of the inner body; return the number of Newton steps.
 
     p (N, 2) and u (m,): displacements [m]; they and ``state`` are overwritten by the result. load: sum of the magnitudes of
     the applied forces [N]. The iteration ends when the largest unbalanced force is below ``goal`` times the sum of all
@@ -191,7 +193,7 @@ def minimise_each(
     goal: float,
     limit: int,
 ) -> None:
-    """Minimise the energy of N independent balls, each with its own inner body that moves along ``along`` (2,).
+    """Minimise the energy of N independent balls, each with an inner body that only moves in the direction along (2,).
 
     start (N, 4, 2): vectors from the grooves' centres of curvature to the ball's centre along x, z [m]; interference (N,
     4): interference of ball and groove [m], both before any displacement; C (N, 4): Hertz constants [m/N^(2/3)]; given (N,

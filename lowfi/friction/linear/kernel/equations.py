@@ -21,13 +21,14 @@ _OTHER = load_kernel_package(CONTACT, compiled=is_compiled(__name__))
 
 dissipation, solve_with_pivots = _OTHER.dissipation, _OTHER.solve_with_pivots
 
-#: Entries of the banded matrix on either side of its diagonal.
+#: Half bandwidth: number of elements of the banded matrix on either side of its diagonal.
 HALF = 5
 
 #: Columns of the banded matrix: half a band, the diagonal, half a band.
 WIDTH = 11
 
-#: Number of columns while rows are exchanged, because the part right of the diagonal may then grow to twice the half band.
+#: Number of columns of the band while rows are exchanged, because the part right of the diagonal may then grow to twice the
+#: half bandwidth.
 FILLED = 16
 
 
@@ -50,15 +51,16 @@ def solve_two_banded_systems(K: Array, A: Array, x: Array, y: Array) -> float:
 def slide_and_spin_friction(s: float, w: float, shape: Array) -> tuple[float, float, float, float, float]:
     """Return the friction of one elliptical contact in motion, over its friction bound, and its derivatives.
 
-    s: sliding speed along the minor axis; w: semi-axis a times spin; shape (4,): (b/a, q0, k1, k3), see ``contact_shape``.
-    Returns the force f and the moment over a, m, which are the gradient of the dissipation s f + w m by s and w, and then
-    its second derivatives by ss, sw and ww. s and w must not both be zero.
+    s: sliding speed along the minor axis; w: semi-axis a times spin (s and w must not both be zero); shape (4,): constants
+    (b/a, q0, k1, k3), see `contact_friction_constants`. Returns the force f and the moment m over a, which are the
+    derivatives of the dissipation s f + w m by s and by w, and then the second derivatives of the dissipation by s s, s w
+    and w w.
     """
     ratio, q0, k1, k3 = shape
     if abs(s) >= abs(w):  # the centre of rotation lies outside the ellipse
         d = dissipation(1.0, ratio, 0.0, s, w, 0.0)
         return d.by_vz, d.by_spin, d.zz, d.z_spin, d.spin_spin
-    # t = c/a: closed form of `contact_shape`, and its derivatives
+    # t = c/a: closed form of `contact_friction_constants`, and its derivatives
     t, sign = s / w, 1.0 if w > 0.0 else -1.0
     h = (k1 - 3.0 * k3 * t * t) / abs(w)
     return sign * t * (k1 - k3 * t * t), sign * (q0 - t * t * (0.5 * k1 - 0.75 * k3 * t * t)), h, -h * t, h * t * t
@@ -68,10 +70,10 @@ def slide_and_spin_friction(s: float, w: float, shape: Array) -> tuple[float, fl
 def regularised_friction(s: float, w: float, shape: Array, eps: float) -> tuple[float, float, float, float, float]:
     """Return the regularised friction of one elliptical contact, over its friction bound, and its derivatives.
 
-    s: sliding speed; w: semi-axis a times spin; shape (4,): see ``contact_shape``; eps: creeping speed. Returns the force
-    and the moment over a, the gradient of the convex function sqrt(phi^2 + eps^2) - eps with Coulomb's dissipation phi(s,
-    w), and its second derivatives by ss, sw and ww. The friction is phi/sqrt(phi^2 + eps^2) times Coulomb's, so that
-    contacts stick at creeping speeds below eps.
+    s: sliding speed; w: semi-axis a times spin; shape (4,): constants (b/a, q0, k1, k3), see `contact_friction_constants`;
+    eps: creeping speed. Returns the force and the moment over a, which are the derivatives by s and by w of the convex
+    function sqrt(phi^2 + eps^2) - eps with Coulomb's dissipation phi(s, w), and then its second derivatives by s s, s w and
+    w w. The friction is phi/sqrt(phi^2 + eps^2) times Coulomb's, so that contacts stick at creeping speeds below eps.
     """
     if s == 0.0 and w == 0.0:
         return 0.0, 0.0, 1.0 / eps, 0.0, shape[1] * shape[1] / eps
@@ -84,10 +86,10 @@ def regularised_friction(s: float, w: float, shape: Array, eps: float) -> tuple[
 
 @kernel
 def force_and_gap_rate(z: float, smooth: float) -> tuple[float, float, float]:
-    """Return the force between two balls, the rate of their gap, and the derivative of the force by z.
+    """Return the force between two balls, the opening rate of their gap, and the derivative of the force by z.
 
     z: unknown of the contact of the two balls; smooth: product of force and rate, zero for exact complementarity. The
-    results obey force - rate = z and force times rate = ``smooth``, neither being negative.
+    results satisfy force - rate = z and force times rate = ``smooth``; neither is negative.
     """
     if smooth == 0.0:
         return max(z, 0.0), max(-z, 0.0), 1.0 if z > 0.0 else 0.0
@@ -102,7 +104,8 @@ def force_and_gap_rate(z: float, smooth: float) -> tuple[float, float, float]:
 def _add_groove_friction(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g: Array) -> None:
     """Add the friction at the grooves to the residual g (4 N,) of all equations and to its banded Jacobian K.
 
-    eps: creeping speed, below which contacts stick, over the carriage's speed.
+    chain: contacts of the N balls; point: present motions; eps: creeping speed, below which contacts stick, over the
+    carriage's speed.
     """
     contacts, slip = chain.contacts, point.slip
     for j in range(contacts.shape[0]):
@@ -127,8 +130,9 @@ def _add_groove_friction(chain: ChainArrays, point: ChainPoint, eps: float, K: A
 def _add_ball_friction(eps: float, bound: float, slope: float, k: int, pair: Array, K: Array, g: Array) -> None:
     """Add the friction between balls k and k + 1 to the residual g (4 N,) of all equations and to its banded Jacobian K.
 
-    pair (N - 1, 3): ``pair`` of `ChainPoint`, whose last two columns are the sliding; eps: creeping speed; bound:
-    coefficient of friction times force; slope: derivative of the bound by z.
+    pair (N - 1, 3): field of `ChainPoint`, whose last two columns are the sliding of balls k and k + 1 on each other; eps:
+    creeping speed over the carriage's speed; bound: coefficient of friction times force; slope: derivative of the bound by
+    the unknown z of the contact.
     """
     i, tx, ty = 4 * k, pair[k, 1], pair[k, 2]
     eta = sqrt(tx * tx + ty * ty + eps * eps)
@@ -148,8 +152,8 @@ def _add_ball_friction(eps: float, bound: float, slope: float, k: int, pair: Arr
 def assemble_equations(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g: Array) -> None:
     """Write the residual of all equations to g (4 N,) and its Jacobian to K (4 N, 11).
 
-    Rows of a ball: its three forces out of balance, and the equation of the gap to the next ball. law: how far the
-    equations are from Coulomb's law and exact complementarity.
+    The rows of a ball are its three forces out of balance and the equation of the gap to the next ball. chain: contacts of
+    the N balls; point: present unknowns; law: how far the equations are from Coulomb's law and exact complementarity.
     """
     pair, drift, z = point.pair, point.drift, point.z
     eps, share, smooth, spring = law
@@ -188,10 +192,10 @@ def assemble_equations(chain: ChainArrays, point: ChainPoint, law: Smoothing, K:
 
 @kernel
 def _add_contact_slips(contacts: Array, point: ChainPoint, x: Array) -> None:
-    """Add the relative motions that motions x (N, 3) of the balls cause at all contacts to ``slip`` and ``pair``.
+    """Add to ``slip`` and ``pair`` of the point the relative motions at all contacts that motions of the balls cause.
 
-    x: velocity and ball radius times two spins, over the carriage's speed; contacts: field of `ChainArrays`; point: has the
-    relative motions ``slip`` and ``pair``, which are overwritten.
+    contacts: field of `ChainArrays`; x (N, 3): the motions, velocity and ball radius times two spins over the carriage's
+    speed.
     """
     slip, pair, _, _ = point
     p, q, nx, ny = x[:, 1:2], x[:, 2:3], contacts[:, :, 0], contacts[:, :, 1]
@@ -203,14 +207,20 @@ def _add_contact_slips(contacts: Array, point: ChainPoint, x: Array) -> None:
 
 @kernel
 def write_contact_slips(chain: ChainArrays, point: ChainPoint) -> None:
-    """Compute the relative motions at all contacts, ``slip`` and ``pair`` of the point, from the balls' motions."""
+    """Write the relative motions at all contacts, ``slip`` and ``pair`` of the point, computed from the balls' motions.
+
+    chain: contacts and nominal motion of the N balls; point: its ``drift`` gives the motions.
+    """
     point.slip[:, :, 0], point.slip[:, :, 1], point.pair[:] = -chain.contacts[:, :, 2], 0.0, 0.0
     _add_contact_slips(chain.contacts, point, chain.nominal + point.drift)
 
 
 @kernel
 def apply_step(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> None:
-    """Add t times a step (4 N,) of the unknowns to the point, with the relative motions that depend on them."""
+    """Add t times a step of all unknowns to the point, and update the relative motions that depend on them.
+
+    chain: contacts of the N balls; step (4 N,): three motions and the unknown z of each ball; t: factor of the step.
+    """
     n = point.drift.shape[0]
     change = t * step[: 4 * n].reshape(n, 4)
     point.z[:] += change[:-1, 3]
@@ -220,9 +230,10 @@ def apply_step(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> 
 
 @kernel
 def reset_open_gaps(point: ChainPoint, eps: float) -> None:
-    """Set the unknown z of every open gap to minus its present rate over the creeping speed eps.
+    """Set the unknown z of every open gap to minus its present opening rate over the creeping speed eps.
 
-    The equations with exact complementarity use this unit; the smoothed ones use the carriage's speed.
+    The equations with exact complementarity need this unit; in the smoothed equations the rate is over the carriage's
+    speed.
     """
     for k in range(point.z.shape[0]):
         if point.z[k] <= 0.0:
@@ -244,10 +255,11 @@ def restore_point(point: ChainPoint, kept: ChainPoint) -> None:
     point.slip[:], point.pair[:], point.drift[:], point.z[:] = kept
 
 
-#: Longest step of a velocity, over the carriage's speed: longer ones, back and forth in the line search, would cost digits.
+#: Largest Newton step of a velocity, over the carriage's speed: longer steps, which the line search takes back, would cost
+#: accuracy.
 LONGEST = 2.0
 
-#: Least damping of velocities: stiffness that is added to the Jacobian's diagonal.
+#: Least stiffness that is added to the Jacobian's diagonal to damp velocities.
 SOFTEST = 1e-14
 
 
@@ -263,7 +275,7 @@ def largest_entry(x: Array) -> float:
 
 @kernel
 def _step_limit(step: Array) -> float:
-    """Return the largest fraction, up to 1, of a step (4 N,) that changes no velocity by more than ``LONGEST``."""
+    """Return the largest fraction, up to 1, of a Newton step (4 N,) that changes no velocity by more than ``LONGEST``."""
     return float(LONGEST / max(LONGEST, np.max(np.abs(step.reshape(-1, 4)[:, :3]))))
 
 
@@ -273,10 +285,10 @@ def semismooth_newton(
 ) -> tuple[int, float]:
     """Solve the equations of a chain by a semismooth Newton method, with steps halved until the residual falls.
 
-    Where it does not fall, velocities are damped by a stiffness of up to ``firmest``, because steps of motions without
-    resistance are noise. ``point`` is the start and is overwritten by the solution; law: smoothing of the equations. The
-    search ends when the largest residual is at most ``tolerance``, or after ``limit`` steps. Returns the number of steps
-    and the largest residual; ``work`` has the equations at the point.
+    Where the residual does not fall, velocities are damped by a stiffness of up to ``firmest``, because in motions without
+    resistance Newton's steps are only noise. ``point`` is the start and is overwritten by the solution; law: smoothing of
+    the equations. The search ends when the largest residual is at most ``tolerance``, or after ``limit`` steps. Returns the
+    number of steps and the largest residual; afterwards ``work`` contains the equations at the point.
     """
     K, factors, g, step, other = work
     assemble_equations(chain, point, law, K, g)
@@ -317,11 +329,12 @@ def semismooth_newton(
 def undamped_newton(
     chain: ChainArrays, point: ChainPoint, law: Smoothing, work: NewtonArrays, tolerance: float, limit: int
 ) -> tuple[int, float]:
-    """Solve the equations of a chain by undamped Newton steps, because at kinks the residual rises before it falls.
+    """Solve the equations of a chain by undamped Newton steps.
 
-    ``point`` is the start and is overwritten; law: smoothing of the equations; ``work``: work arrays. The search ends when
-    the largest residual is at most ``tolerance``, or after ``limit`` steps; if the residual has not fallen then, the point
-    is moved back to where it was. Returns the number of steps and the largest residual.
+    Damping by the residual would fail at kinks, where the residual rises before it falls. ``point`` is the start and is
+    overwritten; law: smoothing of the equations; ``work``: work arrays. The search ends when the largest residual is at
+    most ``tolerance``, or after ``limit`` steps; if the residual is then not below that at the start, the point is moved
+    back there. Returns the number of steps and the largest residual.
     """
     K, factors, g, step, other = work
     assemble_equations(chain, point, law, K, g)

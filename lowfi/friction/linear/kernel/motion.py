@@ -31,17 +31,18 @@ from .equations import (
 #: Creeping speed at the beginning of the path, over the carriage's speed.
 FIRST = 0.1
 
-#: Largest residual of a point on the path, and largest number of Newton steps back to the path.
+#: Largest residual of a point that counts as on the path, and largest number of Newton steps from a predicted point back to
+#: the path.
 ON_PATH, STEPS = 1e-9, 7
 
 #: Step of the path parameter s in the finite difference for derivatives by s.
 DIFFERENCE = 1e-6
 
-#: Distance up to which a corrected point belongs to the same path, also for shorter steps along the path: at folds, a point
-#: with the accepted residual may lie so far from the path.
+#: Distance by which a point may always be corrected, also for short steps along the path: at folds, a point with the
+#: accepted residual may lie as far as this from the path.
 NEAR = 1e-4
 
-#: Length of the first step along the path, shortest length, and the length below which a kink may turn the path.
+#: Length of the first step along the path; shortest length; length below which the path may turn at a kink.
 LENGTH, SHORTEST, KINK = 0.05, 1e-9, 1e-5
 
 
@@ -49,8 +50,9 @@ LENGTH, SHORTEST, KINK = 0.05, 1e-9, 1e-5
 def smoothing_on_path(s: float, eps: float) -> Smoothing:
     """Return the smoothing of the equations at parameter s of the path, 0 to 1.
 
-    With s, the friction between balls rises to its full value, early on the path, and the creeping speed falls to ``eps``
-    at s = 1. Springs hold motions without resistance, because forces are accurate to ``ON_PATH`` only.
+    As s increases, the friction between balls rises to its full value, early on the path, and the creeping speed falls to
+    ``eps``, which it reaches at s = 1. Springs hold balls in motions without resistance, because forces on the path are
+    accurate to ``ON_PATH`` only.
     """
     rest = (1.0 - s) ** 4
     creep = FIRST * exp(s * log(eps / FIRST))
@@ -59,9 +61,10 @@ def smoothing_on_path(s: float, eps: float) -> Smoothing:
 
 @kernel
 def determinant_sign_without_ball_friction(point: ChainPoint) -> float:
-    """Return the sign of the Jacobian's determinant for a chain without friction between balls, whose problem is convex.
+    """Return the sign of the Jacobian's determinant for a chain of N balls without friction between them.
 
-    The row of each of the N - 1 gaps, and the unused last row, changes the sign once.
+    The problem is then convex, and only the rows of the N - 1 gaps and the unused last row change the sign, each once.
+    point: unknowns of the chain, which give N.
     """
     return 1.0 if point.drift.shape[0] % 2 == 0 else -1.0
 
@@ -70,11 +73,11 @@ def determinant_sign_without_ball_friction(point: ChainPoint) -> float:
 def _write_path_tangent(
     chain: ChainArrays, point: ChainPoint, s: float, eps: float, work: NewtonArrays, change: Array, tau: Array
 ) -> float:
-    """Write the tangent of the path at a point; return 1 if the path goes on along it, or -1 if against it.
+    """Write the tangent of the path at a point to tau; return 1 if the path goes on along it, or -1 if against it.
 
     s: parameter of the path at the point; eps: creeping speed at the end of the path; tau (4 N + 1,): tangent of unit
-    length, with four entries for each ball and last that of s, which is positive; change (4 N,): derivative of the residual
-    by s. Both are overwritten. ``work`` must have the equations at the point.
+    length, with four components for each ball and last that of s, which is positive; change (4 N,): derivative of the
+    residual by s. Both are overwritten. ``work`` must contain the equations at the point.
     """
     K, factors, g, _, other = work
     assemble_equations(chain, point, smoothing_on_path(s + DIFFERENCE, eps), factors, other)
@@ -101,11 +104,12 @@ def _correct_to_path(
     length: float,
     fixed: bool,
 ) -> tuple[bool, int, float]:
-    """Correct a predicted point by Newton steps to the path, normal to the tangent tau or, if ``fixed``, at constant s.
+    """Move a predicted point to the path by Newton steps, normal to the tangent tau or, if ``fixed``, at constant s.
 
-    eps: creeping speed at the end of the path; change (4 N,): derivative of the residual by s; length: length of the step
-    along the path. The correction is given up where it exceeds most of this length, because it may lead to another path.
-    Returns whether the point is on the path, the number of Newton steps, and the parameter s there.
+    s: parameter of the path at the point; eps: creeping speed at the end of the path; change (4 N,): derivative of the
+    residual by s; length: length of the step along the path that led to the point. The correction is given up where it
+    exceeds most of this length, because it may lead to another path. Returns whether the point is on the path, the number
+    of Newton steps, and the parameter s there.
     """
     K, factors, g, step, other = work
     n, moved = g.shape[0], 0.0
@@ -131,7 +135,7 @@ def _correct_to_path(
 def _longest_path_step(tau: Array) -> float:
     """Return the longest step along the path that moves no velocity by more than 0.5, and s by no more than 0.1.
 
-    tau (4 N + 1,): tangent of the path, with four entries for each ball and the last one for s. Velocities are over the
+    tau (4 N + 1,): tangent of the path, with four components for each ball and the last one for s. Velocities are over the
     carriage's speed.
     """
     n = tau.shape[0] - 1
@@ -184,27 +188,28 @@ def follow_path(chain: ChainArrays, point: ChainPoint, eps: float, work: NewtonA
 #: solution.
 SPRING = 1e-3
 
-#: Product of ball-to-ball force and rate of the gap in the first, smoothed solution, which shows which balls press on each
-#: other.
+#: Product of ball-to-ball force and opening rate of the gap in the first, smoothed solution, which shows which balls press
+#: on each other.
 ROUND = 1e-3
 
-#: Friction between balls, over that of the grooves, up to which Newton's method may try without the path, and up to
-#: which it may take more than ``FEW`` steps at a creeping speed: beyond, the solution it found was at times another.
-#: Forces of N - 1 contacts that push at random add up like the root of their number.
+#: Friction between balls (coefficient times root of the number of contacts between them): value up to which Newton's method
+#: may be tried without following the path, and value up to which it may take more than ``FEW`` steps at a creeping speed.
+#: Above these values the solution it found was at times another one. Forces of N - 1 contacts that push at random add up
+#: like the root of their number.
 LARGE, SLIGHT = 0.8, 0.3
 
 #: Number of loaded contacts below which a ball has a motion without resistance.
 SUPPORTS = 3
 
-#: Largest damping of velocities in the last solution, and largest number of undamped Newton steps there.
+#: Largest stiffness that damps velocities in the last solution, and largest number of undamped Newton steps there.
 FIRMEST, LEAPS = 1.0, 20
 
-#: Residual that counts as converged between creeping speeds, and largest number of Newton steps at one of them, where
-#: friction between balls is large or not.
+#: Residual that counts as converged while the creeping speed falls, and largest number of Newton steps at each creeping
+#: speed, where friction between balls is large and where it is not.
 COARSE, FEW, MANY = 1e-6, 8, 60
 
-#: Starts of the search for other solutions, and the force that presses pairs in one of them, over the largest friction
-#: bound of a ball.
+#: Number of starts of the search for other solutions, and force that presses pairs of balls together in one of them, over
+#: the largest friction bound of a ball.
 STARTS, PRESSED = 3, 3.0
 
 
@@ -258,13 +263,14 @@ def _reduce_creeping_speed(
 def chain_motion(
     chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float, limit: int
 ) -> tuple[int, float]:
-    """Solve for the motion of the balls and the forces between them, from the ``drift`` of the point, which is moved.
+    """Solve for the motion of the balls and the forces between them.
 
-    eps: creeping speed of the result; tolerance: largest residual aimed at; limit: most Newton steps on the path. The first
-    step has no ball-to-ball friction, so that only a convex problem decides where the solution starts from.
-    Where friction between balls may bring further solutions, and where Newton's method does not follow from there at
-    once while creeping speeds fall, the path by `follow_path` decides, unless the balls all part without that friction.
-    Returns the number of Newton steps and the largest residual.
+    ``point``: its ``drift`` gives the motions from which the search begins; it is overwritten by the solution. eps:
+    creeping speed of the result; tolerance: largest residual aimed at; limit: largest number of Newton steps on the path.
+    The first step has no friction between balls, so that only a convex problem decides where the solution starts from. If
+    friction between balls may cause several solutions, or if Newton's method does not converge from there while creeping
+    speeds fall, the path is followed by `follow_path`, unless all balls separate without that friction. Returns the number
+    of Newton steps and the largest residual.
     """
     total = _solve_without_ball_friction(chain, point, work)
     first = copy_point(point)
@@ -291,7 +297,7 @@ def chain_motion(
 def motion_from_other_start(
     chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float, limit: int, start: int
 ) -> tuple[int, float]:
-    """Solve for motion and forces as `chain_motion`, from one of ``STARTS`` other starts.
+    """Solve for motions and forces as `chain_motion`, from one of ``STARTS`` other starts.
 
     eps: creeping speed of the result; tolerance: largest residual aimed at; limit: largest number of Newton steps on the
     path; start: 0 for the end of the path, 1 for the balls as they move without friction between them, 2 for all pairs
@@ -315,7 +321,7 @@ def motion_from_other_start(
 def motion_from_state(
     chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float
 ) -> tuple[int, float]:
-    """Solve for motion and forces as `chain_motion`, but by Newton's method only, from the state of a similar chain.
+    """Solve for motions and forces as `chain_motion`, but only by Newton's method and from the state of a similar chain.
 
     ``point``: this state, which is overwritten; eps: creeping speed; tolerance: largest residual aimed at. Returns the
     number of Newton steps and the largest residual.

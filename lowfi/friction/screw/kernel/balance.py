@@ -27,9 +27,10 @@ hertz_contact, solve_with_pivots, ROLLING = _OTHER.hertz_contact, _OTHER.solve_w
 
 @kernel
 def semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
-    """Write the semi-axes of Hertz ellipses to a and b (N, 4) [m]; a contact without load gets a vanishing ellipse.
+    """Write the semi-axes of the Hertz contact ellipses to a and b (N, 4) [m].
 
-    force (N, 4): contact forces [N]; C_a, C_b (4,): Hertz constants of the semi-axes [m/N^(1/3)].
+    force (N, 4): contact forces [N]; C_a, C_b (4,): Hertz constants of the semi-axes [m/N^(1/3)]. A contact without load
+    gets an ellipse of vanishing, but not zero size.
     """
     least = max(1e-9 * np.max(force), 1e-30)
     for k in range(force.shape[0]):
@@ -40,9 +41,10 @@ def semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
 
 @kernel
 def write_contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> None:
-    """Write to out (3, 4) the map from a ball's motion to sliding vx, vz [m/s] and spin [rad/s] at one contact.
+    """Write to out (3, 4) the matrix that converts a ball's motion to sliding and spin at one contact.
 
-    n_x, n_z: contact normal along x3, z3. The motion (4,) is given as surface speeds over the nut's speed along the path.
+    Rows: sliding vx, vz [m/s] and spin [rad/s]. Columns: motion of the ball (orbit and three spins) as surface speeds over
+    the nut's speed along the path. groove: geometry of the grooves; n_x, n_z: contact normal along x3, z3.
     """
     affine = groove.affine
     for r in range(3):
@@ -54,7 +56,8 @@ def write_contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) 
 def relative_contact_motion(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, float, float]:
     """Return the relative motion of ball and groove at contact i: vx, vz [m/s] and spin [rad/s].
 
-    rows (3, 4): map of the contact (`write_contact_map`); x (4,): motion of the ball, surface speeds over the nut's speed.
+    groove: geometry of the grooves; i: number of the contact; rows (3, 4): map of the contact (`write_contact_map`); x
+    (4,): motion of the ball, surface speeds over the nut's speed along the path.
     """
     orbit = x[0] - groove.ride[i]
     return (
@@ -66,11 +69,12 @@ def relative_contact_motion(groove: GrooveArrays, i: int, rows: Array, x: Array)
 
 @kernel
 def contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pull: Array, loss: Array) -> None:
-    """Write the relative motion, the friction and the loss at every contact of balls with motions x (N, 4).
+    """Write the relative motion, the friction and the loss at every contact of N balls in given motions.
 
-    x: surface speeds over the nut's speed along the path; eps: regularising speed over the same speed. motion (N, 4, 3):
-    sliding along x, z and spin about y in the contacts' axes, over the same speed; pull (N, 4, 3): friction on the balls
-    along and about the same axes, in the unit of ``BallArrays``; loss (N, 4): force times motion in these units.
+    x (N, 4): motions of the balls, surface speeds over the nut's speed along the path; eps: regularising speed over the
+    same speed. Written are motion (N, 4, 3), sliding along x, z and spin about y in the contacts' axes, over the same
+    speed; pull (N, 4, 3), friction on the balls along and about the same axes, in the unit of force of ``balls``; loss (N,
+    4), force times motion in these units.
     """
     shape, maps, drives = balls.shape, balls.maps, balls.drives
     for k in range(x.shape[0]):
@@ -91,10 +95,10 @@ def contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pul
 
 @kernel
 def ball_on_ball_sliding(groove: GrooveArrays, this: Array, other: Array, eps: float) -> tuple[float, float, float]:
-    """Return two components u, v of the sliding of a ball on the next one, and the size sqrt(u^2 + v^2 + eps^2).
+    """Return the sliding velocity of a ball on the next one, two components u and v, and the size sqrt(u^2 + v^2 + eps^2).
 
-    All speeds are over the nut's speed along the path. this, other (4,): motions of the ball and of the next one; eps:
-    regularising speed.
+    All speeds are over the nut's speed along the path. groove: geometry of the contact of two balls; this, other (4,):
+    motions of the ball and of the next one; eps: regularising speed.
     """
     first, second = groove.first, groove.second
     u, v = 0.0, 0.0
@@ -116,11 +120,12 @@ def neighbour_forces(
     on_ball: Array,
     loss: Array,
 ) -> None:
-    """Write the forces of neighbours on balls to on_ball (N, 3) [N], and the losses of balls that slide to loss (N,) [W].
+    """Write the forces of neighbours on N balls to on_ball (N, 3) [N], and the losses between them to loss (N,) [W].
 
-    x (N, 4): motions of the balls, surface speeds over the nut's speed; f (N,): force of ball k on ball k + 1, here in N;
-    eps: regularising speed over the nut's speed; loss[k] is that of ball k on ball k + 1; push (2, 3), slide (2, 2, 3):
-    directions of the force and of the two tangents as in ``screw.groove.PairGeometry``.
+    x (N, 4): motions of the balls, surface speeds over the nut's speed along the path; f (N,): force of ball k on ball k +
+    1 [N]; eps: regularising speed over the nut's speed; push (2, 3), slide (2, 2, 3): directions of the force and of the
+    two tangents as in `PairGeometry`. on_ball is in x3, y3, z3 and includes friction; loss[k] is that between balls k and k
+    + 1.
     """
     n = f.shape[0]
     on_ball[:] = 0.0
@@ -138,7 +143,7 @@ def neighbour_forces(
 def move_without_neighbours(balls: BallArrays, x: Array) -> None:
     """Overwrite the motions x (N, 4) of loaded balls by their motions of least dissipation without neighbours.
 
-    x: motions before, surface speeds over the nut's speed along the path; those of unloaded balls remain.
+    x: surface speeds over the nut's speed along the path; the motions of unloaded balls are not changed.
     """
     forces, rest, bounds, none, start = np.empty((4, 3)), np.empty(4), np.empty(2), np.zeros(4), int(np.int64(ROLLING))
     for k in range(x.shape[0]):
@@ -146,19 +151,21 @@ def move_without_neighbours(balls: BallArrays, x: Array) -> None:
             least_dissipation(balls.shape[k], balls.maps[k], balls.drives[k], none, start, x[k], forces, rest, bounds)
 
 
-#: Half bandwidth of the matrix, in which a ball's motion (4) and its force on the next ball are one block of five rows.
+#: Half bandwidth of the matrix, which has a block of five rows for each ball: its motion (4) and its force on the next
+#: ball.
 HALF = 9
 
-#: Largest step of a ball's surface speeds, as a fraction of its nominal speed: further off, friction no longer gives the
-#: direction.
+#: Largest Newton step of a ball's surface speeds, as a fraction of the nut's speed along the path: farther away, friction
+#: no longer gives the direction of the step.
 REACH = 0.3
 
 
 @kernel
 def remaining_slack(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
-    """Return the rate at which the gap after ball k stays open, over the nut's speed: the largest less the actual closing.
+    """Return by how much the gap after ball k closes more slowly than it may, over the nut's speed along the path.
 
-    x (N, 4): motions of the balls, surface speeds over the nut's speed.
+    It is the largest rate at which the gap may close (``balls.slack``), less the actual rate at the motions x (N, 4), which
+    are surface speeds over the nut's speed along the path.
     """
     ahead = (k + 1) % x.shape[0]
     return float(groove.closing * (x[ahead, 0] - x[k, 0]) + balls.slack[k])
@@ -166,11 +173,12 @@ def remaining_slack(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -
 
 @kernel
 def balance_residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: float, parts: BalanceParts) -> float:
-    """Write the forces out of balance and the complementarity to ``parts``; return the root of their sum of squares.
+    """Write force balance and complementarity of all balls to ``parts``; return the root of the residuals' square sum.
 
     x (N, 4): motions of the balls, surface speeds over the nut's speed along the path; f (N,): force of ball k on ball k +
-    1 over the unit of force; eps: regularising speed over the nut's speed. Force and remaining rate of the gap are
-    complementary where Fischer-Burmeister's function f + gap - sqrt(f^2 + gap^2) is zero.
+    1 over the unit of force; eps: regularising speed over the nut's speed. Force f and remaining closing rate g of a gap
+    (`remaining_slack`) are complementary where Fischer-Burmeister's function f + g - sqrt(f^2 + g^2) is zero. Derivatives
+    are written to ``parts``, too.
     """
     hold, shape, maps, drives = balls.hold, balls.shape, balls.maps, balls.drives
     nominal, first, second, closing = groove.nominal, groove.first, groove.second, groove.closing
@@ -204,7 +212,7 @@ def balance_residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array
 
 @kernel
 def largest_residual(parts: BalanceParts) -> float:
-    """Return the largest absolute force out of balance or complementarity function in ``parts``."""
+    """Return the largest absolute value of all forces out of balance and complementarity functions in ``parts``."""
     return float(max(np.max(np.abs(parts.balance)), np.max(np.abs(parts.complementarity))))
 
 
@@ -214,10 +222,10 @@ def write_pair_derivatives(
 ) -> None:
     """Write the derivatives of the forces between ball k and the next ball to ``out``, four blocks (4, 5, 5).
 
-    x (N, 4): motions over the nut's speed; f (N,): ball-to-ball forces over the unit of force; eps: regularising speed over
-    the nut's speed. The blocks are those on the diagonal at ball k, right of it, below it, and on the diagonal at the next
-    ball; rows and columns of a block are a ball's motion and its force on the next. slopes (N, 2): derivatives of the
-    complementarity by force and gap.
+    x (N, 4): motions of the balls over the nut's speed; f (N,): ball-to-ball forces over the unit of force; slopes (N, 2):
+    derivatives of the complementarity function by force and by closing rate; eps: regularising speed over the nut's speed.
+    The rows and columns of a block are a ball's motion and its force on the next ball. The blocks are those on the diagonal
+    at ball k, right of it, below it, and on the diagonal at the next ball.
     """
     first, second, closing = groove.first, groove.second, groove.closing
     u, v, size = ball_on_ball_sliding(groove, x[k], x[(k + 1) % f.shape[0]], eps)
@@ -275,9 +283,10 @@ def balance_jacobian(
 
 @kernel
 def ball_after_open_gap(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array) -> int:
-    """Return the number of the ball after the most clearly open gap, at which the equations of a closed track are cut.
+    """Return the number of the ball after the widest open gap, where the ring of equations of a closed track is cut open.
 
-    x (N, 4): motions over the nut's speed; f (N,): ball-to-ball forces over the unit of force.
+    The gap is the one whose remaining closing rate exceeds its ball-to-ball force most. x (N, 4): motions of the balls over
+    the nut's speed; f (N,): ball-to-ball forces over the unit of force.
     """
     start, most = 0, -np.inf
     for k in range(f.shape[0]):

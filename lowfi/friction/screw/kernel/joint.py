@@ -33,8 +33,8 @@ from .balance import (
 #: Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut.
 ON_SCREW = 2
 
-#: Rows of a ball's own part of the equations: forces on it (2), gradient by its motion (4), its force on the screw (3);
-#: columns: its position (2), its motion (4), displacement of the screw in its section (2).
+#: Rows of the equations to which a ball contributes: forces on it (2), gradient by its motion (4), its force on the screw
+#: (3); columns: its position (2), its motion (4), displacement of the screw in its section (2).
 OWN_ROWS, OWN_COLUMNS = 9, 8
 
 
@@ -42,12 +42,13 @@ OWN_ROWS, OWN_COLUMNS = 9, 8
 def _write_dissipation_derivatives(
     groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: float, g: Array, h: Array
 ) -> None:
-    """Write the derivatives of the dissipation D of contact i over its friction bound mu F.
+    """Write the derivatives of the dissipation D of contact i, the dissipated power over the friction bound mu F.
 
-    f: contact force F [N]; rows (3, 4): map of the contact (`write_contact_map`); x (4,): motion of the ball, surface
-    speeds over the nut's speed; eps: regularising speed over the nut's speed. Written are the gradient g (3,) by (vx, vz,
-    spin), the Hessian in h[:3], and the derivative of F g by F in h[3]. The semi-axes grow with F^(1/3), and D(s a, s b,
-    vx, vz, spin) = D(a, b, vx, vz, s spin).
+    groove: geometry and Hertz constants; f: contact force F [N]; rows (3, 4): map of the contact (`write_contact_map`); x
+    (4,): motion of the ball, surface speeds over the nut's speed; eps: regularising speed over the nut's speed. Written are
+    the gradient g (3,) by vx, vz and spin, the Hessian in h[:3], and in h[3] the derivative of the product F g by F. The
+    latter is needed because the semi-axes grow with F^(1/3); it follows from D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s
+    spin).
     """
     cube = f ** (1.0 / 3.0)
     vx, vz, spin = relative_contact_motion(groove, i, rows, x)
@@ -68,10 +69,11 @@ def _write_force_effects(
 ) -> None:
     """Write how the forces of one contact act on the nine rows of `write_ball_equations`.
 
-    load (9,): effect of a unit normal force; pull (9, 3): effect of each component (vx, vz, spin) of the friction. n_x,
-    n_z: contact normal; rows (3, 4): map of the contact (`write_contact_map`); speed: speed of the nut along the path
-    [m/s]; share: fraction of the friction that acts on the loads; along: fraction of the friction along the path that acts
-    on the screw; on: whether the contact is on the screw. The result is linear in (n_x, n_z, rows, along).
+    Written are load (9,), the effect of a unit normal force, and pull (9, 3), the effect of each component (vx, vz, spin)
+    of the friction. n_x, n_z: contact normal; rows (3, 4): map of the contact (`write_contact_map`); speed: speed of the
+    nut along the path [m/s]; share: fraction of the friction that acts on the loads; along: fraction of the friction along
+    the path that acts on the screw; on: whether the contact is on the screw. The result is linear in (n_x, n_z, rows,
+    along).
     """
     load[:] = 0.0
     pull[:] = 0.0
@@ -86,13 +88,13 @@ def _write_force_effects(
 def write_ball_equations(
     system: JointSystem, k: int, p: Array, shift: Array, x: Array, share: float, eps: float, out: Array, by: Array
 ) -> None:
-    """Write what ball k adds to the equations to out (9,) [N], and its derivatives to by (9, 8).
+    """Write the contribution of ball k to the equations to out (9,) [N], and its derivatives to by (9, 8).
 
-    p (2,): displacement of the ball [m]; shift (2,): that of the screw in the ball's section [m]; x (4,): motion of the
-    ball, surface speeds over the nut's speed; share: fraction of the friction that acts on the loads; eps: regularising
-    speed over the nut's speed. Rows: force on the ball in x3, z3 with ``share`` of the friction (2), gradient of the
-    grooves' dissipation by the motion (4), force of the ball on the screw in x3, y3, z3 (3). Columns of ``by``: p (2), x
-    (4), shift (2).
+    system: data of all balls; p (2,): displacement of the ball [m]; shift (2,): displacement of the screw in the ball's
+    section [m]; x (4,): motion of the ball, surface speeds over the nut's speed; share: fraction of the friction that acts
+    on the loads; eps: regularising speed over the nut's speed. Rows: force on the ball in x3, z3 with this fraction of the
+    friction (2), gradient of the grooves' dissipation by the motion (4), force of the ball on the screw in x3, y3, z3 (3).
+    Columns of ``by``: derivatives by p (2), x (4), shift (2).
     """
     cell, groove, balls = system.cell, system.groove, system.balls
     start, interference, C, affine = cell.start, cell.interference, cell.C, groove.affine
@@ -134,7 +136,7 @@ def write_ball_equations(
 #: Number of unknowns of a ball, and half bandwidth of the matrix.
 SIZE, HALF = 7, 12
 
-#: Longest step of positions as a fraction of the groove's reach.
+#: Longest Newton step of positions, as a fraction of the distance of groove centre and ball centre.
 LONGEST_STEP = 0.1
 
 
@@ -144,8 +146,9 @@ def _add_ball_to_ball_contact(
 ) -> None:
     """Add the force and friction between ball k and the next ball to the equations in ``matrix``, with their derivatives.
 
-    at: present unknowns; share: fraction of the friction that acts on the loads; eps: regularising speed over the nut's
-    speed; start: ball whose rows come first, before which a closed track is cut open.
+    system: data of all balls; at: present unknowns; k: number of the ball; share: fraction of the friction that acts on the
+    loads; eps: regularising speed over the nut's speed; start: ball whose rows come first, before which a closed track is
+    cut open.
     """
     groove, balls = system.groove, system.balls
     first, second, closing = groove.first, groove.second, groove.closing
@@ -197,11 +200,12 @@ def _add_ball_to_ball_force(
     share: float,
     matrix: JointMatrix,
 ) -> None:
-    """Add the force between two balls, in the plane of the groove's section, to the balance of one of them.
+    """Add the force between two balls to the force balance of one of them in the plane of its groove section.
 
-    which: 0 for the first ball, 1 for the second; row, other: first row of each ball in the matrix; rub: direction (u, v)
-    of the sliding of the first on the second ball, and its size; f: force between them; mu: coefficient of friction; share:
-    fraction of this force and friction that acts on the loads.
+    system: data of all balls; which: 0 for the first ball, 1 for the second; row, other: first rows of the first and of the
+    second ball in ``matrix``; rub: direction (u, v) of the sliding of the first on the second ball, and size of this
+    sliding; f: force between them; mu: coefficient of friction; share: fraction of this force and its friction that acts on
+    the loads.
     """
     first, second, push, slide = system.groove.first, system.groove.second, system.push, system.slide
     side, K = matrix.side, matrix.band
@@ -230,9 +234,9 @@ def assemble_joint(
 ) -> float:
     """Write residual and Jacobian of all equations to ``matrix``; return the root of the residual's sum of squares.
 
-    at: unknowns; share: fraction of the friction that acts on the loads; eps: regularising speed over the nut's speed;
-    start: ball whose rows come first, before which a closed track is cut open. External forces on the screw are those of
-    the system's ``cell``.
+    system: data of all balls; at: present unknowns; share: fraction of the friction that acts on the loads; eps:
+    regularising speed over the nut's speed; start: ball whose rows come first, before which a closed track is cut open. The
+    external forces on the screw are those in ``system.cell``.
     """
     cell, unit, length, rows = system.cell, system.unit, system.length, system.rows
     hold, nominal = system.balls.hold, system.groove.nominal
@@ -277,9 +281,10 @@ def assemble_joint(
 
 @kernel
 def write_joint_newton_step(matrix: JointMatrix, start: int, length: float, d: JointUnknowns) -> None:
-    """Write Newton's step to d, with positions in m; overwrite ``matrix`` of `assemble_joint` by its factors.
+    """Write Newton's step of all unknowns to d, with positions in m.
 
-    start: ball whose rows come first; length: unit of positions [m]. Positions that no contact resists do not move.
+    matrix: residual and Jacobian from `assemble_joint`, which are overwritten by the factors; start: ball whose rows come
+    first; length: unit of positions [m]. Positions that no contact resists do not move.
     """
     side, side_u, K, columns, lines, corner = matrix
     n, m = d.ball_force.shape[0], side_u.shape[0]
@@ -318,10 +323,10 @@ def newton_joint(
 ) -> tuple[float, int]:
     """Solve loads and motion together by Newton's method, with steps halved until the residual falls.
 
-    ``at`` is the start and is overwritten by the solution; ``share``: fraction of the friction that acts on the loads;
-    ``eps``: regularising speed over the nut's speed. The iteration ends when the residual is at most ``goal``, after
-    ``limit`` steps, or when no step lets the residual fall. Returns the residual (root of the sum of squares) and the
-    number of steps.
+    ``system``: data of all balls; ``at``: unknowns from which the search begins, overwritten by the solution; ``share``:
+    fraction of the friction that acts on the loads; ``eps``: regularising speed over the nut's speed. The iteration ends
+    when the residual is at most ``goal``, after ``limit`` steps, or when no step lets the residual fall. Returns the
+    residual (root of the sum of squares) and the number of steps.
     """
     p, u, x, f = at
     n, m, length, reach = f.shape[0], u.shape[0], system.length, system.cell.reach
