@@ -160,7 +160,7 @@ def ball_socket_depth(m: GrooveMap, groove_socket: SocketSize, side: int) -> flo
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    size : SocketSize
+    groove_socket : SocketSize
         Size of the groove's socket.
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
@@ -198,9 +198,9 @@ def mesh_ball_with_sockets(
         Groove surfaces of the track.
     sockets : tuple[BallSocket, ...]
         Sockets of the ball, one for each contact.
-    socket_size, coarse : float
+    socket_size, far_size : float
         Element sizes at the sockets and far from them [m].
-    cuts : tuple[int, int, int], optional
+    socket_divisions : tuple[int, int, int], optional
         Number of equal parts into which the sockets' edges are divided across, in depth and along.
 
     Returns
@@ -282,9 +282,9 @@ def triangulate_sphere(m: GrooveMap, shell: Shell, socket_rims: list[Index], edg
         Groove surfaces of the track, with the ball's radius.
     shell : Shell
         Surface mesh to which the faces are added.
-    rims : list[Index]
+    socket_rims : list[Index]
         Corner nodes around the rim of each socket.
-    share : float
+    edge_factor : float
         Factor on the default for the longest edge.
     """
     axis, limit = parting_plane_normal(m), edge_factor * BEND[1] * m.ball

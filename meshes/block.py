@@ -50,13 +50,13 @@ def graded_coordinates(cell_length: float, fine_length: float, block_edge: float
 
     Parameters
     ----------
-    cell : float
+    cell_length : float
         Length of the equal cells [m].
-    core : float
+    fine_length : float
         Length from 0 that the equal cells cover at least [m].
-    size : float
+    block_edge : float
         Last coordinate, the edge of the block [m].
-    growth : float
+    growth_ratio : float
         Largest ratio of the lengths of neighbouring cells, above 1.
 
     Returns

@@ -243,7 +243,7 @@ def key_of_result(function: Callable[..., object], arguments: tuple[object, ...]
 
     Parameters
     ----------
-    function, arguments, type_
+    function, arguments, result_class
         Function, its arguments, and the class of its result, as for `Cache.get`.
 
     Returns
@@ -349,7 +349,7 @@ def cached_on_disk(result_class: type[T]) -> Callable[[Callable[P, T]], Callable
 
     Parameters
     ----------
-    type_ : type[T]
+    result_class : type[T]
         Class of the results: a number, or a record of this package.
 
     Returns
@@ -390,7 +390,7 @@ def record_to_bytes(value: object) -> bytes:
 
     Examples
     --------
-    >>> unpack_record(pack_record((1, {"a": [2.5, None]})))
+    >>> record_from_bytes(record_to_bytes((1, {"a": [2.5, None]})))
     (1, {'a': [2.5, None]})
     """
     arrays: list[Any] = []

@@ -83,7 +83,7 @@ def draw_ball_radii(scene: Scene, rng: np.random.Generator, return_path_balls: i
         Scene with the errors of the balls.
     rng : np.random.Generator
         Generator of random numbers; not used where ``sigma`` is 0.
-    others : int | None, default None
+    return_path_balls : int | None, default None
         Number of balls in the return paths of a screw; if given, their radii are drawn instead, without listed errors.
 
     Returns
@@ -176,7 +176,7 @@ def are_in_shifted_half(scene: Scene, axial_positions: Array) -> Mask:
     ----------
     scene : Scene
         Scene with the nut's position and the ball radius.
-    station : (n,) Array
+    axial_positions : (n,) Array
         Axial positions of the balls [m].
 
     Returns
@@ -258,7 +258,7 @@ def draw_specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen
     >>> import rollbench
     >>> from rollbench.meshes.helix import ball_layout
     >>> scene = rollbench.read("lin-case1")
-    >>> specimen(scene, ball_layout(scene)).ball_radius[:2].tolist()
+    >>> draw_specimen(scene, ball_layout(scene)).ball_radius[:2].tolist()
     [0.002778, 0.002778]
     """
     return _evaluate_at_balls(scene, layout, draw_errors(scene, member))

@@ -46,7 +46,7 @@ def build_mesh(
         Coordinates of the nodes [m].
     cells : (m, nodes) Index
         Nodes of each cell, in gmsh's order.
-    kind : str
+    element_type : str
         Type of the element: P1, P2, Q1 or Q2.
     boundaries : dict of (k, 3 or more) Index, optional, default None
         For the name of each boundary, the nodes of its faces; a face's corners come first.
@@ -285,7 +285,7 @@ def mesh_rectangular_grid(x: Array, y: Array, z: Array, element_type: str, *, le
     ----------
     x, y, z : Array
         Ascending coordinates of the grid planes [m].
-    kind : str
+    element_type : str
         Type of the element: Q1 or Q2.
     left_handed : bool, default False
         Whether to order the nodes of each cell left-handed, for points that are mirrored afterwards.
@@ -376,7 +376,7 @@ def shape_function_gradients(element: Element, reference_points: Array | None = 
     ----------
     element : Element
         Element type of scikit-fem.
-    at : (3, q) Array or None, default None
+    reference_points : (3, q) Array or None, default None
         Reference coordinates of the points; None for the element's nodes.
 
     Returns
@@ -413,7 +413,7 @@ def scaled_jacobians(mesh: Mesh) -> Array:
     Examples
     --------
     >>> edge = np.array([0.0, 1.0])
-    >>> scaled_jacobians(tensor_grid(edge, edge, edge, "Q1")).round(12).tolist()
+    >>> scaled_jacobians(mesh_rectangular_grid(edge, edge, edge, "Q1")).round(12).tolist()
     [1.0]
     """
     return _smallest_jacobian_of_cells(mesh, mesh.dofs.element_dofs.T)
@@ -439,7 +439,7 @@ def _scaled_jacobians_at_points(x: Array, gradients: Array) -> Array:
     ----------
     x : (m, n, 3) Array
         Coordinates of the n nodes of each cell [m].
-    table : (q, n, 3) Array
+    gradients : (q, n, 3) Array
         Gradients of the shape functions in reference coordinates, at the q points.
 
     Returns
@@ -513,7 +513,7 @@ def move_inner_midside_nodes(mesh: Mesh, fixed_nodes: Index, at: Array | None = 
     ----------
     mesh : Mesh
         Mesh of second-order tetrahedra.
-    surface : Index
+    fixed_nodes : Index
         Nodes that are not moved.
     at : (3, q) Array or None, default None
         Reference coordinates of the points at which a cell's scaled Jacobian is computed; None for its nodes.
@@ -561,7 +561,7 @@ def straighten_bent_edges(mesh: Mesh, fixed_nodes: Index, at: Array | None = Non
     ----------
     mesh : Mesh
         Mesh of second-order tetrahedra.
-    keep : Index
+    fixed_nodes : Index
         Nodes that are not moved.
     at : (3, q) Array or None, default None
         Reference coordinates of the points at which a cell's scaled Jacobian is computed; None for its nodes.
@@ -650,7 +650,7 @@ def largest_arc_deviation(x3: Array, z3: Array, centre: Array, radius: float) ->
 
     Examples
     --------
-    >>> arc_deviation(np.array([3.0, 0.0]), np.array([0.0, 3.5]), np.zeros(2), 3.0)
+    >>> largest_arc_deviation(np.array([3.0, 0.0]), np.array([0.0, 3.5]), np.zeros(2), 3.0)
     0.5
     """
     return float(np.abs(np.hypot(x3 - centre[0], z3 - centre[1]) - radius).max(initial=0.0))

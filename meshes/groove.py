@@ -267,7 +267,8 @@ class Groove:
         Returns
         -------
         r, zeta, psi : Array
-            Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by `GrooveMap.unroll`.
+            Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by
+            `GrooveMap.section_to_unrolled`.
         """
         return self.m.section_to_unrolled(*self.m.polar_to_section(side, gamma, np.full(gamma.shape, self.m.radius[side])))
 
@@ -340,13 +341,13 @@ def helix_in_plane_coordinates(
 
     Parameters
     ----------
-    line : float
+    helix_constant : float
         Constant z - r_g phi of the groove [m].
     zeta : float
         Axial coordinate of the curve on the groove's section [m].
     rg : float
         Lead per radian [m/rad].
-    at : float | None, default None
+    second_coordinate : float | None, default None
         Second plane coordinate of all points; None: their axial position z.
 
     Returns
@@ -389,11 +390,11 @@ def outer_surfaces_of_flanged_nut(
     ----------
     flange : Flange
         Dimensions of the flange.
-    outer : float
+    outer_radius : float
         Outer radius of the nut [m].
-    z : tuple[float, float]
+    end_positions : tuple[float, float]
         Axial positions of the nut's ends [m].
-    least : float, default SAME
+    smallest_width : float, default SAME
         Smallest width of a surface [m]. A narrower ring between the flange's fixed ring (its seat) and its rim, or the
         nut's outer surface, is added to the seat; a shorter centring fit is ignored. Otherwise the straight edges of
         neighbouring circles would intersect in the mesh.

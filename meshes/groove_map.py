@@ -146,7 +146,7 @@ class GrooveMap:
         --------
         >>> import rollbench
         >>> m = GrooveMap.of(rollbench.read("lin-case1"))
-        >>> [round(1e3 * x, 3) for x in m.relative_radii(0, m.beta)]  # mm
+        >>> [round(1e3 * x, 3) for x in m.relative_curvature_radii(0, m.beta)]  # mm
         [18.991, 2.458]
         """
         outward = float(self.signs[side, 0] * np.cos(angle))  # negative on the screw
@@ -213,7 +213,7 @@ class GrooveMap:
         --------
         >>> import rollbench
         >>> m = GrooveMap.of(rollbench.read("lin-case1"))
-        >>> r, zeta, _ = m.unroll(np.array([1e-3]), np.array([2e-3]))
+        >>> r, zeta, _ = m.section_to_unrolled(np.array([1e-3]), np.array([2e-3]))
         >>> [float(x.round(12)[0]) for x in m.roll(r, zeta)]
         [0.001, 0.002]
         """

@@ -34,7 +34,7 @@ def lead_per_radian(track: Track) -> float:
     Examples
     --------
     >>> from math import radians
-    >>> round(1e3 * reduced_lead(Track(16.5e-3, 20e-3, radians(45.0))), 4)  # mm/rad
+    >>> round(1e3 * lead_per_radian(Track(16.5e-3, 20e-3, radians(45.0))), 4)  # mm/rad
     3.1831
     """
     return (1.0 if track.hand == "right" else -1.0) * track.lead / (2.0 * pi)
@@ -234,15 +234,15 @@ def evenly_spaced_azimuths(
 
     Parameters
     ----------
-    balls : int
+    balls_of_circuit : int
         Number of loaded balls in one circuit.
     turns : float
         Number of loaded turns of one circuit.
-    phase : float
+    helix_azimuth : float
         Azimuth of the centre of all circuits together [rad].
     circuits : int, default 1
         Number of circuits of a start.
-    gap : float, default 0.0
+    circuit_gap : float, default 0.0
         Number of turns without balls between two circuits.
 
     Returns
@@ -253,7 +253,7 @@ def evenly_spaced_azimuths(
     Examples
     --------
     >>> from math import degrees
-    >>> [round(degrees(x)) for x in spread_over_turns(4, 1.0, 0.0)]
+    >>> [round(degrees(x)) for x in evenly_spaced_azimuths(4, 1.0, 0.0)]
     [-135, -45, 45, 135]
     """
     spacing, pitch = 2.0 * pi * turns / balls_of_circuit, 2.0 * pi * (turns + circuit_gap)

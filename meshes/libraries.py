@@ -87,7 +87,7 @@ def reason_of_failed_import(package: str) -> str:
 
     Examples
     --------
-    >>> import_fault("numpy"), import_fault("no-such-package")
+    >>> reason_of_failed_import("numpy"), reason_of_failed_import("no-such-package")
     ('', 'no-such-package is not installed')
     """
     try:

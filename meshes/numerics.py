@@ -93,7 +93,7 @@ def pairs_of_close_points(points: Array, largest_distance: float) -> Index:
     ----------
     points : (n, 3) Array
         Points [m].
-    reach : float
+    largest_distance : float
         Largest distance [m].
 
     Returns
@@ -103,7 +103,7 @@ def pairs_of_close_points(points: Array, largest_distance: float) -> Index:
 
     Examples
     --------
-    >>> close_pairs(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [9.0, 0.0, 0.0]]), 2.0).tolist()
+    >>> pairs_of_close_points(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [9.0, 0.0, 0.0]]), 2.0).tolist()
     [[0, 1]]
     """
     if len(points) > FEW:

@@ -85,11 +85,11 @@ def contacts_merge_at_apex(groove_radius: float, contact_angle: float, ball_radi
 
     Parameters
     ----------
-    groove : float
+    groove_radius : float
         Radius of the groove [m].
-    angle : float
+    contact_angle : float
         Contact angle [rad].
-    ball : float
+    ball_radius : float
         Radius of the ball [m].
 
     Returns
@@ -99,7 +99,7 @@ def contacts_merge_at_apex(groove_radius: float, contact_angle: float, ball_radi
 
     Examples
     --------
-    >>> near_apex(3.254e-3, 0.05, 2.778e-3), near_apex(3.254e-3, 0.7, 2.778e-3)
+    >>> contacts_merge_at_apex(3.254e-3, 0.05, 2.778e-3), contacts_merge_at_apex(3.254e-3, 0.7, 2.778e-3)
     (True, False)
     """
     return groove_radius * sin(contact_angle) < NEAR * ball_radius
@@ -182,7 +182,7 @@ def free_contact_angle(centre_distance: float, radial: float | None, axial: floa
 
     Parameters
     ----------
-    A : float
+    centre_distance : float
         Distance between the groove centres in contact [m], from `distance_of_groove_centres`.
     radial : float | None
         Radial internal clearance P_d [m]; used where ``axial`` is None.
@@ -205,7 +205,7 @@ def free_contact_angle(centre_distance: float, radial: float | None, axial: floa
 
     Examples
     --------
-    >>> round(degrees(rest_angle(0.18e-3, 13e-6, None)), 2)
+    >>> round(degrees(free_contact_angle(0.18e-3, 13e-6, None)), 2)
     15.44
     """
     share = (radial if axial is None else axial or 0.0) or 0.0

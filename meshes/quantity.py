@@ -82,10 +82,10 @@ def quantity_field(
 
     Examples
     --------
-    >>> @record
+    >>> @result_record
     ... class Contact:
-    ...     force: float = quantity("force_N", "its load F")
-    >>> Contact(2.0).force, stated_in(Contact)[0][1].definition
+    ...     force: float = quantity_field("force_N", "its load F")
+    >>> Contact(2.0).force, quantity_descriptions(Contact)[0][1].definition
     (2.0, 'its load F')
     """
     stated = QuantityDescription(key, definition, error, heading, form, parts, show, expected, note), *also

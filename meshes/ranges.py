@@ -55,7 +55,7 @@ class Quantity:
 
         Examples
         --------
-        >>> quantity_of(ContactAngle).allowed
+        >>> quantity_of_type(ContactAngle).allowed
         'above 0 deg, below 90 deg'
         """
         if not (self.above or self.below):
@@ -88,7 +88,7 @@ class Quantity:
 
         Examples
         --------
-        >>> quantity_of(Size).si_value("32 mm")
+        >>> quantity_of_type(Size).si_value("32 mm")
         0.032
         """
         number, low, high = (self._number(v) for v in (value, self.low, self.high))
@@ -123,7 +123,7 @@ class Quantity:
 
         Examples
         --------
-        >>> quantity_of(Size).written(0.032), quantity_of(Force).written(250.0)
+        >>> quantity_of_type(Size).text_with_unit(0.032), quantity_of_type(Force).text_with_unit(250.0)
         ('32 mm', '250 N')
         """
         if self.dimension == "number":
@@ -261,7 +261,7 @@ def quantity_of_type(annotated_type: Any) -> Quantity:
 
     Parameters
     ----------
-    of : Any
+    annotated_type : Any
         Annotated type with a `Quantity`.
 
     Returns

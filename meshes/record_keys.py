@@ -139,7 +139,7 @@ def digest_of_values(*parts: object) -> str:
 
     Examples
     --------
-    >>> digest(3) == digest(3.0), len(digest(3))
+    >>> digest_of_values(3) == digest_of_values(3.0), len(digest_of_values(3))
     (True, 64)
     """
     return hashlib.sha256(f"form {FORM}: {canonical_text(parts)}".encode()).hexdigest()
@@ -166,7 +166,7 @@ def canonical_text(value: object) -> str:
 
     Examples
     --------
-    >>> canonical((3, 3.0, 0.1, -0.0, True, "a", None))
+    >>> canonical_text((3, 3.0, 0.1, -0.0, True, "a", None))
     '(3, 3, 0.1, -0, True, "a", None)'
     """
     write = _WRITERS.get(type(value))

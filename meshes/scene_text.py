@@ -56,7 +56,7 @@ def toml_of_tables(tables: Mapping[str, Any]) -> str:
 
     Examples
     --------
-    >>> print(to_toml({"title": "Two balls", "balls": {"count": 2}}), end="")
+    >>> print(toml_of_tables({"title": "Two balls", "balls": {"count": 2}}), end="")
     title = "Two balls"
     <BLANKLINE>
     [balls]
@@ -426,7 +426,7 @@ def without_empty_values(**table: Any) -> Table:
 
     Examples
     --------
-    >>> given_keys(a=1, b=None, c="", d=[])
+    >>> without_empty_values(a=1, b=None, c="", d=[])
     {'a': 1}
     """
     return {name: value for name, value in table.items() if value not in (None, "", [], {})}
@@ -437,7 +437,7 @@ def value_with_unit_text(annotated_type: Any, value: float) -> str | float:
 
     Parameters
     ----------
-    of : Any
+    annotated_type : Any
         Annotated type from `ranges` that defines the unit, such as ``Size``.
     value : float
         Value in SI units.

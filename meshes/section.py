@@ -119,7 +119,7 @@ def grooved_volume_ratio(scene: Scene) -> float:
     Examples
     --------
     >>> import rollbench
-    >>> round(volume_ratio(rollbench.read("lin-case1")), 4)
+    >>> round(grooved_volume_ratio(rollbench.read("lin-case1")), 4)
     0.9368
     """
     track = scene.track
@@ -149,7 +149,7 @@ def shear_coefficient(diameter_ratio: float, poisson: float) -> float:
 
     Parameters
     ----------
-    ratio : float
+    diameter_ratio : float
         Ratio of inner to outer radius, from 0 (solid) to 1.
     poisson : float
         Poisson's ratio.
@@ -297,7 +297,7 @@ def merge_close_positions(stations: Array, preferred: Array) -> Array:
     ----------
     stations : (n,) Array
         Axial positions [m], in any order.
-    exact : Array
+    preferred : Array
         Axial positions [m] that are preferred to others close to them.
 
     Returns
@@ -381,9 +381,9 @@ def beam_nodes(scene: Scene, contact_positions: Array, *, whole_screw: bool = Fa
     ----------
     scene : Scene
         Scene whose ``ingredients.partition`` selects the nodes.
-    stations : Array of any shape
+    contact_positions : Array of any shape
         Axial positions of the contacts [m].
-    everything : bool, default False
+    whole_screw : bool, default False
         Whether to include the elements beyond the outermost support, load or contact, which are free of load.
 
     Returns
@@ -410,7 +410,7 @@ def enclosing_nodes(nodes: Array, enclosed: Array) -> tuple[Array, int]:
     ----------
     nodes : (n,) Array
         Ascending axial positions of the nodes [m].
-    needed : Array
+    enclosed : Array
         Axial positions [m] that the selected nodes enclose.
 
     Returns

@@ -227,7 +227,7 @@ def sine_of_smallest_angle(corners: Array) -> Array:
 
     Examples
     --------
-    >>> corner_sine(np.array([[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]])).round(4).tolist()
+    >>> sine_of_smallest_angle(np.array([[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]])).round(4).tolist()
     [0.7071]
     """
     u, v, w = (corners[:, (k + 1) % 3] - corners[:, k] for k in range(3))
@@ -384,9 +384,9 @@ def gmsh_size_callback(length_function: Placing, cube_edge: float, block: tuple[
 
     Parameters
     ----------
-    lengths : Placing
+    length_function : Placing
         Function that returns the edge lengths [m] at points ``(n, 3)`` [m].
-    grain : float
+    cube_edge : float
         Edge of the cubes in which the edge length counts as constant [m].
     block : tuple[int, int, int]
         Number of cubes along x, y and z that are evaluated at once.
@@ -720,11 +720,11 @@ def graded_size_function(
 
     Parameters
     ----------
-    near : (k, 3) Array
+    fine_points : (k, 3) Array
         Points around which the mesh is fine [m].
-    smallest_size, coarse : float
+    smallest_size, largest_size : float
         Edge length up to the distance ``fine_distance``, and from the distance ``coarse_distance`` on [m].
-    fine_distance, last : float
+    fine_distance, coarse_distance : float
         Distances between which the edge length grows linearly [m].
 
     Returns

@@ -91,9 +91,9 @@ def mesh_socket_faces(point_map: Callable[[Array], Array], divisions: tuple[int,
 
     Parameters
     ----------
-    place : Callable[[Array], Array]
+    point_map : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
-    cuts : tuple[int, int, int]
+    divisions : tuple[int, int, int]
         Number of equal parts into which the edges are divided across, in depth and along.
 
     Returns
@@ -142,11 +142,11 @@ def mesh_socket_of_flank(
 
     Parameters
     ----------
-    places : Callable[[int], Callable[[Array], Array]]
+    point_map_of_flank : Callable[[int], Callable[[Array], Array]]
         Function that returns, for a flank, the map of local coordinates to points.
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
-    cuts : tuple[int, int, int]
+    divisions : tuple[int, int, int]
         Number of equal parts into which the edges are divided across, in depth and along.
 
     Returns
@@ -171,7 +171,7 @@ def bulge_faces(xi: Array, bulge_ratio: float) -> Array:
     ----------
     xi : (n, 3) Array
         Local coordinates of points on the faces.
-    share : float
+    bulge_ratio : float
         Approximate ratio of the displacement to the size of the faces.
 
     Returns
@@ -252,7 +252,8 @@ def unrolled_socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float
     Returns
     -------
     r, zeta, psi : float
-        Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by `GrooveMap.unroll`.
+        Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by
+        `GrooveMap.section_to_unrolled`.
     """
     x3, z3 = m.polar_to_section(side, np.array(m.beta), np.array(m.radius[side]))
     r, zeta, psi = m.section_to_unrolled(x3, z3)
@@ -345,7 +346,7 @@ def section_angles_of_flank(m: GrooveMap, side: int, land_radius: float) -> tupl
         Groove surfaces of the track.
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
-    land : float
+    land_radius : float
         Radius of the lands [m].
 
     Returns
@@ -493,7 +494,7 @@ def wall_under_socket(m: GrooveMap, size: SocketSize, side: int, wall_radius: fl
         Size of the socket (box left free for a fine contact patch).
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
-    beyond : float
+    wall_radius : float
         Radius of the screw's bore, or outer radius of the nut [m].
 
     Returns
@@ -591,7 +592,7 @@ def largest_fitting_socket(
         Radii of the screw's land and bore, and of the nut's land and outer surface [m].
     ends : tuple[float, float]
         Axial positions of the flat ends nearest the balls, those of the nut [m].
-    need : tuple[float, float], optional
+    contact_half_lengths : tuple[float, float], optional
         Half lengths of the contact zone from its nominal centre: across the groove along its arc, and along the track [m].
 
     Returns
@@ -760,7 +761,7 @@ def check_sockets_fit(
         Size of the sockets (boxes left free for the fine contact patches).
     sockets : tuple[tuple[float, float, int], ...]
         For each socket, azimuth [rad] and axial position [m] of its ball, and flank 0 to 3.
-    land_radius, behind : float
+    land_radius, wall_radius : float
         Radius of the lands; radius of the screw's bore or of the nut's outer surface [m].
     ends : tuple[float, float]
         Axial positions of the part's flat ends [m].

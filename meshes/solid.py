@@ -93,7 +93,7 @@ def largest_groove_depths(scene: Scene) -> tuple[float, float]:
     Examples
     --------
     >>> import rollbench
-    >>> [round(1e3 * x, 3) for x in groove_depths(rollbench.read("lin-case1"))]  # mm
+    >>> [round(1e3 * x, 3) for x in largest_groove_depths(rollbench.read("lin-case1"))]  # mm
     [2.9, 2.9]
     """
     radial, across = np.abs(nominal_groove_centres(scene)).T

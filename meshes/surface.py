@@ -43,7 +43,7 @@ def groove_radius_with_slopes(gamma: Array, radius: float | Array, profile: Arra
 
     Examples
     --------
-    >>> groove_profile(np.array([0.5]), 3e-3, np.array([1e-6, 2e-6])).ravel().round(9).tolist()
+    >>> groove_radius_with_slopes(np.array([0.5]), 3e-3, np.array([1e-6, 2e-6])).ravel().round(9).tolist()
     [0.002998, -2e-06, 0.0]
     """
     if not profile.size:
@@ -172,10 +172,10 @@ def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma
     Examples
     --------
     >>> import rollbench
-    >>> from rollbench.meshes.errors import specimen
+    >>> from rollbench.meshes.errors import draw_specimen
     >>> from rollbench.meshes.helix import ball_layout
     >>> scene = rollbench.read("lin-case1")
-    >>> drawn = specimen(scene, ball_layout(scene))
+    >>> drawn = draw_specimen(scene, ball_layout(scene))
     >>> principal_curvatures(scene, drawn, 0, np.full(32, scene.track.contact_angle))[0].round(2).tolist()
     [-307.32, 46.75]
     """

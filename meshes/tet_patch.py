@@ -80,9 +80,9 @@ def patch_as_in_thesis(
     ----------
     width, depth, zone
         Dimensions of the patch and its contact zone, as the fields of `TetBox`.
-    fine : float, default 8e-05
+    contact_size : float, default 8e-05
         Edge length in the contact zone, down to a depth of the shorter half width of the zone [m].
-    far : float, default 0.0005
+    edge_size : float, default 0.0005
         Largest edge length [m].
 
     Returns

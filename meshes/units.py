@@ -162,7 +162,7 @@ def dimension_description(dimension: str) -> str:
 
     Examples
     --------
-    >>> dimension_words("length")
+    >>> dimension_description("length")
     'a length, e.g. "20 mm"'
     """
     article = "an" if dimension[0] in "aeiou" else "a"
@@ -289,7 +289,7 @@ def split_quantity_text(text: str) -> tuple[str, str] | None:
 
     Examples
     --------
-    >>> number_and_unit("3.5e-3 N/um"), number_and_unit("12"), number_and_unit("mm")
+    >>> split_quantity_text("3.5e-3 N/um"), split_quantity_text("12"), split_quantity_text("mm")
     (('3.5e-3', 'N/um'), ('12', ''), None)
     """
     text = text.strip()
@@ -307,7 +307,7 @@ def has_comma_in_number(text: str) -> bool:
 
     Examples
     --------
-    >>> has_comma("3,254 mm"), has_comma("3.254 mm")
+    >>> has_comma_in_number("3,254 mm"), has_comma_in_number("3.254 mm")
     (True, False)
     """
     return _COMMA.match(text) is not None
@@ -336,8 +336,8 @@ def standard_unit_spelling(unit: str) -> str:
 
     Examples
     --------
-    >>> tidy_unit("Nmm"), tidy_unit("N*m"), tidy_unit("µm"), tidy_unit("in-lbf")
-    ('N mm', 'N m', 'um', 'lbf in')
+    >>> [standard_unit_spelling(unit) for unit in ("Nmm", "N*m", "µm", "in-lbf")]
+    ['N mm', 'N m', 'um', 'lbf in']
     """
     unit = re.sub(r"\s*(?:(?<!\*)\*(?!\*)|·|\s)\s*", " ", unit.replace("μ", "µ").strip())
     unit = {"µm": "um", "°": "deg", "N/µm": "N/um", "°F": "degF"}.get(unit, unit)

@@ -134,7 +134,7 @@ def number_text(value: float) -> str:
 
     Examples
     --------
-    >>> deck_number(-1.2345678901234567e-105), len(deck_number(-1.2345678901234567e-105))
+    >>> number_text(-1.2345678901234567e-105), len(number_text(-1.2345678901234567e-105))
     ('-1.234567890123e-105', 20)
     """
     return f"{value:.12e}"
@@ -145,7 +145,7 @@ def comma_separated_lines(entries: Iterable[int | str]) -> Iterator[str]:
 
     Examples
     --------
-    >>> list(data_lines(range(18)))
+    >>> list(comma_separated_lines(range(18)))
     ['0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,', '16, 17']
     """
     words = [str(x) for x in entries]

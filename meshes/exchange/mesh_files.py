@@ -49,7 +49,7 @@ def mesh_format(path: Path, given_format: str = "") -> str:
     ----------
     path : Path
         Mesh file.
-    form : str, default ''
+    given_format : str, default ''
         Format, a key of `FORMATS`; where empty, the suffix of the file decides.
 
     Returns
@@ -80,7 +80,7 @@ def check_packages_for_format(file_format: str) -> None:
 
     Parameters
     ----------
-    form : str
+    file_format : str
         Format, a key of `FORMATS`.
     """
     for package in ("meshio", *(("h5py",) if file_format == "med" else ())):
@@ -99,7 +99,7 @@ def loses_nodes_in_format(mesh: Mesh, file_format: str) -> bool:
     ----------
     mesh : Mesh
         The mesh.
-    form : str
+    file_format : str
         Format, a key of `FORMATS`.
 
     Returns
@@ -153,7 +153,7 @@ def write_mesh(
         Fields at the n nodes, by their names; not possible in .inp.
     region : str, default ''
         Name of the group of all cells; where empty, no group is written.
-    form : str, default ''
+    file_format : str, default ''
         Format, a key of `FORMATS`; where empty, the suffix of the file decides.
 
     Raises

@@ -266,7 +266,7 @@ def largest_distance_from_flank(
         Number of the surface in the model.
     shift : float
         Displacement of the nut along z [m].
-    along : int, default 120
+    samples_along : int, default 120
         Number of sample points along each of the surface's two parameters.
 
     Returns

@@ -263,7 +263,7 @@ def triangulate_half_sphere(radius: float, shell: Shell, edge_factor: float, sig
         Radius of the ball [m].
     shell : Shell
         Surface mesh to which the faces are added.
-    share : float
+    edge_factor : float
         Factor on the default for the longest edge.
     sign : float
         1 for the half at y >= 0, -1 for the half at y <= 0.
@@ -324,7 +324,7 @@ def grid_points_in_ellipse(semi_axes: tuple[float, float], step: float) -> Array
 
     Parameters
     ----------
-    half : tuple[float, float]
+    semi_axes : tuple[float, float]
         Semi-axes of the ellipse [m].
     step : float
         Largest distance between neighbouring points of the grid [m].
@@ -354,9 +354,9 @@ def points_on_groove(m: GrooveMap, ball_position: tuple[float, float, int], dist
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    place : tuple[float, float, int]
+    ball_position : tuple[float, float, int]
         Azimuth [rad] and axial position [m] of the ball, and flank 0 to 3.
-    flat : (k, 2) Array
+    distances : (k, 2) Array
         Distances from the contact, across and along the groove [m].
 
     Returns
@@ -380,7 +380,7 @@ def points_on_ball_surface(m: GrooveMap, side: int, radius: float, distances: Ar
         Flank that the ball contacts: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     radius : float
         Radius of the ball [m].
-    flat : (k, 2) Array
+    distances : (k, 2) Array
         Distances from the contact, across and along the groove [m].
 
     Returns
@@ -400,7 +400,7 @@ def move_to_ball_position(m: GrooveMap, ball_position: tuple[float, float], poin
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    at : tuple[float, float]
+    ball_position : tuple[float, float]
         Azimuth [rad] and axial position [m] of the ball.
     points : (n, 3) Array
         Coordinates relative to the centre of a ball at azimuth 0 [m].
