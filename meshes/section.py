@@ -74,7 +74,7 @@ def groove_section(scene: Scene) -> GrooveSection:
 
 
 def axial_range_of_nut_groove(scene: Scene) -> tuple[float, float]:
-    """Return the range of the section angle on a nut's flank, from the apex of the groove to pi/2.
+    """Return the range of the section angle on a flank of the nut, from the apex of the groove to pi/2.
 
     No publication gives the diameter of the nut's lands; so pi/2 is taken instead of the angle at which the flank ends.
 
@@ -298,7 +298,7 @@ def merge_close_positions(stations: Array, preferred: Array) -> Array:
     stations : (n,) Array
         Axial positions [m], in any order.
     preferred : Array
-        Axial positions [m] that are preferred to others close to them.
+        Axial positions [m]; of several close positions, one that is in this array is kept instead of the others.
 
     Returns
     -------
@@ -322,7 +322,10 @@ def merge_close_positions(stations: Array, preferred: Array) -> Array:
 
 
 def _nodes_of_equal_elements(start: float, end: float, length: float) -> Array:
-    """Divide an interval of the shaft into the fewest equal elements of at most ``length`` [m]; return their nodes [m]."""
+    """Divide an interval of the shaft into the fewest equal elements of at most ``length`` [m], and return their nodes [m].
+
+    ``start``, ``end``: axial positions of the interval's ends [m]; both are nodes.
+    """
     count = max(1, ceil((end - start) / length - 1e-9))
     return np.linspace(start, end, count + 1)
 

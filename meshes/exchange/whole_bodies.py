@@ -118,9 +118,9 @@ class HalfRingSurface:
         self._triangulate_faces()
 
     def _divide_section_edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> DividedCurve:
-        """Divide edge k of the ring's cross-section at the azimuth ``phi`` [rad], from its corner k to the next one.
+        """Divide edge k of the ring's cross-section at the azimuth ``phi`` [rad], from corner k to the next corner.
 
-        ``nodes``: numbers of the nodes at the seven corners of this cross-section.
+        ``k``: number of the edge, 0 to 6; ``nodes``: numbers of the nodes at the seven corners of this cross-section.
         """
         ends = int(nodes[k]), int(nodes[(k + 1) % 7])
         if k in (3, 4):
@@ -234,11 +234,11 @@ class HalfRingSurface:
     def _triangulate_swept_face(
         self, name: str, k: int, ends: tuple[float, float], scale: Array, space: Placing, limit: float
     ) -> None:
-        """Triangulate the curved face ``name`` that edge k of the cross-section generates about the axis.
+        """Triangulate the curved face that edge k of the cross-section generates about the axis.
 
-        ``ends``: coordinate along the edge at its two corners; ``scale``: factors that convert the plane coordinates
-        (azimuth, coordinate along the edge) to lengths; ``space``: map of these lengths to points; ``limit``: length of the
-        longest edge [m].
+        ``name``: name of the boundary to which the face belongs; ``ends``: coordinate along the edge at its two corners;
+        ``scale``: factors that convert the plane coordinates (azimuth, coordinate along the edge) to lengths; ``space``:
+        function that maps these lengths ``(n, 2)`` to points ``(n, 3)`` [m]; ``limit``: length of the longest edge [m].
         """
         loop = [(n, x * scale) for n, x in self._around(k, *ends)]
         self.shell.face(name, [loop], space, limit)
@@ -264,7 +264,7 @@ def triangulate_half_sphere(radius: float, shell: Shell, edge_factor: float, sig
     shell : Shell
         Surface mesh to which the faces are added.
     edge_factor : float
-        Factor on the default for the longest edge.
+        Factor on the default length of the longest edge.
     sign : float
         1 for the half at y >= 0, -1 for the half at y <= 0.
     """
@@ -287,7 +287,7 @@ def triangulate_half_sphere(radius: float, shell: Shell, edge_factor: float, sig
 
 @dataclass(frozen=True)
 class Refinement:
-    """Element sizes of a mesh, which grow with the distance from the nearest of some points."""
+    """Element sizes of a mesh, which grow with the distance from the nearest of given points."""
 
     #: Points around which the mesh is fine ``(k, 3)`` [m].
     near: Array
@@ -348,16 +348,17 @@ def grid_points_in_ellipse(semi_axes: tuple[float, float], step: float) -> Array
 
 
 def points_on_groove(m: GrooveMap, ball_position: tuple[float, float, int], distances: Array) -> Array:
-    """Map distances from an expected contact to points on the groove's surface.
+    """Return the points on a groove's surface at given distances from the nominal contact point of a ball.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
     ball_position : tuple[float, float, int]
-        Azimuth [rad] and axial position [m] of the ball, and flank 0 to 3.
+        Azimuth [rad] and axial position [m] of the ball; and the flank: 0 and 1 are left and right on the screw, 2 and 3 on
+        the nut.
     distances : (k, 2) Array
-        Distances from the contact, across and along the groove [m].
+        Signed distances from the nominal contact point, across and along the groove [m].
 
     Returns
     -------
@@ -370,7 +371,7 @@ def points_on_groove(m: GrooveMap, ball_position: tuple[float, float, int], dist
 
 
 def points_on_ball_surface(m: GrooveMap, side: int, radius: float, distances: Array) -> Array:
-    """Map distances from an expected contact to points on the surface of a ball at azimuth 0.
+    """Return the points on the surface of a ball at azimuth 0 at given distances from its nominal contact point.
 
     Parameters
     ----------
@@ -381,12 +382,12 @@ def points_on_ball_surface(m: GrooveMap, side: int, radius: float, distances: Ar
     radius : float
         Radius of the ball [m].
     distances : (k, 2) Array
-        Distances from the contact, across and along the groove [m].
+        Signed distances from the nominal contact point, across and along the groove [m].
 
     Returns
     -------
     (k, 3) Array
-        Coordinates relative to the ball's centre [m].
+        Coordinates of the points relative to the ball's centre [m].
     """
     n, t1, t2 = contact_frame_vectors(m, side)
     ray = n + distances[:, :1] / radius * t1 + distances[:, 1:] / radius * t2
@@ -429,7 +430,7 @@ def mesh_whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> Bod
 
     Returns
     -------
-    WholeBody
+    BodyMeshForExport
         The mesh, without boxes for contact patches.
 
     Raises
@@ -456,7 +457,7 @@ def mesh_whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> Body
 
     Returns
     -------
-    WholeBody
+    BodyMeshForExport
         The mesh.
 
     Raises
@@ -482,7 +483,7 @@ def mesh_half_ring(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> Body
 
     Returns
     -------
-    WholeBody
+    BodyMeshForExport
         The mesh.
 
     Raises
@@ -508,7 +509,7 @@ def mesh_half_ball(radius: float, refinement: Refinement, sign: float) -> BodyMe
 
     Returns
     -------
-    WholeBody
+    BodyMeshForExport
         The mesh.
 
     Raises
