@@ -38,7 +38,7 @@ class LoadCase:
 class DutyCycle:
     """Scene with several load cases of the same parts, in the order of the file."""
 
-    #: Scene without its load cases.
+    #: Scene as the file describes it outside its load cases.
     parts: Scene | Assembly
     #: Load cases.
     cases: tuple[LoadCase, ...]

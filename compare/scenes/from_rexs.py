@@ -41,9 +41,10 @@ Steels = tuple[RexsComponent | None, RexsComponent | None]
 
 @dataclass
 class RexsReader:
-    """REXS file during its conversion, with the user's values and the faults, assumptions and omissions so far.
+    """REXS file during its conversion, with the user's values and the faults, assumptions and omissions found so far.
 
-    ``given``: the user's values by their keys; ``missing``: faults; ``assumed``: assumptions; ``notes``: omitted parts.
+    ``given``: the user's values, as text by the keys of the scene file; ``missing``: faults because of missing attributes;
+    ``assumed``: sentences on assumptions; ``notes``: sentences on parts of the file that are omitted.
     """
 
     path: Path
@@ -56,10 +57,10 @@ class RexsReader:
     def quantity_or_fault(
         self, component: RexsComponent, attribute: str, key: str, names: Iterable[str] = ()
     ) -> str | None:
-        """Return a quantity as text with a unit: the user's value of ``key``, else that of the component's attribute.
+        """Return a quantity as text with a unit: the user's value of ``key``, else the value of the component's attribute.
 
-        ``names``: other attributes that may give the quantity. Without any value, the attribute is recorded as missing, and
-        None is returned.
+        ``key``: key of the scene file for the quantity; ``names``: other attributes that may give it. If there is no value,
+        the attribute is recorded as missing, and None is returned.
         """
         if key in self.given:
             return self.given.pop(key)
@@ -79,9 +80,9 @@ class RexsReader:
 
 
 def attribute_text(attribute: str, value: float) -> str:
-    """Return ``value``, that of a REXS attribute, as text with its unit for a scene file.
+    """Return the value of a REXS attribute as text with its unit, as a scene file needs it.
 
-    ``attribute``: name of the attribute, from which the unit follows.
+    ``attribute``: name of the attribute, from which the unit follows; ``value``: its value in the units of REXS.
     """
     unit = UNITS[attribute]
     return f"{value!r} {SCENE_UNITS.get(unit, unit)}"
@@ -221,9 +222,10 @@ def _plain_section_table(reader: RexsReader, section: RexsComponent) -> Table:
 
 
 def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steels, names: set[str]) -> list[Table]:
-    """Return the tables of a bearing, one for each row, with names that are not yet in ``names``.
+    """Return the tables ``[[sets]]`` of a bearing, one for each of its rows.
 
-    ``steels``: material of the shaft, and default material of all parts.
+    ``steels``: material of the shaft, and default material of all parts; ``names``: names of sets that are used already,
+    and are not given to a row again.
     """
     model, name = reader.model, bearing.name or f"bearing {bearing.id}"
     kind, rows = bearing.word("bearing_type"), model.parts(bearing.id, "rolling_bearing_row") or [bearing]

@@ -29,7 +29,7 @@ MAX_BYTES, MAX_LINE = 4_000_000, 2_500_000
 
 
 def read_scene_file(path: str | Path) -> Scene:
-    """Read a ball screw or bearing from a scene file, whose name without suffix it gets; SceneError for faults."""
+    """Read a ball screw or bearing from a scene file; it is named as the file without suffix. SceneError for faults."""
     return scene_from_text(read_scene_text(path), str(path))
 
 
