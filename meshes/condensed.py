@@ -51,13 +51,14 @@ LARGEST = {"screw": 1e-2, "nut": 1e-2, "ball": 1e-2, "local": 1e-2, "hertz": 1e-
 class CondensedBodies:
     """Compliance of screw, nut and balls between their contacts, along the nominal contact normals from ball to groove.
 
-    There are N balls with k contacts each, k' of them on the screw and as many on the nut. Rows and columns of the matrices
-    are sorted by ball, then by flank.
+    An entry of a matrix is the displacement along one contact normal due to a unit force along another one. There are N
+    balls with k contacts each, k' of them on the screw and as many on the nut. Rows and columns are sorted by ball, then by
+    flank.
     """
 
-    #: Digest of the parts, from `digest_of_geometry`.
+    #: Digest of the scene's parameters on which the compliance depends, from `digest_of_geometry`.
     geometry: str
-    #: Level of refinement of the 3D model's mesh.
+    #: Refinement level of the 3D model's mesh.
     level: int
     #: Flanks (0 to 3) that carry contacts ``(k,)``, ascending.
     sides: Array
@@ -69,8 +70,8 @@ class CondensedBodies:
     nut: Array
     #: Compliance of one ball between its contacts ``(k, k)`` [m/N].
     ball: Array
-    #: Ratio of the approach of a contact to its force F, without the part C F^(-1/3) after Hertz and that of the matrices;
-    #: for each flank at f forces, equal for all balls ``(k, f)`` [m/N].
+    #: Approach of a contact divided by its force F, without the part C F^(-1/3) after Hertz and without the part that the
+    #: matrices give; for each flank at f forces, equal for all balls ``(k, f)`` [m/N].
     local: Array
     #: Forces at which ``local`` is sampled ``(k, f)`` [N].
     force: Array
@@ -78,16 +79,16 @@ class CondensedBodies:
     hertz: Array
 
     def fit_local_law(self, side: int) -> tuple[float, float]:
-        """Fit e F + h F^(4/3) to the approach of a flank's contacts under the force F, without the part after Hertz.
+        """Fit e F + h F^(4/3) to the part of the approach of a flank's contacts that neither Hertz nor the matrices give.
 
-        The first term is the linear elasticity of the bodies. The next term for a smooth contact is of the order of F times
-        the contact area, that is F^(4/3); a logarithm of the contact's size does not fit better. The fit minimises the
-        squared deviations relative to the whole approach.
+        F is the contact force. The first term is the linear elasticity of the bodies. The next term for a smooth contact is
+        of the order of F times the contact area, that is F^(4/3); a logarithm of the contact's size does not fit better.
+        The fit minimises the squared deviations divided by the whole approach.
 
         Parameters
         ----------
         side : int
-            Flank 0 to 3 (SL, SR, NL, NR).
+            Flank 0 to 3 (SL, SR, NL, NR); one of ``sides``.
 
         Returns
         -------
@@ -100,17 +101,17 @@ class CondensedBodies:
         return float(e), float(h)
 
     def scatter(self, side: int) -> float:
-        """Return the RMS deviation of a flank's samples from `fit_local_law` relative to the approach.
+        """Return the RMS deviation of the samples in ``local`` from `fit_local_law`, divided by the whole approach.
 
-        It is the error due to the finite contact grid of the 3D model.
+        It is the error due to the finite contact grid of the 3D model. ``side``: flank 0 to 3 (SL, SR, NL, NR).
         """
         return self._fit_approach(list(self.sides).index(side))[1]
 
     def _fit_approach(self, k: int) -> tuple[Array, float]:
         """Fit the coefficients of `fit_local_law` to the samples of a flank.
 
-        ``k``: index of the flank in ``sides``. Returns the coefficients e and h ``(2,)``, and the RMS deviation of the
-        samples from the fit, relative to the approach.
+        ``k``: index of the flank in ``sides``. Returns the coefficients e [m/N] and h [m/N^(4/3)] ``(2,)``, and the RMS
+        deviation of the samples from the fit, divided by the whole approach.
         """
         force = self.force[k]
         share = np.cbrt(force) / self.hertz[k]

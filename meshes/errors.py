@@ -268,7 +268,7 @@ def draw_specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen
 
 
 def _evaluate_at_balls(scene: Scene, layout: BallLayout, drawn: DrawnErrors) -> Specimen:
-    """Evaluate the errors ``drawn`` at the positions of the scene's balls, ``layout``."""
+    """Evaluate errors at the positions of a scene's balls; ``layout``: these positions; ``drawn``: errors of a specimen."""
     return drawn.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, layout.z, drawn.ball_radius)
 
 
