@@ -258,7 +258,7 @@ def _parse_array(name: str, content: bytes) -> Array:
         raise ValueError(f"a file in which {name} is a damaged array, or one of another type")
     kind, shape = np.dtype(head[1].decode()), tuple(int(n) for n in head[3].replace(b",", b" ").split())
     if math.prod(shape) * kind.itemsize != len(content) - end:
-        raise ValueError(f"a file in which the header of {name} declares an array larger than it is, or smaller")
+        raise ValueError(f"a file in which the header of {name} declares a size other than that of the array")
     return np.ndarray(shape, kind, content, end, order="F" if head[2] == b"True" else "C").copy("K")
 
 
@@ -289,7 +289,7 @@ def _check_condensed_bodies(bodies: CondensedBodies) -> None:
     if bodies.sides.ndim != 1 or not k or any(s not in (0.0, 1.0, 2.0, 3.0) for s in sides) or sides != sorted(set(sides)):
         raise ValueError("a file in which the flanks (sides) are not numbers 0 to 3 in ascending order")
     if {3.0 - s for s in sides} != set(sides):
-        raise ValueError("a file in which a flank (sides) occurs without the opposite one")
+        raise ValueError("a file in which a flank (sides) occurs without the opposite flank")
     square = all(x.ndim == 2 and x.shape[0] == x.shape[1] for x in (bodies.screw, bodies.nut, bodies.ball))
     fits = bodies.ball.shape[0] == k == len(bodies.local) and bodies.hertz.shape == (k,) and bodies.local.ndim == 2
     if not square or not fits or bodies.local.shape != bodies.force.shape:

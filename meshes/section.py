@@ -239,7 +239,7 @@ def screw_section(scene: Scene) -> BeamSection:
     """
     ratio = grooved_volume_ratio(scene)
     if ratio <= 0.0:
-        raise ValueError("the groove's volume exceeds that of the screw")
+        raise ValueError("the groove's volume exceeds the volume of the screw: raise the lead or reduce the groove radius")
     factor = {"groove": sqrt(ratio), "groove squared": ratio, "full": 1.0}[scene.ingredients.section]  # k_r of (C.8)
     return tube_section(scene.screw.outer_diameter * factor, scene.screw.bore, scene.screw.material)
 

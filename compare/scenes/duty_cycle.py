@@ -101,7 +101,7 @@ class CaseOfCycle:
 
 
 def load_cases_by_scene_name(described: Iterable[object]) -> dict[str, CaseOfCycle]:
-    """Return the load cases of all duty cycles among ``described``, by the name of the load case's scene."""
+    """Return the load cases of all duty cycles among the scenes ``described``, by the names SCENE-CASE of their scenes."""
     cycles = [cycle for cycle in described if isinstance(cycle, DutyCycle)]
     return {case.scene.name: CaseOfCycle(cycle, case) for cycle in cycles for case in cycle.cases}
 

@@ -397,7 +397,7 @@ def _without_sign(text: str | None) -> str | None:
 
 
 def _material_table(reader: RexsReader, component: RexsComponent, key: str) -> Table:
-    """Return the table of a material from the elastic constants of the component ``component``; missing ones are faults.
+    """Return the table of a material from the elastic constants of ``component``; missing constants are faults.
 
     ``key``: prefix of the keys with which the user can give missing constants, such as ``material``.
     """
@@ -409,9 +409,10 @@ def _material_table(reader: RexsReader, component: RexsComponent, key: str) -> T
 def _own_material_table(
     reader: RexsReader, steel: RexsComponent | None, default_steel: RexsComponent | None, key: str
 ) -> Table:
-    """Return the material table of a part if its material differs from ``default_steel``, else an empty table.
+    """Return the material table of a part if its material differs from the default, else an empty table.
 
-    ``key``: prefix of the keys with which the user can give missing constants.
+    ``steel``: material of the part, None if unknown; ``default_steel``: default material of all parts, None if there is
+    none; ``key``: prefix of the keys with which the user can give missing constants.
     """
     if steel is None or (default_steel is not None and steel.attributes == default_steel.attributes):
         return {}
@@ -425,7 +426,10 @@ def _bearings_on_shaft(model: RexsModel, shaft: RexsComponent) -> list[RexsCompo
 
 
 def _material_of_elements(model: RexsModel, bearing: RexsComponent) -> RexsComponent | None:
-    """Return the material of the first rolling element of a bearing that has one, else that of the bearing."""
+    """Return the material of the first rolling element of a bearing that has one, else the material of the bearing.
+
+    None is returned if neither has a material.
+    """
     rows = model.parts(bearing.id, "rolling_bearing_row")
     return model.material(*(x.id for row in rows for x in model.parts(row.id, "rolling_element")), bearing.id)
 
@@ -461,8 +465,8 @@ def _load_table(load: RexsComponent, case: dict[str, Value]) -> Table:
 def _case_tables(model: RexsModel, shaft: RexsComponent, loads: list[RexsComponent]) -> list[Table]:
     """Return the tables of the load cases, each with its loads and its share of the operating time.
 
-    ``loads``: components of the loads on the shaft. If the file has a time and a speed for every load case, these are given
-    instead of shares.
+    ``loads``: components of the loads on the shaft. If the file has a time and a speed for every load case, the tables
+    state them instead of shares.
     """
     unit = next((k for k, c in model.components.items() if c.type == "gear_unit"), 0)
     of_unit = [RexsComponent(0, "", "", case.get(unit, {})) for case in model.cases]

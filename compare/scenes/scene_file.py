@@ -154,7 +154,7 @@ def read_scene_text(path: str | Path) -> str:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         near = similar_paths(Path(path), shipped_toml_files("scenes")) if isinstance(error, FileNotFoundError) else ""
-        advice = near or "check the path, or see the shipped scenes with: rollbench list"
+        advice = near or "check the path, or list the scenes of rollbench with: rollbench list"
         raise SceneError(str(path), "file", reason.lower(), allowed, advice) from None
     if len(data) > MAX_BYTES:
         value = f"more than {MAX_BYTES // 1_000_000} MB"

@@ -1,7 +1,7 @@
 """Templates of scene files: commented scenes of every kind, and ball screws of a nominal size such as 40x10.
 
-A commented scene has the values of a shipped scene and lists every other key in a comment. A ball screw of a nominal size
-has typical dimensions, computed by rules that are stated in its comments.
+A commented scene has the values of a scene included in rollbench, and lists every other key in a comment. A ball screw of a
+nominal size has typical dimensions, computed by rules that are stated in its comments.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rollbench.compare.scenes.keys import scene_schema_of_kind
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.meshes.units import toml_text
 
-#: Shipped scenes from which the templates take their values. The template of a ball screw is a separate file.
+#: Scenes included in rollbench from which the templates take their values. The template of a ball screw is a separate file.
 EXAMPLES = {
     "bearing": "bearing-9",
     "bearing ball": "lin-rotary-1",
@@ -33,7 +33,7 @@ EXAMPLES = {
     "screw run": "lin-screw-run",
 }
 
-#: Shipped shafts with several nuts and bearings that serve as templates unchanged.
+#: Scenes of shafts with several nuts and bearings, included in rollbench, that serve as templates unchanged.
 AXES = {"axis": "axis-fixed-fixed", "double nut": "double-nut"}
 
 #: Shafts with bearings, whose templates are separate files.
