@@ -194,7 +194,7 @@ def _conflicting_key_faults(keys: AxisKeys) -> Iterator[Fault]:
     for table, given in (("sets", [s.name for s in keys.sets]), ("housings", names), *of_cases):
         for i, label in enumerate(given):
             if label in given[:i]:
-                yield Fault((f"{table}[{i}].name",), "a unique name", "rename one of the two: results are identified by it")
+                yield Fault((f"{table}[{i}].name",), "a unique name", "rename one of the two: the name identifies results")
     known = ", ".join(names) or "none is described"
     named: list[tuple[str, str | None]] = [(f"sets[{i}].housing", s.housing) for i, s in enumerate(keys.sets)]
     named += [(f"sets[{i}].carrier", s.carrier) for i, s in enumerate(keys.sets)]
@@ -268,7 +268,7 @@ def _set_faults(keys: AxisKeys, number: int, set_keys: SetKeys) -> Iterator[Faul
             advice = "write the direction of the axial force on the shaft that the row carries"
             yield Fault((f"{at}.thrust",), '"+z" or "-z"', advice, "nothing" if set_keys.thrust is None else "")
         if set_keys.rollers.roller_angle * 2.0 >= set_keys.rollers.cup_angle:
-            advice = "check both half angles: the cone's is cup_angle less twice roller_angle"
+            advice = "check both half angles: the half angle of the cone is cup_angle minus twice roller_angle"
             yield Fault((f"{at}.rollers.roller_angle",), "below half the cup_angle", advice)
         else:
             yield from _roller_end_faults(f"{at}.rollers", set_keys.rollers)
@@ -477,7 +477,7 @@ def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fau
     end = 0.0
     for i, p in enumerate(keys.screw.plain):
         if p.start < end - TOLERANCE or p.end <= p.start:
-            allowed = f"from {length_text(end)} to below its own end, {length_text(p.end)}"
+            allowed = f"from {length_text(end)} to below {length_text(p.end)}, the end of this section"
             advice = "list the plain sections from left to right, without overlap"
             yield Fault((f"screw.plain[{i}].start",), allowed, advice)
         if p.bore >= p.diameter:

@@ -388,7 +388,7 @@ def load_case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
             advice = 'write e.g. name = "rapid-travel": the name becomes a part of file names'
             yield Fault((f"{where}.name",), "up to 60 letters, digits, . _ and -", advice)
         if case.name in names[:k]:
-            yield Fault((f"{where}.name",), "a unique name", "rename one of the two: results are identified by it")
+            yield Fault((f"{where}.name",), "a unique name", "rename one of the two: the name identifies results")
         yield from _share_faults(case, where)
         yield from _case_support_faults(keys, case, where)
     if not keys.cases or any((case.share is None) == (case.time is None) for case in keys.cases):
@@ -445,7 +445,7 @@ def _case_support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, case_path: 
                 allowed = f"a freedom that the scene's support fixes ({', '.join(held) or 'none'})"
                 yield Fault((key,), allowed, f"add {name} to fix of the scene's support", name)
             elif (held[name], name) in seen:
-                yield Fault((key,), "each freedom once in a load case", "keep one of the two", f"{name} twice")
+                yield Fault((key,), "each freedom once in a load case", "keep one of the two values", f"{name} twice")
             else:
                 seen.add((held[name], name))
 

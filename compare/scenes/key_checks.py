@@ -116,7 +116,7 @@ def _contact_angle_faults(keys: SceneKeys) -> Iterator[Fault]:
             "leave contact_angle out: it follows from clearance and groove radii; write play of a four-point bearing as "
             "errors.balls.oversize below zero"
         )
-        yield Fault(("track.clearance",), "either contact_angle or clearance", advice, "both of them")
+        yield Fault(("track.clearance",), "either contact_angle or clearance", advice, "both contact_angle and clearance")
     given = [name for name in ("radial", "axial") if getattr(clearance, name) is not None]
     if len(given) != 1:
         value = "both radial and axial" if given else "neither"
@@ -330,8 +330,8 @@ def _preload_faults(keys: SceneKeys) -> Iterator[Fault]:
     given = [name for name in ("force", "oversize", "lead_offset") if getattr(preload, name) is not None]
     if len(given) != 1:
         where = (f"preload.{given[0] if given else 'force'}", "preload")
-        advice = "leave the others out" if given else 'write e.g. force = "500 N"'
-        yield Fault(where, "one of force, oversize and lead_offset", advice, " and ".join(given) or "none of them")
+        advice = "keep one of these keys" if given else 'write e.g. force = "500 N"'
+        yield Fault(where, "one of force, oversize and lead_offset", advice, " and ".join(given) or "none of these keys")
     if preload.lead_offset is not None and keys.track.lead == 0.0:
         advice = "describe the rows of a bearing as [[sets]] with an offset"
         yield Fault(("preload.lead_offset",), "only with a lead above 0 mm", advice)

@@ -30,7 +30,7 @@ MM = 1e3
 
 
 class PlacedSet(NamedTuple):
-    """Parts of one ball nut or bearing on a shaft, and their axial position."""
+    """Parts of one ball nut or bearing on a shaft, and their axial positions."""
 
     #: Parts of the ball nut or bearing.
     scene: Scene
@@ -56,7 +56,7 @@ def write_step(path: Path, sets: Sequence[PlacedSet]) -> dict[Path, float]:
     Returns
     -------
     dict[Path, float]
-        For each file written, the largest distance [m] of its surfaces from the exact ones; 0 where they are exact.
+        For each file written, the largest distance [m] of its surfaces from the exact surfaces; 0 where they are exact.
 
     Raises
     ------
@@ -300,7 +300,7 @@ def distances_from_flank(scene: Scene, side: int, points: Array, shift: float) -
     Returns
     -------
     (k,) Array
-        Signed distances [m], positive where a point is further from the groove's centre than the groove radius.
+        Signed distances [m], positive where the distance of a point from the groove's centre exceeds the groove radius.
     """
     track, lead = scene.track, lead_per_radian(scene.track)
     z0 = scene.nut.position + shift

@@ -144,7 +144,7 @@ class HalfRingSurface:
         return self.groove.sides[1 if k == 3 else 0]
 
     def _flank(self, k: int, gamma: Array, phi: float | Array) -> Array:
-        """Return points ``(n, 3)`` [m] on a flank (edge 3 or 4), at section angles and azimuths [rad]."""
+        """Return points ``(n, 3)`` [m] on the flank of edge k (3 or 4), at section angles ``gamma`` and azimuths [rad]."""
         r, zeta = self.groove.profile(self._flank_of_edge(k), gamma)
         return points_from_cylindrical(r, phi, self.line + zeta)
 
@@ -157,9 +157,10 @@ class HalfRingSurface:
         return x[:, 0], x[:, 1]
 
     def _edge_coordinates(self, k: int, t: Array) -> Array:
-        """Return radius and z ``(n, 2)`` [m] along edge k of the cross-section.
+        """Return radius and z ``(n, 2)`` [m] of points along edge k of the cross-section.
 
-        On a flank, t is the section angle [rad]; on a straight edge, the fraction of its length.
+        ``t``: for the two flanks (edges 3 and 4), the section angles of the points [rad]; for a straight edge, their
+        positions as fractions of its length ``(n,)``.
         """
         if k in (3, 4):
             r, zeta = self.groove.profile(self._flank_of_edge(k), t)
@@ -169,8 +170,8 @@ class HalfRingSurface:
     def _around(self, k: int, begin: float, end: float) -> list[Side]:
         """Return the four sides of the face that edge k of the cross-section generates about the axis.
 
-        Plane coordinates of the face are the azimuth [rad] and a coordinate along the edge, from ``begin`` at corner k to
-        ``end``.
+        Plane coordinates of the face are the azimuth [rad] and a coordinate along the edge, which is ``begin`` at corner k
+        and ``end`` at the next corner.
         """
 
         def at(t: Array, phi: float) -> Array:
@@ -217,7 +218,7 @@ class HalfRingSurface:
         return lambda x: self._flank(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
 
     def _end(self, name: str, k: int) -> None:
-        """Triangulate the flat end face that edge k of the cross-section generates about the axis."""
+        """Triangulate the flat face that edge k of the cross-section generates; ``name``: boundary to which it belongs."""
         first, last = (cut[k] for cut in self.cuts)
 
         def end_edge(sign: float) -> Placing:

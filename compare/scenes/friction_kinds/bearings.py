@@ -102,7 +102,7 @@ def _friction_law_faults(friction: LawKeys, speed: float) -> Iterator[Fault]:
     """
     for name, law in (("creep", "regularised"), ("sharpness", "sigmoid"), ("map_step", "sigmoid")):
         if getattr(friction, name) is not None and friction.law != law:
-            yield Fault((f"friction.{name}",), f'only with law = "{law}"', f'remove it, or set law = "{law}"')
+            yield Fault((f"friction.{name}",), f'only with law = "{law}"', f'remove the key, or set law = "{law}"')
     if friction.law == "regularised" and friction.creep is None:
         advice = 'add creep = "0.1 mm/s", the speed below which friction is regularised'
         yield Fault(("friction.creep",), "above 0 m/s", advice, "nothing")
