@@ -56,7 +56,7 @@ class StageDone(str):
     cached: bool
 
     def __new__(cls, stage: str, text: str, *, cached: bool = False) -> StageDone:
-        """Create the message with the text ``stage: text``."""
+        """Create the message ``stage: text``; ``cached``: whether all results of the stage were read from the cache."""
         done = super().__new__(cls, f"{stage}: {text}")
         done.stage, done.cached = stage, cached
         return done

@@ -137,7 +137,10 @@ class CondensedBodies:
 
 
 def _write_arrays(path: Path, values: Mapping[str, Any]) -> None:
-    """Write arrays by their names to a compressed .npz file, which replaces an existing file only when complete."""
+    """Write arrays to a compressed .npz file, which replaces an existing file only when it is complete.
+
+    ``values``: the arrays, by their names in the file.
+    """
     create_folder_for_group(path.parent)
     name = temporary_path(path)
     try:
@@ -244,9 +247,10 @@ def _read_archive_members(content: bytes) -> dict[str, bytes]:
 
 
 def _parse_array(name: str, content: bytes) -> Array:
-    """Read the array ``name`` from bytes in numpy's format.
+    """Read an array from bytes in numpy's format.
 
-    ValueError for another format, or a size that differs from that in the header.
+    ``name``: name of the array, for messages; ``content``: the bytes. ValueError for another format, or for a size other
+    than that in the header.
     """
     length = BEGINNING.get(content[:8])
     first = 8 + (struct.calcsize(length) if length else 0)

@@ -325,7 +325,10 @@ def point_map_at_z(z: float) -> Placing:
 
 
 def circle_in_space(r: float, z: float) -> Placing:
-    """Make the curve in space that is a circle of radius r [m] about the axis, at z [m]; its parameter is the azimuth."""
+    """Make the curve in space that is a circle about the axis; its parameter is the azimuth [rad].
+
+    ``r``: radius of the circle [m]; ``z``: its axial position [m].
+    """
     return lambda t: points_from_cylindrical(r, t, z)
 
 

@@ -140,7 +140,7 @@ def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
 
 
 def _sweep_section_to_hexahedra(section: SectionMesh, layer_distances: Array) -> tuple[Index, Array, Index]:
-    """Extrude a plane mesh to hexahedra whose ends are at the distances ``layer_distances`` [m] from the apex.
+    """Extrude the plane mesh ``section`` to layers of hexahedra that end at ``layer_distances`` [m] from the apex.
 
     Returns three arrays: for each node of the hexahedra its node of the section, and its distance from the apex [m]; then
     the nodes of each hexahedron, in gmsh's order.

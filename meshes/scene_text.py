@@ -499,7 +499,7 @@ def keys_of_record(record: Any, *left_out: str) -> Table:
 
 
 def _value_with_unit(value: Any, quantity: Quantity | None) -> Any:
-    """Write the value of a record's field with its unit; for a tuple, write each entry.
+    """Write the value of a record's field with its unit; for a tuple, return a list with each of its values so written.
 
     ``quantity``: quantity of the field, which defines the unit; None for a field without unit.
     """

@@ -188,7 +188,8 @@ def _corners_around_rim(corners: Array, polygons: list[list[int]]) -> list[int]:
 def _add_patch_volume(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[int, int]:
     """Add the patch to gmsh's model as a volume between plane faces.
 
-    Returns the numbers of two surfaces at depth 0: the contact zone, and the ring around it.
+    ``box``: dimensions of the patch; ``socket``: surface mesh of its faces, None for five plane faces. Returns the numbers
+    of two surfaces at depth 0 in gmsh's model: the contact zone, and the ring around it.
     """
     geo = gmsh.model.geo
     corners, polygons = _socket_faces(socket)

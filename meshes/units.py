@@ -336,7 +336,7 @@ def standard_unit_spelling(unit: str) -> str:
 
     Examples
     --------
-    >>> [standard_unit_spelling(unit) for unit in ("Nmm", "N*m", "µm", "in-lbf")]
+    >>> [standard_unit_spelling(x) for x in ("Nmm", "N*m", "µm", "in-lbf")]
     ['N mm', 'N m', 'um', 'lbf in']
     """
     unit = re.sub(r"\s*(?:(?<!\*)\*(?!\*)|·|\s)\s*", " ", unit.replace("μ", "µ").strip())

@@ -269,7 +269,7 @@ def _solid_table_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _flange_faults(nut: Nut, flange: Flange) -> Iterator[Fault]:
-    """Yield the faults of a flange that is narrower or longer than the nut, or whose fixed annulus exceeds its face."""
+    """Yield the faults of a flange: not wider than its nut, longer than it, or a fixed annulus that exceeds its face."""
     if flange.diameter <= nut.outer_diameter + SMALLEST_WIDTH:
         advice = "check that this is a diameter, not a radius: a flange is wider than its nut"
         yield Fault(("nut.flange.diameter",), f"above {length_text(nut.outer_diameter + SMALLEST_WIDTH)}", advice)

@@ -310,7 +310,7 @@ def schema_part_at_path(schema: dict[str, Any], where: Sequence[int | str]) -> d
 
 
 def _allowed_values(node: Mapping[str, Any]) -> str:
-    """Return a text on the values that a key allows, from its part of the JSON Schema."""
+    """Return a text on the values that a key allows; ``node``: part of the JSON Schema for the key."""
     if "x-allowed" in node:
         return f"{node['x-dimension']}, {node['x-allowed']}"
     if "enum" in node:

@@ -71,7 +71,11 @@ class RexsReader:
         return None
 
     def record_missing_attribute(self, component: RexsComponent, attribute: str, key: str, unit: str = "") -> None:
-        """Record a fault for a missing attribute of a component, with the key by which the user can give its value."""
+        """Record a fault for a missing attribute of a component.
+
+        ``key``: key with which the user can give the value (``--set``); ``unit``: unit of the attribute in REXS, "none" for
+        a number or a word; if it is empty, the unit in `UNITS`.
+        """
         unit = unit or UNITS[attribute]
         where = f"component {component.id} ({component.type} {component.name}), attribute {attribute}"
         example = "a number or a word" if unit == "none" else f"a value with a unit (in REXS: {unit})"
@@ -251,7 +255,10 @@ def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steel
 
 
 def _shift_position(position: str, shift: float) -> str:
-    """Return the position ``position`` along the shaft, a text in mm, shifted by a distance [mm]."""
+    """Return a position along the shaft, as text with its unit, moved by a distance along the shaft.
+
+    ``position``: the position as text in mm; ``shift``: the distance [mm].
+    """
     value, _, unit = position.partition(" ")
     return f"{float(value) + shift!r} {unit}"
 

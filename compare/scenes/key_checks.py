@@ -70,7 +70,10 @@ def simulation_time_faults(time: Time) -> Iterator[Fault]:
 
 
 def conflicting_friction_key_faults(friction: FrictionKeys | None) -> Iterator[Fault]:
-    """Yield the faults of [friction]: a groove without coefficient, or the former key ``coupling`` with its successors."""
+    """Yield the faults of [friction]: a groove without coefficient; or both the former key ``coupling`` and a present one.
+
+    The present keys in place of ``coupling`` are ``feedback`` and ``neighbours``.
+    """
     if friction is not None and friction.coefficient is None and None in (friction.screw, friction.nut):
         advice = "write e.g. coefficient = 0.1, or a coefficient for each groove, screw and nut"
         yield Fault(("friction.coefficient",), "a number from 0 to 2", advice, "nothing")

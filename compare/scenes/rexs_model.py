@@ -254,7 +254,7 @@ def _known_attributes(component: ET.Element, path: Path) -> dict[str, Value]:
 
 
 def _parse_attribute(text: str, unit: str) -> Value:
-    """Return the value of an attribute from its text: true or false, a number, or a word if the unit is "none"."""
+    """Return the value of an attribute from its text: true or false, a number, or a word if ``unit`` is "none"."""
     if text in ("true", "false"):
         return text == "true"
     return float(text) if text and unit != "none" else text

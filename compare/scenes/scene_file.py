@@ -127,7 +127,10 @@ def parse_scene(text: str, file_name: str) -> Described:
 
 @cached_on_disk(ParsedScene)
 def _parse_scene_cached(text: str, file_name: str) -> ParsedScene:
-    """Return the scene that a text describes, read from the cache on disk where it was stored before."""
+    """Return the scene that the text of a file describes, from the cache on disk if it was read before.
+
+    ``text``: text of the scene file; ``file_name``: name of the file, for error messages.
+    """
     from rollbench.compare.scenes.scene_tables import scene_from_tables  # heavy import, not needed for a cached text
 
     return ParsedScene(scene_from_tables(parse_toml(text, file_name), file_name))

@@ -341,10 +341,11 @@ def _write_abaqus_input(
 ) -> None:
     """Write a mesh as an Abaqus input file, with sets of nodes and cells and with surfaces.
 
-    ``cell``: element type by its name in meshio; ``cells``: nodes of the cells; ``faces``: nodes of each boundary's faces,
-    by its name; ``region``: name of the group of all cells, or empty. meshio is not used, because its lines have more than
-    the allowed 16 entries, and its elements are hybrid ones. Numbers have at most the 20 characters that CalculiX reads, so
-    that coordinates are rounded by about 1e-12 of the mesh's size.
+    ``points``: coordinates of the nodes ``(n, 3)`` [m]; ``cell``: element type by its name in meshio; ``cells``: nodes
+    of the cells; ``faces``: nodes of each boundary's faces, by its name; ``region``: name of the group of all cells, or
+    empty. meshio is not used, because its lines have more than the allowed 16 entries, and its elements are hybrid
+    ones. Numbers have at most the 20 characters that CalculiX reads, so that coordinates are rounded by about 1e-12 of
+    the mesh's size.
     """
     text = ["*HEADING", "rollbench; lengths in m", "*NODE, NSET=NALL"]
     text += [
