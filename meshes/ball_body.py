@@ -50,8 +50,8 @@ class BallSocket:
     groove: SocketSize
     #: Depth below the sphere [m].
     depth: float
-    #: Fraction of its length, in the middle, in which its rays pass exactly through the groove's surface (see
-    #: `rays_from_ball_centre`).
+    #: Fraction of the socket's length, about its middle, in which the rays from the ball's centre meet the groove's surface
+    #: at the points with the same local coordinates (see `rays_from_ball_centre`).
     exact: float = 0.5
 
 
@@ -327,7 +327,7 @@ def parting_plane_normal(m: GrooveMap) -> Array:
 
 
 def _check_sockets_of_ball(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
-    """Raise ValueError where a ball has no socket, a socket is too deep or too wide, or two sockets overlap."""
+    """Raise ValueError if ``sockets`` is empty, a socket is too deep or too wide for the ball, or two sockets overlap."""
     if not sockets:
         raise ValueError("the ball has no contacts to mesh: give at least one socket")
     remedy = "make the sockets smaller (rollbench.meshes.sockets.largest_fitting_socket finds a size that fits)"

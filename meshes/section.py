@@ -365,7 +365,7 @@ def nodes_of_whole_beam(scene: Scene, *others: Scene) -> Array:
 
 
 def _nodes_in_nut(scene: Scene) -> Array:
-    """Return the beam's nodes inside the nut [m]."""
+    """Return the axial positions of the beam's nodes inside the nut [m]."""
     nut = scene.nut
     low, high = nut.position - nut.length / 2.0, nut.position + nut.length / 2.0
     if scene.ingredients.partition == "source":

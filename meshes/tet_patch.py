@@ -39,7 +39,7 @@ class TetBox:
     width: tuple[float, float]
     #: Depth of the patch [m].
     depth: float
-    #: Half widths of the contact zone across and along the groove, as fractions of those of the patch.
+    #: Half widths of the contact zone across and along the groove, as fractions of the half widths of the patch.
     zone: tuple[float, float]
     #: Half widths across and along the groove, and depth, of the inner box with the finest cells [m].
     influence: tuple[float, float, float]
