@@ -86,9 +86,9 @@ class Joint:
     first: str
     #: Name of the other housing.
     second: str
-    #: Axial position at which the springs act, on the axis [m].
+    #: Axial position on the shaft's axis at which the springs act [m].
     at: float
-    #: Stiffness matrix for the relative motion of the housings at this position.
+    #: Stiffness matrix ``(6, 6)`` for the motion of the second housing relative to the first one at this position.
     stiffness: Stiffness
 
 
@@ -103,11 +103,11 @@ class RollerRow:
     diameter: Size
     #: Effective length of a roller [m].
     length: Size
-    #: Half included angle of the cup [rad].
+    #: Half included angle of the raceway of the cup (outer ring) [rad].
     cup_angle: ContactAngle
     #: Half included angle of a roller [rad].
     roller_angle: ContactAngle
-    #: Depth of both rings up to which their deformation is considered [m].
+    #: Depth below the raceways of both rings down to which their deformation is considered [m].
     depth: Size
     #: Elastic material of rollers and rings.
     material: Material
@@ -136,7 +136,7 @@ class RollingSet:
 
     #: Name of the rolling set, to which results refer.
     name: str
-    #: Kind of rolling set.
+    #: Type of the rolling set.
     kind: Literal["ball nut", "bearing", "tapered roller bearing"]
     #: Track, grooves, balls and errors as a scene without supports and loads, whose screw is the shaft with the inner
     #: groove of this rolling set; or a row of tapered rollers.
@@ -150,7 +150,7 @@ class RollingSet:
     #: Axial force [N] for which the outer part is displaced at mounting, without external loads, before it is fixed to its
     #: housing; 0 for no preload.
     preload: float = frozen_default(0.0)
-    #: Direction of the thrust on the shaft that the rolling set can carry.
+    #: Direction of the axial force on the shaft that the rolling set can carry.
     thrust: Thrust = frozen_default("both")
     #: Name of the housing to which the inner part belongs, such as that of a bearing around a nut; None for the shaft.
     carrier: str | None = frozen_default(None)

@@ -50,8 +50,8 @@ class BallSocket:
     groove: SocketSize
     #: Depth below the sphere [m].
     depth: float
-    #: Fraction of its length, in the middle, in which its rays pass exactly through the groove's surface (see
-    #: `rays_from_ball_centre`).
+    #: Fraction of the socket's length, about its middle, in which the rays from the ball's centre meet the groove's surface
+    #: at the points with the same local coordinates (see `rays_from_ball_centre`).
     exact: float = 0.5
 
 
@@ -92,7 +92,7 @@ def contact_frame_vectors(m: GrooveMap, side: int) -> Array:
 
 
 def rays_from_ball_centre(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
-    """Return directions from the ball's centre to points given by local coordinates in a socket of the ball.
+    """Return the directions from a ball's centre to points that have given local coordinates in a socket of the ball.
 
     In the middle of the socket, each ray meets the groove's surface at the point with the same section angle and azimuth.
     Beyond the fraction ``socket.exact`` of the length, rays are adjusted so that those at the ends of the socket lie in
@@ -110,7 +110,7 @@ def rays_from_ball_centre(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
     Returns
     -------
     (n, 3) Array
-        Vectors along the rays, whose component along the contact normal is 1.
+        Vectors along the rays, scaled so that their component along the contact normal is 1.
     """
     n, t1, t2 = contact_frame_vectors(m, socket.side)
 
@@ -131,7 +131,7 @@ def rays_from_ball_centre(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
 
 
 def points_in_ball_socket(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
-    """Map local coordinates in a socket of a ball to points, which lie on rays from the ball's centre.
+    """Return the points that have given local coordinates in a socket of a ball; they lie on rays from its centre.
 
     Points at depth 0 are on the sphere, points at depth 1 on a plane normal to the contact normal.
 
@@ -160,7 +160,7 @@ def ball_socket_depth(m: GrooveMap, groove_socket: SocketSize, side: int) -> flo
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    size : SocketSize
+    groove_socket : SocketSize
         Size of the groove's socket.
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
@@ -198,10 +198,10 @@ def mesh_ball_with_sockets(
         Groove surfaces of the track.
     sockets : tuple[BallSocket, ...]
         Sockets of the ball, one for each contact.
-    socket_size, coarse : float
+    socket_size, far_size : float
         Element sizes at the sockets and far from them [m].
-    cuts : tuple[int, int, int], optional
-        Number of equal parts into which the sockets' edges are divided across, in depth and along.
+    socket_divisions : tuple[int, int, int], optional
+        Number of equal parts into which the sockets' edges are divided: across the groove, in depth, and along the groove.
 
     Returns
     -------
@@ -242,10 +242,11 @@ def mesh_ball_with_sockets(
 def _mesh_ball_around_boxes(
     m: GrooveMap, sockets: tuple[BallSocket, ...], boxes: list[tuple[SocketMesh, Array]], fine: float, coarse: float
 ) -> BallBody:
-    """Mesh a ball with given meshes of its sockets' faces.
+    """Mesh a ball around its sockets, whose faces are meshed already.
 
-    ``boxes``: for each socket, the mesh of its faces, and the local coordinates of its corner nodes while the ball is
-    filled, at which the faces bulge; ``fine``, ``coarse``: element sizes at the sockets and far from them [m].
+    ``m``: groove surfaces of the track; ``sockets``: sockets of the ball; ``boxes``: for each socket, the mesh of its
+    faces, and the local coordinates of the corner nodes while gmsh fills the ball, at which the faces bulge; ``fine``,
+    ``coarse``: element sizes at the sockets and far from them [m].
     """
     near = np.concatenate(
         [points_in_ball_socket(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)]
@@ -282,10 +283,10 @@ def triangulate_sphere(m: GrooveMap, shell: Shell, socket_rims: list[Index], edg
         Groove surfaces of the track, with the ball's radius.
     shell : Shell
         Surface mesh to which the faces are added.
-    rims : list[Index]
+    socket_rims : list[Index]
         Corner nodes around the rim of each socket.
-    share : float
-        Factor on the default for the longest edge.
+    edge_factor : float
+        Factor on the default length of the longest edge.
     """
     axis, limit = parting_plane_normal(m), edge_factor * BEND[1] * m.ball
     along = contact_frame_vectors(m, 0)[2]
@@ -326,7 +327,7 @@ def parting_plane_normal(m: GrooveMap) -> Array:
 
 
 def _check_sockets_of_ball(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
-    """Raise ValueError where a ball has no socket, a socket is too deep or too wide, or two sockets overlap."""
+    """Raise ValueError if ``sockets`` is empty, a socket is too deep or too wide for the ball, or two sockets overlap."""
     if not sockets:
         raise ValueError("the ball has no contacts to mesh: give at least one socket")
     remedy = "make the sockets smaller (rollbench.meshes.sockets.largest_fitting_socket finds a size that fits)"
@@ -354,8 +355,8 @@ def _are_inside_cone(outline: Array, points: Array, frame: Array) -> Flags:
     """Find the points inside the cone that runs from the ball's centre through a closed outline; returns a mask ``(n,)``.
 
     ``outline``: points of the outline in order ``(k, 3)``; ``points``: points to test ``(n, 3)``; ``frame``: unit vectors
-    in its rows, the normal of a plane and its two axes ``(3, 3)``. Points and outline are projected onto this plane, and
-    the winding number of the outline about each point is computed.
+    in its rows ``(3, 3)``: the normal of a plane, and two axes in the plane. Points and outline are projected from the
+    ball's centre onto this plane; a point is inside the cone where the outline winds around it.
     """
     before = points @ frame[0] > 0.0
     turn = np.zeros(len(points))

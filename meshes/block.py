@@ -1,7 +1,7 @@
 """Meshes of a quarter block for verifying contact solutions on a half-space: hexahedra or tetrahedra, fine at the contact.
 
 The block fills z > 0; z = 0 is the contact plane. x = 0 and y = 0 are planes of symmetry through the centre of the contact,
-and the half-space is cut off at x, y, z = size.
+and the half-space is cut off at the planes x = size, y = size and z = size, with the block's edge ``size``.
 """
 
 from __future__ import annotations
@@ -50,13 +50,13 @@ def graded_coordinates(cell_length: float, fine_length: float, block_edge: float
 
     Parameters
     ----------
-    cell : float
+    cell_length : float
         Length of the equal cells [m].
-    core : float
+    fine_length : float
         Length from 0 that the equal cells cover at least [m].
-    size : float
+    block_edge : float
         Last coordinate, the edge of the block [m].
-    growth : float
+    growth_ratio : float
         Largest ratio of the lengths of neighbouring cells, above 1.
 
     Returns
@@ -67,7 +67,7 @@ def graded_coordinates(cell_length: float, fine_length: float, block_edge: float
     Raises
     ------
     ValueError
-        Unless 0 < cell <= size, core < size and growth > 1.
+        Unless 0 < cell_length <= block_edge, fine_length < block_edge and growth_ratio > 1.
 
     Examples
     --------
@@ -76,9 +76,9 @@ def graded_coordinates(cell_length: float, fine_length: float, block_edge: float
     """
     if not (0.0 < cell_length <= block_edge and fine_length < block_edge and growth_ratio > 1.0):
         raise ValueError(
-            f"cells of {cell_length} m, core {fine_length} m, block {block_edge} m, growth {growth_ratio}: need 0 < cell "
-            "<= block, core < block and "
-            "growth > 1"
+            f"cell_length {cell_length} m, fine_length {fine_length} m, block_edge {block_edge} m, growth_ratio "
+            f"{growth_ratio}: choose 0 < cell_length <= block_edge, fine_length < block_edge and "
+            "growth_ratio > 1"
         )
     equal = int(np.ceil(fine_length / cell_length - 1e-9))
     room = block_edge - equal * cell_length
@@ -147,9 +147,10 @@ class BodyOfInfluence:
         return replace(self, fine=factor * self.fine, semi=(x, y, z), coarse=factor * self.coarse)
 
     def size_expression(self) -> str:
-        """Return the edge length as a formula of x, y, z for gmsh.
+        """Return the edge length [m] as a formula of x, y, z for gmsh.
 
-        The distance of a point is that between the ellipsoid and the similar one through the point, along the short axis.
+        The length grows with the distance between the ellipsoid and the similar ellipsoid through the point, measured along
+        the shortest semi-axis.
         """
         x, y, z = self.semi
         away = f"({min(self.semi)!r}*Max(0, Sqrt((x/{x!r})^2+(y/{y!r})^2+(z/{z!r})^2)-1))"
@@ -163,7 +164,7 @@ def mesh_block_with_tetrahedra(order: int, influence: BodyOfInfluence, size: flo
     ----------
     order : int
         Order of the elements: 1 (4 nodes) or 2 (10 nodes).
-    influence : Influence
+    influence : BodyOfInfluence
         Sizes of the cells.
     size : float
         Edge of the block [m].

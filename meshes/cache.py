@@ -56,7 +56,7 @@ class StageDone(str):
     cached: bool
 
     def __new__(cls, stage: str, text: str, *, cached: bool = False) -> StageDone:
-        """Create the message with the text ``stage: text``."""
+        """Create the message ``stage: text``; ``cached``: whether all results of the stage were read from the cache."""
         done = super().__new__(cls, f"{stage}: {text}")
         done.stage, done.cached = stage, cached
         return done
@@ -167,15 +167,15 @@ class Cache:
         return value
 
     def report(self, fault: str) -> None:
-        """Store the reason for which the cache is not used any more, and print it once on standard error."""
+        """Store ``fault``, the reason for which the cache is not used any more, and print it once on standard error."""
         if fault and not self.fault and not self.quiet:
             print(f"rollbench: cache {self.root}: {fault}; the computation continues without the cache", file=sys.stderr)
         self.fault = self.fault or fault
 
     def _path(self, build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> Path | None:
-        """Return the path of the file for a result; None where no folder exists to which only this user can write.
+        """Return the path of the file for a result; None without a folder to which only this user can write.
 
-        Arguments as for `Cache.get`.
+        ``build``, ``arguments``, ``type_``: function, its arguments and the class of its result, as for `Cache.get`.
         """
         if self.root is None:
             return None
@@ -187,9 +187,10 @@ class Cache:
             return None
 
     def _write_result(self, path: Path, content: bytes) -> None:
-        """Write the file of a result, and delete the files not used for the longest time where all exceed the limit.
+        """Write the file of a result, and delete the files not used for the longest time if all together exceed the limit.
 
-        ``content``: computing time and result as bytes. A result larger than the limit is not stored.
+        ``path``: file to write; ``content``: computing time and result as bytes. A result larger than the limit is not
+        stored.
         """
         if len(content) > self.limit:
             return
@@ -207,7 +208,10 @@ class Cache:
 
 
 def _remove_oldest_files(folder: Path, limit: int) -> None:
-    """Delete the files not used for the longest time, until the rest together does not exceed a limit [bytes]."""
+    """Delete files of a folder, those not used for the longest time first, until the rest is not larger than ``limit``.
+
+    ``limit``: largest size of all files together [bytes].
+    """
     stored = []
     for file in folder.glob("*.npz"):
         with suppress(FileNotFoundError):  # another process removed it
@@ -243,7 +247,7 @@ def key_of_result(function: Callable[..., object], arguments: tuple[object, ...]
 
     Parameters
     ----------
-    function, arguments, type_
+    function, arguments, result_class
         Function, its arguments, and the class of its result, as for `Cache.get`.
 
     Returns
@@ -267,7 +271,7 @@ def key_of_result(function: Callable[..., object], arguments: tuple[object, ...]
 
 
 def _package_of_module(module: str) -> str:
-    """Return the package of a module: rollbench.hifi for rollbench.hifi.setup; for other packages the first name."""
+    """Return the package to which a module belongs: rollbench.hifi for rollbench.hifi.setup, numpy for numpy.linalg."""
     parts = module.split(".")
     return ".".join(parts[: 2 if parts[0] == "rollbench" else 1])
 
@@ -349,7 +353,7 @@ def cached_on_disk(result_class: type[T]) -> Callable[[Callable[P, T]], Callable
 
     Parameters
     ----------
-    type_ : type[T]
+    result_class : type[T]
         Class of the results: a number, or a record of this package.
 
     Returns
@@ -429,9 +433,10 @@ def record_from_bytes(content: bytes, *packages: str) -> Any:
 
 
 def _json_structure(value: Any, arrays: list[Any]) -> Any:
-    """Return the structure of a value for JSON: plain values unchanged, others as a list that begins with their kind.
+    """Return a description of a value that JSON can store: plain values unchanged, others as a list.
 
-    ``arrays``: list to which the value's arrays are appended; the structure refers to them by their numbers.
+    The list begins with the type of the value, such as "tuple". ``arrays``: list to which the value's arrays are appended;
+    the description refers to them by their indices in this list.
     """
     if value is None or type(value) in (bool, int, float, str):
         return value
@@ -469,9 +474,10 @@ def _qualified_class_name(class_: type) -> str:
 
 
 def _unpack_value(structure: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
-    """Build a value from its structure as returned by `_json_structure`.
+    """Build a value from its description as returned by `_json_structure`.
 
-    ``structure``: the structure; ``arrays``: the arrays to which it refers; ``packages``: packages whose classes may occur.
+    ``structure``: the description; ``arrays``: the arrays to which it refers; ``packages``: names of the packages whose
+    classes may occur.
     """
     if not isinstance(structure, list):
         return structure

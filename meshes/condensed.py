@@ -51,13 +51,14 @@ LARGEST = {"screw": 1e-2, "nut": 1e-2, "ball": 1e-2, "local": 1e-2, "hertz": 1e-
 class CondensedBodies:
     """Compliance of screw, nut and balls between their contacts, along the nominal contact normals from ball to groove.
 
-    There are N balls with k contacts each, k' of them on the screw and as many on the nut. Rows and columns of the matrices
-    are sorted by ball, then by flank.
+    An entry of a matrix is the displacement along one contact normal due to a unit force along another one. There are N
+    balls with k contacts each, k' of them on the screw and as many on the nut. Rows and columns are sorted by ball, then by
+    flank.
     """
 
-    #: Digest of the parts, from `digest_of_geometry`.
+    #: Digest of the scene's parameters on which the compliance depends, from `digest_of_geometry`.
     geometry: str
-    #: Level of refinement of the 3D model's mesh.
+    #: Refinement level of the 3D model's mesh.
     level: int
     #: Flanks (0 to 3) that carry contacts ``(k,)``, ascending.
     sides: Array
@@ -69,8 +70,8 @@ class CondensedBodies:
     nut: Array
     #: Compliance of one ball between its contacts ``(k, k)`` [m/N].
     ball: Array
-    #: Ratio of the approach of a contact to its force F, without the part C F^(-1/3) after Hertz and that of the matrices;
-    #: for each flank at f forces, equal for all balls ``(k, f)`` [m/N].
+    #: Approach of a contact divided by its force F, without the part C F^(-1/3) after Hertz and without the part that the
+    #: matrices give; for each flank at f forces, equal for all balls ``(k, f)`` [m/N].
     local: Array
     #: Forces at which ``local`` is sampled ``(k, f)`` [N].
     force: Array
@@ -78,16 +79,16 @@ class CondensedBodies:
     hertz: Array
 
     def fit_local_law(self, side: int) -> tuple[float, float]:
-        """Fit e F + h F^(4/3) to the approach of a flank's contacts under the force F, without the part after Hertz.
+        """Fit e F + h F^(4/3) to the part of the approach of a flank's contacts that neither Hertz nor the matrices give.
 
-        The first term is the linear elasticity of the bodies. The next term for a smooth contact is of the order of F times
-        the contact area, that is F^(4/3); a logarithm of the contact's size does not fit better. The fit minimises the
-        squared deviations relative to the whole approach.
+        F is the contact force. The first term is the linear elasticity of the bodies. The next term for a smooth contact is
+        of the order of F times the contact area, that is F^(4/3); a logarithm of the contact's size does not fit better.
+        The fit minimises the squared deviations divided by the whole approach.
 
         Parameters
         ----------
         side : int
-            Flank 0 to 3 (SL, SR, NL, NR).
+            Flank 0 to 3 (SL, SR, NL, NR); one of ``sides``.
 
         Returns
         -------
@@ -100,17 +101,17 @@ class CondensedBodies:
         return float(e), float(h)
 
     def scatter(self, side: int) -> float:
-        """Return the RMS deviation of a flank's samples from `fit_local_law` relative to the approach.
+        """Return the RMS deviation of the samples in ``local`` from `fit_local_law`, divided by the whole approach.
 
-        It is the error due to the finite contact grid of the 3D model.
+        It is the error due to the finite contact grid of the 3D model. ``side``: flank 0 to 3 (SL, SR, NL, NR).
         """
         return self._fit_approach(list(self.sides).index(side))[1]
 
     def _fit_approach(self, k: int) -> tuple[Array, float]:
         """Fit the coefficients of `fit_local_law` to the samples of a flank.
 
-        ``k``: index of the flank in ``sides``. Returns the coefficients e and h ``(2,)``, and the RMS deviation of the
-        samples from the fit, relative to the approach.
+        ``k``: index of the flank in ``sides``. Returns the coefficients e [m/N] and h [m/N^(4/3)] ``(2,)``, and the RMS
+        deviation of the samples from the fit, divided by the whole approach.
         """
         force = self.force[k]
         share = np.cbrt(force) / self.hertz[k]
@@ -136,7 +137,10 @@ class CondensedBodies:
 
 
 def _write_arrays(path: Path, values: Mapping[str, Any]) -> None:
-    """Write arrays by their names to a compressed .npz file, which replaces an existing file only when complete."""
+    """Write arrays to a compressed .npz file, which replaces an existing file only when it is complete.
+
+    ``values``: the arrays, by their names in the file.
+    """
     create_folder_for_group(path.parent)
     name = temporary_path(path)
     try:
@@ -243,9 +247,10 @@ def _read_archive_members(content: bytes) -> dict[str, bytes]:
 
 
 def _parse_array(name: str, content: bytes) -> Array:
-    """Read the array ``name`` from bytes in numpy's format.
+    """Read an array from bytes in numpy's format.
 
-    ValueError for another format, or a size that differs from that in the header.
+    ``name``: name of the array, for messages; ``content``: the bytes. ValueError for another format, or for a size other
+    than that in the header.
     """
     length = BEGINNING.get(content[:8])
     first = 8 + (struct.calcsize(length) if length else 0)
@@ -257,7 +262,7 @@ def _parse_array(name: str, content: bytes) -> Array:
         raise ValueError(f"a file in which {name} is a damaged array, or one of another type")
     kind, shape = np.dtype(head[1].decode()), tuple(int(n) for n in head[3].replace(b",", b" ").split())
     if math.prod(shape) * kind.itemsize != len(content) - end:
-        raise ValueError(f"a file in which the header of {name} declares an array larger than it is, or smaller")
+        raise ValueError(f"a file in which the header of {name} declares a size other than that of the array")
     return np.ndarray(shape, kind, content, end, order="F" if head[2] == b"True" else "C").copy("K")
 
 
@@ -288,7 +293,7 @@ def _check_condensed_bodies(bodies: CondensedBodies) -> None:
     if bodies.sides.ndim != 1 or not k or any(s not in (0.0, 1.0, 2.0, 3.0) for s in sides) or sides != sorted(set(sides)):
         raise ValueError("a file in which the flanks (sides) are not numbers 0 to 3 in ascending order")
     if {3.0 - s for s in sides} != set(sides):
-        raise ValueError("a file in which a flank (sides) occurs without the opposite one")
+        raise ValueError("a file in which a flank (sides) occurs without the opposite flank")
     square = all(x.ndim == 2 and x.shape[0] == x.shape[1] for x in (bodies.screw, bodies.nut, bodies.ball))
     fits = bodies.ball.shape[0] == k == len(bodies.local) and bodies.hertz.shape == (k,) and bodies.local.ndim == 2
     if not square or not fits or bodies.local.shape != bodies.force.shape:

@@ -40,9 +40,9 @@ class Specimen:
 
 
 def _draw_fourier_amplitudes(terms: tuple[FourierTerm, ...], rng: np.random.Generator) -> list[tuple[float, float, float]]:
-    """Draw the amplitudes of Fourier terms: for each term, add normal random numbers to its amplitudes.
+    """Draw random amplitudes of Fourier terms: for each term, normal random numbers are added to its two amplitudes.
 
-    Returns a list with (harmonic, amplitude of the sine [m], amplitude of the cosine [m]) for each term.
+    ``rng``: generator of random numbers. Returns, for each term, its harmonic and its amplitudes of sine and cosine [m].
     """
     drawn = []
     for term in terms:
@@ -54,7 +54,8 @@ def _draw_fourier_amplitudes(terms: tuple[FourierTerm, ...], rng: np.random.Gene
 def _fourier_series_and_slopes(drawn: list[tuple[float, float, float]], phi: Array) -> Array:
     """Return a Fourier series and its first two derivatives at azimuths, ``(3, n)`` [m, m/rad, m/rad2].
 
-    ``drawn``: for each term, harmonic and amplitudes of sine and cosine [m]; ``phi``: azimuths ``(n,)`` [rad].
+    ``drawn``: terms from `_draw_fourier_amplitudes`, each with its harmonic and its amplitudes of sine and cosine [m];
+    ``phi``: azimuths ``(n,)`` [rad].
     """
     total = np.zeros((3, phi.size))
     for h, a, b in drawn:
@@ -66,7 +67,8 @@ def _fourier_series_and_slopes(drawn: list[tuple[float, float, float]], phi: Arr
 def _draw_profile_coefficients(side: SideErrors, rng: np.random.Generator) -> list[float]:
     """Draw the coefficients of a flank's profile error [m].
 
-    The error is an inward offset of the groove, a polynomial in the section angle in rad; powers are ascending.
+    The error is an inward offset of the groove's surface, a polynomial in the section angle in rad. Returns its
+    coefficients in ascending powers. ``side``: errors of the flank; ``rng``: generator of random numbers.
     """
     terms = zip_longest(side.profile, side.profile_sigma, fillvalue=0.0)
     return [float(m + (rng.normal(0.0, s) if s > 0.0 else 0.0)) for m, s in terms]
@@ -83,8 +85,9 @@ def draw_ball_radii(scene: Scene, rng: np.random.Generator, return_path_balls: i
         Scene with the errors of the balls.
     rng : np.random.Generator
         Generator of random numbers; not used where ``sigma`` is 0.
-    others : int | None, default None
-        Number of balls in the return paths of a screw; if given, their radii are drawn instead, without listed errors.
+    return_path_balls : int | None, default None
+        Number of balls in the return paths of a screw. If it is given, the radii of only these balls are drawn, without
+        errors listed for single balls. None: the radii of the loaded balls are drawn.
 
     Returns
     -------
@@ -176,7 +179,7 @@ def are_in_shifted_half(scene: Scene, axial_positions: Array) -> Mask:
     ----------
     scene : Scene
         Scene with the nut's position and the ball radius.
-    station : (n,) Array
+    axial_positions : (n,) Array
         Axial positions of the balls [m].
 
     Returns
@@ -218,7 +221,7 @@ def draw_errors(scene: Scene, member: int = 0) -> DrawnErrors:
 
     Returns
     -------
-    Drawn
+    DrawnErrors
         Ball radii, and the errors of the flanks as functions.
     """
     rng = np.random.default_rng([scene.errors.seed, member]) if scene.errors.random else _UNUSED
@@ -265,7 +268,7 @@ def draw_specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen
 
 
 def _evaluate_at_balls(scene: Scene, layout: BallLayout, drawn: DrawnErrors) -> Specimen:
-    """Evaluate the errors ``drawn`` at the positions of the scene's balls, ``layout``."""
+    """Evaluate errors at the positions of a scene's balls; ``layout``: these positions; ``drawn``: errors of a specimen."""
     return drawn.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, layout.z, drawn.ball_radius)
 
 
@@ -306,7 +309,7 @@ def draw_specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> 
     Parameters
     ----------
     scene, layout
-        Scene with errors and seed, and positions of the balls, as for `draw_specimen`.
+        Scene with errors and seed; and positions of its balls, as for `draw_specimen`.
     first, count : int
         Number of the first specimen, and number of specimens.
 

@@ -46,10 +46,10 @@ def build_mesh(
         Coordinates of the nodes [m].
     cells : (m, nodes) Index
         Nodes of each cell, in gmsh's order.
-    kind : str
+    element_type : str
         Type of the element: P1, P2, Q1 or Q2.
     boundaries : dict of (k, 3 or more) Index, optional, default None
-        For the name of each boundary, the nodes of its faces; a face's corners come first.
+        For the name of each boundary, the nodes of its k faces, as indices into ``points``; corners come first in a row.
 
     Returns
     -------
@@ -85,7 +85,7 @@ def with_boundaries_from_corners(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh
     mesh : Mesh
         The mesh.
     faces : dict of (k, 3 or 4) Index
-        For the name of each boundary, the corner nodes of its faces in any order.
+        For the name of each boundary, the corner nodes of its k faces; the corners of a face are in any order.
 
     Returns
     -------
@@ -139,10 +139,10 @@ def with_boundaries_from_facets(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh
 
 
 def _integers_of_faces(corners: Index, count: int) -> Index:
-    """Compute one integer for each edge or face of a mesh from its corners, to find and sort faces.
+    """Compute one integer for each edge or face of a mesh from its corners ``(k,)``, to find and sort edges and faces.
 
     ``corners``: numbers of the corners, ascending in each row ``(k, 2 or more)``; ``count``: number of nodes of the mesh.
-    Integers sort like the corners. Three corners are enough to identify a face.
+    The integers sort like the rows of corners. Of a face with four corners only three are used, which identify it.
     """
     if count >= 2**21:
         raise ValueError(f"the mesh has {count} nodes, and faces can be identified in meshes of fewer than {2**21} only")
@@ -270,7 +270,7 @@ def freedoms_on_boundaries(mesh: Mesh, *names: str) -> Index:
 
 
 def _freedoms_of_boundary(dofs: Dofs, mesh: Mesh, names: tuple[str, ...]) -> Index:
-    """Return the numbers of the degrees of freedom on named boundaries of a mesh, in ascending order.
+    """Return the numbers of the degrees of freedom on the boundaries ``names`` of a mesh, in ascending order ``(k,)``.
 
     ``dofs``: numbering of the degrees of freedom by scikit-fem, of a scalar or of a vector field on the mesh.
     """
@@ -285,10 +285,10 @@ def mesh_rectangular_grid(x: Array, y: Array, z: Array, element_type: str, *, le
     ----------
     x, y, z : Array
         Ascending coordinates of the grid planes [m].
-    kind : str
+    element_type : str
         Type of the element: Q1 or Q2.
     left_handed : bool, default False
-        Whether to order the nodes of each cell left-handed, for points that are mirrored afterwards.
+        Whether the nodes of each cell are in a left-handed order, for a mesh whose nodes are mirrored afterwards.
 
     Returns
     -------
@@ -339,7 +339,7 @@ def with_node_coordinates(mesh: Mesh, points: Array) -> Mesh:
 
 
 def _with_attributes(mesh: Mesh, **fields: Any) -> Mesh:
-    """Copy a mesh and set attributes of the copy, but not its cells; edges and faces keep their numbers."""
+    """Return a copy of a mesh with the attributes ``fields``, by their names; its cells, edges and faces are unchanged."""
     changed = copy(mesh)
     for name in ("_cached_mapping", "_cached_tree"):
         changed.__dict__.pop(name, None)
@@ -376,13 +376,13 @@ def shape_function_gradients(element: Element, reference_points: Array | None = 
     ----------
     element : Element
         Element type of scikit-fem.
-    at : (3, q) Array or None, default None
+    reference_points : (3, q) Array or None, default None
         Reference coordinates of the points; None for the element's nodes.
 
     Returns
     -------
     (q, n, 3) Array
-        Gradient of shape function n at point q.
+        Gradient in reference coordinates of each of the n shape functions at each of the q points.
     """
     nodes = element.doflocs.T
     reference_points = nodes if reference_points is None else reference_points
@@ -439,7 +439,7 @@ def _scaled_jacobians_at_points(x: Array, gradients: Array) -> Array:
     ----------
     x : (m, n, 3) Array
         Coordinates of the n nodes of each cell [m].
-    table : (q, n, 3) Array
+    gradients : (q, n, 3) Array
         Gradients of the shape functions in reference coordinates, at the q points.
 
     Returns
@@ -459,7 +459,7 @@ def _scaled_jacobians_at_points(x: Array, gradients: Array) -> Array:
 
 
 def mesh_quality(mesh: Mesh) -> Quality:
-    """Count the cells and nodes of a mesh, and compute smallest and median of its cells' `scaled_jacobians`."""
+    """Count the cells and nodes of a mesh, and compute the smallest and the median of its cells' `scaled_jacobians`."""
     jacobians = scaled_jacobians(mesh)
     worst = int(jacobians.argmin())
     x, y, z = mesh.doflocs[:, mesh.dofs.element_dofs[:, worst]].mean(axis=1)
@@ -506,15 +506,16 @@ BENT, STRAIGHTENED = 0.05, 0.01
 def move_inner_midside_nodes(mesh: Mesh, fixed_nodes: Index, at: Array | None = None) -> Mesh:
     """Move the inner midside nodes of badly curved P2 tetrahedra until their scaled Jacobians are large enough.
 
-    A curved edge on the surface may cut into its cell; then the inner edges of that cell are curved too. One node after the
-    other is moved, out of 26 directions in the one that most improves the worst cell at this node; step lengths decrease.
+    A curved edge on the surface may cut into its cell; then this function curves the inner edges of that cell too. One
+    midside node after the other is moved by a step in that one of 26 directions which most improves the worst cell at the
+    node; steps become shorter from pass to pass.
 
     Parameters
     ----------
     mesh : Mesh
         Mesh of second-order tetrahedra.
-    surface : Index
-        Nodes that are not moved.
+    fixed_nodes : Index
+        Numbers of nodes that are not moved, such as those on the surface.
     at : (3, q) Array or None, default None
         Reference coordinates of the points at which a cell's scaled Jacobian is computed; None for its nodes.
 
@@ -561,8 +562,8 @@ def straighten_bent_edges(mesh: Mesh, fixed_nodes: Index, at: Array | None = Non
     ----------
     mesh : Mesh
         Mesh of second-order tetrahedra.
-    keep : Index
-        Nodes that are not moved.
+    fixed_nodes : Index
+        Numbers of nodes that are not moved.
     at : (3, q) Array or None, default None
         Reference coordinates of the points at which a cell's scaled Jacobian is computed; None for its nodes.
 
@@ -602,11 +603,12 @@ def improve_curved_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> 
     mesh : Mesh
         Mesh of second-order tetrahedra.
     name : str
-        Name of the body, for the message.
+        Name of the body, for the error message.
     surface : Index
-        Nodes that `move_inner_midside_nodes` does not move.
+        Numbers of the nodes that `move_inner_midside_nodes` does not move: all nodes on the body's surface.
     keep : Index
-        Nodes that `straighten_bent_edges` does not move. Other nodes of the surface may leave the exact surface.
+        Numbers of the nodes that `straighten_bent_edges` does not move. It may move other midside nodes off the exact
+        surface.
 
     Returns
     -------
@@ -637,9 +639,9 @@ def largest_arc_deviation(x3: Array, z3: Array, centre: Array, radius: float) ->
     Parameters
     ----------
     x3, z3 : Array
-        Section coordinates of the points [m].
+        Coordinates of the points in the groove section [m]: x3 radial, z3 along the binormal of the track.
     centre : (2,) Array
-        Centre of the arc [m].
+        Coordinates x3, z3 of the centre of the arc [m].
     radius : float
         Radius of the arc [m].
 

@@ -94,9 +94,9 @@ def remove_abandoned_files(path: Path, ending: str = "tmp") -> None:
 
 
 def _is_abandoned(path: Path, machine: str, process: int) -> bool:
-    """Return whether a temporary file is left over: its process has ended, or it is an old file of another machine.
+    """Return whether a temporary file is left over: its process has ended, or another machine wrote it over a day ago.
 
-    ``machine``: digits of the machine in the file's name; ``process``: id of the process that wrote it.
+    ``path``: the file; ``machine``: digits of the machine in the file's name; ``process``: id of the process that wrote it.
     """
     try:
         if machine != _machine_code():
@@ -124,7 +124,7 @@ def create_private_folder(root: Path, *below: str) -> Path:
     root : Path
         Root folder; it may be shared by all users, as the folder of temporary files is (sticky bit).
     *below : str
-        Names of the nested folders inside the root.
+        Names of the nested folders inside the root, the outermost one first.
 
     Returns
     -------

@@ -89,14 +89,14 @@ class GrooveEnds:
         Parameters
         ----------
         line : float
-            Constant z - r_g phi of the groove [m].
+            Constant z - r_g phi of the groove [m], with the lead per radian r_g.
         phi : Array
             Azimuths, counted along the helix [rad].
 
         Returns
         -------
-        Array of that shape
-            Ratio of the depths.
+        Array
+            Ratio of the depths at each azimuth, of the shape of ``phi``.
         """
         low, high = self.whole[int(np.abs(self.lines - line).argmin())]
         t = np.clip(np.maximum(low - phi, phi - high) / self.length, 0.0, 1.0)
@@ -267,12 +267,13 @@ class Groove:
         Returns
         -------
         r, zeta, psi : Array
-            Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by `GrooveMap.unroll`.
+            Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by
+            `GrooveMap.section_to_unrolled`.
         """
         return self.m.section_to_unrolled(*self.m.polar_to_section(side, gamma, np.full(gamma.shape, self.m.radius[side])))
 
     def profile(self, side: int, gamma: Array) -> tuple[Array, Array]:
-        """Return the profile of a flank: radius and axial coordinate along the unrolled groove.
+        """Return points on the profile of a flank: their radii, and their axial coordinates on the unrolled groove.
 
         Parameters
         ----------
@@ -284,7 +285,7 @@ class Groove:
         Returns
         -------
         r, zeta : Array
-            Radii and axial coordinates [m].
+            Radii, and axial distances from the helix of the groove's centre [m].
         """
         return self.unrolled_coordinates(side, gamma)[:2]
 
@@ -294,9 +295,9 @@ class Groove:
         Parameters
         ----------
         line : float
-            Constant z - r_g phi of the groove [m].
+            Constant z - r_g phi of the groove [m], with the lead per radian r_g.
         r : float | Array
-            Radius of the points in the groove of full depth [m].
+            Radius that the points have where the groove has its full depth [m].
         phi : Array
             Azimuths of the points, counted along the helix [rad].
 
@@ -309,12 +310,12 @@ class Groove:
 
 
 def line_along_first_axis(second_coordinate: float) -> Placing:
-    """Make the curve with the plane coordinates (t, at), where t is its parameter: a line parallel to the first axis."""
+    """Make the curve with plane coordinates (t, ``second_coordinate``), a line with the first coordinate t as parameter."""
     return lambda t: np.stack([t, np.full(t.size, second_coordinate)], axis=1)
 
 
 def line_along_second_axis(first_coordinate: float) -> Placing:
-    """Make the curve with the plane coordinates (at, t), where t is its parameter: a line parallel to the second axis."""
+    """Make the curve with plane coordinates (``first_coordinate``, t), a line with the second coordinate t as parameter."""
     return lambda t: np.stack([np.full(t.size, first_coordinate), t], axis=1)
 
 
@@ -324,7 +325,10 @@ def point_map_at_z(z: float) -> Placing:
 
 
 def circle_in_space(r: float, z: float) -> Placing:
-    """Make the curve in space that is a circle of radius r [m] about the axis, at z [m]; its parameter is the azimuth."""
+    """Make the curve in space that is a circle about the axis; its parameter is the azimuth [rad].
+
+    ``r``: radius of the circle [m]; ``z``: its axial position [m].
+    """
     return lambda t: points_from_cylindrical(r, t, z)
 
 
@@ -336,23 +340,25 @@ def circle_in_plane(r: float) -> Placing:
 def helix_in_plane_coordinates(
     helix_constant: float, zeta: float, rg: float, second_coordinate: float | None = None
 ) -> Placing:
-    """Make the curve along a helical groove in plane coordinates; its parameter is the axial position z [m].
+    """Make the curve along a helical groove in the plane coordinates of a face; its parameter is the axial position z [m].
 
     Parameters
     ----------
-    line : float
+    helix_constant : float
         Constant z - r_g phi of the groove [m].
     zeta : float
-        Axial coordinate of the curve on the groove's section [m].
+        Axial distance of the curve from the helix along the groove's centre [m].
     rg : float
-        Lead per radian [m/rad].
-    at : float | None, default None
-        Second plane coordinate of all points; None: their axial position z.
+        Lead per radian r_g [m/rad].
+    second_coordinate : float | None, default None
+        Second plane coordinate of all points of the curve, such as the section angle on a flank; None: their axial
+        position z.
 
     Returns
     -------
     Placing
-        Function that returns the plane coordinates (azimuth, ``second_coordinate`` or z).
+        Function that returns, at axial positions ``(n,)``, the plane coordinates ``(n, 2)``: azimuth [rad], and
+        ``second_coordinate`` or z [m].
     """
     return lambda z: np.stack(
         [(z - helix_constant - zeta) / rg, z if second_coordinate is None else np.full(z.size, second_coordinate)], axis=1
@@ -389,11 +395,11 @@ def outer_surfaces_of_flanged_nut(
     ----------
     flange : Flange
         Dimensions of the flange.
-    outer : float
+    outer_radius : float
         Outer radius of the nut [m].
-    z : tuple[float, float]
+    end_positions : tuple[float, float]
         Axial positions of the nut's ends [m].
-    least : float, default SAME
+    smallest_width : float, default SAME
         Smallest width of a surface [m]. A narrower ring between the flange's fixed ring (its seat) and its rim, or the
         nut's outer surface, is added to the seat; a shorter centring fit is ignored. Otherwise the straight edges of
         neighbouring circles would intersect in the mesh.

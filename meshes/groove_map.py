@@ -84,7 +84,7 @@ class GrooveMap:
 
     @cached_property
     def _field_values(self) -> tuple[object, ...]:
-        """Values of all fields, arrays as bytes, for comparison and hashing."""
+        """Values of all fields, with arrays as bytes, for comparison and hashing."""
         values = (getattr(self, field.name) for field in fields(self))
         return tuple(value.tobytes() if isinstance(value, np.ndarray) else value for value in values)
 
@@ -184,9 +184,10 @@ class GrooveMap:
         Returns
         -------
         r : Array
-            Distance from the screw's axis [m].
+            Distance of the point from the screw's axis [m].
         zeta : Array
-            z minus r_g times the azimuth of the point, with the lead per radian r_g [m].
+            Axial position of the point minus r_g times its azimuth, with the lead per radian r_g [m], for a section whose
+            origin is at azimuth 0 and z = 0.
         psi : Array
             Azimuth of the point minus that of the section's origin [rad].
         """

@@ -119,9 +119,9 @@ class GroovedBodySurface:
         spec : BodySpec
             Dimensions and sockets of the body.
         share : float, default 1.0
-            Factor on the default for the longest edges on curved faces.
+            Factor on the default lengths of the longest edges on curved faces.
         groove : Groove | None, default None
-            Cross-section of the groove; None: it is computed from ``spec``.
+            Cross-section of the groove; None: it is computed from ``m`` and ``spec``.
         """
         self.shell, self.m, self.spec = shell, m, spec
         self.groove = groove or Groove.of(m, spec)
@@ -144,7 +144,8 @@ class GroovedBodySurface:
     def _socket_rims_on_flank(self, side: int, line: float) -> list[list[Side]]:
         """Return the rims of the sockets on a flank of one start's groove, which are holes in the face of the flank.
 
-        ``side``: flank 0 to 3; ``line``: constant z - r_g phi of the groove [m], with the lead per radian r_g.
+        ``side``: flank 0 to 3; ``line``: constant z - r_g phi of the groove [m], with the lead per radian r_g. Each rim is
+        a closed loop of one side, in the plane coordinates (azimuth, section angle gamma) [rad].
         """
         m, spec = self.m, self.spec
         holes = []
@@ -166,8 +167,8 @@ class GroovedBodySurface:
         """Triangulate a flank of one start's groove.
 
         ``side``: flank 0 to 3; ``line``: constant z - r_g phi of the groove [m], with the lead per radian r_g;
-        ``boundary``: sides of the face in the coordinates (azimuth, section angle). In the plane, azimuths are measured
-        from the section normal to the helix, which distorts angles least.
+        ``boundary``: sides of the face in the coordinates (azimuth, section angle) [rad]. gmsh triangulates the face in a
+        plane in which azimuths are measured from the section normal to the helix, because this distorts angles least.
         """
         m = self.m
         scale = np.array([np.hypot(m.rg, unrolled_socket_centre(m, side)[0]), float(m.radius[side])])
@@ -185,9 +186,10 @@ class GroovedBodySurface:
         self.shell.face(f"flank {SIDES[side]}", loops, space, self.flank_limit)
 
     def _triangulate_on_cylinder(self, name: str, r: float, boundary: list[Side], limit: float) -> None:
-        """Triangulate the face ``name`` on the cylinder of radius r [m], with edges of at most ``limit`` [m].
+        """Triangulate a face on the cylinder of radius r [m], with edges of at most ``limit`` [m].
 
-        ``boundary``: sides of the face in the coordinates (azimuth, z).
+        ``name``: name of the boundary of the mesh to which the face belongs; ``boundary``: sides of the face in the
+        coordinates (azimuth [rad], z [m]).
         """
         scale = np.array([r, 1.0])
         loop = [(n, x * scale) for n, x in boundary]
@@ -200,10 +202,11 @@ class GroovedBodySurface:
     def _around(
         self, low: DividedCurve, high: DividedCurve, at: tuple[float, float], seam: Placing, limit: float
     ) -> list[Side]:
-        """Return the four sides of a face between two circles, which is cut open along the curve ``seam``.
+        """Return the four sides of a face between two circles about the axis, which is cut open along a seam.
 
-        ``at``: second plane coordinate of the lower and of the upper circle; ``limit``: length of the longest edge on the
-        seam [m].
+        ``low``, ``high``: the two divided circles; ``at``: the second plane coordinate (z or section angle) of ``low`` and
+        of ``high``; ``seam``: function that maps the second plane coordinate to points in space, from ``low`` to ``high``;
+        ``limit``: length of the longest edge on the seam [m].
         """
         cut = self.shell.curve(seam, *at, limit, (int(low.nodes[0]), int(high.nodes[0])))
         begin, end = line_along_second_axis(self.start), line_along_second_axis(self.start + 2.0 * np.pi)
@@ -212,9 +215,10 @@ class GroovedBodySurface:
     def _triangulate_tube(
         self, name: str, r: float, low: DividedCurve, high: DividedCurve, z: tuple[float, float], limit: float
     ) -> None:
-        """Triangulate the face ``name`` on the cylinder of radius r [m] between two circles.
+        """Triangulate the face on the cylinder of radius r [m] between two divided circles, ``low`` and ``high``.
 
-        ``z``: axial positions of the circles [m]; ``limit``: length of the longest edge [m].
+        ``name``: name of the boundary of the mesh to which the face belongs; ``z``: axial positions of ``low`` and ``high``
+        [m]; ``limit``: length of the longest edge [m].
         """
         seam = self._around(low, high, z, lambda t: points_from_cylindrical(r, self.start, t), limit)
         self._triangulate_on_cylinder(name, r, seam, limit)
@@ -222,7 +226,8 @@ class GroovedBodySurface:
     def _triangulate_end_faces(self, bounds: list[list[Side]]) -> None:
         """Triangulate the two flat ends, and the bore of a hollow screw or the outside of a nut.
 
-        ``bounds``: for the end at smaller z and for that at larger z, the closed boundary next to the groove.
+        ``bounds``: for the end at smaller z, then for that at larger z, the sides of the closed boundary of the end on the
+        side of the groove, in the coordinates (x, y) [m].
         """
         r = self.groove.behind
         loops = [[bound] for bound in bounds]
@@ -244,10 +249,11 @@ class GroovedBodySurface:
     def _triangulate_flanged_outside(
         self, names: list[str], places: list[tuple[float, float]], limit: float, thin: float
     ) -> list[DividedCurve]:
-        """Triangulate the outer surfaces of a flanged nut between the circles at ``places``, and return the circles.
+        """Triangulate the outer surfaces of a flanged nut, and return the divided circles between which they lie.
 
-        ``names`` holds the name of each surface, ``places`` radius and z [m] of each circle, ``limit`` and ``thin`` the
-        longest edges on the nut and on its flange [m].
+        ``names``: names of the surfaces, from smaller to larger z; ``places``: radius and z [m] of the circles that bound
+        the surfaces, one more than surfaces; ``limit``, ``thin``: lengths of the longest edges on the nut and on its flange
+        [m].
         """
         sizes = [limit if name in ("centring", "outside") else min(thin, limit) for name in names]
         around = [min(pair) for pair in zip([limit, *sizes], [*sizes, limit], strict=True)]
@@ -262,7 +268,10 @@ class GroovedBodySurface:
         return circles
 
     def _triangulate_ring_groove(self) -> list[list[Side]]:
-        """Triangulate the flanks and lands of a ring, and return the circles of the land at both flat ends."""
+        """Triangulate the flanks and lands of a bearing ring, and return the boundaries of both flat ends at the land.
+
+        Each boundary, first that at smaller z, is a circle in the plane coordinates (x, y) [m].
+        """
         g, line = self.groove, self.m.z0
         limit = self.bend * g.land
         circles = [self._divide_circle(g.land, z, limit) for z in self.z]
@@ -287,7 +296,10 @@ class GroovedBodySurface:
         return [[c.on(circle_in_plane(g.land))] for c in circles]
 
     def _triangulate_helical_groove(self) -> list[list[Side]]:
-        """Triangulate the flanks and lands of a screw or nut, and return the boundaries of both flat ends."""
+        """Triangulate the flanks and lands of a screw or nut, and return the boundaries of both flat ends at the groove.
+
+        Each boundary, first that at smaller z, is a list of sides in the plane coordinates (x, y) [m].
+        """
         g, rg, lines = self.groove, self.m.rg, helix_constants_of_grooves(self.m)
         threads = [GrooveThread(self.shell, g, line, self.z, min(self.flank_limit, self.bend * g.land)) for line in lines]
         pitch = 2.0 * np.pi * abs(rg) / self.m.starts
@@ -312,10 +324,10 @@ class GroovedBodySurface:
         return [self._boundary_of_end_face(threads, [pair[end] for pair in arcs], end) for end in (0, 1)]
 
     def _boundary_of_end_face(self, threads: list[GrooveThread], arcs: list[DividedCurve], end: int) -> list[Side]:
-        """Return the boundary of a flat end next to the grooves: edges of a flank, the land, the next flank, and so on.
+        """Return the boundary of a flat end at the grooves, in order: for each start, right flank, land, next left flank.
 
-        ``threads``: flanks of each start's groove; ``arcs``: for each start, the arc of the land at this end; ``end``: 0
-        for the end at smaller z, 1 for that at larger z.
+        ``threads``: curves of each start's groove; ``arcs``: for each start, the arc of its land at this end; ``end``: 0
+        for the end at smaller z, 1 for that at larger z. Plane coordinates are (x, y) [m].
         """
         g, step = self.groove, -1 if self.m.rg > 0.0 else 1
         loop, k = [], 0
@@ -334,13 +346,14 @@ class GrooveThread:
     """Curves that bound the two flanks of one start's helical groove.
 
     The attribute ``rails`` holds the curves along the left edge, the apex and the right edge of the groove; ``cuts`` holds,
-    for each flank, its intersections with the two flat ends.
+    for the left and the right flank, the curves in which it meets the two flat ends.
     """
 
     def __init__(self, shell: Shell, groove: Groove, line: float, z: tuple[float, float], limit: float) -> None:
-        """Divide the curves into edges of at most ``limit`` [m].
+        """Divide the curves into edges of at most ``limit`` [m], and add their nodes to ``shell``.
 
-        ``line`` is the groove's constant z - r_g phi [m], ``z`` the axial positions of the flat ends [m].
+        ``groove``: cross-section of the groove; ``line``: constant z - r_g phi of the groove [m], with the lead per radian
+        r_g; ``z``: axial positions of the flat ends [m].
         """
         self.groove, self.line, self.z = groove, line, z
         r, zeta = groove.profile(groove.sides[0], np.array([groove.apex]))
@@ -380,14 +393,14 @@ class GrooveThread:
         return self.groove.radius(self.line, r, phi), phi
 
     def _end_curve_in_space(self, place: int, end: int) -> Placing:
-        """Make the curve in space along which a flank meets a flat end; its parameter is the section angle gamma [rad].
+        """Make the curve in space in which a flank meets a flat end; its parameter is the section angle gamma [rad].
 
         ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z.
         """
         return lambda gamma: points_from_cylindrical(*self._azimuth(place, end, gamma), self.z[end])
 
     def flat(self, place: int, end: int) -> Placing:
-        """Make the curve along which a flank meets a flat end, in the plane coordinates (x, y) of the end.
+        """Make the curve in which a flank meets a flat end, in the plane coordinates (x, y) [m] of the end.
 
         ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z. The parameter of the
         curve is the section angle gamma [rad].
@@ -395,7 +408,10 @@ class GrooveThread:
         return lambda gamma: self._end_curve_in_space(place, end)(gamma)[:, :2]
 
     def flank(self, place: int) -> list[Side]:
-        """Return the four sides of a flank (0 left, 1 right) in its plane coordinates (azimuth, section angle gamma)."""
+        """Return the four sides of a flank in the plane coordinates (azimuth, section angle gamma) [rad].
+
+        ``place``: 0 left, 1 right flank.
+        """
         g = self.groove
 
         def cut(end: int) -> Placing:
@@ -446,9 +462,10 @@ def mesh_grooved_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
 
 
 def _build_body_record(surface: GroovedBodySurface, filled: FilledShell) -> GroovedBody:
-    """Build the record of a body's mesh, with named boundaries; edges that would invert cells are straightened.
+    """Build the record of a body's mesh: name its boundaries, improve badly curved cells, measure deviation and quality.
 
-    ``surface``: surface of the body; ``filled``: mesh of the volume inside it.
+    ``surface``: surface of the body; ``filled``: mesh of the volume inside it. Edges that would invert cells are
+    straightened.
     """
     m, spec, shell = surface.m, surface.spec, surface.shell
     places = zip(surface.corners, spec.sockets, strict=True)
@@ -465,9 +482,9 @@ def _build_body_record(surface: GroovedBodySurface, filled: FilledShell) -> Groo
 
 
 def _largest_flank_deviation(m: GrooveMap, side: int, points: Array) -> float:
-    """Return the largest distance [m] between points and the exact surface of a flank.
+    """Return the largest distance [m] between points and the exact surface of a flank; 0 without points.
 
-    ``side``: flank 0 to 3; ``points``: coordinates ``(n, 3)`` [m].
+    ``m``: groove surfaces of the track; ``side``: flank 0 to 3; ``points``: coordinates of the points ``(n, 3)`` [m].
     """
     r, zeta = np.hypot(points[:, 0], points[:, 1]), points[:, 2] - m.z0
     if m.rg:

@@ -219,9 +219,10 @@ def nominal_contact_points(scene: Scene) -> Array:
 
 
 def _points_along_contact_directions(scene: Scene, distance: list[float]) -> Array:
-    """Return points in the section, in the contact direction of each flank from the ball's centre, ``(4, 2)`` [m].
+    """Return one point for each flank, at a given distance from the ball's centre in the contact direction.
 
-    ``distance``: distance of the point from the ball's centre for each flank [m].
+    ``distance``: distance for each of the flanks SL, SR, NL, NR [m]. The points are given by their coordinates (x3, z3) in
+    the section ``(4, 2)`` [m]; a negative distance is opposite to the contact.
     """
     c, s = cos(scene.track.contact_angle), sin(scene.track.contact_angle)
     return np.array([(d * (x * c), d * (z * s)) for d, (x, z) in zip(distance, SIDE_SIGNS, strict=True)])
@@ -234,15 +235,15 @@ def evenly_spaced_azimuths(
 
     Parameters
     ----------
-    balls : int
+    balls_of_circuit : int
         Number of loaded balls in one circuit.
     turns : float
         Number of loaded turns of one circuit.
-    phase : float
+    helix_azimuth : float
         Azimuth of the centre of all circuits together [rad].
     circuits : int, default 1
-        Number of circuits of a start.
-    gap : float, default 0.0
+        Number of circuits of one start.
+    circuit_gap : float, default 0.0
         Number of turns without balls between two circuits.
 
     Returns

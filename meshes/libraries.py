@@ -55,7 +55,7 @@ _MODULES = {"scikit-fem": "skfem", "pillow": "PIL"}
 
 
 def pip_command(package: str) -> str:
-    """Return the command that installs a Python package, by the extra of rollbench to which the package belongs.
+    """Return the pip command that installs a Python package: with the extra of rollbench to which it belongs, if any.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ LEAST = 8.881784197001252e-16
 
 
 def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2e-12, rtol: float = LEAST) -> float:
-    """Find a root of a function in an interval by Brent's method; same digits as ``scipy.optimize.brentq``.
+    """Find a root of a function in an interval by Brent's method, with the same digits as ``scipy.optimize.brentq``.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def pairs_of_close_points(points: Array, largest_distance: float) -> Index:
     ----------
     points : (n, 3) Array
         Points [m].
-    reach : float
+    largest_distance : float
         Largest distance [m].
 
     Returns

@@ -57,7 +57,7 @@ def flanks_with_contacts(scene: Scene) -> tuple[int, ...]:
 
 
 def flanks_with_contacts_of_arcs(lead: float, arcs: str, near: bool) -> tuple[int, ...]:
-    """Return the flanks that carry the contacts where grooves are single arcs, from plain numbers instead of a scene.
+    """Return the flanks that carry the contacts where grooves are single arcs, for callers that have no scene.
 
     The groove of a screw is always a gothic arch: with a single arc near the apex its nut would carry no thrust.
 
@@ -68,7 +68,7 @@ def flanks_with_contacts_of_arcs(lead: float, arcs: str, near: bool) -> tuple[in
     arcs : str
         Arcs of each groove, as in ``Track.arcs``: ``"two"``, ``"+z"`` or ``"-z"``.
     near : bool
-        Whether the contacts of both flanks of a gothic arch overlap, as returned by `contacts_merge_at_apex`.
+        Whether the contacts of both flanks of a gothic arch count as one, as returned by `contacts_merge_at_apex`.
 
     Returns
     -------
@@ -85,11 +85,11 @@ def contacts_merge_at_apex(groove_radius: float, contact_angle: float, ball_radi
 
     Parameters
     ----------
-    groove : float
+    groove_radius : float
         Radius of the groove [m].
-    angle : float
+    contact_angle : float
         Contact angle [rad].
-    ball : float
+    ball_radius : float
         Radius of the ball [m].
 
     Returns
@@ -182,8 +182,9 @@ def free_contact_angle(centre_distance: float, radial: float | None, axial: floa
 
     Parameters
     ----------
-    A : float
-        Distance between the groove centres in contact [m], from `distance_of_groove_centres`.
+    centre_distance : float
+        Distance A between the groove centres of both rings when a ball touches both [m], from
+        `distance_of_groove_centres`.
     radial : float | None
         Radial internal clearance P_d [m]; used where ``axial`` is None.
     axial : float | None

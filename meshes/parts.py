@@ -274,7 +274,7 @@ class BallErrors:
 
     #: Error of all radii [m].
     oversize: Deviation = frozen_default(0.0)
-    #: Pairs of a ball's number (from 1) and the additional error of its radius [m].
+    #: Number of a ball (from 1) and additional error of its radius [m], one pair for each ball that has such an error.
     listed: tuple[tuple[int, float], ...] = frozen_default(())
     #: Standard deviation of a random error of each radius [m].
     sigma: Spread = frozen_default(0.0)
@@ -297,7 +297,7 @@ class Errors:
     NL: SideErrors = frozen_default(SideErrors())
     #: Errors of the nut's right flank.
     NR: SideErrors = frozen_default(SideErrors())
-    #: Seed of all random draws.
+    #: Seed of the generator of all random errors.
     seed: int = frozen_default(0)
     #: Axial offset between the two halves of the nut's groove [m]: shift of the half at larger z than the nut's centre. It
     #: preloads a single nut in two-point contact.
@@ -321,7 +321,7 @@ class Errors:
 
     @property
     def random(self) -> bool:
-        """Whether a radius, profile, pitch or roundness error is drawn at random."""
+        """Whether any error is random: of a ball radius, a profile, a pitch or a roundness."""
         return self.balls.sigma > 0.0 or any(
             any(s > 0.0 for s in e.profile_sigma) or any(t.sigma > 0.0 for t in (*e.pitch, *e.roundness))
             for e in (self.SL, self.SR, self.NL, self.NR)
@@ -431,7 +431,7 @@ class Friction:
     screw: float
     #: Coefficient of friction between balls and nut.
     nut: float
-    #: Origin of the coefficients, as statements for the report.
+    #: Sentences for the report on where the coefficients come from.
     assumed: tuple[str, ...] = frozen_default(())
     #: Whether friction moves each ball across its grooves and so changes the contact loads (True), or not.
     feedback: bool = frozen_default(True)
@@ -443,7 +443,7 @@ class Friction:
 
     @property
     def between_balls(self) -> float:
-        """Coefficient of friction between balls; without one, the larger one of those on screw and nut."""
+        """Coefficient of friction between balls: ``balls``, or if that is None, the larger one of ``screw`` and ``nut``."""
         return max(self.screw, self.nut) if self.balls is None else self.balls
 
 
@@ -630,13 +630,13 @@ class Scene:
     source: str = frozen_default("")
     #: Assumptions about what the scene's source does not state.
     assumed: tuple[str, ...] = frozen_default(())
-    #: Number of specimens with different random errors.
+    #: Number of specimens (screws or bearings with different random errors) that are computed.
     members: int = frozen_default(1)
     #: Coulomb friction of the balls; None: no friction.
     friction: Friction | None = frozen_default(None)
     #: Rotating part and its angular speed.
     motion: Motion | None = frozen_default(None)
-    #: Role of the scene in the validation report, for scenes that come with the program.
+    #: Role in the validation report of a scene that is included in rollbench; empty for other scenes.
     role: str = frozen_default("", compare=False)
     #: Ball circuits.
     circulation: Circulation | None = frozen_default(None)
@@ -650,7 +650,7 @@ class Scene:
     lubricant: Lubricant | None = frozen_default(None)
 
     def __hash__(self) -> int:
-        """Hash the fields that are compared; the hash is computed only once, because many caches look up scenes."""
+        """Return a hash of the fields that ``==`` compares; it is stored, because many caches look up scenes."""
         found: int | None = self.__dict__.get("_hash")
         if found is None:
             found = self.__dict__["_hash"] = hash(tuple(getattr(self, f.name) for f in fields(self) if f.compare))

@@ -119,7 +119,7 @@ def end_process_with_parent(parent_id: int) -> None:
 
     Parameters
     ----------
-    parent : int
+    parent_id : int
         Process id of the present parent process.
     """
     threading.Thread(target=_wait_for_parent_to_end, args=(parent_id,), daemon=True).start()

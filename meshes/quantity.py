@@ -68,7 +68,7 @@ def quantity_field(
     ----------
     key, definition
         Key and definition, as the fields of `QuantityDescription`.
-    *also : Stated
+    *also : QuantityDescription
         Descriptions of further keys that are computed from the same value.
     error, heading, form, parts, show, expected, note
         Error, name, format and other properties, as the fields of `QuantityDescription`.
@@ -127,7 +127,7 @@ def quantity_descriptions(kind: type) -> tuple[tuple[str, QuantityDescription], 
 
     Returns
     -------
-    tuple[tuple[str, Stated], ...]
+    tuple[tuple[str, QuantityDescription], ...]
         Pairs of a name and the description of its quantity, in the order of the class.
     """
     fields = [(name, x.metadata) for name, x in getattr(kind, "__dataclass_fields__", {}).items()]

@@ -99,7 +99,7 @@ class Quantity:
         raise self._refused_value_error(self.allowed, advice)
 
     def _number(self, value: object) -> float:
-        """Convert a value to SI units without checking the range; raise pydantic's error where it is not a quantity."""
+        """Convert a value to SI units without checking its range; raise pydantic's error if it is not such a quantity."""
         try:
             return units.parse_quantity(value, self.dimension)
         except units.UnitError as error:
@@ -114,7 +114,8 @@ class Quantity:
         value : float
             Value in SI units.
         added : float, default 0.0
-            Offset that is added to the value after reading; then only the sum has to be exact.
+            Offset in SI units that is added to the value after reading. The text is the shortest one for which the sum is
+            exact.
 
         Returns
         -------
@@ -141,7 +142,7 @@ class Quantity:
 
     @staticmethod
     def _refused_value_error(allowed: str, advice: str) -> PydanticCustomError:
-        """Return pydantic's error for a value that is refused, with the allowed range and the advice to the user."""
+        """Return pydantic's error for a refused value; ``allowed``: allowed range; ``advice``: advice to the user."""
         from pydantic_core import PydanticCustomError
 
         return PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
@@ -180,7 +181,9 @@ class ForceOrShare(Quantity):
     most: float = 50.0
 
     def si_value(self, value: object) -> float | ShareOfRating:  # type: ignore[override]
-        """Convert a force of a scene file to SI units, or to its ratio to C; otherwise as `Quantity.si_value`.
+        """Convert a force of a scene file to a value in N, or to a fraction of the dynamic load rating C.
+
+        Arguments and errors are those of `Quantity.si_value`.
 
         Examples
         --------
@@ -261,7 +264,7 @@ def quantity_of_type(annotated_type: Any) -> Quantity:
 
     Parameters
     ----------
-    of : Any
+    annotated_type : Any
         Annotated type with a `Quantity`.
 
     Returns

@@ -197,9 +197,9 @@ def _record_text(record: type, values: Mapping[str, object]) -> str:
 
 @cache
 def _frozen_default_texts(record: type) -> Mapping[str, str]:
-    """Return the canonical texts of a record's frozen defaults by field.
+    """Return the canonical texts of the frozen defaults of the class ``record``, by the names of the fields.
 
-    Empty for a class not decorated by `register_frozen_defaults`.
+    They are empty for a class that is not decorated by `register_frozen_defaults`.
     """
     frozen = FROZEN.get(record.__name__, {})
     return {field: f"{type(x).__name__}()" if is_dataclass(x) else canonical_text(x) for field, x in frozen.items()}

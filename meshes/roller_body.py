@@ -54,7 +54,7 @@ class SectionMesh:
 class SweptBody(MeshedBody):
     """Mesh of half a raceway or of a quarter of a tapered roller, with the nodes of its zone of contact."""
 
-    #: The mesh.
+    #: Mesh of hexahedra, an object of scikit-fem.
     mesh: object
     #: Nodes in the zone of contact ``(rows, columns)``: rows along the contact line, columns from the line outwards.
     contact: Index
@@ -131,7 +131,7 @@ def mesh_section(zone: RollerContactZone, width: float, depth: float, *, round: 
 
 
 def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
-    """Return the distance of points in a cross-section below the contact surface of a raceway or roller ``(n,)`` [m].
+    """Return the depth of points in a cross-section below the contact surface of a raceway or roller ``(n,)`` [m].
 
     ``points``: section coordinates y, z ``(n, 2)`` [m]; ``depth``: depth of the section, for a roller its radius [m];
     ``round``: whether it is the section of a roller, a quarter of a disc.
@@ -140,7 +140,7 @@ def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
 
 
 def _sweep_section_to_hexahedra(section: SectionMesh, layer_distances: Array) -> tuple[Index, Array, Index]:
-    """Extrude a plane mesh to hexahedra whose ends are at the distances ``layer_distances`` [m] from the apex.
+    """Extrude the plane mesh ``section`` to layers of hexahedra that end at ``layer_distances`` [m] from the apex.
 
     Returns three arrays: for each node of the hexahedra its node of the section, and its distance from the apex [m]; then
     the nodes of each hexahedron, in gmsh's order.
@@ -254,7 +254,7 @@ def _inward_direction(at: Array, depth: float, round: bool) -> Array:
 def roller_point_map(
     radius: float, angle: float, profile_drop: Callable[[Array], Array]
 ) -> Callable[[Array, Array], Array]:
-    """Return the function that maps the section of a tapered roller, at distances from the apex, to points of the roller.
+    """Return the function that maps nodes of the section, and distances from the apex, to points of a tapered roller.
 
     Parameters
     ----------
@@ -276,7 +276,7 @@ def roller_point_map(
 
 
 def raceway_point_map(middle: float, angle: float, outward: float) -> Callable[[Array, Array], Array]:
-    """Return the function that maps the section of a raceway, at distances from the apex, to points of the ring.
+    """Return the function that maps nodes of the section, and distances from the apex, to points of a raceway's ring.
 
     Parameters
     ----------

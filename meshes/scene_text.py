@@ -42,7 +42,7 @@ Table = dict[str, Any]
 
 
 def toml_of_tables(tables: Mapping[str, Any]) -> str:
-    """Write keys and tables as TOML text; a small table is written on one line with its key.
+    """Write keys and tables as TOML text; a short table inside another one is written on one line with its key.
 
     Parameters
     ----------
@@ -197,15 +197,15 @@ def load_case_table(
 
 
 def _ball_oversizes(parts: Scene | Assembly) -> list[float]:
-    """Return the oversize of the balls [m] in the ball screw or bearing, or in each rolling set with balls of a shaft."""
+    """Return the oversizes of balls [m]: one for a ball screw or bearing; for a shaft, one for each set that has balls."""
     scenes = [parts] if isinstance(parts, Scene) else [s.parts for s in parts.sets if isinstance(s.parts, Scene)]
     return [scene.errors.balls.oversize for scene in scenes]
 
 
 def _displaced_support_table(before: Support, after: Support) -> Table:
-    """Collect the keys of a support whose prescribed displacement changes in a load case; empty where it does not.
+    """Collect the keys of a support whose prescribed displacement changes in a load case; empty where none changes.
 
-    ``before``, ``after``: the support without load cases, and in the load case.
+    ``before``: the support in the scene without load cases; ``after``: the same support in the load case.
     """
     moved = {
         n: value_with_unit_text(Shift if n[0] == "u" else Turn, x) for n, x in after.fixed if dict(before.fixed)[n] != x
@@ -219,14 +219,18 @@ def _displaced_support_table(before: Support, after: Support) -> Table:
 def _head_table(scene: Scene | Assembly, material: Material, kind: str = "") -> Table:
     """Collect the first keys of a scene file: title, source, assumptions, kind of scene, and material of the parts.
 
-    ``material``: material of all parts that have no key for their material; ``kind``: value of the key, empty for none.
+    ``material``: material of all parts that have no key for their material; ``kind``: value of the key ``kind``, or empty
+    if the file needs none.
     """
     head = {"title": scene.title, "source": scene.source, "assumed": [*scene.assumed], "kind": kind}
     return head | {"material": _material_table(material, None)["material"]}
 
 
 def _material_table(material: Material, shared: Material | None) -> Table:
-    """Return the key ``material`` of a part; empty where the part has the material ``shared``, that of the file's head."""
+    """Return the key ``material`` of a part with its value; empty where the part has the material ``shared``.
+
+    ``shared``: material at the head of the scene file, or None if the key is always wanted.
+    """
     if material == shared:
         return {}
     unusual = not SOLIDS[0] <= material.youngs_modulus <= SOLIDS[1]
@@ -236,8 +240,9 @@ def _material_table(material: Material, shared: Material | None) -> Table:
 def _track_table(scene: Scene, *, by_thrust: bool = False) -> Table:
     """Collect the keys of the ball path (table ``track``).
 
-    For a deep-groove bearing, the clearance from which its contact angle follows is written instead of the angle. With
-    ``by_thrust``, the key ``thrust`` of the rolling set gives the direction of a single arc, and no clearance is written.
+    For a bearing whose grooves are single arcs, the clearance from which its contact angle follows is written instead of
+    the angle. ``by_thrust``: whether the key ``thrust`` of a rolling set states the direction of the single arcs; then the
+    angle is written, and no clearance.
     """
     track = scene.track
     if track.arcs == "two" or by_thrust:
@@ -283,9 +288,9 @@ def groove_table(radius: float, ball: float) -> Table:
 
 
 def _body_table(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
-    """Collect the keys of a screw or nut: dimensions, groove, and its material.
+    """Collect the keys of the screw or nut ``part``: its dimensions, its groove and its material.
 
-    ``shared``: material at the head of the scene file; a part that has it gets no key for its material.
+    ``scene``: scene with the ball radius; ``shared``: material at the head of the scene file, for which a part gets no key.
     """
     table = keys_of_record(part, "groove_radius", "material", "flange")
     return table | groove_table(part.groove_radius, scene.balls.radius) | _material_table(part.material, shared)
@@ -294,7 +299,7 @@ def _body_table(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
 def _nut_table(scene: Scene, shared: Material) -> Table:
     """Collect the keys of a nut, with its flange and the surface at which it is fixed (table ``nut.held``).
 
-    ``shared``: material at the head of the scene file; a nut that has it gets no key for its material.
+    ``shared``: material at the head of the scene file; a nut of this material gets no key for it.
     """
     nut, flange, at = scene.nut, scene.nut.flange, scene.solid.nut_held
     held = without_empty_values(at=at)
@@ -310,7 +315,7 @@ def _nut_table(scene: Scene, shared: Material) -> Table:
 def _balls_table(scene: Scene, shared: Material) -> Table:
     """Collect the keys of the balls: number and turns where they are evenly spaced in each circuit, else their azimuths.
 
-    ``shared``: material at the head of the scene file; balls that have it get no key for their material.
+    ``shared``: material at the head of the scene file; balls of this material get no key for it.
     """
     balls, track = scene.balls, scene.track
     at, apart = balls.azimuths, [b - a for a, b in zip(balls.azimuths, balls.azimuths[1:], strict=False)]
@@ -328,7 +333,7 @@ def _balls_table(scene: Scene, shared: Material) -> Table:
 
 
 def _errors_table(errors: Errors, *, seed: bool = False) -> Table:
-    """Collect the keys of the geometric errors; with ``seed``, the seed of random errors is written even where it is 0."""
+    """Collect the keys of the geometric errors; ``seed``: whether the seed of random errors is written even if it is 0."""
     listed = {str(number): value_with_unit_text(Deviation, error) for number, error in errors.balls.listed}
     balls = keys_of_record(errors.balls, "listed") | without_empty_values(listed=listed)
     sides = {side: keys_of_record(errors.side(side)) for side in SIDES}
@@ -336,7 +341,7 @@ def _errors_table(errors: Errors, *, seed: bool = False) -> Table:
 
 
 def _support_table(support: Support) -> Table:
-    """Collect the keys of a support: its axial position, the fixed and the displaced degrees of freedom."""
+    """Collect the keys of a support: its axial position, its fixed degrees of freedom, and prescribed displacements."""
     fix = [name for name, value in support.fixed if value == 0.0]
     moved = {
         name: value_with_unit_text(Shift if name[0] == "u" else Turn, value)
@@ -347,7 +352,10 @@ def _support_table(support: Support) -> Table:
 
 
 def _friction_table(friction: Friction | None) -> Table:
-    """Collect the keys of friction; one key ``coefficient`` where screw and nut have the same coefficient."""
+    """Collect the keys of the table ``friction``; empty without friction.
+
+    Where screw and nut have the same coefficient, one key ``coefficient`` replaces the keys ``screw`` and ``nut``.
+    """
     if friction is None:
         return {}
     table = keys_of_record(friction, "assumed") | without_empty_values(assumed=[*friction.assumed])
@@ -437,7 +445,7 @@ def value_with_unit_text(annotated_type: Any, value: float) -> str | float:
 
     Parameters
     ----------
-    of : Any
+    annotated_type : Any
         Annotated type from `ranges` that defines the unit, such as ``Size``.
     value : float
         Value in SI units.
@@ -452,7 +460,7 @@ def value_with_unit_text(annotated_type: Any, value: float) -> str | float:
 
 @cache
 def _quantities_of_fields(record: type) -> dict[str, Quantity]:
-    """Return, for each field of a record with a physical quantity, the quantity with its unit and range."""
+    """Return the physical quantities, with units and ranges, of the fields of the class ``record``, by field names."""
     hints = get_type_hints(record, include_extras=True)
     return {name: found[0] for name, hint in hints.items() if (found := [*_quantities_in_type(hint)])}
 
@@ -473,7 +481,7 @@ def keys_of_record(record: Any, *left_out: str) -> Table:
     record : Any
         Dataclass whose fields are keys of scene files.
     *left_out : str
-        Names of fields that are left out.
+        Names of fields that are not collected.
 
     Returns
     -------
@@ -491,7 +499,7 @@ def keys_of_record(record: Any, *left_out: str) -> Table:
 
 
 def _value_with_unit(value: Any, quantity: Quantity | None) -> Any:
-    """Write the value of a record's field with its unit; for a tuple, write each entry.
+    """Write the value of a record's field with its unit; for a tuple, return a list with each of its values so written.
 
     ``quantity``: quantity of the field, which defines the unit; None for a field without unit.
     """
@@ -522,7 +530,7 @@ def _table_lines(table: Mapping[str, Any], path: str) -> Iterator[str]:
 
 
 def _toml_value(value: Any, *, wrapped: bool = False) -> str:
-    """Write a value as TOML text; with ``wrapped``, a long list gets one line for each entry."""
+    """Write a value as TOML text; ``wrapped``: whether a list longer than `LINE` gets one line for each entry."""
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{name} = {_toml_value(x)}" for name, x in value.items()) + " }"
     if isinstance(value, list):

@@ -74,7 +74,7 @@ def groove_section(scene: Scene) -> GrooveSection:
 
 
 def axial_range_of_nut_groove(scene: Scene) -> tuple[float, float]:
-    """Return the range of the section angle on a nut's flank, from the apex of the groove to pi/2.
+    """Return the range of the section angle on a flank of the nut, from the apex of the groove to pi/2.
 
     No publication gives the diameter of the nut's lands; so pi/2 is taken instead of the angle at which the flank ends.
 
@@ -149,7 +149,7 @@ def shear_coefficient(diameter_ratio: float, poisson: float) -> float:
 
     Parameters
     ----------
-    ratio : float
+    diameter_ratio : float
         Ratio of inner to outer radius, from 0 (solid) to 1.
     poisson : float
         Poisson's ratio.
@@ -239,7 +239,7 @@ def screw_section(scene: Scene) -> BeamSection:
     """
     ratio = grooved_volume_ratio(scene)
     if ratio <= 0.0:
-        raise ValueError("the groove's volume exceeds that of the screw")
+        raise ValueError("the groove's volume exceeds the volume of the screw: raise the lead or reduce the groove radius")
     factor = {"groove": sqrt(ratio), "groove squared": ratio, "full": 1.0}[scene.ingredients.section]  # k_r of (C.8)
     return tube_section(scene.screw.outer_diameter * factor, scene.screw.bore, scene.screw.material)
 
@@ -297,8 +297,8 @@ def merge_close_positions(stations: Array, preferred: Array) -> Array:
     ----------
     stations : (n,) Array
         Axial positions [m], in any order.
-    exact : Array
-        Axial positions [m] that are preferred to others close to them.
+    preferred : Array
+        Axial positions [m]; of several close positions, one that is in this array is kept instead of the others.
 
     Returns
     -------
@@ -322,7 +322,10 @@ def merge_close_positions(stations: Array, preferred: Array) -> Array:
 
 
 def _nodes_of_equal_elements(start: float, end: float, length: float) -> Array:
-    """Divide an interval of the shaft into the fewest equal elements of at most ``length`` [m]; return their nodes [m]."""
+    """Divide an interval of the shaft into the fewest equal elements of at most ``length`` [m], and return their nodes [m].
+
+    ``start``, ``end``: axial positions of the interval's ends [m]; both are nodes.
+    """
     count = max(1, ceil((end - start) / length - 1e-9))
     return np.linspace(start, end, count + 1)
 
@@ -362,7 +365,7 @@ def nodes_of_whole_beam(scene: Scene, *others: Scene) -> Array:
 
 
 def _nodes_in_nut(scene: Scene) -> Array:
-    """Return the beam's nodes inside the nut [m]."""
+    """Return the axial positions of the beam's nodes inside the nut [m]."""
     nut = scene.nut
     low, high = nut.position - nut.length / 2.0, nut.position + nut.length / 2.0
     if scene.ingredients.partition == "source":
@@ -381,9 +384,9 @@ def beam_nodes(scene: Scene, contact_positions: Array, *, whole_screw: bool = Fa
     ----------
     scene : Scene
         Scene whose ``ingredients.partition`` selects the nodes.
-    stations : Array of any shape
+    contact_positions : Array of any shape
         Axial positions of the contacts [m].
-    everything : bool, default False
+    whole_screw : bool, default False
         Whether to include the elements beyond the outermost support, load or contact, which are free of load.
 
     Returns
@@ -410,7 +413,7 @@ def enclosing_nodes(nodes: Array, enclosed: Array) -> tuple[Array, int]:
     ----------
     nodes : (n,) Array
         Ascending axial positions of the nodes [m].
-    needed : Array
+    enclosed : Array
         Axial positions [m] that the selected nodes enclose.
 
     Returns

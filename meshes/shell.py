@@ -32,7 +32,7 @@ RESET = ("SIGHUP", "SIGQUIT", "SIGPIPE", "SIGTERM")
 
 @contextmanager
 def gmsh_session(options: Mapping[str, float] = MappingProxyType({})) -> Iterator[Any]:
-    """Initialise gmsh for the statements of a ``with`` block, set its options, and finalise it afterwards.
+    """Initialise gmsh at the start of a ``with`` block, set its options, and finalise it at the end of the block.
 
     If gmsh is initialised already, only the options are set, and gmsh is not finalised.
 
@@ -79,7 +79,7 @@ def _import_gmsh() -> Any:
         import gmsh
     except (ImportError, OSError) as error:
         raise ImportError(
-            f"gmsh cannot be loaded ({error}); install rollbench[hifi] and the system libraries libGLU and libX11"
+            f"gmsh cannot be loaded ({error}); install rollbench[reference] and the system libraries libGLU and libX11"
         ) from error
     return gmsh
 
@@ -93,7 +93,8 @@ Body = TypeVar("Body")
 
 MM = 1e3
 
-#: Distances from the sockets between which the element size grows from `fine` to `coarse`, as ratios to the ball's radius.
+#: Distances from the sockets between which the element size grows from the fine to the coarse size, as ratios to the
+#: ball's radius.
 GROWTH = (0.18, 2.9)
 
 #: Longest edges on curved faces, as ratios to the face's radius: on flanks; on lands, bores and outer surfaces.
@@ -142,20 +143,20 @@ POOREST = 0.005
 class DividedCurve:
     """A curve on the surface of a body, divided into n edges."""
 
-    #: Numbers of its nodes, in order ``(n + 1,)``.
+    #: Numbers of the n + 1 nodes along the curve, in order; the first and last are the same for a closed curve.
     nodes: Index
     #: Values of the curve's parameter at these nodes ``(n + 1,)``.
     t: Array
 
     def on(self, plane: Placing) -> Side:
-        """Return the curve as one side of a face: its nodes, and their coordinates in the face's plane.
+        """Return the curve as one side of a face: its nodes, and their plane coordinates on the face ``(n + 1, 2)``.
 
-        ``plane`` maps the curve's parameter to these coordinates.
+        ``plane``: function that maps values of the curve's parameter to these coordinates.
         """
         return self.nodes, plane(self.t)
 
     def back(self, plane: Placing) -> Side:
-        """Return the curve as one side of a face, as `on` does, but with its nodes in reverse order."""
+        """Return the curve as one side of a face with its nodes in reverse order; ``plane`` and result as for `on`."""
         return self.nodes[::-1], plane(self.t[::-1])
 
 
@@ -171,7 +172,8 @@ class TriangulatedFace:
     plane: Array
     #: Triangles ``(t, 3)``, as indices into `number`.
     local: Index
-    #: Function that maps plane coordinates to points in space; None for a socket's faces, which are not changed.
+    #: Function that maps plane coordinates ``(k, 2)`` to points in space ``(k, 3)`` [m]; None for the faces of a socket,
+    #: whose triangles and nodes must not be changed.
     space: Placing | None
 
     @property
@@ -185,17 +187,17 @@ class TriangulatedFace:
         return np.concatenate([self.local[:, [0, 1]], self.local[:, [1, 2]], self.local[:, [2, 0]]])
 
     def flip_common_edge(self, first: int, second: int) -> bool:
-        """Flip the common edge of two triangles to the other diagonal, if both triangles remain well shaped in the plane.
+        """Replace the common edge of two triangles by the other diagonal, if both triangles remain well shaped.
 
         Parameters
         ----------
         first, second : int
-            Indices of the two triangles.
+            Indices of the two triangles in `local`, which is changed in place.
 
         Returns
         -------
         bool
-            Whether the edge was flipped.
+            True if the edge was replaced; False if nothing was changed.
         """
         one, two = ([int(k) for k in self.local[t]] for t in (first, second))
         start = next((k for k in range(3) if one[k] in two and one[(k + 1) % 3] in two), None)
@@ -262,7 +264,7 @@ class Shell:
         self.raised: list[tuple[Index, Array]] = []
 
     def nodes(self, points: Array) -> Index:
-        """Add nodes at points ``(n, 3)`` [m], and return their numbers ``(n,)``."""
+        """Add nodes at the points ``points`` ``(n, 3)`` [m] to the surface, and return their numbers ``(n,)``."""
         first = len(self.points)
         self.points = np.concatenate([self.points, points])
         return np.arange(first, len(self.points))
@@ -285,7 +287,7 @@ class Shell:
 
         Returns
         -------
-        Curve
+        DividedCurve
             The divided curve.
         """
         t = np.linspace(start, end, 65)
@@ -311,13 +313,15 @@ class Shell:
         name : str
             Name of the boundary of the mesh to which the face belongs.
         loops : Sequence[Sequence[Side]]
-            The face's outer boundary, then its holes; each is a list of sides in order.
+            The face's outer boundary, then one loop for each hole. A loop is a list of sides in order around it; each side
+            holds node numbers and their plane coordinates.
         space : Placing
             Function that maps plane coordinates ``(n, 2)`` to points ``(n, 3)`` [m].
         limit : float
             Length of the longest edge [m].
         stretch : Placing | None, default None
-            Function that returns, at plane coordinates, the ratio of a length in the plane to the length in space; None: 1.
+            Function that returns, at plane coordinates ``(n, 2)``, the ratio of a length in the plane to the same length in
+            space ``(n,)``; None: the ratio is 1 everywhere.
         """
         rings = [(np.concatenate([n[:-1] for n, _ in loop]), np.concatenate([x[:-1] for _, x in loop])) for loop in loops]
         boundary = np.concatenate([n for n, _ in rings])
@@ -341,16 +345,16 @@ class Shell:
         name : str
             Name of the boundary of the mesh to which the faces belong.
         mesh : SocketMesh
-            Mesh of the socket's faces.
+            Mesh of the socket's faces, with k nodes, of which the first c are corner nodes.
         points : (k, 3) Array
-            Coordinates of its nodes [m].
+            Coordinates of these nodes [m].
         raised : (c, 3) Array
-            Coordinates of its corner nodes while the volume is filled, at which the faces bulge into the body [m].
+            Coordinates of the corner nodes while gmsh fills the body [m]; with them the faces bulge into the body.
 
         Returns
         -------
         (c,) Index
-            Numbers of the corner nodes.
+            Numbers of the corner nodes in this surface.
         """
         count = len(mesh.xi) - len(mesh.edges)
         number = self.nodes(points[:count])
@@ -361,18 +365,21 @@ class Shell:
         return number
 
     def tris(self, name: str = "") -> Index:
-        """Return the triangles ``(t, 3)`` of all faces with this name; of all faces where the name is empty."""
+        """Return the nodes of the triangles of all faces with the name ``name`` ``(t, 3)``; of all faces if it is empty."""
         return np.concatenate([f.tris for f in self.faces if name in ("", f.name)])
 
     def exact(self) -> tuple[Index, Array]:
-        """Return the midpoints of the surface's edges on the exact curves and faces; edges of curves come first.
+        """Return the midpoints of the surface's edges on the exact curves and faces, which become midside nodes.
+
+        Edges of curves and sockets come first, then those of faces. An edge that lies on a curve or in two triangles occurs
+        several times; its first midpoint is the one to use.
 
         Returns
         -------
         edges : (k, 2) Index
-            Numbers of each edge's two nodes.
+            Numbers of the two nodes of each edge.
         points : (k, 3) Array
-            Midpoints [m].
+            Midpoint of each edge [m].
         """
         of_faces = [(f.number[f.pairs], f.space(f.plane[f.pairs].mean(axis=1))) for f in self.faces if f.space is not None]
         edges, points = zip(*self.middles, *of_faces, strict=True)
@@ -380,13 +387,13 @@ class Shell:
 
 
 def gmsh_size_callback(length_function: Placing, cube_edge: float, block: tuple[int, int, int]) -> Callable[..., float]:
-    """Make a mesh size callback for gmsh that evaluates many points at once and caches their sizes.
+    """Make the function that gmsh calls for the element size at a point; it computes and stores the sizes of many points.
 
     Parameters
     ----------
-    lengths : Placing
-        Function that returns the edge lengths [m] at points ``(n, 3)`` [m].
-    grain : float
+    length_function : Placing
+        Function that returns the wanted edge lengths ``(n,)`` [m] at points ``(n, 3)`` [m].
+    cube_edge : float
         Edge of the cubes in which the edge length counts as constant [m].
     block : tuple[int, int, int]
         Number of cubes along x, y and z that are evaluated at once.
@@ -394,7 +401,7 @@ def gmsh_size_callback(length_function: Placing, cube_edge: float, block: tuple[
     Returns
     -------
     callable
-        Argument of gmsh's ``setSizeCallback``.
+        Function to pass to gmsh's ``setSizeCallback``.
     """
     known = dict[tuple[int, int, int], list[float]]()
     inverse, (a, b, c) = 1.0 / (MM * cube_edge), block
@@ -414,7 +421,7 @@ def gmsh_size_callback(length_function: Placing, cube_edge: float, block: tuple[
 def triangulate_plane_region(
     gmsh: Any, counts: Sequence[int], plane: Array, sizes: Callable[..., float], algorithm: int
 ) -> tuple[Index, Array]:
-    """Triangulate a plane region with gmsh, without adding nodes to its boundary.
+    """Triangulate a plane region, which may have holes, with gmsh; no nodes are added on its boundary.
 
     Parameters
     ----------
@@ -425,9 +432,9 @@ def triangulate_plane_region(
     plane : (n, 2) Array
         Coordinates of the loops' nodes, one loop after another [m].
     sizes : Callable[..., float]
-        Mesh size callback from `gmsh_size_callback`.
+        Function for gmsh's element sizes, from `gmsh_size_callback`.
     algorithm : int
-        Number of gmsh's algorithm for faces.
+        Number of gmsh's algorithm for plane faces.
 
     Returns
     -------
@@ -489,7 +496,7 @@ def fill_with_tetrahedra(
     tris : (t, 3) Index
         Triangles of the surface.
     sizes : Callable[..., float]
-        Mesh size callback from `gmsh_size_callback`.
+        Function for gmsh's element sizes, from `gmsh_size_callback`.
     algorithm : int
         Number of gmsh's algorithm for volumes.
 
@@ -538,9 +545,9 @@ class FilledShell:
 
     #: The mesh.
     mesh: Mesh
-    #: One integer for each edge of the mesh, computed from the numbers of its two corners, ascending.
+    #: One integer for each edge of the mesh, computed from the numbers of its two corners; in ascending order.
     keys: Index
-    #: Midside nodes of these edges.
+    #: Number of the midside node of each edge, in the order of `keys`.
     middles: Index
 
     def middle(self, pairs: Index) -> Index:
@@ -585,7 +592,7 @@ class FilledShell:
         return np.concatenate([corners, self.middle(corners[np.array(list(box.edges), dtype=np.int64)])])
 
     def named(self, shell: Shell) -> Mesh:
-        """Return the mesh with the faces of its shell as named boundaries.
+        """Return the mesh with the faces of ``shell``, the surface that it fills, as named boundaries.
 
         Raises
         ------
@@ -597,26 +604,29 @@ class FilledShell:
         )
 
     def on(self, tris: Index) -> Index:
-        """Return the numbers of all corner and midside nodes of triangles on the surface, in ascending order.
+        """Return the numbers of all corner and midside nodes of triangles on the surface, in ascending order ``(k,)``.
 
-        ``tris``: corners of the triangles ``(t, 3)``.
+        ``tris``: numbers of the corners of the triangles ``(t, 3)``.
         """
         pairs = np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]])
         return np.unique(np.concatenate([tris.ravel(), self.middle(pairs)]))
 
 
 def with_positive_volumes(points: Array, cells: Index) -> Index:
-    """Reorder the nodes of tetrahedra ``(m, 4)`` so that all volumes are positive; ``points``: all nodes ``(n, 3)`` [m]."""
+    """Return the nodes of the tetrahedra ``cells`` ``(m, 4)``, reordered where needed to make all volumes positive.
+
+    ``points``: coordinates of the mesh's nodes ``(n, 3)`` [m].
+    """
     a, b, c, d = (points[cells[:, k]] for k in range(4))
     turned = np.einsum("ni,ni->n", np.cross(b - a, c - a), d - a) < 0.0
     return np.where(turned[:, None], cells[:, [0, 2, 1, 3]], cells)
 
 
 def drop_flat_surface_cells(shell: Shell, points: Array, cells: Index) -> Index:
-    """Remove flat tetrahedra at the surface, and change the surface's triangles to match.
+    """Remove tetrahedra that have two triangles on one smooth face, and replace these triangles on the surface.
 
-    A tetrahedron with two triangles on the same smooth face degenerates along their common edge once that edge is curved.
-    It is removed, and its other two triangles replace these two on the surface.
+    Such a tetrahedron degenerates along the common edge of the two triangles when that edge is curved. It is removed, and
+    its other two triangles replace these two on the surface, unless they would be badly shaped.
 
     Parameters
     ----------
@@ -660,7 +670,7 @@ def drop_flat_surface_cells(shell: Shell, points: Array, cells: Index) -> Index:
 
 
 def fill_shell(shell: Shell, algorithm: int) -> FilledShell:
-    """Fill a closed surface with second-order tetrahedra whose size grows with the distance from the surface.
+    """Fill a closed surface with second-order tetrahedra, whose edge lengths grow with the distance from the surface.
 
     Parameters
     ----------
@@ -677,7 +687,7 @@ def fill_shell(shell: Shell, algorithm: int) -> FilledShell:
     Raises
     ------
     ValueError
-        The surface is not closed.
+        The surface is not closed, gmsh leaves the volume empty, or an edge of the surface is not an edge of the mesh.
     """
     points = shell.points.copy()
     for number, place in shell.raised:
@@ -716,21 +726,21 @@ def fill_shell(shell: Shell, algorithm: int) -> FilledShell:
 def graded_size_function(
     fine_points: Array, smallest_size: float, largest_size: float, fine_distance: float, coarse_distance: float
 ) -> Placing:
-    """Make a function for the edge length, which grows with the distance from the nearest of some points.
+    """Make a function for the wanted edge length, which grows with the distance from the nearest of given points.
 
     Parameters
     ----------
-    near : (k, 3) Array
-        Points around which the mesh is fine [m].
-    smallest_size, coarse : float
+    fine_points : (k, 3) Array
+        Points around which the mesh is fine [m]; without points, the edge length is ``largest_size`` everywhere.
+    smallest_size, largest_size : float
         Edge length up to the distance ``fine_distance``, and from the distance ``coarse_distance`` on [m].
-    fine_distance, last : float
+    fine_distance, coarse_distance : float
         Distances between which the edge length grows linearly [m].
 
     Returns
     -------
     callable
-        Function that returns the edge lengths [m] at points ``(n, 3)`` [m].
+        Function that returns the edge lengths ``(n,)`` [m] at points ``(n, 3)`` [m].
     """
     if not len(fine_points):
         return lambda x: np.full(len(x), largest_size)
@@ -744,15 +754,16 @@ def graded_size_function(
 
 
 def mesh_with_smallest_fault(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
-    """Mesh a body with the algorithms and sizes of `ATTEMPTS` until a mesh has no fault; return the least faulty mesh.
+    """Mesh a body with the algorithms and sizes of `ATTEMPTS` in turn, until a mesh has no fault.
 
     Parameters
     ----------
     name : str
         Name of the body, for the error message.
     attempt : Callable[[Any, int, int, float], tuple[Body, float]]
-        Function that returns a mesh and the size of its fault (0: none). Its arguments: the module gmsh, the algorithm for
-        faces, the algorithm for the volume, and the factor on the element sizes.
+        Function that meshes the body once, and returns the mesh and the size of its fault (0: none). Its arguments: the
+        module gmsh, the number of gmsh's algorithm for faces, that of its algorithm for volumes, and a factor on the
+        element sizes.
 
     Returns
     -------
@@ -762,7 +773,7 @@ def mesh_with_smallest_fault(name: str, attempt: Callable[[Any, int, int, float]
     Raises
     ------
     ValueError
-        No attempt succeeds.
+        Every attempt raises an error.
     """
     failures: list[str] = []
     attempts: list[tuple[Body, float]] = []

@@ -1,8 +1,9 @@
 """Sockets, the boxes that the mesh of a screw or nut leaves free around its contacts: shape, faces and largest size.
 
 A fine mesh (the contact patch) fills each socket. A socket is bounded by surfaces of constant depth below the groove and of
-constant azimuth; its width in the section angle gamma decreases with depth. Its local coordinates xi are gamma in [-1, 1],
-depth in [0, 1] and azimuth in [-1, 1]. All sockets of a flank are congruent, so that one patch fits them all.
+constant azimuth; its width in the section angle gamma (around the arc of the groove's cross-section) decreases with depth.
+The local coordinates xi in a socket are the section angle in [-1, 1], the depth in [0, 1] and the azimuth in [-1, 1]. All
+sockets of a flank are congruent, so that one patch fits them all.
 """
 
 from __future__ import annotations
@@ -24,16 +25,17 @@ from rollbench.meshes.parts import SIDES
 GAMMA, DEPTH, ALONG = 0.30, 1.2 / 2.778, 1.24 / 2.778
 #: Smallest accepted ratio of a socket's size to the default size.
 LEAST = 0.4
-#: The same ratio near a flat end of the part, where the wall is too thin for a deeper socket. Width and length remain at
-#: least those that the contact needs.
+#: Smallest accepted ratio of a socket's size to the default size near a flat end of the part, where the wall is too thin
+#: for a deeper socket. Width and length are never smaller than the contact needs.
 LIP = 0.1
-#: Ratio of the contact zone's half width and half length to the socket's: default, and largest.
+#: Ratio of the half width and half length of the contact zone to those of the socket: default, and largest accepted.
 FILLED, ZONE = 0.6, 0.95
 #: Ratio of a socket's width to the width that the contact needs, unless that takes more than half of the remaining flank.
 SPARE = 1.15
-#: Free flank next to a socket, as a ratio to the socket's half width: default, and where the contact needs more width.
+#: Width of the flank that a socket leaves free beside it, as a ratio to the socket's half width: default, and where the
+#: contact needs more width.
 BESIDE, CLOSE = 0.25, 0.03
-#: Free track between two sockets, as a ratio to their half length.
+#: Length of the track that is left free between two sockets, as a ratio to the half length of a socket.
 BETWEEN = 0.6
 #: Thickness of the material under a socket, as a ratio to the socket's depth; and of the material between the socket and a
 #: flat end or the next turn of the groove, as a ratio to the ball's radius.
@@ -57,11 +59,11 @@ AZIMUTH_TURNED = np.array([1.0, 1.0, -1.0])
 class SocketSize:
     """Size of a socket: the box that a part's mesh leaves free around a contact, to be filled by a fine mesh."""
 
-    #: Half width in the section angle [rad].
+    #: Half width, as an angle around the arc of the groove's cross-section (section angle) [rad].
     gamma: float
     #: Depth below the groove's surface [m].
     depth: float
-    #: Half width in azimuth [rad].
+    #: Half length along the track, as an azimuth [rad].
     phi: float
     #: Number of equal parts into which the socket's edges are divided across the groove, in depth and along the groove.
     cuts: tuple[int, int, int] = (2, 2, 2)
@@ -71,18 +73,19 @@ class SocketSize:
 class SocketMesh:
     """Triangle mesh of the five inner faces of a socket, where a part's coarse mesh meets the fine contact patch."""
 
-    #: Nodes in local coordinates ``(k, 3)``: gamma and azimuth in [-1, 1], depth in [0, 1].
+    #: Local coordinates of the nodes ``(k, 3)``: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
     xi: Array
-    #: Second-order triangles ``(t, 6)``.
+    #: Nodes of the second-order triangles ``(t, 6)``.
     triangles: Index
-    #: Face 0 to 4 on which each triangle lies ``(t,)``.
+    #: Face on which each triangle lies ``(t,)``: 0 and 1 at the ends of the section angle, 2 the bottom, 3 and 4 at the
+    #: ends of the azimuth.
     face: Index
     #: Midside node of every edge; the key holds the edge's two corner nodes.
     edges: dict[tuple[int, int], int]
 
 
 def mesh_socket_faces(point_map: Callable[[Array], Array], divisions: tuple[int, int, int]) -> tuple[SocketMesh, Array]:
-    """Mesh the inner faces of a socket, and bulge them into the body for the time in which gmsh fills the body.
+    """Mesh the inner faces of a socket, and compute how they bulge into the body while gmsh fills the body.
 
     While gmsh fills a body with tetrahedra, the corner nodes of its sockets are at the bulging coordinates; the rim at the
     groove does not move. The bulging faces make the socket convex: no flat tetrahedron fits between nodes of one face. Each
@@ -91,17 +94,17 @@ def mesh_socket_faces(point_map: Callable[[Array], Array], divisions: tuple[int,
 
     Parameters
     ----------
-    place : Callable[[Array], Array]
-        Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
-    cuts : tuple[int, int, int]
-        Number of equal parts into which the edges are divided across, in depth and along.
+    point_map : Callable[[Array], Array]
+        Function that maps local coordinates in the socket ``(n, 3)`` to points of the body ``(n, 3)`` [m].
+    divisions : tuple[int, int, int]
+        Number of equal parts into which the socket's edges are divided: across the groove, in depth, and along the groove.
 
     Returns
     -------
     mesh : SocketMesh
-        Mesh of the five faces in their final, flat shape.
+        Mesh of the five faces in their final shape, without bulge.
     bulging : (c, 3) Array
-        Local coordinates of the corner nodes while the body is filled.
+        Local coordinates of the mesh's c corner nodes while the body is filled.
     """
     lines = (
         np.linspace(-1.0, 1.0, divisions[0] + 1),
@@ -142,19 +145,20 @@ def mesh_socket_of_flank(
 
     Parameters
     ----------
-    places : Callable[[int], Callable[[Array], Array]]
-        Function that returns, for a flank, the map of local coordinates to points.
+    point_map_of_flank : Callable[[int], Callable[[Array], Array]]
+        Function that returns, for the number of a flank, the function that maps local coordinates in its socket ``(n, 3)``
+        to points of the body ``(n, 3)`` [m].
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
-    cuts : tuple[int, int, int]
-        Number of equal parts into which the edges are divided across, in depth and along.
+    divisions : tuple[int, int, int]
+        Number of equal parts into which the socket's edges are divided: across the groove, in depth, and along the groove.
 
     Returns
     -------
     mesh : SocketMesh
-        Mesh of the five faces.
+        Mesh of the five faces in their final shape, without bulge.
     bulging : (c, 3) Array
-        Local coordinates of the corner nodes while the body is filled.
+        Local coordinates of the mesh's c corner nodes while gmsh fills the body.
     """
     if side % 2 == 0:
         return mesh_socket_faces(point_map_of_flank(side), divisions)
@@ -165,13 +169,13 @@ def mesh_socket_of_flank(
 
 
 def bulge_faces(xi: Array, bulge_ratio: float) -> Array:
-    """Move points on a socket's faces outwards, so that the faces bulge; points on the rim do not move.
+    """Move points on a socket's faces away from its centre, so that the faces bulge; points on the rim do not move.
 
     Parameters
     ----------
     xi : (n, 3) Array
-        Local coordinates of points on the faces.
-    share : float
+        Local coordinates of the points: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
+    bulge_ratio : float
         Approximate ratio of the displacement to the size of the faces.
 
     Returns
@@ -187,10 +191,11 @@ def bulge_faces(xi: Array, bulge_ratio: float) -> Array:
 
 
 def _heights_of_diagonals(points: Array, square: Index, inside: Array) -> Array:
-    """Return the heights of the first diagonals of quadrilaterals above the second ones, divided by their lengths ``(s,)``.
+    """Return how far the first diagonal of each quadrilateral lies above the second one, relative to their lengths.
 
-    ``points``: coordinates of the nodes ``(n, 3)`` [m]; ``square``: nodes of the quadrilaterals ``(s, 4)``; ``inside``: a
-    point; heights are positive on the side away from it.
+    ``points``: coordinates of the nodes ``(n, 3)`` [m]; ``square``: nodes of the quadrilaterals ``(s, 4)``, of which the
+    first diagonal joins nodes 0 and 2, the second one nodes 1 and 3; ``inside``: a point ``(3,)`` [m]. The ratios ``(s,)``
+    are positive where the first diagonal is farther from this point.
     """
     a, b, c, d = (points[square[:, k]] for k in range(4))
     out = np.cross(c - a, d - b)
@@ -200,10 +205,10 @@ def _heights_of_diagonals(points: Array, square: Index, inside: Array) -> Array:
 
 
 def _add_midside_nodes(xi: Array, corners: Index, owner: Index) -> SocketMesh:
-    """Add midside nodes to the triangles of a socket's faces, so that they become second-order triangles.
+    """Return the mesh of a socket's faces with second-order triangles, made by adding midside nodes to linear triangles.
 
-    ``xi``: local coordinates of the corner nodes ``(c, 3)``; ``corners``: corners of the triangles ``(t, 3)``; ``owner``:
-    face 0 to 4 on which each triangle lies ``(t,)``.
+    ``xi``: local coordinates of the corner nodes ``(c, 3)``; ``corners``: corner nodes of the triangles ``(t, 3)``;
+    ``owner``: face 0 to 4 on which each triangle lies ``(t,)``.
     """
     edges: dict[tuple[int, int], int] = {}
     rows = []
@@ -240,7 +245,7 @@ def nodes_of_socket_rim(socket: SocketMesh) -> Index:
 
 
 def unrolled_socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float]:
-    """Return the unrolled coordinates of a flank's nominal contact point, for a ball at azimuth 0 and z = 0.
+    """Return the coordinates, on the unrolled groove, of a flank's nominal contact with a ball at azimuth 0 and z = 0.
 
     Parameters
     ----------
@@ -252,7 +257,8 @@ def unrolled_socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float
     Returns
     -------
     r, zeta, psi : float
-        Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by `GrooveMap.unroll`.
+        Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by
+        `GrooveMap.section_to_unrolled`.
     """
     x3, z3 = m.polar_to_section(side, np.array(m.beta), np.array(m.radius[side]))
     r, zeta, psi = m.section_to_unrolled(x3, z3)
@@ -260,7 +266,7 @@ def unrolled_socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float
 
 
 def points_in_reference_socket(m: GrooveMap, size: SocketSize, side: int, xi: Array) -> Array:
-    """Map local coordinates in a socket to points, for the socket of a ball at azimuth 0 and z = 0.
+    """Return the points that have given local coordinates in a socket, for the socket of a ball at azimuth 0 and z = 0.
 
     Parameters
     ----------
@@ -285,7 +291,7 @@ def points_in_reference_socket(m: GrooveMap, size: SocketSize, side: int, xi: Ar
 
 
 def points_in_socket(m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], xi: Array) -> Array:
-    """Map local coordinates in the socket of a ball to points of the part.
+    """Return the points of a screw or nut that have given local coordinates in the socket of a ball.
 
     Parameters
     ----------
@@ -312,12 +318,13 @@ def points_in_socket(m: GrooveMap, size: SocketSize, socket: tuple[float, float,
 def local_coordinates_in_socket(
     m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], phi: Array, z: Array, r: Array
 ) -> Array:
-    """Map points of a part to local coordinates in the socket of a ball; the inverse of `points_in_socket`.
+    """Return the local coordinates of points of a screw or nut in the socket of a ball; inverse of `points_in_socket`.
 
     Parameters
     ----------
     m, size, socket
-        Track, size of the socket, and place of the ball with its flank, as for `points_in_socket`.
+        Groove surfaces of the track; size of the socket; and azimuth [rad] and axial position [m] of the ball with its
+        flank 0 to 3, as for `points_in_socket`.
     phi, z, r : (n,) Array
         Cylindrical coordinates of the points [rad, m, m].
 
@@ -337,7 +344,7 @@ def local_coordinates_in_socket(
 
 
 def section_angles_of_flank(m: GrooveMap, side: int, land_radius: float) -> tuple[float, float]:
-    """Return the section angles at which a flank of the groove begins and ends.
+    """Return the section angles (around the arc of the groove's cross-section) at which a flank begins and ends.
 
     Parameters
     ----------
@@ -345,13 +352,13 @@ def section_angles_of_flank(m: GrooveMap, side: int, land_radius: float) -> tupl
         Groove surfaces of the track.
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
-    land : float
-        Radius of the lands [m].
+    land_radius : float
+        Radius of the lands, the cylindrical surface between the turns of the groove [m].
 
     Returns
     -------
     low : float
-        Angle at the apex between the two arcs of the groove [rad]; for a groove of one arc, at its other edge.
+        Angle at the apex between the two arcs of the groove [rad]; for a groove of one arc, at its other edge, -high.
     high : float
         Angle at the edge between groove and land [rad].
 
@@ -379,7 +386,7 @@ def section_angles_of_flank(m: GrooveMap, side: int, land_radius: float) -> tupl
 
 
 def turns_to_groove(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, float]:
-    """Return the whole turns by which a ball's azimuth differs from that along a helical groove, and its distance from it.
+    """Return the turns to add to a ball's azimuth to count it along a helical groove, and the ball's distance from it.
 
     Parameters
     ----------
@@ -388,14 +395,14 @@ def turns_to_groove(m: GrooveMap, phi: float, z: float, line: float) -> tuple[in
     phi, z : float
         Azimuth [rad] and axial position [m] of the ball.
     line : float
-        The groove's constant z - r_g phi [m] from `helix_constants_of_grooves`, with the lead per radian r_g.
+        Constant z - r_g phi of the groove [m] from `helix_constants_of_grooves`, with the lead per radian r_g.
 
     Returns
     -------
     turns : int
-        Number of whole turns to add to the azimuth.
+        Number of whole turns to add to the azimuth, so that z - r_g phi of the ball agrees best with ``line``.
     off : float
-        Axial distance of the ball, after these turns, from the groove's centre line [m].
+        Axial distance of the ball from the groove's centre line [m].
     """
     off = z - m.rg * phi - line
     pitch = 2.0 * np.pi * m.rg
@@ -406,7 +413,7 @@ def turns_to_groove(m: GrooveMap, phi: float, z: float, line: float) -> tuple[in
 def helix_constants_of_grooves(m: GrooveMap) -> list[float]:
     """Return the constant z - r_g phi of each start's groove [m], with the lead per radian r_g.
 
-    It is the axial position at which the groove's helix crosses azimuth 0. A ring has one entry.
+    It is the axial position at which the groove's helix crosses azimuth 0; for a bearing ring, that of its one groove.
 
     Parameters
     ----------
@@ -422,9 +429,9 @@ def helix_constants_of_grooves(m: GrooveMap) -> list[float]:
 
 
 def gaps_between_balls(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, Index]:
-    """Return the angles between neighbouring balls along the grooves.
+    """Return the differences in azimuth between neighbouring balls along the grooves.
 
-    In a ring, the last ball is a neighbour of the first.
+    In a bearing ring, the last ball is a neighbour of the first.
 
     Parameters
     ----------
@@ -436,9 +443,9 @@ def gaps_between_balls(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, I
     Returns
     -------
     gaps : (n,) Array
-        Angle between the centres of two neighbours [rad].
+        Difference in azimuth between the centres of the two balls of each pair [rad].
     pairs : (n, 2) Index
-        Numbers of the two balls, counted from 0.
+        Numbers of the two balls of each pair, counted from 0; no pairs for a single ball on a screw.
     """
     line = z - m.rg * azimuth
     pitch = 2.0 * np.pi * abs(m.rg)
@@ -463,7 +470,7 @@ def gaps_between_balls(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, I
 
 
 def _largest_fitting_factor(fits: Callable[[float], bool]) -> float:
-    """Find the largest factor in [0, 1] for which ``fits`` is true, by bisection; 0 where it is true for none."""
+    """Find the largest factor in [0, 1] for which ``fits`` returns True, by bisection; 0 if it is at most 1e-6."""
     if fits(1.0):
         return 1.0
     low, high = 0.0, 1.0
@@ -474,9 +481,9 @@ def _largest_fitting_factor(fits: Callable[[float], bool]) -> float:
 
 
 def _sample_points_in_socket(m: GrooveMap, size: SocketSize, side: int) -> Array:
-    """Return sample points throughout a socket, ``(n, 3)`` [m], for a ball at azimuth 0 and z = 0.
+    """Return points on a regular grid that fills a socket, ``(n, 3)`` [m], for a ball at azimuth 0 and z = 0.
 
-    ``size``: size of the socket; ``side``: flank 0 to 3.
+    ``m``: groove surfaces of the track; ``size``: size of the socket; ``side``: flank 0 to 3 (SL, SR, NL, NR).
     """
     axes = (np.linspace(-1.0, 1.0, 7), np.linspace(0.0, 1.0, 3), np.linspace(-1.0, 1.0, 3))
     return points_in_reference_socket(m, size, side, np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3))
@@ -493,8 +500,8 @@ def wall_under_socket(m: GrooveMap, size: SocketSize, side: int, wall_radius: fl
         Size of the socket (box left free for a fine contact patch).
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
-    beyond : float
-        Radius of the screw's bore, or outer radius of the nut [m].
+    wall_radius : float
+        Radius of the surface behind the groove [m]: the screw's bore (0 for a solid screw), or the nut's outer surface.
 
     Returns
     -------
@@ -506,7 +513,7 @@ def wall_under_socket(m: GrooveMap, size: SocketSize, side: int, wall_radius: fl
 
 
 def axial_reach_of_sockets(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> tuple[float, float]:
-    """Return the axial distances by which sockets extend below and above the ball's centre.
+    """Return the axial distances by which the sockets of a ball extend from its centre, towards smaller and larger z.
 
     Parameters
     ----------
@@ -515,21 +522,21 @@ def axial_reach_of_sockets(m: GrooveMap, size: SocketSize, sides: tuple[int, ...
     size : SocketSize
         Size of the sockets (boxes left free for the fine contact patches).
     sides : tuple[int, ...]
-        Flanks 0 to 3.
+        Flanks with sockets: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
 
     Returns
     -------
     below, above : float
-        Distances in the directions -z and +z [m].
+        Largest distance, over these flanks, in the direction -z, and in the direction +z [m].
     """
     z = np.concatenate([_sample_points_in_socket(m, size, s)[:, 2] for s in sides])
     return float(-z.min()), float(z.max())
 
 
 def distance_to_next_turn(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
-    """Return the smallest distance between sockets and the next turn of the groove.
+    """Return the smallest distance between the sockets of a screw or nut and the next turn of its groove.
 
-    Where both flanks carry contacts, the distance to the plane half-way to the next turn counts too.
+    Where both flanks carry contacts, the axial distance to the middle between this turn and the next counts too.
 
     Parameters
     ----------
@@ -538,12 +545,12 @@ def distance_to_next_turn(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]
     size : SocketSize
         Size of the sockets (boxes left free for the fine contact patches).
     sides : tuple[int, ...]
-        Flanks of one part: 0 and 1 of the screw, or 2 and 3 of the nut.
+        Flanks with sockets: one or both of 0 and 1 (left and right on the screw), or of 2 and 3 (on the nut).
 
     Returns
     -------
     float
-        Distance [m]; infinite for a ring.
+        Distance [m]; negative where a socket reaches into the next turn, infinite for a bearing ring.
     """
     if m.rg == 0.0:
         return np.inf
@@ -572,11 +579,11 @@ def largest_fitting_socket(
     ends: tuple[float, float],
     contact_half_lengths: tuple[float, float] = (0.0, 0.0),
 ) -> SocketSize:
-    """Find the size of the largest socket that fits at every ball, on every flank that carries contacts.
+    """Find the largest size of socket (box left free for a fine contact patch) that fits at every contact of a scene.
 
     The size starts from the default: a half width of 0.30 rad (more if the contacts fill more than 0.6 of it), a depth of
     0.43 ball radii and a half length of 0.45 ball radii. The width is reduced next to the groove's edge and apex, but not
-    below what the contacts need; the depth over a thin wall; the length between close balls. Next to a flat end or to
+    below what the contacts need; the depth, over a thin wall; the length, between close balls. Next to a flat end or to
     the next turn of the groove all three are reduced.
 
     Parameters
@@ -586,13 +593,14 @@ def largest_fitting_socket(
     layout : BallLayout
         Positions of the balls.
     sides : tuple[int, ...]
-        Flanks 0 to 3 that carry contacts.
+        Flanks that carry contacts: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     land_screw, bore_screw, land_nut, outer_nut : float
-        Radii of the screw's land and bore, and of the nut's land and outer surface [m].
+        Radii of the screw's lands and bore (0 for a solid screw), and of the nut's lands and outer surface [m].
     ends : tuple[float, float]
-        Axial positions of the flat ends nearest the balls, those of the nut [m].
-    need : tuple[float, float], optional
-        Half lengths of the contact zone from its nominal centre: across the groove along its arc, and along the track [m].
+        Axial positions of the nut's flat ends, which are nearer to the balls than the screw's [m].
+    contact_half_lengths : tuple[float, float], default (0.0, 0.0)
+        Lengths that the contact zone needs on either side of the nominal contact point: across the groove, along its arc;
+        and along the track [m].
 
     Returns
     -------
@@ -693,26 +701,32 @@ def largest_fitting_socket(
 def _allowed_half_width(
     m: GrooveMap, sides: tuple[int, ...], land_screw: float, land_nut: float, wanted: float, need: float
 ) -> tuple[float, str]:
-    """Reduce the half width of sockets to what edge and apex of the grooves allow, and say which of the two limits it.
+    """Return the half width of sockets that edge and apex of the grooves allow, and which of the two limits it.
 
     Parameters
     ----------
+    m : GrooveMap
+        Groove surfaces of the track.
+    sides : tuple[int, ...]
+        Flanks that carry contacts: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
+    land_screw, land_nut : float
+        Radii of the screw's and of the nut's lands [m].
     wanted : float
-        Half width to start from [rad].
+        Half width that is returned where nothing limits it [rad].
     need : float
-        Half width of the contact zone along the groove's arc [m].
+        Half width that the contact zone needs, along the groove's arc [m].
 
     Returns
     -------
     gamma : float
         Allowed half width, at most ``wanted`` [rad].
     reason : str
-        Feature that limits the width and its remedy, for an error message; empty where nothing limits the width.
+        Which edge or apex limits the width, and what to change, for an error message; empty where nothing limits it.
 
     Raises
     ------
     ValueError
-        The contact zone is wider than edge and apex allow.
+        The contact zone needs a larger half width than edge and apex allow.
     """
     gamma, why = wanted, ""
     for side in sides:
@@ -759,9 +773,10 @@ def check_sockets_fit(
     size : SocketSize
         Size of the sockets (boxes left free for the fine contact patches).
     sockets : tuple[tuple[float, float, int], ...]
-        For each socket, azimuth [rad] and axial position [m] of its ball, and flank 0 to 3.
-    land_radius, behind : float
-        Radius of the lands; radius of the screw's bore or of the nut's outer surface [m].
+        For each socket, azimuth [rad] and axial position [m] of its ball, and its flank: 0 and 1 are left and right on the
+        screw, 2 and 3 on the nut.
+    land_radius, wall_radius : float
+        Radius of the lands; radius of the surface behind the groove: the screw's bore or the nut's outer surface [m].
     ends : tuple[float, float]
         Axial positions of the part's flat ends [m].
     """

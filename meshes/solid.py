@@ -28,7 +28,7 @@ WHOLE, RUN_OUT = 1.0, 1.0
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Dimensions:
-    """Dimensions and fixed surfaces of screw and nut in the 3D reference, with the assumptions for those not given."""
+    """Dimensions and fixed surfaces of screw and nut in the 3D model, with assumptions for those that a scene lacks."""
 
     #: Radius of the nut's lands [m].
     land: float
@@ -48,7 +48,7 @@ class Dimensions:
     groove_ends: bool
     #: All assumptions, as sentences.
     assumed: tuple[str, ...]
-    #: The assumptions that are needed only for meshing, as sentences.
+    #: Those of the assumptions that are needed only for meshing, as sentences.
     mesh_only: tuple[str, ...] = frozen_default(())
 
     def ends(self, scene: Scene) -> tuple[float, float]:
@@ -102,9 +102,9 @@ def largest_groove_depths(scene: Scene) -> tuple[float, float]:
 
 
 def _check_nut_land(scene: Scene, land: float, depth: float) -> None:
-    """Raise UnfitKey where the nut has no groove or no wall because of the radius ``land`` [m] of its lands.
+    """Raise UnfitKey where the nut has no groove, or no wall outside it, because of the radius of its lands.
 
-    ``depth`` is the depth of the nut's groove, measured from the pitch cylinder [m].
+    ``land``: radius of the nut's lands [m]; ``depth``: depth of the nut's groove, measured from the pitch cylinder [m].
     """
     pitch, outer = 2e3 * scene.track.pitch_radius, 1e3 * scene.screw.outer_diameter
     most = pitch + 2e3 * depth

@@ -21,7 +21,7 @@ ALL = slice(None)
 
 
 def groove_radius_with_slopes(gamma: Array, radius: float | Array, profile: Array) -> Array:
-    """Compute the groove radius with its profile error at section angles, and its first two derivatives.
+    """Compute the groove radius with its profile error at section angles, and its two derivatives by the section angle.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma:
     drawn : Specimen
         Geometry of the grooves at the balls, with errors.
     side : int | slice
-        Flank 0 to 3 (SL, SR, NL, NR), or `ALL` for all four in a second axis.
+        Flank 0 to 3 (SL, SR, NL, NR), or `ALL` for all four flanks, which are then the second axis of the results.
     gamma : (n,) or (n, 4) Array
         Section angle at each ball [rad]; ``(n, 4)`` for all flanks.
 

@@ -39,7 +39,7 @@ class TetBox:
     width: tuple[float, float]
     #: Depth of the patch [m].
     depth: float
-    #: Half widths of the contact zone across and along the groove, as fractions of those of the patch.
+    #: Half widths of the contact zone across and along the groove, as fractions of the half widths of the patch.
     zone: tuple[float, float]
     #: Half widths across and along the groove, and depth, of the inner box with the finest cells [m].
     influence: tuple[float, float, float]
@@ -80,9 +80,9 @@ def patch_as_in_thesis(
     ----------
     width, depth, zone
         Dimensions of the patch and its contact zone, as the fields of `TetBox`.
-    fine : float, default 8e-05
+    contact_size : float, default 8e-05
         Edge length in the contact zone, down to a depth of the shorter half width of the zone [m].
-    far : float, default 0.0005
+    edge_size : float, default 0.0005
         Largest edge length [m].
 
     Returns
@@ -129,7 +129,7 @@ def mesh_patch_with_tetrahedra(box: TetBox, socket: SocketMesh | None = None) ->
 
 
 def _set_element_sizes(gmsh: Any, box: TetBox) -> None:
-    """Set gmsh's element sizes: ``box.fine`` around the contact, growing with the distance from there.
+    """Set gmsh's element sizes: ``box.fine`` in the inner box around the contact, growing with the distance from this box.
 
     Inside the volume, sizes are divided by `LARGER`, because gmsh's tetrahedra are larger than requested.
     """
@@ -148,9 +148,10 @@ def _set_element_sizes(gmsh: Any, box: TetBox) -> None:
 
 
 def _socket_faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
-    """Return the faces between a patch and the coarse body: corners in local coordinates ``(c, 3)``, and the polygons.
+    """Return the polygons of the faces between a patch and the coarse body.
 
-    Each polygon is a list of indices of corners. ``socket``: surface mesh of these faces; None: five plane faces.
+    Returns the local coordinates of the corners ``(c, 3)``, and for each polygon the list of the indices of its corners.
+    ``socket``: surface mesh of these faces; None: five plane faces.
     """
     if socket is None:
         corners = np.array([[a, d, b] for a in (-1.0, 1.0) for d in (0.0, 1.0) for b in (-1.0, 1.0)])
@@ -162,7 +163,7 @@ def _socket_faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
 def _corners_around_rim(corners: Array, polygons: list[list[int]]) -> list[int]:
     """Return the corners around the open top of a patch's faces, in order; ValueError unless there is exactly one open rim.
 
-    ``corners``: local coordinates ``(c, 3)``; ``polygons``: indices of the corners of each face.
+    ``corners``: local coordinates of the corners ``(c, 3)``; ``polygons``: indices of the corners of each face.
     """
     sides: dict[tuple[int, int], int] = {}
     for p in polygons:
@@ -187,7 +188,8 @@ def _corners_around_rim(corners: Array, polygons: list[list[int]]) -> list[int]:
 def _add_patch_volume(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[int, int]:
     """Add the patch to gmsh's model as a volume between plane faces.
 
-    Returns the numbers of two surfaces at depth 0: the contact zone, and the ring around it.
+    ``box``: dimensions of the patch; ``socket``: surface mesh of its faces, None for five plane faces. Returns the numbers
+    of two surfaces at depth 0 in gmsh's model: the contact zone, and the ring around it.
     """
     geo = gmsh.model.geo
     corners, polygons = _socket_faces(socket)

@@ -146,7 +146,7 @@ class UnitError(ValueError):
     """
 
     def __init__(self, value: object, dimension: str, reason: str, advice: str = "") -> None:
-        """Compose the message from the value, the reason for the error, the expected dimension and the advice."""
+        """Compose the message from the faulty value, the reason for the error, the required dimension and the advice."""
         self.reason = reason
         self.advice = advice or f"write a number and a unit, e.g. {example_quantity(dimension)}"
         super().__init__(f"{toml_text(value)} {reason}; expected {dimension_description(dimension)}; {self.advice}")
@@ -347,7 +347,10 @@ def standard_unit_spelling(unit: str) -> str:
 
 @lru_cache(maxsize=256)
 def _unit_factor(unit: str) -> tuple[str, Decimal, Decimal]:
-    """Return the dimension of a product or quotient of units, and numerator and denominator of its factor to SI units."""
+    """Return the dimension of a product or quotient of units, and its conversion factor to SI units.
+
+    The factor is returned as numerator and denominator.
+    """
     above, below = Decimal(1), Decimal(1)
     powers: tuple[int, ...] = (0,) * 5
     for i, product in enumerate(re.split(r"\s*/\s*", unit)):
@@ -366,7 +369,10 @@ def _unit_factor(unit: str) -> tuple[str, Decimal, Decimal]:
 
 
 def _single_unit_factor(name: str) -> tuple[str, Decimal, Decimal] | None:
-    """Return the dimension of a single unit, and numerator and denominator of its factor to SI units; None if unknown."""
+    """Return the dimension of a single unit, and numerator and denominator of its conversion factor to SI units.
+
+    None is returned if the unit is unknown. ``name``: name of the unit in standard spelling, with or without a prefix.
+    """
     for whole in (name, name.removesuffix("s")):
         for prefix, tens in PREFIXES.items():
             if whole.startswith(prefix) and whole.removeprefix(prefix) in UNITS:

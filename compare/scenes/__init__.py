@@ -1,1 +1,1 @@
-"""Scene files: schema, units, reading, checks, and the shipped scenes."""
+"""Scene files: schema, units, reading, checks, and the scenes that are included in rollbench."""

@@ -1,6 +1,7 @@
 """Convert the keys of a shaft with several nuts and bearings (``[[sets]]``) to its record, with errors for faulty keys.
 
-A set of equal bearings that names an arrangement, such as "DBD", becomes one rolling row per bearing, ground to equal gaps.
+A table ``[[sets]]`` of a file describes one ball nut, one bearing, or equal bearings in an arrangement such as "DBD". An
+arrangement becomes one bearing row per bearing; all rows are ground to equal gaps.
 """
 
 from __future__ import annotations
@@ -62,14 +63,14 @@ NO_STIFFNESS = diagonal_stiffness((0.0,) * 6)
 def build_axis_scene(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene | DutyCycle:
     """Return the record of a shaft with several nuts and bearings, or of its load cases; SceneError for faults.
 
-    A single nut or ball bearing whose outer part is fixed and has no preload by an offset gives a `Scene`.
+    If the file describes a single nut or ball bearing that needs no table ``[[sets]]``, the record is a `Scene`.
 
     Parameters
     ----------
     keys
         Validated keys of the file.
     raw
-        Tables of the file, which show the faulty values.
+        Tables of the file as read from TOML, from which messages take the faulty values.
     origin
         Name of the file, for messages.
     name
@@ -78,7 +79,7 @@ def build_axis_scene(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: 
     Returns
     -------
     Assembly, Scene or DutyCycle
-        The record.
+        Record of the shaft; of its load cases (DutyCycle) if the file has a table ``[[cases]]``.
     """
     return with_load_cases(
         _build_checked_assembly(keys, raw, origin, name), keys.cases, raw, origin, _geometry_faults_of_scene
@@ -95,8 +96,8 @@ def _geometry_faults_of_scene(scene: Scene | Assembly) -> Iterator[Fault]:
 def _build_checked_assembly(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene:
     """Return the record of shaft, nuts, bearings and housings under the scene's loads, after all checks.
 
-    ``raw``: tables of the file, which show faulty values; ``origin``: name of the file, for messages; ``name``: name of the
-    scene. SceneError for faults.
+    ``keys``: validated keys of the file; ``raw``: tables of the file, from which messages take faulty values; ``origin``:
+    name of the file, for messages; ``name``: name of the scene. SceneError for faults.
     """
     raise_faults(origin, raw, [*_conflicting_key_faults(keys), *load_case_faults(keys)])
     sets = tuple(_rolling_set_from_keys(keys, i, raw, origin) for i in range(len(keys.sets)))
@@ -141,7 +142,7 @@ def _build_checked_assembly(keys: AxisKeys, raw: Mapping[str, Any], origin: str,
 def _assumptions_of_sets(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[str]:
     """Yield a sentence on each assumption about a nut or bearing: conformity from a rigidity, preload from a load rating.
 
-    ``sets``: their records, in the order of ``keys.sets``.
+    ``sets``: records of the nuts and bearings, in the order of ``keys.sets``.
     """
     for one, whole in zip(keys.sets, sets, strict=True):
         if isinstance(whole.parts, Scene):
@@ -163,7 +164,7 @@ def _housing_from_keys(housing: HousingKeys) -> Housing:
 
 
 def _has_single_plain_set(keys: AxisKeys) -> bool:
-    """Return whether the scene has one nut or ball bearing only, so that it could be described without ``[[sets]]``."""
+    """Return whether the file describes one nut or ball bearing only, and could do so without the table ``[[sets]]``."""
     one = keys.sets[0]
     more = keys.housings or keys.screw.plain or keys.heat or one.carrier or one.offset or one.preload or one.arrangement
     more = more or one.seals or keys.drive != Drive()
@@ -180,7 +181,8 @@ def kind_of_set(set_keys: SetKeys) -> str:
 def _conflicting_key_faults(keys: AxisKeys) -> Iterator[Fault]:
     """Yield the faults of keys that exclude or need each other: of friction, motion, drive, sets, housings and joints.
 
-    Also of names: of sets and housings that occur twice, and of housings that are not described.
+    Further faults are names that occur twice among the sets or the housings, and names of housings that the file does not
+    describe.
     """
     yield from conflicting_friction_key_faults(keys.friction)
     yield from zero_speed_faults(keys.motion)
@@ -192,7 +194,7 @@ def _conflicting_key_faults(keys: AxisKeys) -> Iterator[Fault]:
     for table, given in (("sets", [s.name for s in keys.sets]), ("housings", names), *of_cases):
         for i, label in enumerate(given):
             if label in given[:i]:
-                yield Fault((f"{table}[{i}].name",), "a unique name", "rename one of the two: results are identified by it")
+                yield Fault((f"{table}[{i}].name",), "a unique name", "rename one of the two: the name identifies results")
     known = ", ".join(names) or "none is described"
     named: list[tuple[str, str | None]] = [(f"sets[{i}].housing", s.housing) for i, s in enumerate(keys.sets)]
     named += [(f"sets[{i}].carrier", s.carrier) for i, s in enumerate(keys.sets)]
@@ -220,10 +222,10 @@ def _conflicting_key_faults(keys: AxisKeys) -> Iterator[Fault]:
 
 
 def _drive_faults(keys: AxisKeys) -> Iterator[Fault]:
-    """Yield the faults of [drive] and [lubricant].
+    """Yield the faults of the tables [drive] and [lubricant].
 
-    They are a lubricant without bearings, a mass that no nut moves, a time of acceleration without speed, and an efficiency
-    without accelerated mass.
+    They are a lubricant without bearings, a mass that no nut moves or that nuts of different leads move, a time of
+    acceleration without a speed that is reached, and an efficiency without mass and time of the acceleration.
     """
     leads = {one.track.lead for one in keys.sets if one.track is not None and one.track.lead}
     if keys.lubricant is not None and all(kind_of_set(one) == "ball nut" for one in keys.sets):
@@ -244,9 +246,10 @@ def _drive_faults(keys: AxisKeys) -> Iterator[Fault]:
 
 
 def _set_faults(keys: AxisKeys, number: int, set_keys: SetKeys) -> Iterator[Fault]:
-    """Yield the faults of keys that exclude or need each other of a nut or bearing.
+    """Yield the faults of keys of one nut or bearing that exclude or need each other.
 
-    ``set_keys``: its keys; ``number``: its index in the list ``sets`` of the file.
+    ``keys``: keys of the whole file; ``set_keys``: keys of the nut or bearing; ``number``: its index, from 0, in the list
+    ``sets`` of the file.
     """
     at = f"sets[{number}]"
     yield from arrangement_faults(at, set_keys)
@@ -265,7 +268,7 @@ def _set_faults(keys: AxisKeys, number: int, set_keys: SetKeys) -> Iterator[Faul
             advice = "write the direction of the axial force on the shaft that the row carries"
             yield Fault((f"{at}.thrust",), '"+z" or "-z"', advice, "nothing" if set_keys.thrust is None else "")
         if set_keys.rollers.roller_angle * 2.0 >= set_keys.rollers.cup_angle:
-            advice = "check both half angles: the cone's is cup_angle less twice roller_angle"
+            advice = "check both half angles: the half angle of the cone is cup_angle minus twice roller_angle"
             yield Fault((f"{at}.rollers.roller_angle",), "below half the cup_angle", advice)
         else:
             yield from _roller_end_faults(f"{at}.rollers", set_keys.rollers)
@@ -305,7 +308,8 @@ def _set_faults(keys: AxisKeys, number: int, set_keys: SetKeys) -> Iterator[Faul
 def _roller_end_faults(table_path: str, rollers: RollerKeys) -> Iterator[Fault]:
     """Yield the faults of the ends of rollers: edge rounding, rib height, and a large end that does not touch the rib.
 
-    ``table_path`` is the path of the table of rollers, whose cone and roller angles are already checked.
+    ``table_path``: path of the table of rollers in the file, such as ``sets[0].rollers``; ``rollers``: its keys, of which
+    the angles of cup and rollers are checked already.
     """
     if rollers.edge_radius is not None and not 0.005 <= rollers.edge_radius / rollers.diameter <= 0.25:
         allowed = (
@@ -352,7 +356,11 @@ def _stiffness_from_keys(keys: StiffKeys) -> Stiffness | None:
 
 
 def _scene_keys_of_set(keys: AxisKeys, set_keys: SetKeys) -> SceneKeys:
-    """Return the keys of a scene that contains only the nut or bearing ``set_keys``, with its inner groove on the shaft."""
+    """Return the keys of a scene that contains only the nut or bearing ``set_keys``; its screw is the shaft of ``keys``.
+
+    Groove, diameter and material of the screw are those of the set where it states them. The scene has no supports or
+    loads.
+    """
     shaft = keys.screw
     fields: dict[str, Any] = {n: getattr(shaft, n) for n in ScrewKeys.model_fields}
     if set_keys.screw is not None:
@@ -379,9 +387,10 @@ def _scene_keys_of_set(keys: AxisKeys, set_keys: SetKeys) -> SceneKeys:
 
 
 def _rolling_set_from_keys(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> RollingSet:
-    """Return the record of the nut or bearing in ``sets[i]``; SceneError for its faults.
+    """Return the record of the nut or bearing that the table ``sets[i]`` of the file describes; SceneError for its faults.
 
-    ``raw``: tables of the file, which show faulty values; ``origin``: name of the file, for messages.
+    ``keys``: keys of the whole file; ``raw``: tables of the file, from which messages take faulty values; ``origin``: name
+    of the file, for messages.
     """
     one = keys.sets[i]
     thrust = one.thrust or "both"
@@ -404,7 +413,10 @@ def _rolling_set_from_keys(keys: AxisKeys, i: int, raw: Mapping[str, Any], origi
 
 
 def _roller_row_from_keys(rollers: RollerKeys, material: Material) -> RollerRow:
-    """Return the record of a row of tapered rollers from its keys ``rollers``; ``material``: that of rollers and rings."""
+    """Return the record of a row of tapered rollers.
+
+    ``rollers``: keys of the row; ``material``: material of rollers and rings.
+    """
     row = RollerRow(
         rollers.count,
         rollers.diameter,
@@ -420,9 +432,9 @@ def _roller_row_from_keys(rollers: RollerKeys, material: Material) -> RollerRow:
 
 
 def _with_one_arc_grooves(scene: Scene, thrust: str) -> Scene:
-    """Return a bearing with one arc per groove, unless its thrust is "both"; a nut keeps its gothic arches.
+    """Return a bearing with one arc per groove; a bearing with ``thrust`` "both" and a nut are returned unchanged.
 
-    ``thrust``: direction of the axial force on the shaft that it carries: "+z", "-z", "both" or "deep groove".
+    ``thrust``: direction of the axial force on the shaft that the bearing carries: "+z", "-z", "both" or "deep groove".
     """
     if scene.track.lead != 0.0 or thrust == "both":
         return scene
@@ -430,9 +442,9 @@ def _with_one_arc_grooves(scene: Scene, thrust: str) -> Scene:
 
 
 def _fault_with_set_prefix(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
-    """Return a fault with the names that its keys have in the file, most of them with the prefix ``sets[i].``.
+    """Return a fault whose keys have the names that they have in the file, most of them with the prefix ``sets[i].``.
 
-    The fault was found in a scene that contains only the set with the index ``i``. ``raw``: tables of the file.
+    ``fault``: fault of a scene that contains only the nut or bearing with the index ``i``; ``raw``: tables of the file.
     """
     inner = "screw" in raw["sets"][i]
     keys = []
@@ -443,10 +455,11 @@ def _fault_with_set_prefix(fault: Fault, i: int, raw: Mapping[str, Any]) -> Faul
 
 
 def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fault]:
-    """Yield the faults of positions along the shaft, and of housings that are loaded although they cannot move.
+    """Yield the faults of positions along the shaft, of its supports, and of loaded housings that cannot move.
 
-    Positions must lie on the shaft, its plain sections must not overlap, and each support must fix a freedom not yet fixed.
-    ``sets``: records of the nuts and bearings, in the order of ``keys.sets``.
+    Positions must lie on the shaft, its plain sections (without groove) must not overlap, and each support must fix a
+    degree of freedom that no other support at its position fixes. ``sets``: records of the nuts and bearings, in the order
+    of ``keys.sets``.
     """
     length = keys.screw.length
     stations = [
@@ -464,7 +477,7 @@ def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fau
     end = 0.0
     for i, p in enumerate(keys.screw.plain):
         if p.start < end - TOLERANCE or p.end <= p.start:
-            allowed = f"from {length_text(end)} to below its own end, {length_text(p.end)}"
+            allowed = f"from {length_text(end)} to below {length_text(p.end)}, the end of this section"
             advice = "list the plain sections from left to right, without overlap"
             yield Fault((f"screw.plain[{i}].start",), allowed, advice)
         if p.bore >= p.diameter:
@@ -498,9 +511,9 @@ def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fau
 
 
 def arrangement_faults(set_path: str, set_keys: SetKeys) -> Iterator[Fault]:
-    """Yield the faults of keys that need an arrangement of bearings, or exclude one.
+    """Yield the faults of keys that are allowed only with an arrangement of bearings, or only without one.
 
-    ``set_path``: path of the set in the file, such as ``sets[0]``; ``set_keys``: its keys.
+    ``set_path``: path of the bearing's table in the file, such as ``sets[0]``; ``set_keys``: the keys of this table.
     """
     given = set_keys.arrangement is not None
     if set_keys.pair_preload and not given:
@@ -537,18 +550,18 @@ def arrangement_faults(set_path: str, set_keys: SetKeys) -> Iterator[Fault]:
 
 
 def preload_of_arrangement(arrangement: str, pair_preload: float) -> float:
-    """Return the total preload [N] on either side of an arrangement of bearings that are ground to the gaps of a pair.
+    """Return the preload P [N] of an arrangement of bearings: the axial force in each of its two directions.
 
-    Mounting a pair closes its gap, which equals twice the deflection of one bearing. The gap between opposite rows of any
-    arrangement is the same, and the n rows of one side share its load: P^(2/3) (n_1^(-2/3) + n_2^(-2/3)) = 2 F^(2/3), at a
-    constant contact angle.
+    The bearings are ground for a pair with the preload F: mounting the pair closes a gap of twice the deflection of one
+    bearing. The gap between opposite rows of any arrangement is the same, and the n_1 or n_2 rows of one direction share P:
+    P^(2/3) (n_1^(-2/3) + n_2^(-2/3)) = 2 F^(2/3), at a constant contact angle.
 
     Parameters
     ----------
     arrangement
-        Arrangement, such as ``DBD``.
+        Name of an arrangement with rows in both directions, a key of `ARRANGEMENTS`, such as ``DBD``.
     pair_preload
-        Preload F of the pair [N].
+        Preload F of a pair of these bearings [N].
     """
     ways = ARRANGEMENTS[arrangement]
     shared = sum(ways.count(way) ** (-2.0 / 3.0) for way in set(ways))
@@ -556,16 +569,18 @@ def preload_of_arrangement(arrangement: str, pair_preload: float) -> float:
 
 
 def bearing_rows_of_arrangement(single_bearing: RollingSet, set_keys: SetKeys, seed_step: int) -> Iterator[RollingSet]:
-    """Yield the bearing rows of a set in its arrangement, side by side about its position; without arrangement, the set.
+    """Yield one record for each bearing of an arrangement, side by side about the arrangement's position.
+
+    Without an arrangement, only ``single_bearing`` is yielded.
 
     Parameters
     ----------
     single_bearing
-        Record of one bearing of the set, at the set's position.
+        Record of one bearing of the arrangement, at the position of the arrangement's middle; or of a nut.
     set_keys
-        Keys of the set.
+        Keys of the table that describes it.
     seed_step
-        Step between the seeds of the random errors of successive rows.
+        Difference between the seeds of the random errors of successive bearings.
     """
     if set_keys.arrangement is None or not isinstance(single_bearing.parts, Scene):
         yield single_bearing
@@ -588,12 +603,14 @@ def bearing_rows_of_arrangement(single_bearing: RollingSet, set_keys: SetKeys, s
 
 
 def conformity_for_rigidity(parts: Scene, preload: float, rigidity: float) -> float:
-    """Return the conformity of both grooves with which a pair of the bearing has the given axial rigidity at its preload.
+    """Return the conformity (groove radius over ball diameter) that gives a pair of bearings its stated axial rigidity.
+
+    Both grooves of the bearing have this conformity.
 
     Parameters
     ----------
     parts
-        Bearing; its conformity is not used.
+        One bearing of the pair; its groove radii are not used.
     preload
         Preload of the pair [N].
     rigidity
@@ -620,10 +637,11 @@ def conformity_for_rigidity(parts: Scene, preload: float, rigidity: float) -> fl
 
 
 def with_conformity_from_rigidity(parts: Scene, set_keys: SetKeys, origin: str, set_path: str) -> Scene:
-    """Return a bearing with the groove radii that follow from the rigidity of a pair; unchanged if no rigidity is given.
+    """Return a bearing with the groove radii that follow from the axial rigidity of a pair of such bearings.
 
-    ``set_keys``: keys of the set, with rigidity and preload of the pair; ``origin``: name of the file, for messages;
-    ``set_path``: path of the set in the file. InputError if no conformity gives the rigidity.
+    ``parts``: the bearing, returned unchanged if no rigidity is given; ``set_keys``: its keys, with rigidity and preload of
+    the pair; ``origin``: name of the file, for messages; ``set_path``: path of the bearing's table in the file, such as
+    ``sets[0]``. InputError if no groove radius gives the rigidity.
     """
     if set_keys.pair_rigidity is None:
         return parts

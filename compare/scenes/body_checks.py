@@ -26,7 +26,10 @@ WIDEST_GROOVE = 10.0
 
 
 def ball_radii_with_listed_errors(scene: Scene) -> Array:
-    """Return the radii of all balls, (n,) [m], start by start: with oversize and listed errors, without random errors."""
+    """Return the radii of all balls, (n,) [m], start by start, with their errors except random ones.
+
+    The errors are the oversize of all balls and the errors that the file lists for single balls.
+    """
     radii = np.full(scene.ball_count, scene.balls.radius + scene.errors.balls.oversize)
     for number, error in scene.errors.balls.listed:
         radii[number - 1] += error
@@ -34,7 +37,7 @@ def ball_radii_with_listed_errors(scene: Scene) -> Array:
 
 
 def geometry_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of a scene whose bodies cannot be built, in the order in which a user would correct them."""
+    """Yield the faults that prevent a scene from being built, in the order in which a user would correct them."""
     radii = ball_radii_with_listed_errors(scene)
     small = np.flatnonzero(radii <= 0.0)
     if small.size:
@@ -58,7 +61,7 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _path_error_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of pitch and roundness errors that are larger than the ball radius."""
+    """Yield the faults of pitch and roundness errors that are larger than the ball radius, and of a lead offset."""
     for side in SIDES:
         for kind in ("pitch", "roundness"):
             terms = getattr(scene.errors.side(side), kind)
@@ -92,7 +95,8 @@ def _lead_offset_faults(scene: Scene) -> Iterator[Fault]:
 def hertz_constant_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the faults of contacts whose Hertz constants do not exist, in a scene whose bodies can be built.
 
-    Either ball and flank conform, or the printed formula (Lin Table B.1) has no solution.
+    At such a contact the flank is as curved as the ball or more, or the formula printed in Lin's Table B.1, if the scene
+    selects it, has no solution.
     """
     from rollbench.lowfi.statics.contacts import curvature_changes, nominal_curvatures, printed_sides
 
@@ -121,7 +125,10 @@ def hertz_constant_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _groove_width_faults(scene: Scene, largest_ball_radius: float) -> Iterator[Fault]:
-    """Yield the faults of grooves narrower than the largest ball (``largest_ball_radius`` [m]) or much wider than it."""
+    """Yield the faults of grooves that are narrower than the largest ball or much wider, and of their profile errors.
+
+    ``largest_ball_radius``: radius of the largest ball, without random errors [m].
+    """
     spread = SIGMAS * scene.errors.balls.sigma
     diameter = 2.0 * scene.balls.radius
     for name, radius in (("screw", scene.screw.groove_radius), ("nut", scene.nut.groove_radius)):
@@ -151,7 +158,7 @@ def _groove_width_faults(scene: Scene, largest_ball_radius: float) -> Iterator[F
 def _profile_error_faults(scene: Scene, part: str, clearance: float) -> Iterator[Fault]:
     """Yield the faults of profile errors that are larger than the clearance of a ball in its groove.
 
-    ``part``: "S" screw or "N" nut; ``clearance``: groove radius less the radius of the largest ball [m].
+    ``part``: "S" for the screw, "N" for the nut; ``clearance``: groove radius minus radius of the largest ball [m].
     """
     gamma = np.linspace(0.0, math.pi / 2.0, 91)
     for side in (s for s in SIDES if s[0] == part):
@@ -186,9 +193,9 @@ def _diameter_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _reduced_section_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of a threaded shaft whose cross-section as a beam, reduced by the groove, has no material.
+    """Yield the faults of a screw of whose cross-section as a beam, reduced by the groove, nothing remains.
 
-    The reduction is that of Lin (2019), eqs. (C.6) to (C.8).
+    The cross-section is reduced by Lin (2019), eqs. (C.6) to (C.8). A rigid screw has no such faults.
     """
     if scene.ingredients.screw == "rigid":
         return
@@ -227,7 +234,7 @@ def _beyond_screw_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _rigid_screw_support_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield a fault if the supports contradict each other: no rigid-body motion of the screw satisfies them all."""
+    """Yield a fault if the supports of a rigid screw contradict each other: no rigid-body motion satisfies them all."""
     if scene.ingredients.screw != "rigid":
         return
     clash = contradiction(scene)
@@ -242,7 +249,7 @@ def _rigid_screw_support_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _solid_table_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of the table ``[solid]``, whose dimensions only the 3D finite-element reference uses."""
+    """Yield the faults of the table ``[solid]``, whose dimensions are used only by the 3D finite-element model."""
     solid, R = scene.solid, scene.track.pitch_radius
     of_screw, of_nut = largest_groove_depths(scene)
     if solid.nut_inner_diameter is not None:
@@ -262,7 +269,7 @@ def _solid_table_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _flange_faults(nut: Nut, flange: Flange) -> Iterator[Fault]:
-    """Yield the faults of a flange that is narrower or longer than the nut, or whose fixed annulus exceeds its face."""
+    """Yield the faults of a flange: not wider than its nut, longer than it, or a fixed annulus that exceeds its face."""
     if flange.diameter <= nut.outer_diameter + SMALLEST_WIDTH:
         advice = "check that this is a diameter, not a radius: a flange is wider than its nut"
         yield Fault(("nut.flange.diameter",), f"above {length_text(nut.outer_diameter + SMALLEST_WIDTH)}", advice)
@@ -333,10 +340,7 @@ def overlapping_pair(centres: Array, radii: Array) -> tuple[int, int] | None:
 
 
 def _ball_circuit_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of ball circuits that cannot be built.
-
-    Also of a simulation over time that would move the nut off the screw.
-    """
+    """Yield the faults of ball circuits that cannot be built, and of a simulation that would move the nut off the screw."""
     from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits_of_scene, nut_travel
 
     try:

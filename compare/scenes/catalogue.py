@@ -23,39 +23,43 @@ Of = TypeVar("Of", bound="KindScene")
 
 @cache
 def scene_names() -> tuple[str, ...]:
-    """Return the names of the shipped scenes of all kinds, sorted."""
+    """Return the names of the scenes of all kinds that are included in rollbench, sorted."""
     return tuple(shipped_toml_files("scenes"))
 
 
 @cache
 def top_level_keys(name: str) -> dict[str, Any]:
-    """Return the keys before the first table of a shipped scene's file, such as title, kind and role.
+    """Return the keys before the first table in the file of a scene included in rollbench: title, kind, role and others.
 
-    InputError for an unknown name.
+    ``name``: name of the scene; InputError for an unknown name.
     """
     return tomllib.loads(shipped_scene_text(name).partition("\n[")[0])
 
 
 def kind_of_shipped_scene(name: str) -> str:
-    """Return the kind of a shipped scene, such as "ball screw" or "bearing"."""
+    """Return the kind of the scene ``name`` that is included in rollbench, such as "ball screw" or "bearing"."""
     ring = re.search(r'(?m)^lead = "0 mm"', shipped_scene_text(name))
     return str(top_level_keys(name).get("kind", "bearing" if ring else "ball screw"))
 
 
 @cache
 def names_of_single_set_scenes() -> tuple[str, ...]:
-    """Return the names of the shipped scenes with a single nut or bearing row, sorted."""
+    """Return the names of the scenes included in rollbench that have a single nut or bearing row, sorted."""
     return tuple(n for n in scene_names() if top_level_keys(n).get("kind") not in (AXIS, *KINDS))
 
 
 @cache
 def names_with_role(role: str) -> tuple[str, ...]:
-    """Return the names of the shipped scenes whose role begins with ``role``: "referenced", "unseen", "unseen, changed"."""
+    """Return the names of the scenes included in rollbench whose role in the validation report begins with ``role``.
+
+    ``role``: "referenced" (case study with a 3D reference), "unseen" (scene with which no model was made) or its kinds
+    "unseen, changed parts" and "unseen, catalogue size". The names are sorted.
+    """
     return tuple(name for name in scene_names() if top_level_keys(name).get("role", "").startswith(role))
 
 
 def shipped_scene_text(name: str) -> str:
-    """Return the text of a shipped scene's file by name; InputError for an unknown name."""
+    """Return the text of the file of the scene ``name`` that is included in rollbench; InputError for an unknown name."""
     path = find_case_file("scenes", name)
     if path is None:
         raise _unknown_name_error(name)
@@ -64,14 +68,17 @@ def shipped_scene_text(name: str) -> str:
 
 @cache
 def shipped_scene(name: str) -> Described:
-    """Return the shipped scene ``name``, of any kind; InputError for an unknown name."""
+    """Return the scene ``name``, of any kind, that is included in rollbench; InputError for an unknown name."""
     from rollbench.compare.scenes import scene_file
 
     return scene_file.parse_scene(shipped_scene_text(name), f"{name}.toml")
 
 
 def shipped_scene_of_kind(name: str, kind: type[Of]) -> Of:
-    """Return the shipped scene ``name``; InputError if it is not of the kind ``kind``, a class of records."""
+    """Return the scene ``name`` that is included in rollbench, if it is of a given kind; InputError otherwise.
+
+    ``kind``: class of the records of scenes of this kind.
+    """
     described = shipped_scene(name)
     if not isinstance(described, kind):
         from rollbench.compare.scenes import scene_file
@@ -83,15 +90,15 @@ def shipped_scene_of_kind(name: str, kind: type[Of]) -> Of:
 
 
 def any_scene(name_or_path: str) -> Described:
-    """Return a scene of any kind: a shipped one by name, or one read from a file.
+    """Return a scene of any kind: one that is included in rollbench, by its name, or one read from a file.
 
-    A text that is not the name of a shipped scene is a path if it ends in ``.toml``, contains a path separator, or names an
-    existing file or folder.
+    A text that is not the name of an included scene is a path if it ends in ``.toml``, contains a path separator, or names
+    an existing file or folder.
 
     Parameters
     ----------
     name_or_path
-        Name or path.
+        Name of a scene that is included in rollbench, or path of a scene file.
 
     Returns
     -------
@@ -113,7 +120,7 @@ def any_scene(name_or_path: str) -> Described:
 
 
 def scene(name_or_path: str) -> Scene:
-    """Return a scene with a single nut or bearing row, by the name of a shipped scene or the path of a file.
+    """Return a scene with a single nut or bearing row, by its name if rollbench includes it, or by the path of its file.
 
     InputError if there is no such scene, the file is faulty, or the scene is of another kind.
     """
@@ -123,7 +130,7 @@ def scene(name_or_path: str) -> Scene:
 
 
 def looks_like_path(text: str) -> bool:
-    """Return whether a text denotes a path rather than the name of a shipped scene."""
+    """Return whether a text denotes the path of a file rather than the name of a scene."""
     if text.endswith(".toml") or "/" in text or "\\" in text:
         return True
     try:
@@ -136,5 +143,5 @@ def _unknown_name_error(name: str) -> InputError:
     """Return an InputError for an unknown scene name, with similar names as advice."""
     names = scene_names()
     near = did_you_mean(similar_names(name, [*names, *(path.name for path in Path().glob("*.toml"))]))
-    advice = near or "list the shipped scenes with: rollbench list"
-    return InputError("scene", "name", f'"{name}"', f"one of {len(names)} shipped names, or a file", advice)
+    advice = near or "list the scenes of rollbench with: rollbench list"
+    return InputError("scene", "name", f'"{name}"', f"one of {len(names)} names of included scenes, or a file", advice)

@@ -26,11 +26,11 @@ class LoadCase:
     name: str = quantity_field("case", "name of the load case")
     #: Share of the revolutions; 0 for a static check.
     share: float = quantity_field("share", "part of the revolutions; 0 for a static check")
-    #: Speed of the turning part [rad/s]; None if the shares are given.
+    #: Angular speed of the rotating part [rad/s]; None if the file states shares instead of times and speeds.
     speed: float | None
     #: Parts under the loads, supports and oversize of the load case.
     scene: Scene | Assembly
-    #: Time in one cycle [s]; None if the shares are given.
+    #: Duration of the load case in one cycle [s]; None if the file states shares instead of times and speeds.
     time: float | None = None
 
 
@@ -38,11 +38,11 @@ class LoadCase:
 class DutyCycle:
     """Scene with several load cases of the same parts, in the order of the file."""
 
-    #: Scene without its load cases.
+    #: Scene as the file describes it outside its load cases.
     parts: Scene | Assembly
     #: Load cases.
     cases: tuple[LoadCase, ...]
-    #: Mean speed of the turning part [rad/s]; None if neither load cases nor scene give one.
+    #: Mean absolute angular speed of the rotating part over the cycle [rad/s]; None if the file states no speed.
     speed: float | None
 
     def to_toml(self) -> str:
@@ -101,7 +101,7 @@ class CaseOfCycle:
 
 
 def load_cases_by_scene_name(described: Iterable[object]) -> dict[str, CaseOfCycle]:
-    """Return the load cases of all duty cycles among ``described``, by the name of the load case's scene."""
+    """Return the load cases of all duty cycles among the scenes ``described``, by the names SCENE-CASE of their scenes."""
     cycles = [cycle for cycle in described if isinstance(cycle, DutyCycle)]
     return {case.scene.name: CaseOfCycle(cycle, case) for cycle in cycles for case in cycle.cases}
 

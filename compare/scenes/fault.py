@@ -1,7 +1,7 @@
 """Faults of a scene file as texts (key, value, allowed range, advice), and one SceneError that lists all of them.
 
 Faults that pydantic finds are translated into such texts. Reading continues with the valid keys, so that all faults of a
-file are listed at once.
+file are listed at once. A faulty file is one that a user can correct; a fault is never an error of the program.
 """
 
 from __future__ import annotations
@@ -65,7 +65,10 @@ class FaultText(NamedTuple):
 
 
 def combined_scene_error(origin: str, texts: Sequence[FaultText]) -> SceneError:
-    """Return one SceneError for all faults of the file ``origin``: it shows the first fault and contains the others."""
+    """Return one SceneError for all faults of a file: its message shows the first fault, and it contains the others.
+
+    ``origin``: name of the file; ``texts``: message parts of the faults, at least one.
+    """
     errors = [SceneError(origin, *one) for one in texts]
     return SceneError(origin, *texts[0], len(texts) - 1, tuple(errors[1:]))
 
@@ -87,9 +90,10 @@ def raise_faults(origin: str, raw: Mapping[str, Any], faults: Sequence[Fault]) -
 
 
 def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[FaultText]:
-    """Return the message parts of faults of a file with the tables ``raw``.
+    """Return the message parts of the faults ``faults`` of a file; ``raw``: tables of the file.
 
-    Of the keys that may cause a fault, and of their `ALIASES`, the message names the first one that the file has.
+    Of the keys that may cause a fault, and of the keys that may stand in their place (`ALIASES`), the message names the
+    first one that the file has.
     """
     out = []
     for fault in faults:
@@ -152,9 +156,9 @@ class KeyFaults:
         return self.replaced <= INDEPENDENT_TABLES
 
     def are_in_file(self, keys: Sequence[str]) -> bool:
-        """Return whether a fault of these keys is due to the file itself.
+        """Return whether a fault of the keys ``keys`` is due to the file itself.
 
-        It is not if one of their tables was replaced so that reading could continue.
+        It is not if reading replaced a table or value to which one of these keys belongs.
         """
         return not any(key.split(".")[0].split("[")[0] in self.replaced for key in keys)
 
@@ -178,10 +182,11 @@ def validate_or_raise(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> 
 
 
 def validate_beyond_faults(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, KeyFaults]:
-    """Return the validated keys of a file with the tables ``raw``, and all faults of keys; reading continues after a fault.
+    """Return the validated keys of a file, and all faults of its keys; reading continues after a fault.
 
-    ``keys``: pydantic model of the keys. A faulty value is replaced by the example of its key, and an unknown key is left
-    out. The returned keys are None if the file cannot be read even so, for example if a whole table is missing.
+    ``raw``: tables of the file; ``keys``: pydantic model of its keys. A faulty value is replaced by the example of its key,
+    and an unknown key is left out. The returned keys are None if the file cannot be read even so, for example if a whole
+    table is missing.
     """
     try:
         return keys.model_validate(raw), KeyFaults()
@@ -204,7 +209,8 @@ def validate_beyond_faults(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Ke
 def _replace_faulty_value(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, Any]) -> bool:
     """Replace a faulty value in the tables ``raw`` by its key's example, or remove it; return whether that was possible.
 
-    ``where``: path of the key; ``kind``: pydantic's name of the error; ``node``: part of the JSON Schema for the key.
+    ``raw`` is changed in place. ``where``: path of the key; ``kind``: pydantic's name of the error; ``node``: part of the
+    JSON Schema for the key.
     """
     for key in where[:-1]:
         known = isinstance(raw, list) if isinstance(key, int) else isinstance(raw, dict) and key in raw
@@ -223,9 +229,10 @@ def _replace_faulty_value(raw: Any, where: Sequence[int | str], kind: str, node:
 
 
 def key_fault_texts(keys: type[BaseModel], error: ValidationError) -> list[FaultText]:
-    """Return the message parts of all faults that pydantic found in ``keys``, unknown keys first.
+    """Return the message parts of all faults that pydantic found in a file, unknown keys first.
 
-    A missing key is not reported if an unknown key was probably meant for it, because the advice on that key names it.
+    ``keys``: pydantic model of the file's keys; ``error``: pydantic's error. A missing key is not reported if the file has
+    an unknown key that was probably meant for it, because the advice on the unknown key names it.
     """
     faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] not in UNKNOWN_KEY_ERRORS)
     schema, named = scene_schema_of_kind(keys), set()
@@ -303,7 +310,7 @@ def schema_part_at_path(schema: dict[str, Any], where: Sequence[int | str]) -> d
 
 
 def _allowed_values(node: Mapping[str, Any]) -> str:
-    """Return a text on the values that a key allows, from its part of the JSON Schema."""
+    """Return a text on the values that a key allows; ``node``: part of the JSON Schema for the key."""
     if "x-allowed" in node:
         return f"{node['x-dimension']}, {node['x-allowed']}"
     if "enum" in node:

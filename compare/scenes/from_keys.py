@@ -81,7 +81,7 @@ def _track_from_keys(keys: schema.SceneKeys) -> parts.Track:
 
 
 def groove_centre_distance(keys: schema.SceneKeys) -> float:
-    """Return the distance between the centres of both grooves' arcs [m] at which a ball touches both grooves."""
+    """Return the distance [m] between the arc centres of the screw's and the nut's groove when a ball touches both."""
     return groove_radius_of_part(keys, keys.screw) + groove_radius_of_part(keys, keys.nut) - 2.0 * keys.balls.radius
 
 
@@ -104,7 +104,10 @@ def _fields_of_screw_or_nut(keys: schema.SceneKeys, part: schema.ScrewKeys | sch
 
 
 def _flange_from_keys(nut: schema.NutKeys) -> parts.Flange | None:
-    """Return the nut's flange, fixed at its whole face unless an annulus is given; None if the nut has no flange."""
+    """Return the record of a nut's flange; None if the nut has no flange.
+
+    It may be fixed at its whole face towards the nut, or at the annulus whose diameters are given.
+    """
     if nut.flange is None:
         return None
     seat = nut.held.inner_diameter or nut.outer_diameter, nut.held.outer_diameter or nut.flange.diameter
@@ -132,7 +135,11 @@ def friction_from_keys(keys: schema.FrictionKeys) -> parts.Friction:
 
 
 def material_from_keys(keys: MaterialKeys | None, default: MaterialKeys) -> parts.Material:
-    """Return the material of a part from the keys of its table; missing values are those of [material], ``default``."""
+    """Return the material of a part.
+
+    ``keys``: material in the part's table, None if it has none; ``default``: table [material] of the file, which gives the
+    missing values.
+    """
     keys = keys or default
     modulus = default.youngs_modulus if keys.youngs_modulus is None else keys.youngs_modulus
     ratio = default.poissons_ratio if keys.poissons_ratio is None else keys.poissons_ratio
@@ -144,8 +151,8 @@ def material_from_keys(keys: MaterialKeys | None, default: MaterialKeys) -> part
 def _ball_azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[float, ...]:
     """Return the azimuths of the balls of one start [rad].
 
-    They are listed in the file, or spread evenly over the angle ranges ``arcs``, or over the turns of each circuit.
-    Circuits and the gaps between them are centred on the nut.
+    They are listed in the file (``balls.azimuths``), or the balls are spread evenly over the angle ranges ``balls.arcs``,
+    or over the turns of each circuit. Circuits and the gaps between them are centred on the nut.
     """
     if balls.azimuths is not None:
         return tuple(balls.azimuths)
@@ -161,10 +168,10 @@ def _ball_azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[flo
 
 
 def ball_count_of_circuit(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
-    """Return the number of balls of one circuit, an equal part of the count of all balls.
+    """Return the number of balls of one circuit: the number of all balls divided by starts and circuits.
 
-    Without a count, it follows from the ``filling``, the part of the turns that the balls would fill if they touched; it is
-    at least one.
+    If the file does not state the number of balls, it follows from ``balls.filling``, the fraction of the turns that the
+    balls would fill if they touched; it is at least one.
     """
     if balls.count is not None:
         return balls.count // (track.starts * balls.circuits)
@@ -173,9 +180,10 @@ def ball_count_of_circuit(balls: schema.BallKeys, track: schema.TrackKeys) -> in
 
 
 def angle_of_touching_balls(pitch_radius: float, lead: float, ball_diameter: float) -> float:
-    """Return the angle phi around the axis [rad] between touching balls on a helix, whose chord is the ball diameter.
+    """Return the difference in azimuth phi [rad] between the centres of touching balls on a helix.
 
-    chord^2 = (2 R sin(phi/2))^2 + (lead phi / 2 pi)^2; pi if even the chord of half a turn is shorter than a ball.
+    The chord between the centres is the ball diameter d: d^2 = (2 R sin(phi/2))^2 + (lead phi / 2 pi)^2. The result is pi
+    if even the chord of half a turn is shorter than d.
 
     Parameters
     ----------
@@ -184,7 +192,7 @@ def angle_of_touching_balls(pitch_radius: float, lead: float, ball_diameter: flo
     lead
         Lead [m].
     ball_diameter
-        Ball diameter [m].
+        Ball diameter d [m].
     """
     from rollbench.meshes.numerics import brentq
 
@@ -200,7 +208,10 @@ def loaded_ball_count(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
 
 
 def support_from_keys(support: schema.SupportKeys | HousingKeys) -> parts.Support:
-    """Return the record of a support or of a housing's fixing: position, and prescribed value of each fixed freedom."""
+    """Return the record of a support of the screw, or of the degrees of freedom in which a housing is fixed.
+
+    It holds the position, and the prescribed value of each fixed degree of freedom.
+    """
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
     held |= support.displace.given
     return parts.Support(support.at, tuple((name, held[name]) for name in parts.FREEDOMS if name in held))
@@ -210,19 +221,20 @@ def support_from_keys(support: schema.SupportKeys | HousingKeys) -> parts.Suppor
 
 
 def oversize_for_preload(scene: parts.Scene, force: float) -> float:
-    """Return the oversize of the ball radius [m] at which rigid screw and nut have an axial preload.
+    """Return the oversize e of the ball radius [m] that gives a nut on a rigid screw, itself rigid, an axial preload.
 
-    All four contacts of a ball carry Q = force / (n sin beta cos alpha); along a diagonal, both approaches together make up
-    for twice the oversize e: 2 e = (C_S + C_N) Q^(2/3), with the Hertz constants C [m N^(-2/3)] at the nominal contact
-    angle. Valid if e is small against the distance of ball and groove centre, so that the angle hardly changes (one per
-    cent of the force at 7 um and 0.5 mm).
+    All four contacts of each of the n balls carry Q = force / (n sin beta cos alpha), with the contact angle beta and the
+    lead angle alpha. The approaches of the two opposite contacts on a ball, one on the screw and one on the nut, add up to
+    twice the oversize: 2 e = (C_S + C_N) Q^(2/3), with the Hertz constants C [m N^(-2/3)] at the nominal contact angle. It
+    is valid if e is small against the distance of ball and groove centre, so that the contact angle hardly changes (the
+    error is one per cent of the force for an oversize of 7 um and a distance of 0.5 mm).
 
     Parameters
     ----------
     scene
         Scene with one nut or bearing row.
     force
-        Axial force on each pair of flanks without load [N].
+        Preload [N]: the axial force in each of the two directions, on the left and on the right flanks, without load.
     """
     from rollbench.lowfi.statics.contacts import error_free_hertz
 
@@ -234,10 +246,10 @@ def oversize_for_preload(scene: parts.Scene, force: float) -> float:
 
 
 def preload_force(scene: parts.Scene, force_or_share: float | ShareOfRating) -> tuple[float, str]:
-    """Return the preload [N], and a text on the load rating from which it was computed.
+    """Return a preload [N], and a text in brackets on the load rating from which it was computed.
 
-    ``force_or_share``: force [N], for which the text is empty; or fraction of the dynamic load rating of the nut or bearing
-    ``scene``.
+    ``force_or_share``: the preload as a force [N], for which the text is empty; or as a fraction of the dynamic load rating
+    of the nut or bearing ``scene``.
     """
     if not isinstance(force_or_share, ShareOfRating):
         return force_or_share, ""
@@ -249,9 +261,10 @@ def preload_force(scene: parts.Scene, force_or_share: float | ShareOfRating) -> 
 
 
 def with_preload_as_oversize(scene: parts.Scene, keys: schema.PreloadKeys | None) -> parts.Scene:
-    """Return the scene with its preload as an oversize of the balls; the conversion of a force is stated as an assumption.
+    """Return the scene with its preload as an oversize of the balls.
 
-    ``keys``: table of the preload; None or a lead offset leaves the scene unchanged.
+    ``keys``: table [preload] of the file. The scene is returned unchanged if this is None or states a lead offset. If it
+    states a force, the conversion to an oversize is added to the scene's assumptions.
     """
     if keys is None or keys.lead_offset is not None:
         return scene
@@ -276,20 +289,20 @@ ROUNDED = 1e-6
 def with_load_cases(
     parts: Parts, keys: Sequence[CaseKeys], raw: Mapping[str, Any], origin: str, faults: Callable[[Any], Iterable[Fault]]
 ) -> Parts | DutyCycle:
-    """Return the duty cycle of the parts under the file's load cases; the parts if the file has no load cases.
+    """Return the duty cycle of a scene under the file's load cases; the scene itself if the file has no load cases.
 
     Parameters
     ----------
     parts
-        Scene under its first loads.
+        Scene under the loads that the file states outside its load cases.
     keys
-        Validated keys of the load cases.
+        Validated keys of the load cases; empty if the file has none.
     raw
-        Tables of the file.
+        Tables of the file, from which messages take faulty values.
     origin
         Name of the file in messages.
     faults
-        Function that returns the faults of a scene.
+        Function that returns the faults of a scene, called for the scene of each load case.
 
     Raises
     ------
@@ -306,10 +319,10 @@ def with_load_cases(
 
 
 def duty_cycle_from_keys(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
-    """Return the duty cycle of a scene from validated keys of its load cases.
+    """Return the duty cycle of a scene from the validated keys of its load cases.
 
-    If times are given, the share of a load case is the number of its revolutions, time times absolute speed, divided by
-    that of the cycle.
+    The share of a load case is its fraction of the revolutions of the cycle. If the file states times instead of shares,
+    the revolutions of a load case are its time multiplied by its absolute speed.
     """
     turned = [0.0 if k.time is None else k.time * abs(k.speed or 0.0) for k in keys]
     whole, time = sum(turned), sum(k.time or 0.0 for k in keys)
@@ -323,7 +336,10 @@ def duty_cycle_from_keys(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> D
 
 
 def _scene_under_load_case(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
-    """Return the scene under one load case, named SCENE-CASE, so that its stored runs and files have separate names."""
+    """Return the scene under the load case ``keys``, with its loads, displacements, speed and oversize where stated.
+
+    It is named SCENE-CASE, so that stored runs and files of each load case have separate names.
+    """
     motion = scene.motion
     if keys.speed is not None:
         motion = Motion(keys.speed) if motion is None else replace(motion, speed=keys.speed)
@@ -349,7 +365,7 @@ def _scene_under_load_case(scene: Scene | Assembly, keys: CaseKeys) -> Scene | A
 
 
 def _errors_under_load_case(scene: Scene, keys: CaseKeys) -> Errors:
-    """Return the geometric errors of a scene in a load case, with the ball oversize of the load case if it states one."""
+    """Return the geometric errors of a scene, with the ball oversize of the load case ``keys`` if it states one."""
     oversize = scene.errors.balls.oversize if keys.oversize is None else keys.oversize
     return replace(scene.errors, balls=replace(scene.errors.balls, oversize=oversize))
 
@@ -364,7 +380,7 @@ def _displaced_support(support: Support, keys: CaseKeys) -> Support:
 
 
 def load_case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
-    """Yield the faults of load cases: of their names, of shares that do not sum to 1, and of displaced supports."""
+    """Yield the faults of a file's load cases: of their names, of shares or times, and of displaced supports."""
     names = [case.name for case in keys.cases]
     for k, case in enumerate(keys.cases):
         where = f"cases[{k}]"
@@ -372,7 +388,7 @@ def load_case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
             advice = 'write e.g. name = "rapid-travel": the name becomes a part of file names'
             yield Fault((f"{where}.name",), "up to 60 letters, digits, . _ and -", advice)
         if case.name in names[:k]:
-            yield Fault((f"{where}.name",), "a unique name", "rename one of the two: results are identified by it")
+            yield Fault((f"{where}.name",), "a unique name", "rename one of the two: the name identifies results")
         yield from _share_faults(case, where)
         yield from _case_support_faults(keys, case, where)
     if not keys.cases or any((case.share is None) == (case.time is None) for case in keys.cases):
@@ -408,9 +424,11 @@ def _share_faults(case: CaseKeys, case_path: str) -> Iterator[Fault]:
 
 
 def _case_support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, case_path: str) -> Iterator[Fault]:
-    """Yield the faults of displacements in a load case: no support of the scene fixes the freedom, or it is given twice.
+    """Yield the faults of displacements of supports in a load case.
 
-    ``keys``: keys of the scene; ``case_path``: path of the case in the file, such as ``cases[0]``.
+    The scene has no support at the position, its support does not fix the degree of freedom, or the load case displaces
+    the degree of freedom twice. ``keys``: keys of the scene; ``case``: keys of the load case; ``case_path``: path of the
+    load case in the file, such as ``cases[0]``.
     """
     seen: set[tuple[int, str]] = set()
     for j, other in enumerate(case.supports):
@@ -427,15 +445,15 @@ def _case_support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, case_path: 
                 allowed = f"a freedom that the scene's support fixes ({', '.join(held) or 'none'})"
                 yield Fault((key,), allowed, f"add {name} to fix of the scene's support", name)
             elif (held[name], name) in seen:
-                yield Fault((key,), "each freedom once in a load case", "keep one of the two", f"{name} twice")
+                yield Fault((key,), "each freedom once in a load case", "keep one of the two values", f"{name} twice")
             else:
                 seen.add((held[name], name))
 
 
 def fault_in_load_case(fault: Fault, case_number: int) -> Fault:
-    """Return a fault of the scene under load case ``case_number``, with the load case's keys before the scene's.
+    """Return a fault of the scene under load case ``case_number`` (from 0), with keys of the load case before the scene's.
 
-    The message then names a key of the load case, ``cases[k].KEY``, where the file has it.
+    The message names the first key that the file has, so that it names ``cases[k].KEY`` where the load case states KEY.
     """
     blamed = tuple(f"cases[{case_number}].{key}" for key in fault.keys if key.startswith(("loads", "supports")))
     oversize = () if blamed else (f"cases[{case_number}].oversize",)

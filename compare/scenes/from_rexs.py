@@ -41,9 +41,10 @@ Steels = tuple[RexsComponent | None, RexsComponent | None]
 
 @dataclass
 class RexsReader:
-    """REXS file during its conversion, with the user's values and the faults, assumptions and omissions so far.
+    """REXS file during its conversion, with the user's values and the faults, assumptions and omissions found so far.
 
-    ``given``: the user's values by their keys; ``missing``: faults; ``assumed``: assumptions; ``notes``: omitted parts.
+    ``given``: the user's values, as text by the keys of the scene file; ``missing``: faults because of missing attributes;
+    ``assumed``: sentences on assumptions; ``notes``: sentences on parts of the file that are omitted.
     """
 
     path: Path
@@ -56,10 +57,10 @@ class RexsReader:
     def quantity_or_fault(
         self, component: RexsComponent, attribute: str, key: str, names: Iterable[str] = ()
     ) -> str | None:
-        """Return a quantity as text with a unit: the user's value of ``key``, else that of the component's attribute.
+        """Return a quantity as text with a unit: the user's value of ``key``, else the value of the component's attribute.
 
-        ``names``: other attributes that may give the quantity. Without any value, the attribute is recorded as missing, and
-        None is returned.
+        ``key``: key of the scene file for the quantity; ``names``: other attributes that may give it. If there is no value,
+        the attribute is recorded as missing, and None is returned.
         """
         if key in self.given:
             return self.given.pop(key)
@@ -70,7 +71,11 @@ class RexsReader:
         return None
 
     def record_missing_attribute(self, component: RexsComponent, attribute: str, key: str, unit: str = "") -> None:
-        """Record a fault for a missing attribute of a component, with the key by which the user can give its value."""
+        """Record a fault for a missing attribute of a component.
+
+        ``key``: key with which the user can give the value (``--set``); ``unit``: unit of the attribute in REXS, "none" for
+        a number or a word; if it is empty, the unit in `UNITS`.
+        """
         unit = unit or UNITS[attribute]
         where = f"component {component.id} ({component.type} {component.name}), attribute {attribute}"
         example = "a number or a word" if unit == "none" else f"a value with a unit (in REXS: {unit})"
@@ -79,9 +84,9 @@ class RexsReader:
 
 
 def attribute_text(attribute: str, value: float) -> str:
-    """Return ``value``, that of a REXS attribute, as text with its unit for a scene file.
+    """Return the value of a REXS attribute as text with its unit, as a scene file needs it.
 
-    ``attribute``: name of the attribute, from which the unit follows.
+    ``attribute``: name of the attribute, from which the unit follows; ``value``: its value in the units of REXS.
     """
     unit = UNITS[attribute]
     return f"{value!r} {SCENE_UNITS.get(unit, unit)}"
@@ -221,9 +226,10 @@ def _plain_section_table(reader: RexsReader, section: RexsComponent) -> Table:
 
 
 def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steels, names: set[str]) -> list[Table]:
-    """Return the tables of a bearing, one for each row, with names that are not yet in ``names``.
+    """Return the tables ``[[sets]]`` of a bearing, one for each of its rows.
 
-    ``steels``: material of the shaft, and default material of all parts.
+    ``steels``: material of the shaft, and default material of all parts; ``names``: names of sets that are used already,
+    and are not given to a row again.
     """
     model, name = reader.model, bearing.name or f"bearing {bearing.id}"
     kind, rows = bearing.word("bearing_type"), model.parts(bearing.id, "rolling_bearing_row") or [bearing]
@@ -249,7 +255,10 @@ def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steel
 
 
 def _shift_position(position: str, shift: float) -> str:
-    """Return the position ``position`` along the shaft, a text in mm, shifted by a distance [mm]."""
+    """Return a position along the shaft, as text with its unit, moved by a distance along the shaft.
+
+    ``position``: the position as text in mm; ``shift``: the distance [mm].
+    """
     value, _, unit = position.partition(" ")
     return f"{float(value) + shift!r} {unit}"
 
@@ -395,7 +404,7 @@ def _without_sign(text: str | None) -> str | None:
 
 
 def _material_table(reader: RexsReader, component: RexsComponent, key: str) -> Table:
-    """Return the table of a material from the elastic constants of the component ``component``; missing ones are faults.
+    """Return the table of a material from the elastic constants of ``component``; missing constants are faults.
 
     ``key``: prefix of the keys with which the user can give missing constants, such as ``material``.
     """
@@ -407,9 +416,10 @@ def _material_table(reader: RexsReader, component: RexsComponent, key: str) -> T
 def _own_material_table(
     reader: RexsReader, steel: RexsComponent | None, default_steel: RexsComponent | None, key: str
 ) -> Table:
-    """Return the material table of a part if its material differs from ``default_steel``, else an empty table.
+    """Return the material table of a part if its material differs from the default, else an empty table.
 
-    ``key``: prefix of the keys with which the user can give missing constants.
+    ``steel``: material of the part, None if unknown; ``default_steel``: default material of all parts, None if there is
+    none; ``key``: prefix of the keys with which the user can give missing constants.
     """
     if steel is None or (default_steel is not None and steel.attributes == default_steel.attributes):
         return {}
@@ -423,7 +433,10 @@ def _bearings_on_shaft(model: RexsModel, shaft: RexsComponent) -> list[RexsCompo
 
 
 def _material_of_elements(model: RexsModel, bearing: RexsComponent) -> RexsComponent | None:
-    """Return the material of the first rolling element of a bearing that has one, else that of the bearing."""
+    """Return the material of the first rolling element of a bearing that has one, else the material of the bearing.
+
+    None is returned if neither has a material.
+    """
     rows = model.parts(bearing.id, "rolling_bearing_row")
     return model.material(*(x.id for row in rows for x in model.parts(row.id, "rolling_element")), bearing.id)
 
@@ -459,8 +472,8 @@ def _load_table(load: RexsComponent, case: dict[str, Value]) -> Table:
 def _case_tables(model: RexsModel, shaft: RexsComponent, loads: list[RexsComponent]) -> list[Table]:
     """Return the tables of the load cases, each with its loads and its share of the operating time.
 
-    ``loads``: components of the loads on the shaft. If the file has a time and a speed for every load case, these are given
-    instead of shares.
+    ``loads``: components of the loads on the shaft. If the file has a time and a speed for every load case, the tables
+    state them instead of shares.
     """
     unit = next((k for k, c in model.components.items() if c.type == "gear_unit"), 0)
     of_unit = [RexsComponent(0, "", "", case.get(unit, {})) for case in model.cases]

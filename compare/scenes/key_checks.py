@@ -41,14 +41,14 @@ def conflicting_key_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def zero_speed_faults(motion: Motion | None) -> Iterator[Fault]:
-    """Yield a fault if the angular speed of the moving part is zero."""
+    """Yield a fault if the angular speed of the rotating part is zero."""
     if motion is not None and motion.speed == 0.0:
         advice = "give the speed at which the part turns: friction at rest may have any value up to its limit"
         yield Fault(("motion.speed",), "any angular speed but zero", advice)
 
 
 def _circulation_and_time_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield the faults of the tables ``[circulation]``, the ball circuits, and ``[time]``, a simulation over time."""
+    """Yield the faults of the tables ``[circulation]`` (ball circuits) and ``[time]`` (simulation over time)."""
     circulation = keys.circulation
     if circulation is not None:
         if keys.track.lead == 0.0:
@@ -70,7 +70,10 @@ def simulation_time_faults(time: Time) -> Iterator[Fault]:
 
 
 def conflicting_friction_key_faults(friction: FrictionKeys | None) -> Iterator[Fault]:
-    """Yield the faults of [friction]: a groove without coefficient, or the former key ``coupling`` with its successors."""
+    """Yield the faults of [friction]: a groove without coefficient; or both the former key ``coupling`` and a present one.
+
+    The present keys in place of ``coupling`` are ``feedback`` and ``neighbours``.
+    """
     if friction is not None and friction.coefficient is None and None in (friction.screw, friction.nut):
         advice = "write e.g. coefficient = 0.1, or a coefficient for each groove, screw and nut"
         yield Fault(("friction.coefficient",), "a number from 0 to 2", advice, "nothing")
@@ -99,8 +102,8 @@ def groove_definition_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
 def _contact_angle_faults(keys: SceneKeys) -> Iterator[Fault]:
     """Yield the faults of the nominal contact angle, and of the bearing clearance that may replace it.
 
-    A clearance needs a bearing, excludes the angle, is either radial or axial, and is small enough for the balls to touch
-    both grooves.
+    A clearance is allowed only for a bearing, and only without a contact angle. It must be either radial or axial, and so
+    small that the balls can touch both grooves.
     """
     angle, clearance = keys.track.contact_angle, keys.track.clearance
     if clearance is None:
@@ -116,7 +119,7 @@ def _contact_angle_faults(keys: SceneKeys) -> Iterator[Fault]:
             "leave contact_angle out: it follows from clearance and groove radii; write play of a four-point bearing as "
             "errors.balls.oversize below zero"
         )
-        yield Fault(("track.clearance",), "either contact_angle or clearance", advice, "both of them")
+        yield Fault(("track.clearance",), "either contact_angle or clearance", advice, "both contact_angle and clearance")
     given = [name for name in ("radial", "axial") if getattr(clearance, name) is not None]
     if len(given) != 1:
         value = "both radial and axial" if given else "neither"
@@ -130,7 +133,10 @@ def _contact_angle_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _nut_fixing_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield the faults of keys on how the nut is fixed: by its flange, whose keys need a flange, or by another surface."""
+    """Yield the faults of the keys that state where the nut is fixed: at its flange's face or at another surface.
+
+    The keys for a fixing at the flange are allowed only for a nut that has a flange and is fixed at its face.
+    """
     nut, former = keys.nut, keys.solid.nut_held
     if nut.held.at is not None and former is not None:
         advice = "leave solid.nut_held out: it is the former name of nut.held.at"
@@ -150,7 +156,10 @@ def _nut_fixing_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _missing_elastic_constant_faults(keys: SceneKeys, part: str) -> Iterator[Fault]:
-    """Yield the faults of a part that lacks Young's modulus or Poisson's ratio; ``part``: name of its table."""
+    """Yield the faults of a part for which the file states no Young's modulus or no Poisson's ratio.
+
+    ``part``: name of the part's table: screw, nut or balls.
+    """
     material = getattr(keys, part).material
     for name, unit in (("youngs_modulus", '"210 GPa"'), ("poissons_ratio", "0.28")):
         if getattr(material, name, None) is None and getattr(keys.material, name) is None:
@@ -193,7 +202,7 @@ def _ball_arrangement_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _ball_arc_faults(balls: BallKeys) -> Iterator[Fault]:
-    """Yield the faults of the angle ranges filled with balls: empty, out of order, or given in addition to ``turns``."""
+    """Yield a fault if angle ranges filled with balls are empty or out of order, or are given in addition to ``turns``."""
     ends = [end for arc in balls.arcs or [] for end in arc]
     if balls.turns is not None:
         yield Fault(("balls.arcs",), "either turns or arcs", "leave one of the two out", "both turns and arcs")
@@ -225,7 +234,7 @@ def _listed_ball_error_faults(keys: SceneKeys, ball_count: int) -> Iterator[Faul
 
 
 def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield the faults of supports that fix no freedom, or fix one that another support at the same position fixes."""
+    """Yield the faults of supports that fix no degree of freedom, or one that another support at their position fixes."""
     taken: list[tuple[float, str, str]] = []
     for i, support in enumerate(keys.supports):
         given: list[tuple[str, str]] = [(name, f"supports[{i}].fix") for name in support.fix]
@@ -245,7 +254,7 @@ def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _contradictory_diameter_and_count_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield the faults of a diameter that is not twice the radius given too, and of a ball count given with a filling."""
+    """Yield a fault for a diameter that is not twice the radius in the same table, and for both ball count and filling."""
     pairs = (
         ("track.pitch_diameter", keys.track.pitch_diameter, keys.track.pitch_radius),
         ("balls.diameter", keys.balls.diameter, keys.balls.radius),
@@ -298,9 +307,10 @@ def _life_factor_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _circulating_ball_faults(keys: SceneKeys, circuits: int) -> Iterator[Fault]:
-    """Yield the faults of circulating balls: [circulation] and [balls] state different circuits, or arcs are unequal.
+    """Yield the faults of the ball circuits of a scene with a table [circulation] or [time].
 
-    ``circuits``: number of circuits of each start according to [balls].
+    [circulation] and [balls] state different numbers of circuits, or the angle ranges filled with balls are not equally
+    long. ``circuits``: number of circuits of each start according to [balls].
     """
     if keys.circulation is None and keys.time is None:
         return
@@ -316,15 +326,15 @@ def _circulating_ball_faults(keys: SceneKeys, circuits: int) -> Iterator[Fault]:
 
 
 def _preload_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield the faults of [preload]: not exactly one key, a lead offset of a bearing, or a second oversize."""
+    """Yield the faults of [preload]: not exactly one key, a lead offset of a bearing, or an oversize stated twice."""
     preload = keys.preload
     if preload is None:
         return
     given = [name for name in ("force", "oversize", "lead_offset") if getattr(preload, name) is not None]
     if len(given) != 1:
         where = (f"preload.{given[0] if given else 'force'}", "preload")
-        advice = "leave the others out" if given else 'write e.g. force = "500 N"'
-        yield Fault(where, "one of force, oversize and lead_offset", advice, " and ".join(given) or "none of them")
+        advice = "keep one of these keys" if given else 'write e.g. force = "500 N"'
+        yield Fault(where, "one of force, oversize and lead_offset", advice, " and ".join(given) or "none of these keys")
     if preload.lead_offset is not None and keys.track.lead == 0.0:
         advice = "describe the rows of a bearing as [[sets]] with an offset"
         yield Fault(("preload.lead_offset",), "only with a lead above 0 mm", advice)

@@ -83,7 +83,10 @@ def fill_in_radius(table: Any, radius: str, diameter: str) -> Any:
 
 
 def config_requiring_one_of(radius: str, diameter: str) -> ConfigDict:
-    """Return the configuration of a table whose JSON Schema requires one of two keys, a radius or a diameter."""
+    """Return the pydantic configuration of a table whose JSON Schema requires one of two keys.
+
+    ``radius``, ``diameter``: names of the two keys.
+    """
 
     def change(schema: dict[str, Any]) -> None:
         schema["required"] = [name for name in schema["required"] if name != radius]
@@ -103,9 +106,9 @@ Freedoms = Annotated[list[Literal["ux", "uy", "uz", "rx", "ry", "rz"]], Field(ma
 
 
 def key(description: str, default: Any = ..., example: Any = None) -> Any:
-    """Return the definition of a key of a scene file, with its description and example.
+    """Return the definition of a key of a scene file, with its description and an example of its value.
 
-    ``default``: value as it would be written in a scene file; without it the key is required.
+    ``default``: value as it would be written in a scene file; if it is left out, the key is required.
     """
     examples = None if example is None else [example]
     return Field(default=default, description=description, examples=examples)

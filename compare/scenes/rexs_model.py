@@ -68,7 +68,7 @@ UNITS |= {name: unit for name, unit, _ in STIFFNESS.values()}
 
 @dataclass
 class RexsComponent:
-    """Component of a REXS model, such as a shaft, bearing or load: type, name, and attributes in the units of REXS."""
+    """Component of a REXS model, such as a shaft, bearing or load: id, type, name, and attributes in the units of REXS."""
 
     id: int
     type: str
@@ -93,7 +93,8 @@ class RexsComponent:
 class RexsRelation:
     """Relation between components of a REXS model, such as a bearing with its inner and outer part.
 
-    ``roles``: id of the component in each role; ``order``: position of a part among the other parts of the same whole.
+    ``roles``: id of the component in each role, by the name of the role; ``order``: position of a part among the other
+    parts of the same component, from 1; None if the file states none.
     """
 
     type: str
@@ -103,7 +104,11 @@ class RexsRelation:
 
 @dataclass
 class RexsModel:
-    """Content of a REXS file: components by id, relations, and for each load case the attributes of components by id."""
+    """Content of a REXS file.
+
+    ``components``: components by their ids; ``relations``: relations between them; ``cases``: for each load case, the
+    attributes that it states, by the ids of the components.
+    """
 
     components: dict[int, RexsComponent] = field(default_factory=dict)
     relations: list[RexsRelation] = field(default_factory=list)
@@ -138,14 +143,17 @@ class RexsModel:
         type
             REXS type of the relation.
         order
-            Position of the part among the other parts of the same whole, from 1; None: no order.
+            Position of a part among the other parts of the same component, from 1; None: no position is stated.
         **roles
             Id of the component in each role.
         """
         self.relations.append(RexsRelation(type, roles, order))
 
     def parts(self, whole: int, type: str) -> list[RexsComponent]:
-        """Return the components of a type that are parts of the component with the id ``whole``, in their stated order."""
+        """Return the components of the type ``type`` that are parts of the component with the id ``whole``.
+
+        They are in the order that the relations state.
+        """
         found = [r for r in self.relations if r.roles.get("assembly") == whole and "part" in r.roles]
         found.sort(key=lambda r: r.order or 0)
         return [x for r in found if (x := self.components[r.roles["part"]]).type == type]
@@ -246,7 +254,7 @@ def _known_attributes(component: ET.Element, path: Path) -> dict[str, Value]:
 
 
 def _parse_attribute(text: str, unit: str) -> Value:
-    """Return the value of an attribute from its text: true or false, a number, or a word if the unit is "none"."""
+    """Return the value of an attribute from its text: true or false, a number, or a word if ``unit`` is "none"."""
     if text in ("true", "false"):
         return text == "true"
     return float(text) if text and unit != "none" else text

@@ -29,7 +29,7 @@ MAX_BYTES, MAX_LINE = 4_000_000, 2_500_000
 
 
 def read_scene_file(path: str | Path) -> Scene:
-    """Read a ball screw or bearing from a scene file, whose name without suffix it gets; SceneError for faults."""
+    """Read a ball screw or bearing from a scene file; it is named as the file without suffix. SceneError for faults."""
     return scene_from_text(read_scene_text(path), str(path))
 
 
@@ -127,7 +127,10 @@ def parse_scene(text: str, file_name: str) -> Described:
 
 @cached_on_disk(ParsedScene)
 def _parse_scene_cached(text: str, file_name: str) -> ParsedScene:
-    """Return the scene that a text describes, read from the cache on disk where it was stored before."""
+    """Return the scene that the text of a file describes, from the cache on disk if it was read before.
+
+    ``text``: text of the scene file; ``file_name``: name of the file, for error messages.
+    """
     from rollbench.compare.scenes.scene_tables import scene_from_tables  # heavy import, not needed for a cached text
 
     return ParsedScene(scene_from_tables(parse_toml(text, file_name), file_name))
@@ -154,7 +157,7 @@ def read_scene_text(path: str | Path) -> str:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         near = similar_paths(Path(path), shipped_toml_files("scenes")) if isinstance(error, FileNotFoundError) else ""
-        advice = near or "check the path, or see the shipped scenes with: rollbench list"
+        advice = near or "check the path, or list the scenes of rollbench with: rollbench list"
         raise SceneError(str(path), "file", reason.lower(), allowed, advice) from None
     if len(data) > MAX_BYTES:
         value = f"more than {MAX_BYTES // 1_000_000} MB"

@@ -1,7 +1,7 @@
 """Templates of scene files: commented scenes of every kind, and ball screws of a nominal size such as 40x10.
 
-A commented scene has the values of a shipped scene and lists every other key in a comment. A ball screw of a nominal size
-has typical dimensions, computed by rules that are stated in its comments.
+A commented scene has the values of a scene included in rollbench, and lists every other key in a comment. A ball screw of a
+nominal size has typical dimensions, computed by rules that are stated in its comments.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rollbench.compare.scenes.keys import scene_schema_of_kind
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.meshes.units import toml_text
 
-#: Shipped scenes from which the templates take their values. The template of a ball screw is a separate file.
+#: Scenes included in rollbench from which the templates take their values. The template of a ball screw is a separate file.
 EXAMPLES = {
     "bearing": "bearing-9",
     "bearing ball": "lin-rotary-1",
@@ -33,7 +33,7 @@ EXAMPLES = {
     "screw run": "lin-screw-run",
 }
 
-#: Shipped shafts with several nuts and bearings that serve as templates unchanged.
+#: Scenes of shafts with several nuts and bearings, included in rollbench, that serve as templates unchanged.
 AXES = {"axis": "axis-fixed-fixed", "double nut": "double-nut"}
 
 #: Shafts with bearings, whose templates are separate files.
@@ -205,18 +205,18 @@ SPACER = 0.1
 
 
 def ball_screw_text(size: str) -> str:
-    """Return the text of a scene file of a ball screw of a nominal size ``DIAMETERxLEAD`` in mm.
+    """Return the text of a scene file of a ball screw of a nominal size.
 
-    InputError for a size out of range.
+    ``size``: ``DIAMETERxLEAD`` in mm, such as 40x10. InputError for a size out of range.
     """
     values = typical_dimensions(size)
     return _without_circuit_gap(_fill_in_text("screw", values), values)
 
 
 def double_nut_text(size: str) -> str:
-    """Return the text of a scene file of a screw with a double nut of a nominal size ``DIAMETERxLEAD`` in mm.
+    """Return the text of a scene file of a screw with a double nut of a nominal size.
 
-    InputError for a size out of range.
+    ``size``: ``DIAMETERxLEAD`` in mm, such as 40x10. InputError for a size out of range.
     """
     values = typical_dimensions(size)
     apart = values["nut"] + max(1.0, round(SPACER * values["nut"]))
@@ -229,25 +229,25 @@ def double_nut_text(size: str) -> str:
 
 
 def _fill_in_text(name: str, values: Mapping[str, Any], **words: object) -> str:
-    """Return the text ``name`` of the folder ``like_texts``, with ``values`` and ``words`` in its placeholders.
+    """Return the text of the file ``name`` in the folder ``like_texts``, with ``values`` and ``words`` in its placeholders.
 
-    Its title and assumptions do not repeat values that a user may change later.
+    Title and assumptions of these texts do not repeat values that a user may change later.
     """
     return files.text(f"scenes/like_texts/{name}.txt").format(**values, **words)
 
 
 def _without_circuit_gap(text: str, values: dict[str, Any]) -> str:
-    """Return the text of a scene, without the line ``circuit_gap = ...`` if the nut has a single circuit of balls.
+    """Return the text of a scene without the line ``circuit_gap = ...``; with it if the nut has several ball circuits.
 
-    ``values``: dimensions from `typical_dimensions`.
+    ``values``: dimensions from `typical_dimensions`, with the number of circuits.
     """
     return text if values["circuits"] > 1 else re.sub(r"(?m)^circuit_gap = .*\n", "", text)
 
 
 def typical_dimensions(size: str) -> dict[str, Any]:
-    """Return typical dimensions of a ball screw of a nominal size, by their names in the texts, lengths in mm.
+    """Return typical dimensions of a ball screw of a nominal size, by the names of placeholders in template texts.
 
-    InputError for a size out of range.
+    ``size``: ``DIAMETERxLEAD`` in mm, such as 40x10. Lengths are in mm. InputError for a size out of range.
     """
     outer, lead = _parse_nominal_size(size)
     ball = max(b for b in STOCK if b <= max(STOCK[0], 1.01 * min(PER_LEAD * lead, PER_DIAMETER * outer)))

@@ -283,7 +283,8 @@ def _deck_lines(deck: Deck, units: Units) -> Iterator[str]:
 def _body_lines(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterator[str]:
     """Yield the lines with the nodes, elements and sets of a body.
 
-    ``nodes``, ``cells``: number of nodes and of elements of the bodies before it, after which its own are numbered.
+    ``nodes``, ``cells``: number of nodes and number of elements of the bodies before it in the deck; its nodes and elements
+    are numbered from the next number on.
     """
     yield f"*NODE, NSET={body.name}_ALL"
     for k, x in enumerate((body.points / units.length).tolist(), start=nodes + 1):
@@ -306,8 +307,9 @@ def _section_lines(
 ) -> Iterator[str]:
     """Yield the lines of a rigid section: two reference nodes, and the equations u = t + theta x r of its other nodes.
 
-    The displacements of the two reference nodes are the section's translation t and rotation theta. ``starts``: number of
-    nodes and of elements before each body, by its name; ``reference``: largest node number before the two reference nodes.
+    u is the displacement of a node at the distance x from the section's reference point. The displacements of the two
+    reference nodes are the section's translation t and rotation theta. ``starts``: number of nodes and number of elements
+    before each body in the deck, by the body's name; ``reference``: largest node number before the two reference nodes.
     """
     body = next(b for b in deck.bodies if b.name == section.body)
     place = ", ".join(number_text(x) for x in (section.point / units.length).tolist())

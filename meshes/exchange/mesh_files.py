@@ -49,7 +49,7 @@ def mesh_format(path: Path, given_format: str = "") -> str:
     ----------
     path : Path
         Mesh file.
-    form : str, default ''
+    given_format : str, default ''
         Format, a key of `FORMATS`; where empty, the suffix of the file decides.
 
     Returns
@@ -80,7 +80,7 @@ def check_packages_for_format(file_format: str) -> None:
 
     Parameters
     ----------
-    form : str
+    file_format : str
         Format, a key of `FORMATS`.
     """
     for package in ("meshio", *(("h5py",) if file_format == "med" else ())):
@@ -99,7 +99,7 @@ def loses_nodes_in_format(mesh: Mesh, file_format: str) -> bool:
     ----------
     mesh : Mesh
         The mesh.
-    form : str
+    file_format : str
         Format, a key of `FORMATS`.
 
     Returns
@@ -153,7 +153,7 @@ def write_mesh(
         Fields at the n nodes, by their names; not possible in .inp.
     region : str, default ''
         Name of the group of all cells; where empty, no group is written.
-    form : str, default ''
+    file_format : str, default ''
         Format, a key of `FORMATS`; where empty, the suffix of the file decides.
 
     Raises
@@ -262,10 +262,11 @@ def _meshio_mesh_for_msh(plain: Any, faces: Mapping[str, Index], region: str, ma
 
 
 def _assign_nodes_to_sets(cells: list[Index], count: int) -> Index:
-    """Assign each of ``count`` nodes to one of the sets of cells that contain it, so that each set owns a node.
+    """Assign each node to one of the sets of cells that contain it, so that at least one node is assigned to each set.
 
-    ``cells``: nodes of the cells of each set ``(k, nodes)``. Returns the number of the set that owns each node
-    ``(count,)``. A node belongs to the smallest of these sets, unless a larger one would own no node.
+    ``cells``: for each set, the nodes of its cells ``(k, nodes)``; ``count``: number of nodes. Returns the number of the
+    set to which each node is assigned ``(count,)``: the smallest set that contains it, unless a larger set would get no
+    node.
     """
     nodes = [np.unique(members) for members in cells]
     owner = np.zeros(count, dtype=np.int64)
@@ -310,7 +311,7 @@ def _meshio_mesh_for_med(plain: Any, faces: Mapping[str, Index], region: str, _:
 
 
 def _assign_families(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[Index, dict[int, list[str]]]:
-    """Assign nodes or faces to families of a .med file: those that belong to the same groups form one family.
+    """Assign nodes or faces to families of a .med file: all nodes or faces that belong to the same groups form a family.
 
     Parameters
     ----------
@@ -324,7 +325,7 @@ def _assign_families(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[
     number : (n,) Index
         Number of the family of each node or face, from 1; 0 where it belongs to no group.
     groups : dict
-        Names of the groups, for the number of each family.
+        Names of the groups to which each family belongs, by the number of the family.
     """
     patterns, pattern_of = np.unique(belongs, axis=1, return_inverse=True)
     numbers = np.where(patterns.any(axis=0), 1 + np.arange(patterns.shape[1]), 0)
@@ -340,10 +341,11 @@ def _write_abaqus_input(
 ) -> None:
     """Write a mesh as an Abaqus input file, with sets of nodes and cells and with surfaces.
 
-    ``cell``: element type by its name in meshio; ``cells``: nodes of the cells; ``faces``: nodes of each boundary's faces,
-    by its name; ``region``: name of the group of all cells, or empty. meshio is not used, because its lines have more than
-    the allowed 16 entries, and its elements are hybrid ones. Numbers have at most the 20 characters that CalculiX reads, so
-    that coordinates are rounded by about 1e-12 of the mesh's size.
+    ``points``: coordinates of the nodes ``(n, 3)`` [m]; ``cell``: element type by its name in meshio; ``cells``: nodes
+    of the cells; ``faces``: nodes of each boundary's faces, by its name; ``region``: name of the group of all cells, or
+    empty. meshio is not used, because its lines have more than the allowed 16 entries, and its elements are hybrid
+    ones. Numbers have at most the 20 characters that CalculiX reads, so that coordinates are rounded by about 1e-12 of
+    the mesh's size.
     """
     text = ["*HEADING", "rollbench; lengths in m", "*NODE, NSET=NALL"]
     text += [

@@ -30,7 +30,7 @@ MM = 1e3
 
 
 class PlacedSet(NamedTuple):
-    """Parts of one ball nut or bearing on a shaft, and their axial position."""
+    """Parts of one ball nut or bearing on a shaft, and their axial positions."""
 
     #: Parts of the ball nut or bearing.
     scene: Scene
@@ -56,7 +56,7 @@ def write_step(path: Path, sets: Sequence[PlacedSet]) -> dict[Path, float]:
     Returns
     -------
     dict[Path, float]
-        For each file written, the largest distance [m] of its surfaces from the exact ones; 0 where they are exact.
+        For each file written, the largest distance [m] of its surfaces from the exact surfaces; 0 where they are exact.
 
     Raises
     ------
@@ -123,7 +123,10 @@ def _nut_face_positions(scene: Scene, shift: float) -> tuple[float, float]:
 
 
 def _land_and_wall_radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
-    """Return the radius of the lands, and that of the surface opposite the groove (bore of screw, outside of nut) [m]."""
+    """Return the radius of the lands and the radius of the surface behind the groove (screw's bore or nut's outside) [m].
+
+    ``screw``: whether they are those of the screw (or inner ring), or of the nut (or outer ring).
+    """
     dims = dimensions_of_3d_parts(scene)
     if screw:
         return scene.screw.outer_diameter / 2.0, scene.screw.bore / 2.0 or dims.hole
@@ -131,9 +134,9 @@ def _land_and_wall_radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
 
 
 def _add_tube_without_groove(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
-    """Add the screw or nut of a helical track to gmsh's model, as a tube without its groove.
+    """Add a screw or its nut to gmsh's model, as a tube without the helical groove.
 
-    ``ends``: axial positions of its two ends [m]; ``screw``: whether it is the screw, or the nut.
+    ``ends``: axial positions of the tube's ends [m]; ``screw``: whether to add the screw (True) or the nut (False).
     """
     occ, (low, high) = gmsh.model.occ, ends
     inner, outer = sorted(_land_and_wall_radii(scene, screw=screw))
@@ -144,7 +147,7 @@ def _add_tube_without_groove(gmsh: Any, scene: Scene, ends: tuple[float, float],
 def _add_grooved_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
     """Add a bearing ring with its groove to gmsh's model, as a solid of revolution of its cross-section.
 
-    ``ends``: axial positions of its two faces [m]; ``screw``: whether it is the inner ring, or the outer one.
+    ``ends``: axial positions of its two faces [m]; ``screw``: whether to add the inner (True) or outer ring (False).
     """
     occ, (land, wall), z = gmsh.model.occ, _land_and_wall_radii(scene, screw=screw), scene.nut.position
     left, right = (
@@ -172,7 +175,7 @@ def _add_grooved_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, scr
 
 
 def _flanks_of_body(screw: bool) -> tuple[int, int]:
-    """Return the numbers of the left and right flank of the screw (0, 1) or the nut (2, 3)."""
+    """Return the numbers of the left and right flank: 0 and 1 on the screw (``screw`` True), 2 and 3 on the nut."""
     return (0, 1) if screw else (2, 3)
 
 
@@ -266,7 +269,7 @@ def largest_distance_from_flank(
         Number of the surface in the model.
     shift : float
         Displacement of the nut along z [m].
-    along : int, default 120
+    samples_along : int, default 120
         Number of sample points along each of the surface's two parameters.
 
     Returns
@@ -297,7 +300,7 @@ def distances_from_flank(scene: Scene, side: int, points: Array, shift: float) -
     Returns
     -------
     (k,) Array
-        Signed distances [m], positive where a point is further from the groove's centre than the groove radius.
+        Signed distances [m], positive where the distance of a point from the groove's centre exceeds the groove radius.
     """
     track, lead = scene.track, lead_per_radian(scene.track)
     z0 = scene.nut.position + shift

@@ -118,9 +118,9 @@ class HalfRingSurface:
         self._triangulate_faces()
 
     def _divide_section_edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> DividedCurve:
-        """Divide edge k of the ring's cross-section at the azimuth ``phi`` [rad], from its corner k to the next one.
+        """Divide edge k of the ring's cross-section at the azimuth ``phi`` [rad], from corner k to the next corner.
 
-        ``nodes``: numbers of the nodes at the seven corners of this cross-section.
+        ``k``: number of the edge, 0 to 6; ``nodes``: numbers of the nodes at the seven corners of this cross-section.
         """
         ends = int(nodes[k]), int(nodes[(k + 1) % 7])
         if k in (3, 4):
@@ -144,7 +144,7 @@ class HalfRingSurface:
         return self.groove.sides[1 if k == 3 else 0]
 
     def _flank(self, k: int, gamma: Array, phi: float | Array) -> Array:
-        """Return points ``(n, 3)`` [m] on a flank (edge 3 or 4), at section angles and azimuths [rad]."""
+        """Return points ``(n, 3)`` [m] on the flank of edge k (3 or 4), at section angles ``gamma`` and azimuths [rad]."""
         r, zeta = self.groove.profile(self._flank_of_edge(k), gamma)
         return points_from_cylindrical(r, phi, self.line + zeta)
 
@@ -157,9 +157,10 @@ class HalfRingSurface:
         return x[:, 0], x[:, 1]
 
     def _edge_coordinates(self, k: int, t: Array) -> Array:
-        """Return radius and z ``(n, 2)`` [m] along edge k of the cross-section.
+        """Return radius and z ``(n, 2)`` [m] of points along edge k of the cross-section.
 
-        On a flank, t is the section angle [rad]; on a straight edge, the fraction of its length.
+        ``t``: for the two flanks (edges 3 and 4), the section angles of the points [rad]; for a straight edge, their
+        positions as fractions of its length ``(n,)``.
         """
         if k in (3, 4):
             r, zeta = self.groove.profile(self._flank_of_edge(k), t)
@@ -169,8 +170,8 @@ class HalfRingSurface:
     def _around(self, k: int, begin: float, end: float) -> list[Side]:
         """Return the four sides of the face that edge k of the cross-section generates about the axis.
 
-        Plane coordinates of the face are the azimuth [rad] and a coordinate along the edge, from ``begin`` at corner k to
-        ``end``.
+        Plane coordinates of the face are the azimuth [rad] and a coordinate along the edge, which is ``begin`` at corner k
+        and ``end`` at the next corner.
         """
 
         def at(t: Array, phi: float) -> Array:
@@ -217,7 +218,7 @@ class HalfRingSurface:
         return lambda x: self._flank(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
 
     def _end(self, name: str, k: int) -> None:
-        """Triangulate the flat end face that edge k of the cross-section generates about the axis."""
+        """Triangulate the flat face that edge k of the cross-section generates; ``name``: boundary to which it belongs."""
         first, last = (cut[k] for cut in self.cuts)
 
         def end_edge(sign: float) -> Placing:
@@ -234,11 +235,11 @@ class HalfRingSurface:
     def _triangulate_swept_face(
         self, name: str, k: int, ends: tuple[float, float], scale: Array, space: Placing, limit: float
     ) -> None:
-        """Triangulate the curved face ``name`` that edge k of the cross-section generates about the axis.
+        """Triangulate the curved face that edge k of the cross-section generates about the axis.
 
-        ``ends``: coordinate along the edge at its two corners; ``scale``: factors that convert the plane coordinates
-        (azimuth, coordinate along the edge) to lengths; ``space``: map of these lengths to points; ``limit``: length of the
-        longest edge [m].
+        ``name``: name of the boundary to which the face belongs; ``ends``: coordinate along the edge at its two corners;
+        ``scale``: factors that convert the plane coordinates (azimuth, coordinate along the edge) to lengths; ``space``:
+        function that maps these lengths ``(n, 2)`` to points ``(n, 3)`` [m]; ``limit``: length of the longest edge [m].
         """
         loop = [(n, x * scale) for n, x in self._around(k, *ends)]
         self.shell.face(name, [loop], space, limit)
@@ -263,8 +264,8 @@ def triangulate_half_sphere(radius: float, shell: Shell, edge_factor: float, sig
         Radius of the ball [m].
     shell : Shell
         Surface mesh to which the faces are added.
-    share : float
-        Factor on the default for the longest edge.
+    edge_factor : float
+        Factor on the default length of the longest edge.
     sign : float
         1 for the half at y >= 0, -1 for the half at y <= 0.
     """
@@ -287,7 +288,7 @@ def triangulate_half_sphere(radius: float, shell: Shell, edge_factor: float, sig
 
 @dataclass(frozen=True)
 class Refinement:
-    """Element sizes of a mesh, which grow with the distance from the nearest of some points."""
+    """Element sizes of a mesh, which grow with the distance from the nearest of given points."""
 
     #: Points around which the mesh is fine ``(k, 3)`` [m].
     near: Array
@@ -324,7 +325,7 @@ def grid_points_in_ellipse(semi_axes: tuple[float, float], step: float) -> Array
 
     Parameters
     ----------
-    half : tuple[float, float]
+    semi_axes : tuple[float, float]
         Semi-axes of the ellipse [m].
     step : float
         Largest distance between neighbouring points of the grid [m].
@@ -348,16 +349,17 @@ def grid_points_in_ellipse(semi_axes: tuple[float, float], step: float) -> Array
 
 
 def points_on_groove(m: GrooveMap, ball_position: tuple[float, float, int], distances: Array) -> Array:
-    """Map distances from an expected contact to points on the groove's surface.
+    """Return the points on a groove's surface at given distances from the nominal contact point of a ball.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    place : tuple[float, float, int]
-        Azimuth [rad] and axial position [m] of the ball, and flank 0 to 3.
-    flat : (k, 2) Array
-        Distances from the contact, across and along the groove [m].
+    ball_position : tuple[float, float, int]
+        Azimuth [rad] and axial position [m] of the ball; and the flank: 0 and 1 are left and right on the screw, 2 and 3 on
+        the nut.
+    distances : (k, 2) Array
+        Signed distances from the nominal contact point, across and along the groove [m].
 
     Returns
     -------
@@ -370,7 +372,7 @@ def points_on_groove(m: GrooveMap, ball_position: tuple[float, float, int], dist
 
 
 def points_on_ball_surface(m: GrooveMap, side: int, radius: float, distances: Array) -> Array:
-    """Map distances from an expected contact to points on the surface of a ball at azimuth 0.
+    """Return the points on the surface of a ball at azimuth 0 at given distances from its nominal contact point.
 
     Parameters
     ----------
@@ -380,13 +382,13 @@ def points_on_ball_surface(m: GrooveMap, side: int, radius: float, distances: Ar
         Flank that the ball contacts: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     radius : float
         Radius of the ball [m].
-    flat : (k, 2) Array
-        Distances from the contact, across and along the groove [m].
+    distances : (k, 2) Array
+        Signed distances from the nominal contact point, across and along the groove [m].
 
     Returns
     -------
     (k, 3) Array
-        Coordinates relative to the ball's centre [m].
+        Coordinates of the points relative to the ball's centre [m].
     """
     n, t1, t2 = contact_frame_vectors(m, side)
     ray = n + distances[:, :1] / radius * t1 + distances[:, 1:] / radius * t2
@@ -400,7 +402,7 @@ def move_to_ball_position(m: GrooveMap, ball_position: tuple[float, float], poin
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    at : tuple[float, float]
+    ball_position : tuple[float, float]
         Azimuth [rad] and axial position [m] of the ball.
     points : (n, 3) Array
         Coordinates relative to the centre of a ball at azimuth 0 [m].
@@ -429,7 +431,7 @@ def mesh_whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> Bod
 
     Returns
     -------
-    WholeBody
+    BodyMeshForExport
         The mesh, without boxes for contact patches.
 
     Raises
@@ -456,7 +458,7 @@ def mesh_whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> Body
 
     Returns
     -------
-    WholeBody
+    BodyMeshForExport
         The mesh.
 
     Raises
@@ -482,7 +484,7 @@ def mesh_half_ring(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> Body
 
     Returns
     -------
-    WholeBody
+    BodyMeshForExport
         The mesh.
 
     Raises
@@ -508,7 +510,7 @@ def mesh_half_ball(radius: float, refinement: Refinement, sign: float) -> BodyMe
 
     Returns
     -------
-    WholeBody
+    BodyMeshForExport
         The mesh.
 
     Raises

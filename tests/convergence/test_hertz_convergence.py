@@ -106,5 +106,5 @@ def test_grading_keeps_to_its_ratio_and_refuses_nonsense():
     assert x[-1] == 7.0
     np.testing.assert_allclose(steps[:10], 0.1)
     assert (steps[1:] / steps[:-1]).max() < 1.4 + 1e-9
-    with pytest.raises(ValueError, match="need 0 < cell"):
+    with pytest.raises(ValueError, match="choose 0 < cell_length"):
         graded_coordinates(0.1, 8.0, 7.0, 1.4)

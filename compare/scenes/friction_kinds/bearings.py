@@ -68,8 +68,10 @@ class BearingBallKeys(common.SectionKeys):
 class BearingBallScene(KindScene):
     """Scene of one ball in a rotary bearing under an axial force [N] and a radial displacement [m] of the inner ring.
 
-    Parameters of the friction law ``law`` are the speed ``creep`` [m/s] of "regularised", and k_S (``sharpness``) and the
-    step in c/a (``map_step``; None: exact integrals) of "sigmoid".
+    ``force``: axial force [N]; ``displacement``: radial displacement [m]; ``law``: friction law; ``creep``: speed [m/s]
+    below which friction is regularised in the law "regularised"; ``sharpness``: parameter k_S of the law "sigmoid";
+    ``map_step``: step of the tables of the law "sigmoid" in c/a, the distance of the centre of rotation from the contact's
+    centre divided by the semi-axis a; None: exact integrals instead of tables.
     """
 
     kind: ClassVar[str] = "bearing ball"
@@ -100,7 +102,7 @@ def _friction_law_faults(friction: LawKeys, speed: float) -> Iterator[Fault]:
     """
     for name, law in (("creep", "regularised"), ("sharpness", "sigmoid"), ("map_step", "sigmoid")):
         if getattr(friction, name) is not None and friction.law != law:
-            yield Fault((f"friction.{name}",), f'only with law = "{law}"', f'remove it, or set law = "{law}"')
+            yield Fault((f"friction.{name}",), f'only with law = "{law}"', f'remove the key, or set law = "{law}"')
     if friction.law == "regularised" and friction.creep is None:
         advice = 'add creep = "0.1 mm/s", the speed below which friction is regularised'
         yield Fault(("friction.creep",), "above 0 m/s", advice, "nothing")
@@ -337,8 +339,10 @@ class LinearChainKeys(LinearKeys):
 class LinearScene(KindScene):
     """Scene of N balls in a linear bearing.
 
-    ``angles``: contact angles (N, 4) [rad] before loading; ``vertical``: force on each ball [N]; ``side``: side force on
-    each ball over the vertical force (N,); ``gap``: gaps between neighbours (N-1,) [m].
+    ``angles``: contact angles (N, 4) [rad] before loading, at bottom left, bottom right, top right and top left;
+    ``vertical``: vertical force on each ball [N]; ``side``: side force on each ball divided by the vertical force (N,);
+    ``distribution``: how the contact loads follow from the forces, a value of the key ``load.distribution``; ``gap``: gaps
+    between neighbouring balls (N-1,) [m].
     """
 
     bearing: LinearBearing
@@ -398,8 +402,9 @@ def _linear_ball_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Faul
 def allowed_side_force_ratios(angles: Array, nominal: float, distribution: Loads) -> tuple[float, float]:
     """Return the smallest and largest ratio of side force to vertical force for which no contact of a ball is in tension.
 
-    ``angles``: contact angles (4,) [rad] at BL, BR, TR, TL; ``nominal``: nominal contact angle [rad]; ``distribution``: how
-    the loads follow from the forces, a value of the key ``load.distribution``.
+    ``angles``: contact angles (4,) [rad] at bottom left, bottom right, top right and top left; ``nominal``: nominal contact
+    angle [rad]; ``distribution``: how the contact loads follow from the forces, a value of the key ``load.distribution``.
+    The ratios are infinite for "elastic", where contacts may separate.
     """
     if distribution == "elastic":
         return -np.inf, np.inf
@@ -413,10 +418,10 @@ def allowed_side_force_ratios(angles: Array, nominal: float, distribution: Loads
 
 
 def _ball_angles_and_gaps(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array, Array, Array]:
-    """Return angles, side forces and gaps of the N balls of a linear bearing.
+    """Return the contact angles, side forces and gaps of the N balls of a linear bearing.
 
-    These are the contact angles (N, 4) [rad], the ratios of side force to vertical force (N,), and the gaps to the next
-    ball (N,) [m].
+    These are the contact angles (N, 4) [rad] at bottom left, bottom right, top right and top left; the ratios of side force
+    to vertical force (N,); and the gaps to the next ball (N,) [m].
     """
     if isinstance(keys, LinearPairKeys):
         two = np.full(2, keys.angles.deviation)

@@ -59,7 +59,7 @@ Head = tuple[str, str, str, tuple[str, ...]]
 
 
 def first_scene_fields(keys: KindKeys, name: str) -> Head:
-    """Return the first four fields of a scene's record: ``name``, title, source and assumptions."""
+    """Return the fields that the records of all these scenes begin with: ``name``, title, source and assumptions."""
     assumed = tuple(map(escape_unprintable, keys.assumed))
     return name, escape_unprintable(keys.title), escape_unprintable(keys.source), assumed
 
@@ -201,8 +201,8 @@ def groove_and_path_faults(body: OneRingKeys, prefix: str = "", *, ring: bool) -
 def displacement_faults(limit: float, displacement: float, key_name: str) -> Iterator[Fault]:
     """Yield a fault for an oversize or a displacement of the inner ring that is too large for the groove.
 
-    ``limit``: groove radius less ball radius [m]; ``displacement``: the oversize or displacement [m]; ``key_name``: name of
-    its key.
+    ``limit``: groove radius minus ball radius [m]; ``displacement``: the oversize or displacement [m]; ``key_name``: key of
+    the scene file that states it.
     """
     if abs(displacement) >= limit:
         advice = "choose a smaller value; the models hold for small displacements of the ball's centre"

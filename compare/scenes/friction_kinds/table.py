@@ -60,12 +60,18 @@ TABLE = {
 
 
 def scene_kind_by_name(name: str) -> SceneKind:
-    """Return keys, check and maker of the record of a kind of scenes; ``name``: one of `duty_cycle.KINDS`."""
+    """Return what rollbench needs to read scenes of a kind: class of keys, check, and function that makes the record.
+
+    ``name``: name of the kind, one of `duty_cycle.KINDS`.
+    """
     return TABLE[name]
 
 
 def _schema_tag_of_kind(value: Any) -> str:
-    """Return the name of the kind by which the JSON Schema distinguishes scenes; "whole" for ball screws and bearings."""
+    """Return the name by which the JSON Schema distinguishes kinds of scenes; "whole" for ball screws and bearings.
+
+    ``value``: tables of a scene file, or its validated keys.
+    """
     kind = value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
     if kind == AXIS or (isinstance(value, dict) and "sets" in value):
         return AXIS
@@ -116,7 +122,10 @@ def _material_table(young: float, poisson: float) -> Table:
 
 
 def _track_and_groove_tables(groove: ScrewGroove, oversize: float) -> Table:
-    """Return the tables of ball path, grooves and balls; ``oversize``: oversize of the ball radius [m]."""
+    """Return the tables of ball path, grooves and balls of a scene file.
+
+    ``groove``: grooves and balls; ``oversize``: oversize of the ball radius [m].
+    """
     section = groove_table(groove.groove_radius, groove.ball_radius)
     hand = {"hand": "left"} if groove.lead < 0.0 else {}
     path = {
@@ -219,7 +228,8 @@ def _linear_bearing_tables(scene: LinearScene) -> Table:
 def _shared_screw_tables(groove: ScrewGroove, pair_or_run: Any, angles: Table) -> Table:
     """Return those tables of a scene file that two balls of a screw and a simulation of a whole screw have in common.
 
-    ``pair_or_run``: record of the pair or run, with oversize, force, free direction and coupling.
+    ``groove``: grooves, balls, speeds and friction; ``pair_or_run``: record of the two balls or of the simulation, with
+    oversize, force, free direction and coupling; ``angles``: table of the contact angles.
     """
     by_nut = groove.nut_speed != 0.0
     speed = {"speed": value_with_unit_text(Turning, groove.nut_speed if by_nut else groove.screw_speed)}
