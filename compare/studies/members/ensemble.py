@@ -515,7 +515,8 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
 
     Returns
     -------
-        SpecimenBlock Contact loads and outputs.
+    SpecimenBlock
+        Contact loads and outputs.
     """
     if isinstance(scene, Assembly):
         return _solve_axis_block(scene, model, engine, nominal, first, count)

@@ -553,7 +553,7 @@ def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], N
     """Solve the missing samples of a sweep, write its tables and figures to its folder, and return the summary.
 
     ``out``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``step``: function
-    that is called with each line of progress. Raises InputError for the same faults as `solve_samples_of_sweep`.
+    that is called with each line of progress. Raises InputError in the cases in which `solve_samples_of_sweep` raises it.
     """
     records = solve_samples_of_sweep(sweep, out, engine, step)
     found = summarise_sweep(sweep, records)
