@@ -179,7 +179,7 @@ def _check_options(choices: SolveOptions) -> tuple[str, float]:
     if choices.condensed is not None and model != "condensed":
         given = f"{choices.condensed} with the model {model}"
         advice = "leave `model` out: the file selects the model condensed"
-        raise ArgumentError("condensed", given, "only for the model condensed", advice)
+        raise ArgumentError("condensed", given, "such a file only with the model condensed", advice)
     if not 0 <= choices.member < 10**9:
         raise ArgumentError("member", str(choices.member), "0 to 999999999", "state the number of the specimen")
     if choices.matrix is not None:

@@ -247,7 +247,8 @@ def contact_compliance_factor(runs: Sequence[CalculixRun]) -> Array | None:
     """Return the factor B of the contact compliance 1/k in F = F0 + A e + B / k, for each contact [N Pa/m].
 
     F is a contact load, F0 its limit, e the relative error of the elements, and k the contact stiffness (pressure per
-    overclosure). B is the mean over pairs of solutions with the same mesh and different k; None without such a pair.
+    overclosure). B is the mean over pairs of solutions with the same mesh and different k; the result is None without such
+    a pair.
     """
     pairs = [
         (a, b)
@@ -303,7 +304,7 @@ def extrapolate_loads(runs: Sequence[CalculixRun]) -> Extrapolation:
     linear = [r for r in runs if not r.nlgeom]
     law = contact_compliance_factor(linear)
     if law is None and len({r.stiffness for r in linear}) > 1:
-        raise ValueError("the contact stiffness varies, but on no mesh: add a run that differs in it alone")
+        raise ValueError("no two runs differ in the contact stiffness alone: add such a run")
     law = np.zeros(linear[0].load.size) if law is None else law
     groups: dict[tuple[float, float, bool, bool], list[CalculixRun]] = {}
     for r in linear:

@@ -101,7 +101,7 @@ def solve_friction_of_scene(
     if isinstance(scene, Assembly):
         return solve_axis(scene, choices)
     if choices != FrictionChoices():
-        advice = "leave them out: a scene of single parts states its loads and coefficients of friction"
+        advice = "leave these arguments out: a scene of single parts states its loads and coefficients of friction"
         given = "model, mu, member, condensed"
         raise ArgumentError(given, origin, "the scene of a whole screw or bearing", advice)
     from rollbench.compare.studies.friction.kinds import solve_friction_of_single_parts

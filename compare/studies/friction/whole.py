@@ -406,7 +406,7 @@ def solve_friction_of_screw_or_bearing(
         raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
     model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
-        allowed = "only for the model condensed"
+        allowed = "such a file only with the model condensed"
         advice = "leave `model` out: the file selects the model condensed"
         raise ArgumentError("condensed", f"{choices.condensed} with the model {model}", allowed, advice)
     options = Options(member=choices.member, condensed=choices.condensed, discretisation=False)
