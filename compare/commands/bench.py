@@ -103,7 +103,7 @@ def measure_publication_times(source: str, store: Path | None) -> CommandOutput:
 def measure_drawn_screws(store: Path) -> CommandOutput:
     """Solve 24 randomly drawn screws on two mesh levels, and return errors and times of the levels and of the models.
 
-    ``store``: folder of the runs. Raises InputError if a file cannot be written.
+    ``store``: folder in which each timed solution is stored. Raises InputError if a file cannot be written.
     """
     from rollbench.compare.studies import survey
     from rollbench.compare.studies.run_times import RunTimeRow

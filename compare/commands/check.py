@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class VerdictFiles:
-    """Files to which verdicts are written, and an earlier file of verdicts (the baseline) that they are compared with."""
+    """Files for verdicts, and an earlier file of verdicts (baseline) with which the new verdicts are compared."""
 
     junit: Path | None = None
     markdown: Path | None = None
@@ -164,7 +164,7 @@ def report_shipped_data_checks(max_error: float | None, files: VerdictFiles, *, 
 def shipped_checks_table(rows: Sequence[GateCheck]) -> Table:
     """Return the checks of the shipped data as a table, failed checks first.
 
-    Enough digits are printed to show that a value is beyond its limit.
+    Values have enough digits to show whether they exceed their limits.
     """
     texts = (
         (

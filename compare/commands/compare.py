@@ -50,7 +50,7 @@ NOT_SETTLED = 5
 
 
 def exit_code_of_references(references: Iterable[Reference]) -> int:
-    """Return the exit code for references: `NOT_SETTLED` if loads did not converge with mesh refinement, otherwise 0."""
+    """Return the exit code: `NOT_SETTLED` if loads of a 3D reference did not converge with mesh refinement, otherwise 0."""
     return NOT_SETTLED if any(reference.unsettled for reference in references) else 0
 
 
@@ -84,7 +84,7 @@ def compare_and_report(
     verbose: bool = False,
     reference: Path | None = None,
 ) -> CommandOutput:
-    """Compare models with the reference of every scene, after missing runs of the reference are computed.
+    """Compare low-order models with the 3D reference of every scene, after missing runs of the reference are computed.
 
     The result has verdict, table and files for the terminal, and JSON with the results of all models and coarser meshes.
 
@@ -187,7 +187,7 @@ def contact_loads_table(scene: Scene, models: Sequence[ComparedLoads], reference
 def duty_cycle_lines(cycle: DutyCycle, each: ByCase) -> list[str]:
     """Return lines for the terminal with the largest error and the life of each nut or bearing over a duty cycle.
 
-    ``each``: comparisons, by the name of the load case and the name of the nut or bearing.
+    ``each``: comparisons with the 3D reference, by the name of the load case and the name of the nut or bearing.
     """
     from rollbench.compare.results.comparison import cycle_summaries_json
 
@@ -278,8 +278,8 @@ def compare_rolling_and_report(
 ) -> CommandOutput:
     """Compare the low-order models of friction with the 3D model of rolling contact, and return a table for each scene.
 
-    ``levels``: mesh levels of the 3D model; None: all. ``store``: folder of its stored runs. ``fresh``: compute stored runs
-    again. ``bodies``: "half-space", or "finite" for bodies of finite size.
+    ``levels``: levels of the 3D model's grids; None: all. ``store``: folder of its stored runs. ``fresh``: compute stored
+    runs again. ``bodies``: "half-space", or "finite" for bodies of finite size.
     """
     from rollbench.compare.studies.rolling.rows import rolling_comparison, without_infinity
 
@@ -293,7 +293,7 @@ def scenes_of_friction_or_none(names: Sequence[str], bodies: str, unused_argumen
     """Return the scenes if all of them are scenes of friction; an empty list if all are whole screws and bearings.
 
     ``names``: names or files of the scenes. ``bodies``: bodies of the 3D model, "half-space" or "finite".
-    ``unused_arguments``: arguments that have no effect on scenes of friction, each with whether it was used. Raises
+    ``unused_arguments``: for each argument that has no effect on scenes of friction, whether the user gave it. Raises
     InputError for a mix of both sorts of scene, an unknown value of ``bodies``, finite bodies with whole screws, and for
     such an argument.
     """
@@ -328,7 +328,7 @@ MODEL_COLUMNS = ("model", "max err %", "at", "RMS %", "gate %", "max N", "mean N
 def displacement_origin_lines(comparison: SetComparison) -> list[str]:
     """Return a line that states from which position displacements are measured; no line if it is the nominal position.
 
-    ``comparison``: the comparison.
+    ``comparison``: comparison of models with the reference for one nut or bearing.
     """
     if not comparison.start:
         return []

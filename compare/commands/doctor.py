@@ -46,7 +46,7 @@ class MachineCheck:
     """Result of one check of the computer, such as whether a package is installed.
 
     state: "ok", "missing", or "optional" if it is missing but not needed. found: what was found. cost: effect if it is
-    missing. advice: remedy. Cost and advice are empty if it is present.
+    missing. advice: remedy. Cost and advice are empty if nothing is missing.
     """
 
     name: str
@@ -221,7 +221,7 @@ def _check_folder(name: str, folder: Path, cost: str, advice: str) -> MachineChe
 
 
 def _check_memory() -> Iterator[MachineCheck]:
-    """Yield the number of processor cores, and the check whether enough memory is free for a 3D run."""
+    """Yield the number of processor cores, then the check whether enough memory is free for a 3D run."""
     yield MachineCheck("cores", "ok", f"{usable_cores()} of {os.cpu_count()} for this process")
     free = available_GB()
     if free is None:

@@ -168,11 +168,11 @@ def write_part_mesh(
 
     The groups are flanks, lands, ends, sockets and contact zones.
 
-    ``form``: vtu, msh, med or inp; if empty, from the suffix of ``out``, or else vtu. ``out``: the file, replaced if it
-    exists; None: ``<scene>-<part>.<form>``. ``level``: mesh level of the 3D reference (0: the mesh of the publication).
-    ``cache``: folder of stored meshes; None: no cache. ``ball``: number of a ball, from 1; the scene is then solved, and
-    displacement [m], stress and von Mises stress [Pa] are added to the mesh of that ball or its patches, or of the screw or
-    nut with sockets.
+    ``form``: format of the file (vtu, msh, med or inp); if empty, it follows from the suffix of ``out``, and is vtu without
+    ``out``. ``out``: the file, replaced if it exists; None: ``<scene>-<part>.<form>``. ``level``: mesh level of the 3D
+    reference (0: the mesh of the publication). ``cache``: folder of stored meshes; None: no cache. ``ball``: number of a
+    ball, from 1; the scene is then solved, and displacement [m], stress and von Mises stress [Pa] are added to the mesh of
+    that ball or its patches, or of the screw or nut with sockets.
 
     Raises InputError for an unknown part, format or level, a missing package, a mesh that cannot be built, a result field
     that cannot be computed (a screw supported or loaded beyond the low end of its 3D stretch), and a file that cannot be
@@ -402,9 +402,10 @@ def compare_with_calculix(
 ) -> CommandOutput:
     """Compare the contact loads of a scene by the 3D reference with those by CalculiX, and return tables and sentences.
 
-    ``run``: solve decks without stored result with CalculiX. ``fresh``: solve all decks again. ``data``: folder of stored
-    results. ``work``: folder of decks. ``store``: folder of runs of the 3D reference. Raises InputError for a scene without
-    results, for results of another scene of that name, and if CalculiX fails.
+    ``run``: whether decks without a stored result are solved with CalculiX. ``fresh``: whether all decks are solved again.
+    ``data``: folder of stored results of CalculiX; None: those of the package. ``work``: folder of decks. ``store``: folder
+    of runs of the 3D reference. ``engine``: computes missing runs. Raises InputError for a scene without results, for
+    results of another scene of that name, and if CalculiX fails.
     """
     from rollbench.compare.studies.crosscheck.results import (
         agreement_sentence,

@@ -82,8 +82,9 @@ def solve_and_report_friction(
 ) -> CommandOutput:
     """Compute the friction in a scene of any kind, and return what is printed; InputError if the scene cannot be used.
 
-    ``balls``, ``details``: see `friction_terminal_parts`. ``time_limit``: in s. The exit code is 1 if the computation did
-    not converge or reached the time limit, and, with ``strict``, if there is a warning.
+    ``choices``: model, coefficients of friction and number of the specimen. ``balls``, ``details``: see
+    `friction_terminal_parts`. ``time_limit``: longest computing time [s], None for no limit. The exit code is 1 if the
+    computation did not converge or reached the time limit, and, with ``strict``, if there is a warning.
     """
     from rollbench.compare.results.base import add_schema_version
     from rollbench.compare.running import checked_time_limit, watch_running_time

@@ -79,8 +79,8 @@ def study_rolling_contact(
 ) -> CommandOutput:
     """Compute missing runs of the 3D model of rolling contact, and return a table of mesh levels for each scene.
 
-    ``levels``: number of the finest level. ``source``: also use the element size of Lin's thesis. ``fresh``: compute
-    stored runs again. ``bodies``: "half-space", or "finite" for bodies of finite size.
+    ``levels``: number of the finest level. ``source``: whether a grid with the element size of Lin's thesis is added.
+    ``fresh``: compute stored runs again. ``bodies``: "half-space", or "finite" for bodies of finite size.
     """
     from rollbench.compare.studies.rolling.rows import rolling_mesh_study
 
@@ -98,8 +98,9 @@ def study_mesh_levels(
     """Compute missing runs of the 3D reference on several mesh levels, and return the tables of the study.
 
     The tables are also written as CSV and SVG to the folder ``store``. ``count``: number of the finest level, see
-    `chosen_levels`. ``spread``: also vary modelling choices. ``source``: also use the mesh of Lin's thesis. ``fresh``:
-    compute stored runs again. Raises InputError for unknown levels, Refusal if no run of a scene converged.
+    `chosen_levels`. ``spread``: whether modelling choices that the scene's source leaves open are varied. ``source``:
+    whether the mesh of Lin's thesis is used too. ``fresh``: whether stored runs are computed again. Raises InputError for
+    unknown levels, Refusal if no run of a scene converged.
     """
     from rollbench.compare.commands.compare import exit_code_of_references
     from rollbench.compare.files import reason_without_figure, write_csv, write_figure
@@ -147,9 +148,9 @@ def study_mesh_levels(
 def are_all_roller_scenes(names: Sequence[str], unused_arguments: Mapping[str, bool], where: ComputeOptions | None) -> bool:
     """Return whether all scenes have tapered roller bearings, for which `study_single_rollers` is used.
 
-    ``names``: names or files of the scenes. ``unused_arguments``: options that have no effect on rollers, each with whether
-    it was used. ``where``: options for parallel runs, which have no effect either. Raises InputError if only some scenes
-    have rollers, or if one of these options was used with rollers.
+    ``names``: names or files of the scenes. ``unused_arguments``: for each option that has no effect on rollers, whether
+    the user gave it. ``where``: options for parallel runs, which have no effect on rollers either. Raises InputError if
+    only some scenes have rollers, or if one of these options was used with rollers.
     """
     from rollbench.compare.errors import ArgumentError
     from rollbench.compare.scenes import catalogue
@@ -170,8 +171,8 @@ def are_all_roller_scenes(names: Sequence[str], unused_arguments: Mapping[str, b
 def study_single_rollers(names: Sequence[str], count: int | None, store: Path, *, fresh: bool) -> CommandOutput:
     """Compute missing runs of single tapered rollers in 3D, and return the tables for each kind of roller.
 
-    ``count``: number of the finest mesh level; None: 3. ``fresh``: compute stored runs again. Raises InputError as
-    `compare.studies.roller.compute_runs_of_roller_kinds`.
+    ``count``: number of the finest mesh level; None: 3. ``fresh``: compute stored runs again. Raises InputError in the
+    cases in which `compare.studies.roller.compute_runs_of_roller_kinds` raises it.
     """
     from rollbench.compare.files import write_csv
     from rollbench.compare.reference.store import shipped_store

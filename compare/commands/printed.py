@@ -37,8 +37,9 @@ def judge_printed_numbers(sources: Sequence[str], only: Sequence[str], write: Pa
 def judged_entries(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
     """Return the chosen printed numbers and claims with their computed values, in the order of the tables.
 
-    ``study`` stores the computed values. ``sources``: names of publications; if empty, all. ``only``: names of printed
-    tables and entries ("table:key"); if empty, all of these publications. Raises InputError for an unknown name.
+    ``study``: comparison that computes values once and keeps them. ``sources``: names of publications; if empty, all.
+    ``only``: names of printed tables and entries ("table:key"); if empty, all of these publications. Raises InputError for
+    an unknown name.
     """
     from rollbench.compare.case import all_cases
     from rollbench.compare.evidence import all_computations, evidence
@@ -86,7 +87,7 @@ def printed_entries_json(rows: Sequence[Evidence], changed: Sequence[str]) -> di
 
 
 def entry_json(e: Evidence) -> dict[str, Any]:
-    """Return one printed number or claim as JSON: printed and computed values, error, verdict and reason."""
+    """Return one printed number or claim as JSON: printed and computed value, error, verdict and reason of the verdict."""
     from rollbench.compare.evidence import publication_title_of
 
     p = e.printed

@@ -36,10 +36,11 @@ if TYPE_CHECKING:
 class SolveOptions:
     """Command-line options for the solution of one scene; their names are those of the arguments of `solve`.
 
-    everything: compute all terms of the model, needed or not. member: number of the specimen. condensed: file with
-    condensed bodies. balls: print the table of balls. stiffness_at: axial position of the stiffness. matrix: file for the
-    stiffness. loads_csv: file for the contact loads. time_limit: in s. strict: exit code 1 if there is a warning. verbose:
-    print details.
+    model: name of the low-order model (empty: the default). everything: compute all terms of the model, also those that
+    cannot change the loads. member: number of the specimen (random draw of the geometric errors), from 0. condensed: file
+    with the condensed stiffness of screw and nut. balls: print the table of balls. stiffness_at: axial position of the
+    stiffness, with its unit. matrix: file for the stiffness matrix. loads_csv: file for the contact loads. time_limit:
+    longest computing time [s]. strict: exit code 1 if there is a warning. verbose: print details.
     """
 
     model: str = ""
@@ -110,7 +111,7 @@ def _options_of_load_case(choices: SolveOptions, name: str) -> SolveOptions:
 def _write_contact_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
     """Write the ball contact loads of all converged load cases to a CSV file; return a line that names the file.
 
-    ``names``: names of the load cases; empty for a single one.
+    ``names``: names of the load cases; empty for a scene without load cases.
     """
     from rollbench.compare.files import write_csv
     from rollbench.compare.models.load_cases import Solved
@@ -161,7 +162,7 @@ def _check_options_for_scene(scene: Scene | Assembly, choices: SolveOptions, sta
 
 
 def exit_code_of_solutions(solved: Sequence[Solved | SolvedAxis], choices: SolveOptions) -> int:
-    """Return exit code 1 if a load case did not converge or, with the option ``strict``, has a warning; otherwise 0."""
+    """Return exit code 1 if a load case did not converge or, with ``choices.strict``, has a warning; otherwise 0."""
     from rollbench.lowfi.warned import join_brief_warnings
 
     return int(any(one.answers is None or (choices.strict and join_brief_warnings(one.result.warnings)) for one in solved))
@@ -178,7 +179,7 @@ def _check_options(choices: SolveOptions) -> tuple[str, float]:
     if choices.condensed is not None and model != "condensed":
         given = f"{choices.condensed} with the model {model}"
         advice = "leave `model` out: the file selects the model condensed"
-        raise ArgumentError("condensed", given, "only for the model condensed", advice)
+        raise ArgumentError("condensed", given, "such a file only with the model condensed", advice)
     if not 0 <= choices.member < 10**9:
         raise ArgumentError("member", str(choices.member), "0 to 999999999", "state the number of the specimen")
     if choices.matrix is not None:
@@ -374,7 +375,8 @@ def solve_side_by_side(names: Sequence[str], choices: SolveOptions) -> CommandOu
 def solve_load_curve(name: str, text: str, choices: SolveOptions, csv_out: Path | None) -> CommandOutput:
     """Solve a scene over a range of loads and return its load curve; exit code 1 if a load has no equilibrium.
 
-    ``text``: the range, such as ``"-3kN:3kN:41:x"``. Of several load cases only the first is solved. Raises InputError.
+    ``text``: range of the load, such as ``"-3kN:3kN:41:x"`` for 41 forces along x; ``csv_out``: file for the points of the
+    curve, or None. Of several load cases only the first is solved. Raises InputError.
     """
     from rollbench.compare.api.calls import load_curve_of
     from rollbench.compare.models.registry import Options
@@ -473,7 +475,8 @@ def ensemble_terminal_parts(members: EnsembleSummary, *, balls: bool = False) ->
 def _contact_load_quantiles_table(data: dict[str, Any], width: float) -> Any:
     """Return the table with quantiles of every contact load over the specimens.
 
-    ``data``: JSON results of the specimens. ``width``: sampling error of the quantiles [N].
+    ``data``: JSON results of the specimens. ``width``: bin width of the histograms, to within which the quantiles are known
+    [N].
     """
     keys = [key for key in (data["balls"][0] if data["balls"] else ()) if key != "quantile_0.5_N"]
     rows = ([v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in data["balls"])

@@ -77,8 +77,8 @@ def judge_models_on_screws(
     """Judge models on the first ``count`` random screws, write table and figure, and return statistics of the errors.
 
     ``max_error``: limit of the error in per cent. ``out``: folder of the written files. ``workers``: number of screws
-    solved in parallel. The exit code is 1 if a model fails on a screw. Raises InputError as
-    `compare_models_on_drawn_screws`.
+    solved in parallel. The exit code is 1 if a model fails on a screw. Raises InputError in the cases in which
+    `compare_models_on_drawn_screws` raises it.
     """
     from rollbench.compare.files import check_writable, write_csv, write_figure
     from rollbench.compare.models.programs import model_title
@@ -145,7 +145,7 @@ def _survey_terminal_parts(data: Mapping[str, Any], models: Sequence[str]) -> It
 def write_drawn_screw(number: int, out: Path) -> CommandOutput:
     """Write a randomly drawn screw as a scene file, and its reference loads as a CSV file, to the folder ``out``.
 
-    ``number``: number of the screw. Raises InputError as `write_scene_and_reference_files`.
+    ``number``: number of the screw. Raises InputError in the cases in which `write_scene_and_reference_files` raises it.
     """
     from rollbench.compare.studies.survey_models import write_scene_and_reference_files
 
@@ -171,7 +171,7 @@ def _stability_tables(
 ) -> Iterator[RenderableType]:
     """Yield the table of outcomes by case and solver, the counts of each solver, and a line for each failure.
 
-    ``rows``: outcomes of every solver on every case. ``failures``: those that are not as expected.
+    ``rows``: outcomes of every solver on every scene. ``failures``: those outcomes that are not as expected.
     """
     from rollbench.compare.studies.extremes import FORMULATIONS, count_outcomes, stability_table_rows
 
@@ -190,9 +190,9 @@ def _stability_tables(
 def solve_drawn_screws(count: int, folder: Path, workers: int, keep: Path | None) -> CommandOutput:
     """Solve the first ``count`` randomly drawn screws with the 3D reference, and return errors of the models and failures.
 
-    ``folder``: folder of the runs. ``keep``: file for the results that the report reads; None: not written. The exit code
-    is 1 if a screw has no result. Raises InputError for a count out of range, a folder with other contents, and a file that
-    cannot be written.
+    ``folder``: folder in which each solved screw is stored. ``workers``: number of screws solved in parallel. ``keep``:
+    file for the results that the report reads; None: it is not written. The exit code is 1 if a screw has no result. Raises
+    InputError for a count out of range, a folder with other contents, and a file that cannot be written.
     """
     from rollbench.compare.files import check_writable, replace_file
     from rollbench.compare.studies import survey

@@ -84,7 +84,7 @@ def solve_and_report_sweep(sweep: Sweep, out: Path, engine: Engine) -> CommandOu
     """Solve all samples that are not stored yet, and write and return the summary; exit code 1 if no sample converged.
 
     ``sweep``: scene, varied parameters and design of the samples. ``out``: folder of samples and summary. ``engine``:
-    solves the samples. Raises InputError as `solve_samples_of_sweep`.
+    solves the samples. Raises InputError in the cases in which `solve_samples_of_sweep` raises it.
     """
     from rollbench.compare.files import reason_without_figure
     from rollbench.compare.studies.sweep.run import solve_sweep

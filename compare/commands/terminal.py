@@ -59,7 +59,8 @@ class ProgramOptions:
 def model_or_program_name(program: ProgramOptions | None, model: str = "") -> str:
     """Return the name of the model, which is either ``model`` or made from the command of an external program.
 
-    InputError if both are used, or if a time limit is stated without a command.
+    ``program``: options that state the external program, None if none is used. Raises InputError if both a model and a
+    program are given, or if a time limit is given without a program.
     """
     if program is None or program == ProgramOptions():
         return model
@@ -92,7 +93,7 @@ class ComputeOptions:
 
 
 def engine_from_options(where: ComputeOptions | None, local_workers: int | None = None) -> Engine:
-    """Return the engine that computes runs where the user's options ask for it.
+    """Return the engine that computes runs of the 3D reference where the user's options demand it.
 
     ``where``: options; None: this computer. ``local_workers``: number of parallel runs on this computer, unless the options
     state it. Raises InputError for certificates that cannot be used.

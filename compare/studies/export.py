@@ -39,7 +39,7 @@ BLOCK = "block-source"
 #: which the 3D reference condenses to the nodes of the sockets.
 BODIES, SOCKETS = ("screw", "nut", "ball"), "-with-sockets"
 
-#: Growth of element size per distance from the contacts, for whole bodies.
+#: Growth of element size per distance from the contacts, in meshes of whole bodies.
 AWAY = 0.4
 
 
@@ -54,7 +54,8 @@ def exported_parts(scene: Scene) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Whole bodies, bodies with sockets, patches of groove and ball on the flanks that may touch, and the block.
+        Names of the whole bodies, of the bodies with sockets (holes for fine contact patches), of the patches of groove and
+        ball on the flanks that may touch, and of the block `BLOCK`.
     """
     sides = [SIDES[s] for s in flanks_to_mesh(scene)]
     patches = (f"{kind}-{s}" for kind in ("patch", "ball-patch") for s in sides)
@@ -166,7 +167,7 @@ def displacement_and_stress_of_part(
     Raises
     ------
     ValueError
-        If the scene cannot be solved, or its screw is fixed or loaded beyond the low end.
+        If the scene cannot be solved, or if a support or load acts on the screw below the low end (in z) of its 3D piece.
     """
     from rollbench.hifi import fields
     from rollbench.hifi.bodies.coarse import convert_mesh_order

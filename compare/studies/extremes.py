@@ -4,8 +4,9 @@ The scenes are in `extreme_cases`. A second formulation, whose unknowns are the 
 of the same beam, must find the same loads. It does not solve rows of rollers without balls; for these the load-displacement
 law of every roller slice is checked instead.
 
-Newton's method as in Lin's thesis (``lowfi.as_source``) starts from: the nominal state; a good guess, in which the screw is
-moved along its axis as if all balls shared the axial load equally; or ten load steps from that guess.
+Newton's method as in Lin's thesis (``lowfi.as_source``) is started in three ways: from the nominal state; from a good
+guess, in which the screw is moved along its axis as if all balls shared the axial load equally; and from that guess with
+the load applied in ten steps.
 
 Campaigns of random scenes are run by ``python -m tests.campaign`` of the repository; this module reads their records.
 """
@@ -75,7 +76,7 @@ ELASTIC_LIMIT = 250
 #: Allowed difference between a roller slice's line load and its load-displacement law, over the largest line load.
 SLICES = 1e-9
 
-#: Loads of two formulations that differ by less than this share of the largest load [%] are the same solution.
+#: Difference between the loads of two formulations below which they count as the same solution [% of the largest load].
 SAME = 1e-4
 
 
@@ -91,7 +92,7 @@ class FormulationOutcome:
     formulation: str
     #: Status of the solver.
     status: str
-    #: Status that is expected.
+    #: Status that the solver should report.
     expected: str
     #: Whether the solver converged.
     converged: bool
@@ -135,7 +136,7 @@ def solve_case_by_formulation(case: StabilityCase, formulation: str) -> Formulat
 
     Returns
     -------
-    Attempt
+    FormulationOutcome
         Status, residual, time and differences of the solution.
     """
     if formulation == ENERGY:
@@ -164,7 +165,7 @@ def _solve_by_energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
 def _attempt_by_energy_solver(case: StabilityCase, result: StaticResult | AxisResult | None = None) -> FormulationOutcome:
     """Return the outcome of the energy solver for a hard scene.
 
-    ``result``: its static result; None: the scene is solved.
+    ``result``: static result of the energy solver for this scene; None: the scene is solved first.
     """
     begin = perf_counter()
     row = _outcome_from_result(case, ENERGY, result or _solve_by_energy(case.scene), begin)
@@ -240,7 +241,8 @@ def _make_attempt(case: StabilityCase, formulation: str, status: str, **found: A
 def _reason_for_false_convergence(result: StaticResult | AxisResult) -> str:
     """Return why a result that is reported as converged is wrong; empty if it is right, or not reported as converged.
 
-    Checked are finite numbers, the residual, the balance of forces and moments, and the law of the roller slices.
+    It is checked that all numbers are finite, that the residual is small, that forces and moments balance, and that the
+    slices of rollers follow their load-displacement law.
     """
     if not result.converged:
         return ""
@@ -365,7 +367,7 @@ def _largest_load_difference(load: Array, reference_load: Array) -> float:
 
 
 def _first_clause_of_status(status: str) -> str:
-    """Return the first clause of a solver's status, or the first two if the first is "not held" (a free rigid motion)."""
+    """Return the first clause of a solver's status, or the first two if it begins with "not held" (a free rigid motion)."""
     parts = status.split(": ")
     return ": ".join(parts[:2]) if parts[0] == "not held" else status.split(" (")[0]
 
@@ -394,7 +396,7 @@ def solve_all_hard_cases(
 
     Returns
     -------
-    list of Attempt
+    list of FormulationOutcome
         Outcomes in the order of `extreme_cases`.
     """
     from joblib import Parallel, delayed

@@ -83,7 +83,7 @@ def study_quantities(run: Run) -> list[tuple[str, str, Take]]:
 def reference_from_stored_runs(
     scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)
 ) -> Reference | None:
-    """Return the 3D reference with its uncertainty from all stored solutions on some mesh levels; None without any.
+    """Return the 3D reference with its uncertainty from all stored solutions on some mesh levels; None if none is stored.
 
     Parameters
     ----------
@@ -109,9 +109,9 @@ def mesh_level_rows(reference: Reference) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        Cell size over that of the finest level, unknowns of the equivalent single mesh, seconds without cached parts and
-        the conditions of their measurement, largest difference of a contact load from the finest level, and
-        `load_uncertainty_of_run`, both in % of the mean load.
+        For each mesh level: cell size over that of the finest level; number of unknowns that one mesh of all bodies would
+        have; seconds without cached parts, with the conditions of their measurement; largest difference of a contact load
+        from the finest level, and `load_uncertainty_of_run`, both in % of the mean load.
     """
     return [
         {
@@ -138,7 +138,7 @@ def load_uncertainty_of_run(reference: Reference, run_index: int) -> float:
 
 
 def accuracy_sentence(reference: Reference) -> str:
-    """Return a sentence on the accuracy that each mesh level reaches, and on levels whose time brings no clear gain.
+    """Return a sentence on the accuracy of each mesh level, and on levels that take longer without clear gain.
 
     Percentages are rounded up. Times are given if all were measured together on one machine.
     """
@@ -257,7 +257,7 @@ def mesh_study_table_of_reference(
 
 
 def _ball_and_flank_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
-    """Return ball and flank, numbered from 0, of the contact whose load is the given quantity; None for a displacement.
+    """Return ball and flank, numbered from 0, of the contact whose load is the quantity; None for a displacement.
 
     ``take``: function that takes the quantity from a solution; ``finest``: solution on the finest mesh level, which decides
     which contact has the largest or smallest load of a flank.
@@ -271,17 +271,14 @@ def _ball_and_flank_of_quantity(take: Take, finest: Run) -> tuple[int, int] | No
 
 
 def _percent_of(value: float | None, of: float) -> float | None:
-    """Return a value in per cent of another one; None without a value, or if only the other one is zero.
-
-    ``of``: the value that is 100 %.
-    """
+    """Return ``value`` in per cent of ``of``; None if ``value`` is None, or if only ``of`` is zero."""
     if value is None or (of == 0.0 and value != 0.0):
         return None
     return float(error_percent(value, 0.0, of))
 
 
 def _root_of_squares(moves: Mapping[str, float]) -> float | None:
-    """Return the root of the summed squares of the effects of modelling choices on a quantity; None without any.
+    """Return the root of the summed squares of the effects of modelling choices on a quantity; None without effects.
 
     A choice with several variants counts with its largest effect. ``moves``: change of the quantity by each variant.
     """
@@ -310,8 +307,8 @@ def chosen_levels(count: int | None) -> tuple[int, ...]:
 def mesh_study_table_of_bearing(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
     """Return the mesh-study table of a nut or bearing from its 3D reference.
 
-    ``one``: the reference; ``stores``: folders with solutions; ``levels``: mesh levels. The effects of modelling choices
-    are left out if the nut or bearing is one of several on a shaft.
+    ``one``: nut or bearing with its 3D reference; ``stores``: folders with solutions; ``levels``: mesh levels. The effects
+    of modelling choices are left out if the nut or bearing is one of several on a shaft.
     """
     return (
         mesh_study_table_of_scene(one.scene, stores, levels)
@@ -425,7 +422,7 @@ def mesh_study_for_library(
     str
         Key of the table to show.
     tuple of str
-        Closing lines.
+        Text lines that are shown below the table.
     """
     from rollbench.meshes.cache import default_cache_folder
 

@@ -42,15 +42,16 @@ from rollbench.meshes.record_keys import digest_of_values
 
 #: Version of the 3D roller model in the names of stored runs; raise it when the mechanics change.
 SCHEMA = 1
-#: Loads over the largest roller load of the scene; pressures are stored for the first.
+#: Loads over the largest load on a roller of the kind; pressures are stored for the first load only.
 SHARES = (1.0, 0.5, 0.25)
 #: Mesh levels.
 LEVELS = (1, 2, 3)
-#: Spring of a steel roller between both races, Q = c L^(8/9) delta^(10/9) in N and mm (ISO/TS 16281).
+#: Constant c of a steel roller between both races, Q = c L^(8/9) delta^(10/9), with the load Q in N, effective length L and
+#: approach delta in mm (ISO/TS 16281).
 NORM = 35948.0
 #: Names of the races, in the order of lists over them.
 RACES = ("outer", "inner")
-#: Columns that the terminal leaves out.
+#: Columns of the table that the terminal does not show.
 HIDDEN = ("order", "extrapolated", "low_order", "norm", "line_contact")
 
 
@@ -60,7 +61,7 @@ class RollerRun:
 
     #: Mesh level.
     level: int
-    #: Cells across half of the possible contact zone; cells of all meshes; degrees of freedom.
+    #: Numbers of cells across half of the possible contact zone, of cells of all meshes, and of degrees of freedom.
     across: int
     cells: int
     unknowns: int
@@ -96,11 +97,11 @@ class RollerRun:
 class LoadedRoller:
     """Kind of roller in a shaft scene, with the largest load on a roller of this kind."""
 
-    #: Its bearing row, without fields that do not affect one roller between its races.
+    #: Bearing row of the roller; fields that do not affect one roller between its races have their default values.
     row: RollerRow
     #: Names of the bearing rows that have this kind of roller.
     sets: tuple[str, ...]
-    #: Largest load of the scene on a roller of the kind, to four digits [N].
+    #: Largest load on a roller of this kind in the scene, rounded to four digits [N].
     load: float
 
 
@@ -111,7 +112,7 @@ def has_rollers(scene: Described) -> bool:
 
 
 def roller_kinds_with_largest_load(assembly: Assembly) -> list[LoadedRoller]:
-    """Return the kinds of rollers in a shaft scene with the largest load on each; empty without rollers.
+    """Return the kinds of rollers in a shaft scene with the largest load on each kind; empty without rollers.
 
     Raises Refusal if the shaft has no equilibrium, or if no roller of a kind carries load.
     """
@@ -421,7 +422,8 @@ def roller_study_for_library(
     """Run the mesh study of a shaft's rollers for `rollbench.mesh_study`.
 
     ``levels``: number of mesh levels, None for all; ``step``: function that is called with each line of progress;
-    ``store``: folder that takes new runs. Returns the JSON values, then the key of the table to show, then closing lines.
+    ``store``: folder that takes new runs. Returns the JSON values, then the key in them of the table to show, then text
+    lines that are shown below it.
     """
     found = compute_runs_of_roller_kinds(assembly, levels, (store, shipped_store()), step)
     sets = [{"scene": assembly.name} | study_json(one, runs) for one, runs in found]

@@ -1,8 +1,8 @@
 """Run times of models, of the 3D reference and of commands: measured in new processes, and stored.
 
-Cold is the time of a first use: a new interpreter, all imports, the set-up of the geometry and one solution, in a process
-with empty folders for meshes and machine code; compiled kernels include their compilation. Warm is the time of a further
-solution in the same process, with the geometry prepared and the kernels compiled.
+The cold time is that of a first use: a new interpreter, all imports, the set-up of the geometry and one solution, in a
+process with empty folders for meshes and machine code; with compiled kernels it includes their compilation. The warm time
+is that of a further solution in the same process, with the geometry prepared and the kernels compiled.
 
 A store holds the times of one measuring run, and the processor times of cold set-ups (measured by
 ``tests/set_up_costs.py``), so that a report need not start every process again.
@@ -103,11 +103,11 @@ class FinishedProcess:
 def run_timed_python_process(
     arguments: list[str], extra_environment: dict[str, str] | None = None, folder: str | None = None
 ) -> FinishedProcess:
-    """Run a Python process as if a user had typed it on a terminal, and return its times, exit code and output.
+    """Run a Python process as a user would start it on a terminal, and return its times, exit code and output.
 
     ``arguments``: arguments of the Python interpreter; ``extra_environment``: environment variables by name, which are
     added to those of `user_environment`; ``folder``: working folder of the process, None for the present one. The process
-    imports no module from its working folder, and is killed after `PATIENCE` seconds.
+    imports no module from its working folder. It is killed after `PATIENCE` seconds.
     """
     environment = user_environment({"PYTHONUNBUFFERED": "1"} | (extra_environment or {}))
     before, begin = os.times(), perf_counter()
@@ -217,9 +217,9 @@ print(json.dumps({{"done": time(), "stages": run.stages, **own}}))
 
 @dataclass(frozen=True)
 class ColdLevelTime:
-    """Time of a mesh level of the 3D reference, from the start of the interpreter to its contact loads.
+    """Time of a solution of the 3D reference on one mesh level, from the start of the interpreter to the contact loads.
 
-    None: not measured.
+    A field is None if it was not measured.
     """
 
     #: Mesh level.
@@ -228,7 +228,7 @@ class ColdLevelTime:
     process: float
     #: CPU time of all processes [s].
     cpu: float
-    #: Sum of their peak memories [MB].
+    #: Sum of the peak memories of all processes [MB].
     memory: float | None
     #: Status of the run.
     status: str
@@ -254,7 +254,7 @@ class ColdModelTime:
     warm: float
     #: Peak memory of the process [MB]; None: not measured.
     memory: float | None
-    #: Kind of kernels: interpreted or compiled.
+    #: How numerical kernels ran: "interpreted" (plain Python) or "compiled" (machine code).
     engine: str
     #: Status of the solution.
     status: str
@@ -311,7 +311,7 @@ def _run_with_empty_caches(child: str, ask: dict[str, Any], what: str) -> tuple[
     """Run a Python program in a new process with empty caches; return its start-up time [s] and the JSON values it prints.
 
     ``child``: text of the Python program, such as `CHILD`; ``ask``: arguments of the program by name; ``what``: name of the
-    measurement in the RuntimeError of a process that fails.
+    measurement in the message of the RuntimeError that is raised if the process fails.
     """
     with tempfile.TemporaryDirectory() as folder:
         caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
@@ -359,11 +359,11 @@ class StoredRunTimes:
     measured: Measured
     #: Date of the measurement.
     date: str
-    #: Run times by scene and model.
+    #: Run times by names of scene and model.
     times: Mapping[tuple[str, str], RunTime]
-    #: Times of the first process by model and kind of kernels.
+    #: Times in a new process, by name of the model and kind of kernels ("interpreted" or "compiled").
     first: Mapping[tuple[str, str], ColdModelTime]
-    #: Cold times of levels of the 3D reference.
+    #: Cold times of the 3D reference on single mesh levels.
     levels: Sequence[ColdLevelTime] = ()
     #: Times of commands typed on a terminal.
     typed: Sequence[CommandTime] = ()
@@ -388,12 +388,15 @@ class SetUpCost:
     level: int
     #: Number of loaded contacts.
     contacts: int
-    #: Seconds of every stage by kind of work: "all", of it "meshing", "assembly" and "elimination", and of the latter
-    #: "dense" (dense algebra).
+    #: Processor time of every stage [s] by kind of work: "all"; its parts "meshing", "assembly" and "elimination"; and
+    #: "dense", the part of the elimination that is dense algebra.
     stages: Mapping[str, Mapping[str, float]]
 
     def processor_time_of_work(self, kind: str) -> float:
-        """Return the processor time of one kind of work summed over all stages [s]; ``kind``: as in `stages`."""
+        """Return the processor time of one kind of work summed over all stages [s].
+
+        ``kind``: name of the kind of work, such as "meshing", as in the field `stages`.
+        """
         return sum(stage.get(kind, 0.0) for stage in self.stages.values())
 
 
@@ -403,7 +406,7 @@ class SetUpVariant:
 
     #: Name of the scene.
     scene: str
-    #: Description of the variant of the set-up.
+    #: Description of the variant, which differs from the usual set-up in one respect.
     way: str
     #: Processor time saved [s].
     saved: float
@@ -458,15 +461,15 @@ def _one_json_line_per_row(rows: Sequence[Any]) -> str:
     return ",\n ".join(json.dumps(row) for row in rows)
 
 
-#: Name, in place of a publication's, for the times of commands typed in an empty home directory.
+#: Name that selects the times of commands typed in an empty home directory, where a publication's name would select others.
 TYPED = "typed"
 
 
 def times_file_name(source: str) -> str:
     """Return the file name of stored run times.
 
-    ``source``: name of the publication on whose page the times are shown; `TYPED` for the times of typed commands; empty
-    for the times of all compared scenes.
+    ``source``: name of the publication on whose page of the report the times are shown; `TYPED` for the times of commands
+    that a user types on a terminal; empty for the times of all scenes that are compared with the 3D reference.
     """
     return f"run_times_{source}.json" if source else RUN_TIMES
 
@@ -474,8 +477,8 @@ def times_file_name(source: str) -> str:
 def save_times(store: Path, run_times: StoredRunTimes, source: str = "") -> None:
     """Write run times to a JSON file in a folder.
 
-    ``store``: the folder; ``run_times``: the run times; ``source``: name of a publication, `TYPED` or empty, see
-    `times_file_name`. Raises InputError if the file cannot be written.
+    ``store``: the folder; ``run_times``: the run times; ``source``: which times these are, and so the name of the file: a
+    publication's name, `TYPED` or empty, as in `times_file_name`. Raises InputError if the file cannot be written.
     """
     lists = {
         "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(run_times.times.items())],
@@ -489,9 +492,10 @@ def save_times(store: Path, run_times: StoredRunTimes, source: str = "") -> None
 
 
 def run_times_for_page(study: Study, source: str) -> StoredRunTimes | None:
-    """Return the stored run times for the page of a publication, else those of all compared scenes; None without either.
+    """Return the stored run times for a publication's page, else those of all compared scenes; None if neither is stored.
 
-    ``study``: comparison with its folders of stored results; ``source``: name of the publication.
+    ``study``: comparison of models with the 3D reference, with its folders of stored results; ``source``: name of the
+    publication.
     """
     stores = (*(study.stores or ()), shipped_store())
     return load_times(stores, source) or load_times(stores)
@@ -500,7 +504,8 @@ def run_times_for_page(study: Study, source: str) -> StoredRunTimes | None:
 def load_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes | None:
     """Return the run times from the first folder with a valid file; None without one.
 
-    ``stores``: the folders; ``source``: name of a publication, `TYPED` or empty, see `times_file_name`.
+    ``stores``: the folders in the order in which they are tried; ``source``: which times are read: a publication's name,
+    `TYPED` (commands typed on a terminal) or empty (all compared scenes), as in `times_file_name`.
     """
 
     def times_from_json(data: dict[str, Any]) -> StoredRunTimes:
@@ -545,13 +550,13 @@ COMMANDS = {
 #: Program that keeps a processor core busy.
 BUSY = "while True: pass"
 
-#: Number of specimens of an ensemble, and numbers of threads.
+#: Number of specimens of an ensemble, and numbers of threads with which it is timed.
 MEMBERS, THREADS = 1000, (1, 2)
 
 
 @dataclass(frozen=True)
 class CommandTime:
-    """Times of a ``rollbench`` command typed in an empty home directory; None stands for a time that was not measured."""
+    """Times of a ``rollbench`` command in an empty home directory; a field is None if it was not measured."""
 
     #: The command.
     command: str
@@ -561,15 +566,15 @@ class CommandTime:
     first_line: float | None = None
     #: CPU time of all its processes [s].
     cpu: float | None = None
-    #: Wall clock when typed a second time [s], without the cost of the empty home.
+    #: Wall clock of a second run in the same home directory [s], when caches exist.
     again: float | None = None
-    #: CPU time when typed a second time [s].
+    #: CPU time of this second run [s].
     again_cpu: float | None = None
     #: Wall clock in an empty home directory while another process keeps a core busy [s].
     beside: float | None = None
     #: CPU time in an empty home directory while another process keeps a core busy [s].
     beside_cpu: float | None = None
-    #: Remark, such as why it was not measured.
+    #: Remark, such as why a time was not measured.
     note: str = ""
 
     @property
@@ -622,8 +627,8 @@ def _run_in_empty_home(command: str, times: int) -> list[FinishedProcess]:
 def time_ensemble_with_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[RunTimeRow]:
     """Time an ensemble of specimens of the scene ``lin-random`` by the model lin in one thread, then in two threads.
 
-    A specimen is the scene with one drawn set of random geometric errors. ``count``: number of specimens; ``repeats``:
-    number of timed solutions, of which the median time is taken.
+    A specimen is the scene with one drawn set of random geometric errors. There is one row for each number of threads.
+    ``count``: number of specimens; ``repeats``: number of timed solutions, of which the median time is taken.
     """
     parts = scene("lin-random")
     alone = 0.0

@@ -1,7 +1,7 @@
 """Survey: ball screws drawn at random from the range of catalogues, solved by the 3D reference and by the models.
 
-Size, starts, hand, preload, errors, offsets and moments are drawn. The record of a screw has its features, the status of
-the 3D reference, and the errors of the models.
+Drawn are size, number of starts, hand of the thread, preload, geometric errors, offsets of supports, and moments. The
+record of a screw has its features, the status of the 3D reference, and the errors of the models.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ from rollbench.meshes.units import toml_text
 #: Seed of the survey.
 SEED = 20360
 
-#: Number of screws whose nut has no flange, which are drawn first, and number of all screws.
+#: Number of screws whose nut is a tube without flange, which are drawn first, and number of all screws.
 TUBES, SCENES = 200, 300
 
 #: Nominal diameters with their leads [mm].
@@ -72,20 +72,21 @@ OVERSIZE = 4.7e-4
 #: Circuits and turns per circuit, smallest first, with the allowed number of balls.
 CIRCUITS, BALLS = ((1, 1.0), (1, 1.5), (2, 1.0), (1, 2.5), (2, 1.5), (3, 1.0), (2, 2.5)), 40
 
-#: Kinds of preload or clearance of a single nut, each drawn as often as it is listed.
+#: Kinds of preload or clearance of a single nut; an entry that is listed twice is drawn with double probability.
 PRELOADS = ("none", "oversize", "oversize", "force", "lead offset", "clearance")
 
 #: Standard deviations [um] of ball radius, pitch (once per turn) and roundness (twice per turn) for classes 1, 3 and 5.
 CLASSES = ((0.05, 0.5, 0.25), (0.1, 1.0, 0.5), (0.2, 2.0, 1.0))
 
-#: Fixed surfaces of a nut without flange, each drawn as often as it is listed.
+#: Fixed surfaces of a nut without flange; an entry that is listed twice is drawn with double probability.
 HELD = ("left face", "left face", "right face", "both faces", "outer surface")
 
 
 def scene_text(seed: int, number: int) -> str:
     """Return the text of the scene file (TOML) of one randomly drawn screw; it depends on seed and number only.
 
-    ``seed``: seed of the survey; ``number``: number of the screw, from 0. From number `TUBES` on the nut has a flange.
+    ``seed``: seed of the survey; ``number``: number of the screw, from 0. Up to number `TUBES` - 1 the nut is a plain tube;
+    from `TUBES` on it has a flange.
     """
     rng = np.random.default_rng([seed, number])
     outer = int(rng.choice(list(SIZES)))
@@ -141,7 +142,8 @@ def scene_text(seed: int, number: int) -> str:
 def _draw_flange(rng: np.random.Generator, length: float, wall: float) -> dict[str, dict[str, str]]:
     """Draw a flange for a nut, and the annulus of the flange's face that is fixed; return the scene's keys of both.
 
-    ``rng``: generator of the random numbers; ``length``: length of the nut [mm]; ``wall``: its outer diameter [mm].
+    ``rng``: generator of the random numbers; ``length``: length of the nut [mm]; ``wall``: outer diameter of its tubular
+    part [mm].
     """
     wide, thick = wall * rng.uniform(1.3, 1.8), min(wall * rng.uniform(0.15, 0.3), 0.4 * length)
     room, fit = wide - wall, rng.uniform(0.05, 0.5) * (length - thick)
@@ -189,7 +191,7 @@ def _draw_balls(
 
 
 def _draw_preload(rng: np.random.Generator, kind: str, ball: float, force: float) -> dict[str, str]:
-    """Draw a preload or clearance; return the keys of the scene's preload.
+    """Draw the amount of a preload or clearance; return the keys of the scene's preload, none for the kind "none".
 
     ``kind``: one of `PRELOADS`; ``ball``: ball diameter [mm]; ``force``: typical axial load [N].
     """
@@ -202,7 +204,7 @@ def _draw_preload(rng: np.random.Generator, kind: str, ball: float, force: float
 
 
 def _draw_errors(rng: np.random.Generator) -> dict[str, Any]:
-    """Draw a tolerance class or none; return the scene's keys for the standard deviations of its geometric errors."""
+    """Draw a tolerance class, or none, and return the scene's keys for the standard deviations of its geometric errors."""
     chosen = int(rng.integers(len(CLASSES) + 1))
     if chosen == len(CLASSES):
         return {}
@@ -285,8 +287,8 @@ def _is_list_of_tables(value: Any) -> bool:
 #: Models that are compared with the 3D reference, and its mesh level.
 MODELS, LEVEL = ("refined", "lin"), 1
 
-#: Cell size at the cut ends of the shaft, over that of the mesh level: it halves the time and changes loads by 0.02 % of
-#: the mean load.
+#: Cell size at the cut ends of the shaft over the usual one of the mesh level: the coarser cells halve the time and change
+#: loads by 0.02 % of the mean load.
 CUT_CELLS = 2.0
 
 #: Factor on the loads for a second solution, from which the tangent rigidity follows.
@@ -362,9 +364,9 @@ def _load_times_raise_factor(load: Any) -> Any:
 def features_that_affect_model_error(scene: Scene) -> Record:
     """Return the properties of a screw on which the error of a low-order model depends, as far as they need no solution.
 
-    The names of the properties end in the unit. "low_face_radii" and "high_face_radii" are the distances from the nut's two
-    faces to the nearest ball centre, in ball radii; "offset_um" and "tilt_mrad" are the largest lateral displacement and
-    rotation that a support imposes.
+    The names of the properties end in the unit. "low_face_radii" and "high_face_radii" are the distances from the nut's
+    faces at low and high z to the nearest ball centre, in ball radii; "offset_um" and "tilt_mrad" are the largest lateral
+    displacement and rotation that a support imposes.
     """
     z, half, r = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0, scene.balls.radius
     given: dict[str, float] = {}
@@ -454,8 +456,7 @@ def _rounded_or_none(value: float | None, factor: float = 1.0) -> float | None:
 def _record_of_model_errors(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
     """Return a model's errors on a randomly drawn screw [%], and the errors estimated from those on other scenes.
 
-    ``result``: the model's solution; ``run``: solution of the 3D reference; ``point``: errors of the model
-    against it.
+    ``result``: the model's solution; ``run``: solution of the 3D reference; ``point``: the model's errors against it.
     """
     error = load_error(result.load, run.load, nominal_contacts(scene))
     expected = estimate_model_error(scene, result, [p for p in errors_on_compared_scenes() if p.scene != point.scene])
@@ -505,13 +506,13 @@ def solve_screws_of_survey(
     count
         Number of screws.
     folder
-        Folder of the records.
+        Folder in which the record of each screw is stored once it is solved.
     workers
         Number of parallel processes.
     step
         Function that is called with a line of progress for every screw.
     record_file
-        File of an earlier survey, whose records are used if seed, mesh level and version are the same.
+        File of an earlier survey, whose records are used if seed, mesh level and version are the same; None: no file.
 
     Returns
     -------
@@ -539,9 +540,9 @@ def solve_screws_of_survey(
 
 
 def _stored_answers(path: Path | None, seed: int) -> list[Record]:
-    """Return the records of a survey's file that have this seed, and the present mesh level and version; empty without any.
+    """Return those records of a survey's file that are valid for this seed and for the present mesh level and version.
 
-    ``path``: the file; None: no file.
+    ``path``: the file, None if there is no file; ``seed``: seed of the survey. The list is empty without valid records.
     """
     if path is None or not path.exists():
         return []
@@ -573,7 +574,7 @@ def shipped_survey() -> dict[str, Any]:
 def records_of_known_screws() -> list[Record]:
     """Return the records of the first `KNOWN_SCREWS` screws of the stored survey, from which expected errors are estimated.
 
-    The later screws test whether the estimated errors hold.
+    The records of later screws test whether the estimated errors hold.
     """
     return [record for record in shipped_survey()["scenes"] if record["number"] < KNOWN_SCREWS]
 
@@ -588,11 +589,11 @@ class ModelAccuracy(NamedTuple):
 
     #: Number of screws.
     screws: int
-    #: Number of screws within `WORST_AIM` and `RMS_AIM`.
+    #: Number of screws whose errors are within both `WORST_AIM` and `RMS_AIM`.
     within: int
     #: Largest error of a contact load [% of the mean load].
     largest: float
-    #: Number of screws whose largest error is at most the expected one.
+    #: Number of screws whose largest error is at most the error that the program expects for the scene.
     as_expected: int
 
 
@@ -608,8 +609,8 @@ def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAc
 def error_summary_of_all_models(records: Sequence[Record]) -> list[dict[str, Any]]:
     """Return table rows with median, 95th percentile and maximum of each model's errors over the randomly drawn screws.
 
-    There is a row for each model and kind of error. Its keys are `SUMS`, where "scenes" is the number of screws that have
-    this error.
+    There is a row for each model and kind of error, such as the largest or the root mean square. Its keys are `SUMS`, where
+    "scenes" is the number of screws for which this error is known.
     """
     rows = []
     for model in MODELS:

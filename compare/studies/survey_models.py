@@ -75,8 +75,8 @@ def screw_name(number: int) -> str:
 def store_loads(path: Path, runs: Path, count: int) -> int:
     """Write the 3D contact loads of the first ``count`` random screws to a file, and return the number of screws in it.
 
-    ``path``: the file; ``runs``: folder with stored solutions of the 3D reference. Loads of screws that have no solution
-    there are kept from the present content of the file. Raises InputError if it cannot be written.
+    ``path``: the file; ``runs``: folder with stored solutions of the 3D reference. For screws without a solution there, the
+    loads that the file already has are kept. Raises InputError if it cannot be written.
     """
     before = _read_loads(path)
     for number in range(count):
@@ -91,7 +91,7 @@ def store_loads(path: Path, runs: Path, count: int) -> int:
 
 
 def _scene_digest(scene: Scene) -> str:
-    """Return a digest, 16 hexadecimal digits, of a scene's content and of the version of the 3D reference."""
+    """Return a digest (hash value, 16 hexadecimal digits) of a scene's content and of the version of the 3D reference."""
     return digest_of_values(SCHEMA, replace(scene, **UNSAID))[:16]
 
 
@@ -144,7 +144,8 @@ def judge_model_on_drawn_screw(model: str, number: int, limit: float = LIMIT, en
     Returns
     -------
     dict
-        Errors in per cent and the verdict, or the reason why there is no verdict, with the exception if one was raised.
+        Errors in per cent and whether they are within the limit, or the reason why the model is not judged, with the text
+        of the exception if one was raised.
     """
     scene = drawn_screw(number)
     row: Row = {"screw": number, "title": scene.title.partition(": ")[2], "balls": scene.ball_count, "status": ""}
@@ -278,7 +279,7 @@ def error_summary_of_model(model: str, rows: Sequence[Row]) -> list[Row]:
     return out
 
 
-#: Kinds of screws for which errors are summarised, by words of the title and values of the record.
+#: Kinds of screws for which errors are summarised: name of the kind, and function that returns whether a record is of it.
 WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
     "preload: none": lambda r: r["title"].endswith((", none", ", none, flange")),
     "preload: oversize, force": lambda r: ", oversize" in r["title"] or ", force" in r["title"],
@@ -291,7 +292,9 @@ WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
 
 
 def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
-    """Return a row for each kind of random screw: the median of each model's largest load error [% of the mean load].
+    """Return a row for each kind of random screw (see `WHERE`) with the median of each model's largest load error.
+
+    Errors are in per cent of the mean load.
 
     ``models``: rows of `judge_model_on_drawn_screw` for each model by its name.
     """
@@ -349,8 +352,8 @@ def survey_figure(data: Mapping[str, Any]) -> Figure:
 def write_scene_and_reference_files(number: int, folder: Path) -> tuple[Path, Path]:
     """Write a random screw as a scene file, and its 3D contact loads as a reference file for ``rollbench check``.
 
-    ``number``: number of the screw; ``folder``: folder of the files. Returns the path of the scene file, then that of the
-    reference file, which ``rollbench compare`` also reads. Raises InputError for a screw without stored loads, and if a
+    ``number``: number of the screw; ``folder``: folder of the files. Returns the path of the scene file, then the path of
+    the reference file, which ``rollbench compare`` also reads. Raises InputError for a screw without stored loads, and if a
     file cannot be written.
     """
     allowed = f"0 to {survey.SCENES - 1}, with a stored reference"
@@ -367,11 +370,11 @@ def write_scene_and_reference_files(number: int, folder: Path) -> tuple[Path, Pa
     return text, loads
 
 
-#: Number of chosen screws, and the mesh levels solved on each.
+#: Number of screws that are solved on both mesh levels, and these levels.
 COUNT, LEVELS = 24, (1, 2)
 #: How the line of progress of a solved load case begins.
 SOLVED = "contact loads"
-#: File of the runs in a store.
+#: Name of the file with the timed solutions.
 RUNS = "survey-levels.json"
 
 
@@ -383,7 +386,7 @@ class TimedLevelRun:
     number: int
     #: Mesh level.
     level: int
-    #: Status of the run, "converged" for a solution.
+    #: Status of the solution, "converged" if there is one.
     status: str
     #: Processor time of a new screw: meshes, condensation and one load case [s].
     seconds: float
@@ -411,11 +414,11 @@ class ErrorsAndTimes:
 
     #: Name of the model or mesh level.
     name: str
-    #: Mesh level of the 3D reference with which its loads are compared; empty without a comparison.
+    #: Mesh level of the 3D reference with which the loads are compared; empty without a comparison.
     judged_by: str
-    #: Largest error of a contact load by the rule of the gate [%]; empty if it is not known.
+    #: Largest error of a contact load by the rule of ``rollbench check`` [%]; an empty array if it is not known.
     errors: Array
-    #: Largest error of a contact load [% of the mean load]; empty if it is not known.
+    #: Largest error of a contact load [% of the mean load]; an empty array if it is not known.
     of_mean: Array
     #: Processor time of a new screw [s], for each screw.
     seconds: Array
@@ -424,7 +427,7 @@ class ErrorsAndTimes:
 
 
 def numbers_of_screws_for_level_2() -> list[int]:
-    """Return the numbers of the random screws that are also solved on mesh level 2, in the order of their solution."""
+    """Return the numbers of those random screws that are also solved on mesh level 2, in the order of their solution."""
     chosen = np.random.default_rng([survey.SEED, COUNT]).choice(KNOWN_SCREWS, COUNT, replace=False)
     return [int(number) for number in chosen]
 
@@ -488,7 +491,7 @@ def save_levels(store: Path, level_runs: StoredTimedLevelRuns) -> None:
 
 
 def load_levels(stores: Sequence[Path]) -> StoredTimedLevelRuns | None:
-    """Return the timed solutions from the first folder with a valid file; None without one."""
+    """Return the timed solutions from the first of the folders ``stores`` with a valid file; None if no file is valid."""
 
     def read(data: dict[str, object]) -> StoredTimedLevelRuns:
         measured = Measured(str(data["version"]), str(data["sources"]), str(data["machine"]))
@@ -510,7 +513,7 @@ def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[
     runs
         Runs of the chosen screws.
     records
-        Records of the survey, with errors against level 1 and times of the models.
+        Records of the survey, with times of the models and their errors against level 1.
     """
     answers = {model: [r["models"][model] for r in records if model in r.get("models", {})] for model in survey.MODELS}
     keys = ("gate_percent", "largest_percent", *SECONDS)
@@ -546,7 +549,7 @@ def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[
 
 
 def _largest_load_error_of_each_screw(loads: Sequence[Array], references: Sequence[TimedLevelRun]) -> tuple[Array, Array]:
-    """Return the largest load error of each screw by the rule of ``rollbench check`` [%], and in % of the mean load.
+    """Return each screw's largest load error, first by the rule of ``rollbench check`` [%], then in % of the mean load.
 
     ``loads``: contact loads (n, 4) [N] of each screw with n balls; ``references``: for each screw the solution that counts
     as exact.

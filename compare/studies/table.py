@@ -50,7 +50,7 @@ QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {
 #: Quantities of a table unless others are requested.
 USUAL = ("stiffness", "preload", "pressure", "life")
 
-#: Largest number of rows, and number of rows from which on numerical kernels are compiled.
+#: Largest number of rows of a table, and number of rows from which on numerical kernels are compiled.
 MOST, COMPILE_FROM = 100_000, 4
 
 #: Key that stands for the scene's axial load.
@@ -75,8 +75,8 @@ class TableRequest:
     model: str
     #: Quantities of each row.
     quantities: tuple[str, ...]
-    #: Axial position [m] of the stiffness, or name of a nut or bearing; None: centre of the nut, or as the scene of a shaft
-    #: says.
+    #: Axial position [m] of the stiffness, or name of a nut or bearing; None: centre of the nut, or the position that the
+    #: scene of a shaft states.
     station: float | str | None
     #: Description of the body whose stiffness it is.
     stiffness_of: str
@@ -94,7 +94,7 @@ def check_request(
     over
         Keys with their values, such as ``track.contact_angle=40:50:3 deg``.
     quantities
-        Quantities of each row; empty: the default.
+        Names of the quantities of each row, keys of `QUANTITIES`; empty: `USUAL`.
     model
         Name of the model; empty: the default.
     stiffness_at

@@ -91,8 +91,8 @@ def _netcdf_dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
 def table_figure(table: Table) -> Figure | None:
     """Return a figure of each quantity over one varied key, with a curve for each combination of the other keys' values.
 
-    The key is the one with most values among those with numbers. Error bars show the errors to expect, for quantities that
-    have one. None if no key has two numbers or more.
+    The horizontal axis is the key with most values, among the keys whose values are numbers. Error bars show the errors to
+    expect, for quantities whose error is known. None if no key has two numbers or more.
     """
     over = [k for k, x in enumerate(table.over) if x.numbers is not None and len(x.values) > 1]
     columns = table.columns()

@@ -34,7 +34,7 @@ from rollbench.meshes.parts import Errors, Material, Scene
 #: REXS name for the direction of the axial force on the inner ring that a bearing row supports, by the scene's name.
 TAKES = {"+z": "positive", "-z": "negative", "both": "both_directions", "deep groove": "both_directions"}
 
-#: Results of one load case: attributes by the id of a component.
+#: Results of one load case: REXS attributes by the id of the component.
 CaseAttributes = dict[int, dict[str, Value]]
 
 
@@ -93,7 +93,7 @@ def _to_rpm(speed: float) -> float:
 
 
 def _position_attributes(z: float, gear_unit: int) -> dict[str, Value]:
-    """Return the REXS attributes of a component's position, in the coordinates of the gear unit.
+    """Return the REXS attributes of a component's position on the shaft, in the coordinates of the gear unit.
 
     ``z``: position along the shaft [m]; ``gear_unit``: id of the gear unit.
     """

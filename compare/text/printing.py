@@ -42,8 +42,8 @@ class CommandOutput:
 def print_command_output(answer: CommandOutput, as_json: bool = False) -> int:
     """Print the output of a command on standard output, and return its exit code.
 
-    ``as_json``: whether its data are printed as JSON, instead of its texts and tables. Raises OutputLost if standard output
-    cannot be written.
+    ``answer``: the output; ``as_json``: whether its data are printed as JSON, instead of its texts and tables. Raises
+    OutputLost if standard output cannot be written.
     """
     clear_progress_line()
     if as_json:
@@ -127,8 +127,8 @@ def format_cell(value: Any, number_format: str) -> str:
 
     Examples
     --------
-    >>> [format_cell(*x) for x in ((-0.001, ".2f"), (-0.001, "+.2f"), (-0.001, ".2g"), (-3, "d"), (None, "s"))]
-    ['0.00', '+0.00', '-0.001', '-3', '–']
+    >>> [format_cell(-0.001, form) for form in (".2f", "+.2f", ".2g")], format_cell(-3, "d"), format_cell(None, "s")
+    (['0.00', '+0.00', '-0.001'], '-3', '–')
     """
     if value is None:
         return "–"

@@ -68,8 +68,8 @@ def solved_case_parts(
     """Return the texts and tables that the terminal shows for a solved scene.
 
     These are the status, warnings, results, and the error to expect. ``balls``: also a table of all balls. ``details``:
-    also further quantities, force balance, solver, assumptions and neglected effects, which are always shown without
-    equilibrium. ``stiffness``: also the stiffness of a shaft with several nuts or bearings.
+    also further quantities, force balance, solver, assumptions and neglected effects; they are always shown if the scene
+    has no equilibrium. ``stiffness``: also the stiffness of a shaft with several nuts or bearings.
     """
     result, title = one.result, []
     above_all, measured = join_brief_warnings(result.warnings), ""
@@ -110,8 +110,8 @@ def warning_and_note_lines(
 ) -> list[str]:
     """Return the last lines on a solution: warnings, then force balance, solver, notes, assumptions and neglected effects.
 
-    Without ``details``, one line that names the option which shows them replaces all but the warnings. ``solution_lines``:
-    lines on force balance and solver.
+    Without ``details``, all lines but the warnings are replaced by one line, which names the option that shows them.
+    ``solution_lines``: lines on force balance and solver.
     """
     warned = [f"warning: {line}" for line in warnings]
     if not details:
@@ -122,7 +122,7 @@ def warning_and_note_lines(
 
 
 def solver_lines(solver_report: SolverReport, measured: str = "") -> list[str]:
-    """Return a line on solver, iterations and size of the system; only the time if the solution was not attempted.
+    """Return a line on solver, iterations and size of the system; only on the time if no solution was attempted.
 
     ``solver_report``: record of the solver. ``measured``: text on the discretisation error, which is added to the line.
     """
@@ -172,7 +172,7 @@ def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
 def side_by_side_parts(found: SideBySide) -> list[Any]:
     """Return the texts and the table that the terminal shows for scenes side by side.
 
-    The table has a column for each scene, with the difference from the first in per cent.
+    The table has a column for each scene, with the difference from the first scene in per cent.
     """
     rows, of = [], quantities_of_record(Alternative)
     answers = [record_as_json(one) or {} for one in found.scenes]
@@ -316,7 +316,7 @@ def _ball_and_roller_tables(result: AxisResult) -> list[RenderableType]:
 
 
 def _axis_stiffness_lines(result: AxisResult) -> list[str]:
-    """Return lines on the stiffness of the whole shaft, first with the other degrees of freedom fixed, then free."""
+    """Return lines on a shaft's stiffness along each degree of freedom, with the others fixed and with the others free."""
     if result.stiffness is None:
         return []
     d = np.diag(result.stiffness)
@@ -333,7 +333,7 @@ def _axis_stiffness_lines(result: AxisResult) -> list[str]:
     ]
 
 
-#: Columns of the table of load cases: heading, group in the summary of a case, key in this group.
+#: Columns of the table of load cases: heading, group of values in the JSON summary of a case, key in this group.
 COLUMNS = (
     ("largest load N", "loads", "max_N"),
     ("axial N", "axial", "force_N"),

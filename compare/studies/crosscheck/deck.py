@@ -42,11 +42,11 @@ from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.sockets import SocketSize, local_coordinates_in_socket
 from rollbench.meshes.solid import Dimensions, dimensions_of_3d_parts
 
-#: Semi-axes over those of the expected contact ellipse: of the refined zone, and of the contact faces of slave (ball) and
-#: master (groove) with the number of elements by which these are wider.
+#: Semi-axes over those of the expected contact ellipse: of the refined zone (a factor), and of the zones of contact faces
+#: on slave (ball) and master (groove) (a factor, and a number of element sizes that are added).
 FINE, SLAVE, MASTER = 1.1, (1.6, 2.0), (2.0, 4.0)
 
-#: Smallest load for which the size of a contact is estimated, over the mean load.
+#: Smallest load over the mean load with which the size of a contact is estimated.
 LEAST = 0.1
 
 
@@ -56,9 +56,9 @@ class ExpectedContact:
 
     #: Number of the ball, from 0.
     ball: int
-    #: Flank: number in SL, SR, NL, NR.
+    #: Number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and right).
     side: int
-    #: Azimuth [rad] and axial position [m] of the ball's centre, and the flank.
+    #: Azimuth [rad] and axial position [m] of the ball's centre, and the number of the flank.
     at: tuple[float, float, int]
     #: Semi-axes of the contact ellipse across and along the groove [m].
     half: tuple[float, float]
@@ -67,8 +67,8 @@ class ExpectedContact:
 def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
     """Return the semi-axes of the contact ellipse under a load of 1 N, across and along the groove [m/N^(1/3)].
 
-    They follow from Hertz's theory for the nominal geometry. The longer one lies across the groove, where ball and groove
-    conform. ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and right).
+    They follow from Hertz's theory for the nominal geometry. The longer semi-axis lies across the groove, where ball and
+    groove conform. ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and right).
     """
     track, balls = scene.track, scene.balls
     part = scene.screw if side < 2 else scene.nut
@@ -86,7 +86,7 @@ def expected_contacts(scene: Scene, load: Array, sides: tuple[int, ...]) -> tupl
     """Return the expected contacts, then the minor semi-axis [m] of a contact with mean load on the first of the flanks.
 
     ``load``: contact loads (N, 4) [N] of a low-order solution for N balls and the flanks SL, SR, NL, NR (screw left and
-    right, nut left and right); ``sides``: numbers of the flanks that may carry load.
+    right, nut left and right); ``sides``: numbers of the flanks that may carry load, 0 to 3 in this order.
     """
     layout, mean = ball_layout(scene), float(load[load > 0.0].mean())
     unit = {s: unit_load_semi_axes(scene, s) for s in sides}
@@ -100,12 +100,12 @@ def expected_contacts(scene: Scene, load: Array, sides: tuple[int, ...]) -> tupl
 
 
 def ball_face_name(contact: ExpectedContact) -> str:
-    """Return the name that a deck gives to the mesh faces of a ball at a contact; ``contact``: the contact."""
+    """Return the name that a deck gives to the mesh faces of a ball that may touch the groove at ``contact``."""
     return f"BALL{contact.ball + 1}_{SIDES[contact.side]}"
 
 
 def groove_face_name(contact: ExpectedContact) -> str:
-    """Return the name that a deck gives to the mesh faces of a groove at a contact; ``contact``: the contact."""
+    """Return the name that a deck gives to the mesh faces of a groove that the ball may touch at ``contact``."""
     return f"{'SCREW' if contact.side < 2 else 'NUT'}_{SIDES[contact.side]}_{contact.ball + 1}"
 
 
@@ -115,7 +115,7 @@ def _semi_axes_of_contact_zone(
     """Return the semi-axes [m] of the elliptic zone that holds the contact faces, across and along the groove.
 
     ``contact``: expected contact; ``element_size``: element size there [m]; ``semi_axes``: factor on the semi-axes of the
-    contact, and number of elements that are then added to each.
+    contact ellipse, and number of element sizes that are then added to each.
     """
     across, along = (semi_axes[0] * x + semi_axes[1] * element_size for x in contact.half)
     return across, along
@@ -204,20 +204,20 @@ FAR_SIZES = (2.0, 0.6)
 class DeckOptions:
     """Mesh sizes and contact options of an input deck for CalculiX."""
 
-    #: Elements across the minor semi-axis of a contact of mean load; all contacts have this element size.
+    #: Number of elements across the minor semi-axis of a contact with mean load; all contacts have the same element size.
     b_over_h: float = 1.5
     #: Growth of element size per distance from the contacts.
     growth: float = 0.4
-    #: Contact pressure per overclosure [Pa/m].
+    #: Contact stiffness: pressure per overclosure (overlap of the surfaces) [Pa/m].
     stiffness: float = 2e17
     #: Stiffness of weak springs that hold every ball and every free degree of freedom of the screw [N/m].
     spring: float = 1e3
-    #: Whether displacements are large.
+    #: Whether large displacements are taken into account (geometric nonlinearity).
     nlgeom: bool = False
     #: Whether only the half y >= 0 of a pair of rings is meshed, y = 0 being a plane of symmetry.
     half: bool = False
-    #: Whether all balls of one radius have the same mesh, so that loads do not scatter by differences between meshes
-    #: (halves always have).
+    #: Whether all balls of one radius have the same mesh, so that loads do not scatter by differences between meshes; half
+    #: balls always have the same mesh.
     alike: bool = False
 
 
@@ -227,19 +227,19 @@ class MeshedDeck:
 
     #: The deck.
     deck: Deck
-    #: Contact loads of the refined low-order model, (n, 4) [N].
+    #: Contact loads by the low-order model "refined", (n, 4) [N], for n balls and the flanks SL, SR, NL, NR.
     expected: Array
     #: Element size at the contacts [m].
     fine: float
-    #: Smallest scaled Jacobian of the cells of each body.
+    #: Smallest scaled Jacobian of the elements of each body, by name of the body.
     quality: dict[str, float]
 
 
 def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
     """Raise InputError for the first fault in a list that applies; without one do nothing.
 
-    ``where``: name of the scene or file in the error message. Each fault has: whether it applies, the key, the refused
-    value, the allowed values, and advice.
+    ``where``: name of the scene or file in the error message; ``faults``: for each fault whether it applies, the key, the
+    refused value, the allowed values, and advice.
     """
     for there, key, value, allowed, advice in faults:
         if there:
@@ -293,7 +293,7 @@ def geometric_errors_for_deck(scene: Scene) -> Specimen:
 
 
 def groove_with_real_radius(groove: GrooveMap, errors: Specimen, scene: Scene, screw: bool) -> GrooveMap:
-    """Return the geometry of a groove whose radius includes its error.
+    """Return the geometry of a groove whose radius includes its geometric error.
 
     ``groove``: nominal geometry; ``errors``: geometric errors of the scene; ``screw``: whether it is the groove of the
     screw, else of the nut. The centres of the groove's arcs stay; the groove radius, and the radius of a ball that would
@@ -375,8 +375,8 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
 def _deck_refinement(points: list[Array], finest_size: float, coarsest_size: float, options: DeckOptions) -> Refinement:
     """Return the element sizes of a body, which grow with the distance from its contacts.
 
-    ``points``: points in the zone of small elements at each contact [m]; ``finest_size``: element size there [m];
-    ``coarsest_size``: largest element size [m]; ``options``: options of the deck with the growth of the element size.
+    ``points``: for each contact the points (k, 3) in its zone of small elements [m]; ``finest_size``: element size there
+    [m]; ``coarsest_size``: largest element size [m]; ``options``: options of the deck with the growth of the element size.
     """
     return Refinement(np.concatenate(points), finest_size, options.growth, max(coarsest_size, finest_size))
 

@@ -66,11 +66,11 @@ class CalculixRun:
     b_over_h: float
     #: Growth of element size per distance from the contacts.
     growth: float
-    #: Contact pressure per overclosure [Pa/m].
+    #: Contact stiffness: pressure per overclosure (overlap of the surfaces) [Pa/m].
     stiffness: float
     #: Stiffness of the weak springs that hold the balls [N/m].
     spring: float
-    #: Whether displacements are large.
+    #: Whether large displacements are taken into account (geometric nonlinearity).
     nlgeom: bool
     #: Element size at the contacts [m].
     fine: float
@@ -78,15 +78,15 @@ class CalculixRun:
     deck: str
     #: Meshes of the bodies.
     meshes: tuple[BodyMesh, ...]
-    #: Contact loads, (n, 4) [N].
+    #: Contact loads of n balls on the flanks SL, SR, NL, NR, (n, 4) [N].
     load: Array
     #: Largest force of a weak spring on a ball [N].
     weak: float
-    #: Largest unbalanced force of a ball beyond the weak springs' [N].
+    #: Largest unbalanced force of a ball after the force of the weak springs is deducted [N].
     unbalanced: float
     #: Number of iterations.
     iterations: int
-    #: Last correction of the displacements [%].
+    #: Last correction of the displacements in the iteration [% of the largest displacement].
     correction: float
     #: Processor time [s].
     seconds: float
@@ -94,7 +94,8 @@ class CalculixRun:
     date: str
     #: Version of the program.
     program: str
-    #: Whether only the half y >= 0 was meshed; numbers of nodes are then of the half, loads of the whole.
+    #: Whether only the half y >= 0 was meshed; the numbers of nodes are then those of the half, the loads those of the
+    #: whole.
     half: bool = False
     #: Whether the balls have the same mesh.
     alike: bool = False
@@ -111,7 +112,7 @@ class CalculixRunsOfScene:
 
     #: Name of the scene.
     scene: str
-    #: Digest of its content.
+    #: Digest of the scene's content.
     key: str
     #: Version of rollbench that made the meshes.
     rollbench: str
@@ -190,11 +191,11 @@ LENGTHS = tuple(np.geomspace(0.5, 6.0, 26).tolist())
 #: Order p and length lambda with which the weights of the meshes are computed.
 WEIGHING = (3.0, 1.7)
 
-#: Misfits below this share of the largest load count as zero.
+#: Misfits of a fit below this share of the largest load count as zero.
 EXACT = 1e-9
 
-#: Number of standard errors of a limit in its uncertainty; smallest uncertainty over the extrapolated change from the
-#: finest mesh to the limit.
+#: Number of standard errors of a limit that its uncertainty contains, and smallest uncertainty over the extrapolated change
+#: from the finest mesh to the limit.
 COVERED, LEAST = 2.0, 0.1
 
 
@@ -210,7 +211,7 @@ class Extrapolation:
     order: float
     #: Length lambda over which the field changes, over the minor semi-axis.
     length: float
-    #: RMS misfit at the finest mesh [N].
+    #: RMS of the weighted residuals of the fit [N]; weights are 1 on the finest mesh.
     misfit: float
     #: Effect of the finite element size in the run nearest to the limit, (n, 4) [N].
     by_elements: Array
@@ -221,16 +222,16 @@ class Extrapolation:
 
 
 def element_error(size: Array, growth: Array, order: float) -> Array:
-    """Return the relative error e of the elements (formula in the docstring of the module), integrated by Gauss' rule.
+    """Return the relative error of the elements, e = int_0^1 (x h / c + (1 - x) g)^p dx, integrated by Gauss' rule.
 
     Parameters
     ----------
     size
-        Element sizes at the contact over the length of its field, h / c.
+        Element size h at the contact over the length c in which the field of the contact changes, h / c.
     growth
-        Growth of element size per distance.
+        Growth g of the element size per distance from the contact, of the same shape as ``size``.
     order
-        Order p.
+        Order p of the elements' error.
 
     Examples
     --------
@@ -246,7 +247,8 @@ def contact_compliance_factor(runs: Sequence[CalculixRun]) -> Array | None:
     """Return the factor B of the contact compliance 1/k in F = F0 + A e + B / k, for each contact [N Pa/m].
 
     F is a contact load, F0 its limit, e the relative error of the elements, and k the contact stiffness (pressure per
-    overclosure). B is the mean over pairs of solutions with the same mesh and different k; None without such a pair.
+    overclosure). B is the mean over pairs of solutions with the same mesh and different k; the result is None without such
+    a pair.
     """
     pairs = [
         (a, b)
@@ -272,7 +274,8 @@ def mesh_options_of_run(run: CalculixRun) -> tuple[float, float, bool, bool]:
 def extrapolate_loads(runs: Sequence[CalculixRun]) -> Extrapolation:
     """Extrapolate the contact loads of CalculiX to zero element size and rigid contact, from runs with small displacements.
 
-    Many pairs of order and length are fitted. The uncertainty of a contact load combines three parts by root of squares:
+    The loads are fitted with many pairs of an order p of the elements' error and a length over which the contact's field
+    changes. The uncertainty of a contact load combines three parts by root of squares:
 
     - the largest change of the limit over all pairs that fit well: their sum of squares is within two standard
       deviations of the best pair's (four times the variance of a residual, of the contact or of all contacts, whichever
@@ -295,12 +298,13 @@ def extrapolate_loads(runs: Sequence[CalculixRun]) -> Extrapolation:
     Raises
     ------
     ValueError
-        With a single mesh, and if the contact stiffness varies, but on no mesh.
+        If there is only one mesh, or if the contact stiffness varies between runs but no two of them with different
+        stiffness have the same mesh.
     """
     linear = [r for r in runs if not r.nlgeom]
     law = contact_compliance_factor(linear)
     if law is None and len({r.stiffness for r in linear}) > 1:
-        raise ValueError("the contact stiffness varies, but on no mesh: add a run that differs in it alone")
+        raise ValueError("no two runs differ in the contact stiffness alone: add such a run")
     law = np.zeros(linear[0].load.size) if law is None else law
     groups: dict[tuple[float, float, bool, bool], list[CalculixRun]] = {}
     for r in linear:
@@ -345,9 +349,9 @@ def _relative_element_errors_of_contacts(
 ) -> Array:
     """Return the relative error e of the elements on each of m meshes for each of c contacts, (m, c).
 
-    The formula is in the docstring of the module. ``elements_per_semi_axis``: element size over the minor semi-axis of a
-    contact with mean load (m,); ``growth``: growth of the element size (m,); ``half``: minor semi-axis of each contact over
-    that at mean load (c,); ``order``: order p; ``length``: length over which the field changes, over the minor semi-axis.
+    The error is that of `element_error`. ``elements_per_semi_axis``: element size over the minor semi-axis of a contact
+    with mean load (m,); ``growth``: growth of the element size (m,); ``half``: minor semi-axis of each contact over that at
+    mean load (c,); ``order``: order p; ``length``: length over which the field changes, over the minor semi-axis.
     """
     size = elements_per_semi_axis[:, None] / (length * half)
     return element_error(size, np.broadcast_to(growth[:, None], size.shape), order)
@@ -382,8 +386,8 @@ def _fit_loads_over_element_error(
     """Fit the load of each contact by a straight line over the relative error of the elements, by weighted least squares.
 
     ``loads``: loads of c contacts on m meshes (m, c) [N]; ``element_errors``: relative error of the elements (m, c);
-    ``weight``: weights of the residuals over those of the finest mesh (m, c); ``order`` and ``length``: parameters with
-    which ``element_errors`` was computed.
+    ``weight``: weights of the residuals, 1 on the finest mesh (m, c); ``order`` and ``length``: order p, and length over
+    the minor semi-axis, with which ``element_errors`` was computed.
     """
     w = weight**2 / (weight**2).sum(axis=0)
     middle, mean = (w * element_errors).sum(axis=0), (w * loads).sum(axis=0)
@@ -399,7 +403,7 @@ def _fit_loads_over_element_error(
     return _LoadFit(order, length, float(np.sqrt(square.mean())), residual, limit, error, slope * element_errors)
 
 
-#: Target of the agreement [% of the mean load].
+#: Largest allowed difference of a contact load between both programs [% of the mean load].
 TARGET = 0.5
 
 #: Columns that name a contact.
@@ -447,7 +451,7 @@ class ContactLoadComparison:
 def runs_with_common_contact_stiffness(data: CalculixRunsOfScene) -> list[CalculixRun]:
     """Return the CalculiX solutions with small displacements and the most frequent contact stiffness.
 
-    They are sorted by number of nodes, fewest first.
+    The solutions are sorted by number of nodes, fewest first.
     """
     linear = [r for r in data.runs if not r.nlgeom]
     alike = [sum(r.stiffness == one.stiffness for r in linear) for one in linear]
@@ -512,8 +516,8 @@ def columns_of_load_table(data: CalculixRunsOfScene, reference: Reference) -> li
 def agreement_sentence(name: str, rows: Sequence[ContactLoadComparison]) -> str:
     """Return a sentence on the largest and RMS difference of contact loads between the 3D reference and CalculiX.
 
-    It also says how many contacts differ by more than both uncertainties. ``name``: name of the scene; ``rows``: comparison
-    of each contact.
+    It also says at how many contacts the loads differ by more than the uncertainties of both programs. ``name``: name of
+    the scene; ``rows``: comparison of each contact.
     """
     worst = max(rows, key=lambda r: abs(r.difference))
     rms = float(np.sqrt(np.mean([r.difference**2 for r in rows])))

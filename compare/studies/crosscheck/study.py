@@ -1,8 +1,8 @@
 """Small scenes by CalculiX (decks written, solved, read), and the compliance of a nut by CalculiX and by the 3D reference.
 
 For the compliance of the nut both programs take the same mesh, forces and fixed face. Around every expected contact the
-corner nodes of the groove's faces move as a rigid section that can turn freely. A unit force pushes one section after the
-other along the contact normal. There is no contact: each force takes one linear solution.
+corner nodes of the groove's mesh faces are coupled to a rigid section that can turn freely. A unit force along the contact
+normal is applied to one section after the other. There is no contact: each force takes one linear solution.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ NAME = "deck"
 #: Longest time that a run of CalculiX may take [s].
 LONGEST = 7200.0
 
-#: Components along x, y, z.
+#: Components of a vector along x, y, z.
 Triple = tuple[float, ...]
 
 
@@ -96,7 +96,7 @@ def ccx_version(program: str) -> str:
 
 
 def deck_digest(text: str) -> str:
-    """Return the digest of a deck's text without comments and solver controls, 16 hexadecimal digits."""
+    """Return a digest (hash value, 16 hexadecimal digits) of a deck's text without comments and solver controls."""
     content, control = [], False
     for line in text.splitlines():
         if line.startswith("*") and not line.startswith("**"):
@@ -107,7 +107,7 @@ def deck_digest(text: str) -> str:
 
 
 def solve_deck_or_read_result(text: str, folder: Path) -> CalculixResult:
-    """Solve an input deck with CalculiX in a folder, or read the results of an equal deck that are already there.
+    """Solve an input deck with CalculiX in a folder, or read the results if the folder has those of an equal deck.
 
     ``text``: text of the deck. CalculiX uses one thread. Raises InputError if CalculiX is missing, and ValueError with its
     last output if it does not converge.
@@ -318,9 +318,9 @@ def scenes_and_levels_for_report(fresh: bool) -> Iterator[tuple[tuple[str, ...],
     yield tuple(STUDIES), STUDIED
 
 
-#: Scene whose nut is compared, and mesh sizes.
+#: Name of the scene whose nut is compared, and mesh sizes of its decks.
 NUT_SCENE, NUT_MESH = "lin-case1-cut", DeckOptions(b_over_h=0.7, growth=0.8)
-#: Target of the agreement [%].
+#: Largest allowed difference between both programs [%].
 NUT_TARGET = 0.1
 #: Force on one section in CalculiX [N].
 SECTION_FORCE = 1000.0
@@ -433,7 +433,7 @@ def _matrix_of_rigid_sections(
 def compare_nut_compliance(
     scene: Scene, deck_folder: Path, options: DeckOptions = NUT_MESH, key: str = ""
 ) -> NutComplianceComparison:
-    """Compute the compliance of a nut by the elements of the 3D reference and by CalculiX, on one mesh.
+    """Compute the compliance of a nut by the elements of the 3D reference and by CalculiX, on the same mesh.
 
     ``deck_folder``: folder in which CalculiX solves its decks; ``options``: mesh sizes; ``key``: digest of the scene's
     content. Raises InputError if CalculiX is missing or fails.

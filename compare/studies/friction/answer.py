@@ -48,8 +48,8 @@ WHOLE = (
     "torques of a second, jammed state of a ball, which may exist at high coefficients of friction (seen from 0.3 on)",
 )
 
-#: Further effects neglected at one instant, by whether friction moves the balls and whether neighbouring balls push each
-#: other.
+#: Further effects neglected at one instant, by two Booleans: whether friction moves the balls, and whether neighbouring
+#: balls push each other.
 BESIDES = {
     (False, False): ("friction that moves a ball across its grooves", "contact between balls at the scene's instant"),
     (True, False): ("contact between balls at the scene's instant",),
@@ -74,7 +74,7 @@ _KINDS = (
     "elastic bodies: screw, shaft, nut and rings are rigid but for Hertz's contacts",
 )
 
-#: Neglected effects by key word.
+#: Neglected effects that several kinds of scene share.
 _LOADS_GIVEN = "friction in the balance of loads: the contacts carry the loads that they carry without friction"
 
 _FEW = "the other balls of the track, and how all of them share the load"
@@ -83,7 +83,7 @@ _INSTANT = "time: one instant, whose ball motions are steady"
 
 _JAMMED = "a second, jammed state of a ball, which may exist at high coefficients of friction"
 
-#: Further neglected effects of a screw, by the scene's key for the effect of friction on the loads.
+#: Further neglected effects of a screw, by the scene's word for the balance of loads that includes friction.
 _COUPLING = {
     "none": (_LOADS_GIVEN,),
     "ball": ("friction in the balance of loads on the screw: it moves the balls only",),
@@ -114,8 +114,8 @@ _OF_KIND = {
 def neglected_effects_of_kind(kind: str, coupling: str | None = None) -> list[str]:
     """Return sentences on the effects that the friction computed for a scene of single parts neglects.
 
-    ``kind``: kind of the scene, such as "bearing ball"; ``coupling``: for a screw, in which balance of loads friction is
-    counted: "none", "ball" or "ball and screw" as in the scene file; None for other kinds.
+    ``kind``: kind of the scene, such as "bearing ball"; ``coupling``: for a screw, which balance of loads includes
+    friction: "none", "ball" (of the ball) or "ball and screw" (of both), as in the scene file; None for other kinds.
     """
     return [*_OF_KIND[kind], *(_COUPLING[coupling] if coupling else ()), *_KINDS]
 
@@ -123,10 +123,11 @@ def neglected_effects_of_kind(kind: str, coupling: str | None = None) -> list[st
 # --- records and JSON values of an answer
 
 
-#: Dissipation over that of full sliding, below which it is round-off or an effect of the regularised friction law.
+#: Ratio of the dissipation to that of full sliding, below which the dissipation is round-off or an effect of the
+#: regularised friction law.
 NOTHING = 1e-6
 
-#: Line of the answers on the terminal: label and text.
+#: Text line that the terminal shows: label and text.
 Line = tuple[str, str]
 
 #: Labels of the lines on solver and friction law, shown below the results.
@@ -144,11 +145,11 @@ class FrictionAnswer:
     data: dict[str, Any]
     #: Tables: title, headings, rows.
     tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]]
-    #: Lines: label and text.
+    #: Text lines for the terminal: label and text.
     lines: Sequence[Line]
     #: Whether contact loads and friction converged.
     converged: bool
-    #: Tables of every ball, shown on request.
+    #: Tables with a row for each ball, as in ``tables``; shown on request.
     ball_tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]] = ()
 
     @property
@@ -168,7 +169,8 @@ def json_entries_of_all_kinds(
     """Return the JSON entries that the friction of every kind of scene has: names, status, assumptions, neglected effects.
 
     ``scene``: scene of single parts; ``status``: status in words; ``converged``: whether loads and friction converged;
-    ``coupling``: for a screw, in which balance of loads friction is counted, see `neglected_effects_of_kind`.
+    ``coupling``: for a screw, which balance of loads includes friction, see `neglected_effects_of_kind`; None for other
+    kinds.
     """
     named = {"scene": scene.name, "title": scene.title, "kind": scene.kind}
     return named | {
@@ -216,7 +218,7 @@ def rubbing_json(
 ) -> dict[str, Any]:
     """Return sliding and friction at a ball's contacts as JSON.
 
-    ``sides``: names of the n contacts; ``motion``: sliding velocity across and along the groove [m/s] and spin [rad/s],
+    ``sides``: names of the n contacts; ``motion``: sliding velocity across and along the groove [m/s], then spin [rad/s],
     (n, 3); ``force``: friction force across and along the groove (n, 2) [N]; ``moment``: friction moment about the contact
     normal (n,) [N m]; ``loss``: dissipation (n,) [W]; ``rest``: whether each contact sticks (n,).
     """
@@ -251,7 +253,7 @@ def without_round_off(difference: float, magnitude: float) -> float:
 def power_balance(power: float, loss: float) -> dict[str, Any]:
     """Return input power, dissipation and their difference as JSON.
 
-    ``power``: input power [W]; ``loss``: dissipation [W]; a difference that is round-off is zero.
+    ``power``: input power [W]; ``loss``: dissipation [W]. A difference within round-off is given as zero.
     """
     left = without_round_off(power - loss, loss)
     return {"input_power_W": json_number(power), "loss_W": json_number(loss), "balance_W": json_number(left)}
@@ -260,17 +262,18 @@ def power_balance(power: float, loss: float) -> dict[str, Any]:
 def power_balance_with_percent(power: float, loss: float, round_off: float) -> dict[str, Any]:
     """Return input power, dissipation and their difference as JSON, with the difference also in % of the dissipation.
 
-    ``power``: input power [W]; ``loss``: dissipation [W]; ``round_off``: dissipation if all contacts slid fully [W]. The
-    percentage is null if ``loss`` is at most `NOTHING` times ``round_off``.
+    ``power``: input power [W]; ``loss``: dissipation [W]; ``round_off``: scale of the round-off, which is the dissipation
+    that the contacts would have if all of them slid fully [W]. The percentage is null if ``loss`` is at most `NOTHING`
+    times ``round_off``.
     """
     return power_balance(power, loss) | {"balance_percent": loss_increase_percent(power, loss, round_off)}
 
 
 def loss_increase_percent(loss: float, reference_loss: float, round_off: float) -> float | None:
-    """Return the increase of a friction loss in per cent of the loss before; zero if the increase is round-off.
+    """Return by how much a friction loss exceeds a reference loss, in % of the latter; zero if the difference is round-off.
 
-    ``loss`` and ``reference_loss``: the two losses [W]; ``round_off``: loss if all contacts slid fully [W]. None if
-    ``reference_loss`` is at most `NOTHING` times ``round_off``.
+    ``loss`` and ``reference_loss``: the two losses [W]; ``round_off``: scale of the round-off, which is the loss that the
+    contacts would have if all of them slid fully [W]. None if ``reference_loss`` is at most `NOTHING` times ``round_off``.
     """
     if not reference_loss > NOTHING * round_off:
         return None
@@ -283,7 +286,8 @@ def effect_of_ball_to_ball_contact(power: float, loss: float, apart: float, ball
     """Return as JSON how contact between neighbouring balls changes the friction losses.
 
     ``power`` and ``loss``: input power and loss with balls that touch [W]; ``apart``: loss with the balls far apart [W];
-    ``balls``: loss in the contacts between balls only [W]; ``bound``: loss if all contacts slid fully [W].
+    ``balls``: the part of ``loss`` in the contacts between balls [W]; ``bound``: loss that the contacts would have if all
+    of them slid fully [W], the scale of the round-off.
     """
     return {
         "loss_apart_W": json_number(apart),
@@ -297,14 +301,15 @@ def effect_of_ball_to_ball_contact(power: float, loss: float, apart: float, ball
 def line_on_solver_residuals(solver: dict[str, Any], suffix: str = "") -> Line:
     """Return a text line (label, text) that says by how much contact loads and friction are out of balance.
 
-    ``solver``: JSON values with the unbalanced forces of both [N]; ``suffix``: text that is appended to the line.
+    ``solver``: JSON values with the unbalanced forces [N] of the contact loads and of friction; ``suffix``: text that is
+    appended to the line.
     """
     loads, friction = solver["load_imbalance_N"], solver["friction_imbalance_N"]
     return "solver", f"loads out of balance by {loads:.1e} N, friction by {friction:.1e} N{suffix}"
 
 
 def scene_word_for_hertz_constants(hertz: str) -> str:
-    """Return the word of scene files for a kind of Hertz constants: "nominal" for "right", else the same word."""
+    """Return the word of scene files for a kind of Hertz constants: "nominal" for "right", any other word unchanged."""
     return "nominal" if hertz == "right" else hertz
 
 
@@ -347,7 +352,8 @@ def sentence_on_jammed_states(state: FrictionState) -> str:
 def slip_warnings(loss_increase: float) -> list[Warned]:
     """Return a warning if Heathcote slip (over curved contacts), which is neglected, would add much to the losses.
 
-    The list is empty otherwise. ``loss_increase``: losses by Heathcote slip over all losses.
+    The list has this one warning, or is empty. ``loss_increase``: ratio of the additional losses by Heathcote slip to the
+    losses without it.
     """
     return [Warned("slip", f"the contacts are so wide that {slip_clause(loss_increase)}")] if loss_increase > WIDE else []
 
@@ -355,7 +361,7 @@ def slip_warnings(loss_increase: float) -> list[Warned]:
 def slip_clause(loss_increase: float) -> str:
     """Return a clause that says by how many per cent the neglected Heathcote slip would raise friction.
 
-    ``loss_increase``: losses by Heathcote slip over all losses.
+    ``loss_increase``: ratio of the additional losses by Heathcote slip to the losses without it.
     """
     return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * loss_increase:.2g} %"
 
@@ -496,10 +502,11 @@ def without_pressure_and_size(warnings: Sequence[Warned]) -> list[Warned]:
 
 
 def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[Warned]) -> list[Warned]:
-    """Return the warnings for a friction result that is outside the range of validity of the model.
+    """Return the static warnings that still apply, and warnings on friction outside the range of validity of the model.
 
     ``friction``: coefficients of friction; ``state``: the friction result; ``static``: warnings on the static contact
-    loads.
+    loads. Of these, the warnings on pressure and size of contacts are replaced by new ones, because friction changes the
+    contact loads.
     """
     at = state.at
     loaded = at.force > 0.0
@@ -537,7 +544,8 @@ def _driving_line(torque: ScrewTorque, motion: Motion, part: str) -> Line:
 def line_on_remaining_imbalance(residual: float, friction_residual: float) -> Line:
     """Return a text line (label, text) on the remaining imbalance of contact loads and of friction.
 
-    ``residual``: relative residual of the static solution; ``friction_residual``: unbalanced friction over its bound.
+    ``residual``: relative residual of the static solution; ``friction_residual``: largest unbalanced force of a ball over
+    its friction bound, the sum of friction coefficient times contact load.
     """
     return (
         "solver",

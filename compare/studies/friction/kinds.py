@@ -52,15 +52,15 @@ from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Motion
 
-#: Overlap of neighbouring balls along the track that counts as round-off [rad].
+#: Largest overlap of neighbouring balls along the track that counts as round-off [rad].
 TOUCHING = 1e-9
 
 
 def full_sliding_loss(groove: ScrewGroove, force: Array) -> float:
-    """Return the friction loss [W] of a screw if all contacts slid at the speed of the groove; infinite at rest.
+    """Return the friction loss [W] that a screw would have if all contacts slid at the groove's speed; infinite at rest.
 
     ``groove``: groove with its coefficient of friction, speed and radius; ``force``: contact loads [N], of any shape. A
-    loss that is tiny compared with it is round-off, such as that of a screw at rest.
+    computed loss that is tiny compared with this one is round-off.
     """
     if groove.speed == 0.0:
         return np.inf
@@ -79,7 +79,7 @@ def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
 
 
 def json_rows_of_two_screw_balls(result: ScrewPairSolution) -> list[dict[str, Any]]:
-    """Return JSON rows for two balls of a screw, each with its state if the balls are far apart, and if they touch.
+    """Return a JSON row for each of two balls of a screw, with its friction if the balls are far apart and if they touch.
 
     ``result``: solution of the two balls.
     """
@@ -94,7 +94,7 @@ def json_rows_of_two_screw_balls(result: ScrewPairSolution) -> list[dict[str, An
 
 
 def status_of_two_screw_balls(result: ScrewPairSolution) -> str:
-    """Return the status of the solution of two balls of a screw: "converged", or whether loads or friction failed."""
+    """Return the status of the solution of two balls of a screw: "converged", or what did not (loads or friction)."""
     if result.converged:
         return "converged"
     if all(c.load.converged and c.motion.converged for c in (result.free, result.touching)):
@@ -103,7 +103,7 @@ def status_of_two_screw_balls(result: ScrewPairSolution) -> str:
 
 
 def solve_friction_of_two_screw_balls(scene: ScrewPairScene) -> answer.FrictionAnswer:
-    """Solve two balls of a ball screw, and return forces, losses, and how the contact between both changes the friction."""
+    """Solve two balls of a ball screw; return forces, losses, and how contact between the balls changes the friction."""
     pair = scene.pair
     r = solve_pair(pair)
     m, apart, rows, chains = r.touching.motion, r.free.motion.loss, json_rows_of_two_screw_balls(r), (r.free, r.touching)
@@ -307,8 +307,8 @@ RUN_LINES = (
 def ball_motion(scene: BearingBallScene, problem: MotionProblem) -> BallMotion:
     """Return the motion of one ball of a bearing under the scene's friction law.
 
-    ``problem``: balance of friction of the ball. For Coulomb friction it is the motion of least dissipation; for other laws
-    it is the root of the balance of friction that is found from that motion.
+    ``problem``: equations of the ball's balance of friction forces and moments. For Coulomb friction the motion is that of
+    least dissipation. For other laws it is the root of the equations that the solver finds from that motion.
     """
     first = least_dissipation(problem)
     if scene.law == "coulomb":
@@ -323,8 +323,8 @@ def ball_motion(scene: BearingBallScene, problem: MotionProblem) -> BallMotion:
 def status_of_bearing_ball(loaded: bool, balanced: bool, motion: str) -> str:
     """Return the status of one ball: "converged", or what failed.
 
-    ``loaded``: whether a contact of the ball carries load; ``balanced``: whether the contact loads balance; ``motion``:
-    status of the friction solver, which is "failed" if it found no balance.
+    ``loaded``: whether a contact of the ball carries load; ``balanced``: whether the contact loads are in equilibrium;
+    ``motion``: status of the friction solver, which is "failed" if it found no balance.
     """
     if not loaded:
         return "no contact: nothing presses the ball"
@@ -337,7 +337,8 @@ def json_row_of_bearing_ball(load: ContactLoadSolution, at: Contacts, motion: Ba
     """Return the JSON row of one ball of a bearing: loads, contact ellipses, motion, friction and losses.
 
     ``load``: contact loads; ``at``: contact ellipses; ``motion``: motion of the ball with its friction. The axes x and z of
-    a contact lie across and along its groove. Loads and friction lie in planes of symmetry.
+    a contact lie across and along its groove. The ball does not turn about its third axis, because loads and friction lie
+    in planes of symmetry.
     """
     f = motion.friction
     return (
@@ -487,9 +488,9 @@ def unresisted_motions(scene: BearingPairScene) -> list[str]:
 
 
 def solve_friction_of_two_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
-    """Solve a four-point and a double-row bearing for several angles of the load, and return friction torques and energy.
+    """Solve a four-point and a double-row bearing for several angles of the load; return friction torques and dissipation.
 
-    The energy is the mean over all load angles and both bearings.
+    The dissipated energy is the mean over all load angles and both bearings.
     """
     case, angle = scene.four_point, [json_number(a) for a in np.degrees(scene.angle)]
     common = {
@@ -513,7 +514,7 @@ def solve_friction_of_two_bearings(scene: BearingPairScene) -> answer.FrictionAn
 def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.FrictionAnswer:
     """Return the friction of a four-point and a double-row bearing.
 
-    ``common``: JSON entries that need no solution, such as the load angles.
+    ``common``: JSON entries that are known before the solution, such as the load angles.
     """
     cases = scene.four_point, scene.double_row
     by_case = [solve_bearing_over_force_angles(case, scene.angle) for case in cases]
@@ -576,7 +577,7 @@ BEARING_COLUMNS = (
     ("converged", "converged", "s"),
 )
 
-#: Solvers by the kind of the scene.
+#: Functions that solve a scene of single parts, by the kind of the scene.
 SOLVERS: dict[str, Callable[[Any], FrictionAnswer]] = {
     "bearing ball": solve_bearing_ball,
     "bearing pair": solve_friction_of_two_bearings,

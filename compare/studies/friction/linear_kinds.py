@@ -41,8 +41,8 @@ LONG = 60
 def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
     """Return the contact loads of the balls of a linear bearing.
 
-    With distribution "diagonal" both contacts of a diagonal carry equal loads, an approximation in Lin's thesis: the
-    imbalance is reported, but not judged.
+    With the scene's distribution "diagonal" both contacts of a diagonal carry equal loads, an approximation in Lin's
+    thesis. The imbalance that it leaves is reported, but does not count as a failure.
 
     Returns
     -------
@@ -56,7 +56,7 @@ def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
     Raises
     ------
     Refusal
-        If elastic loads have no balance.
+        If contact angles that follow the loads allow no equilibrium.
     """
     if scene.distribution == "elastic":
         try:

@@ -22,7 +22,7 @@ from rollbench.meshes.parts import Friction, Motion, Scene, Time
 
 #: Number of rows of the table in the terminal.
 ROWS = 12
-#: Effects that a run neglects in addition to those of an instant.
+#: Effects that a simulation over time neglects in addition to those of one instant.
 LEFT_OUT = (
     "travel of the nut along the screw: shaft and supports are those at the scene's position of the nut",
     "run-in of the grooves: balls take and lose their whole load at the ends of the loaded arc, where the torque jumps",
@@ -69,7 +69,7 @@ class TransientRun:
 
     @property
     def converged(self) -> bool:
-        """Whether all steps converged and their errors are within the goal."""
+        """Whether all steps converged and their errors are within the allowed error."""
         return self.status == "converged"
 
 

@@ -1,7 +1,7 @@
 """``rollbench friction``: whole screws and bearings, shafts with several of them, and single parts.
 
-For a shaft with several nuts and bearings: the friction of each, and the torque of the shaft. Load cases of a duty cycle
-are separate scenes, with the mean torque over all revolutions.
+For a shaft with several nuts and bearings, the friction of each of them and the torque of the shaft are computed. The load
+cases of a duty cycle are solved as separate scenes, and the mean torque over all revolutions is added.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def solve_friction_of_scene(
     choices
         Model, coefficients of friction and number of the specimen.
     origin
-        Value in the error for choices that do not fit the scene.
+        Name or file of the scene, which the error for unsuitable choices states as the refused value.
     say
         Called with a line on the torque as soon as it is known, as in `solve_friction_of_screw_or_bearing`.
 
@@ -101,7 +101,7 @@ def solve_friction_of_scene(
     if isinstance(scene, Assembly):
         return solve_axis(scene, choices)
     if choices != FrictionChoices():
-        advice = "leave them out: a scene of single parts states its loads and coefficients of friction"
+        advice = "leave these arguments out: a scene of single parts states its loads and coefficients of friction"
         given = "model, mu, member, condensed"
         raise ArgumentError(given, origin, "the scene of a whole screw or bearing", advice)
     from rollbench.compare.studies.friction.kinds import solve_friction_of_single_parts
@@ -228,8 +228,8 @@ def _drag_torques_of_nuts_and_bearings(
 ) -> dict[int, float]:
     """Return the friction torques [N m] of nuts and ball bearings without loads, by number of the nut or bearing.
 
-    All loads on shaft and housings are removed. ``loaded``: static solution under the loads, whose model is used. Nuts and
-    bearings for which no solution is found are left out.
+    All loads on shaft and housings are removed. ``loaded``: static solution under the loads; the solution without loads
+    uses the same model. Nuts and bearings for which no solution is found are left out.
     """
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle)
@@ -378,9 +378,9 @@ COLUMNS = (
 def solve_cycle(cycle: DutyCycle, choices: FrictionChoices) -> FrictionAnswer:
     """Compute the friction of every load case of a duty cycle, and the mean torque over all revolutions.
 
-    The mean torque is the work of friction over the angle of all revolutions. If a load case does not converge, the others
-    are still given, but no mean. Raises InputError for the faults that `solve_friction_of_screw_or_bearing` and
-    `solve_axis` refuse.
+    The mean torque is the work of friction over the angle of all revolutions. If a load case does not converge, the results
+    of the others are still given, but no mean torque. Raises InputError for the faults that
+    `solve_friction_of_screw_or_bearing` and `solve_axis` refuse.
     """
     each = [
         (

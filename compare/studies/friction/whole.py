@@ -1,7 +1,7 @@
 """Friction of a whole screw or bearing: contact loads by a static model, then friction of every ball and the torques.
 
-Also shown is the effect of inputs that decide a torque and may not be stated: coefficient of friction, preload, and play of
-the balls.
+Also shown is the effect of inputs that decide a torque and that a scene may leave out: coefficient of friction, preload,
+and play of the balls.
 """
 
 from __future__ import annotations
@@ -64,9 +64,9 @@ def cached_friction_state(
 ) -> FrictionState:
     """Return the friction of a screw or bearing as `friction_state` computes it; results are cached on disk.
 
-    A cached result is taken if scene, contact loads and motion are equal. ``result``: static result with the contact loads;
-    ``friction``: coefficients of friction; ``motion``: motion of screw or nut; ``specimen``: number of the specimen, which
-    is the scene with one drawn set of random geometric errors.
+    A cached result is taken if all arguments are equal. ``result``: static result with the contact loads; ``friction``:
+    coefficients of friction; ``motion``: motion of the screw or the nut; ``specimen``: number of the specimen, from 0,
+    which is the scene with one random draw of its geometric errors.
     """
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
     return _friction_state_on_disk(scene, loads, friction, motion, specimen)
@@ -74,7 +74,7 @@ def cached_friction_state(
 
 @dataclass(frozen=True)
 class StaticallySolvedPart:
-    """Screw or bearing with its static result without loads, and the model, coefficients of friction and motion."""
+    """Screw or bearing with its static result without loads, the model, the coefficients of friction and the motion."""
 
     #: Scene of the screw or bearing.
     scene: Scene
@@ -123,9 +123,10 @@ def makers_drag_torque(scene: Scene, force: float) -> float:
 def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: StaticResult) -> dict[str, Any]:
     """Return the friction torques [N mm] at the smallest and largest measured coefficient of friction (`MEASURED`).
 
-    The JSON values have the torques under the scene's loads, the drag torques without them, the axial preload [N], and the
-    drag torque by the makers' formula. Preload and drag torques are null for a scene without preload. ``solved``: the scene
-    with its static result without loads; ``result``: static result under the loads.
+    The JSON values have the torques under the scene's loads, the drag torques (friction torques without these loads), the
+    axial preload [N], and the drag torque by the makers' formula `makers_drag_torque`. Preload and drag torques are null
+    for a scene without preload. ``solved``: the scene with its static result without loads; ``result``: static result under
+    the loads.
     """
     scene, held = solved.scene, preload_from_unloaded(solved.scene, solved.bare) if solved.bare.converged else None
     ends = [replace(solved.friction, screw=mu, nut=mu, balls=None) for mu in MEASURED]
@@ -143,9 +144,9 @@ def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: Stati
 
 
 def lines_on_drag_torque(data: dict[str, Any]) -> list[Line]:
-    """Return a text line (label, text) on the drag torque at both coefficients of friction and by the makers' formula.
+    """Return text lines (label, text) on the drag torque at both coefficients of friction and by the makers' formula.
 
-    The list is empty for a scene without preload. ``data``: JSON values of `torques_at_measured_coefficients`.
+    There is one line, or none for a scene without preload. ``data``: JSON values of `torques_at_measured_coefficients`.
     """
     if data["makers_formula_Nmm"] is None:
         return []
@@ -169,7 +170,7 @@ def gives_neither_play_nor_preload(scene: Scene) -> bool:
 
 
 def torque_with_play(solved: StaticallySolvedPart, state: FrictionState) -> dict[str, Any] | None:
-    """Return a screw's friction torque with balls smaller by `SMALLER`, and the one with the balls of the scene.
+    """Return a screw's friction torques with balls whose radius is smaller by `SMALLER`, and with the balls of the scene.
 
     The JSON values have the reduction of the ball radius [um] and both torques [N mm]. None if the scene states play or
     preload, if its balls carry no load, or if they carry load even without the scene's loads. ``solved``: the scene with
@@ -204,14 +205,15 @@ def play_warning(data: dict[str, Any]) -> Warned:
     return Warned("play", text, text)
 
 
-#: Factors on the geometric errors that are tried to find where neighbouring balls touch; number of bisections between two.
+#: Factors on the geometric errors that are tried to find where neighbouring balls touch, and number of bisections between
+#: two successive factors.
 FACTORS, HALVINGS = tuple(2.0**k for k in range(-4, 5)), 4
 
 
 def with_scaled_errors(scene: Scene, factor: float) -> Scene:
-    """Return a scene with the geometric errors of its grooves and of single balls times a factor.
+    """Return a scene with the geometric errors of its grooves and of single balls multiplied by a factor.
 
-    Preload and play do not change.
+    The oversize that all balls share (preload or play) does not change.
     """
 
     def scaled_errors(side: SideErrors) -> SideErrors:
@@ -230,7 +232,7 @@ def with_scaled_errors(scene: Scene, factor: float) -> Scene:
 
 
 def onset_of_touching(solved: StaticallySolvedPart, result: StaticResult) -> FrictionOnset | None:
-    """Return when neighbouring balls come to touch, and which multiple of the geometric errors is the smallest to cause it.
+    """Return after which rotation neighbouring balls touch, and which factor on the geometric errors is enough for that.
 
     ``solved``: the scene with its model and motion; ``result``: static result with the contact loads. None if the balls
     overlap, or if their circuits are not possible.
@@ -305,9 +307,9 @@ def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool)
 
 
 def feedback_warnings(state: FrictionState) -> list[Warned]:
-    """Return a warning if the displacement of the balls by friction raises the torque more than `FED_BACK` times.
+    """Return a warning if the displacement of the balls by friction raises the torque by a factor of more than `FED_BACK`.
 
-    The list is empty otherwise. ``state``: friction of a screw or bearing.
+    The list has this one warning, or is empty. ``state``: friction of a screw or bearing.
     """
     alone, found = state.bare.friction, state.torque.friction
     if not state.coupled or not alone > 0.0 or found <= FED_BACK * alone:
@@ -333,13 +335,13 @@ NO_SPEED = (
 class FrictionChoices:
     """Options of a computation of friction that a user chooses."""
 
-    #: Name of the model; empty: the default.
+    #: Name of the low-order model that computes the contact loads; empty: the default.
     model: str = ""
     #: Coefficients of friction instead of the scene's; empty: the scene's.
     mu: tuple[float, ...] = ()
-    #: Number of the specimen: which drawn set of the scene's random errors is taken.
+    #: Number of the specimen, from 0: which random draw of the scene's geometric errors is taken.
     member: int = 0
-    #: File with condensed bodies, for the model condensed; None: none.
+    #: File with the condensed stiffness of screw and nut, which the model "condensed" reads; None: no file.
     condensed: Path | None = None
 
 
@@ -386,12 +388,13 @@ def solve_friction_of_screw_or_bearing(
     choices
         Model, coefficients of friction and number of the specimen; single balls are shown for the first coefficient.
     say
-        Called with a line on the torque as soon as it is known, if the rest (drag torque and range) takes long.
+        Function that is called with a line on the torque as soon as it is known, because the drag torque and the range of
+        torques may take long.
 
     Returns
     -------
     FrictionAnswer
-        The answer.
+        JSON values, tables and text lines on the friction.
 
     Raises
     ------
@@ -403,7 +406,7 @@ def solve_friction_of_screw_or_bearing(
         raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
     model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
-        allowed = "only for the model condensed"
+        allowed = "such a file only with the model condensed"
         advice = "leave `model` out: the file selects the model condensed"
         raise ArgumentError("condensed", f"{choices.condensed} with the model {model}", allowed, advice)
     options = Options(member=choices.member, condensed=choices.condensed, discretisation=False)
@@ -433,7 +436,10 @@ def solve_friction_of_screw_or_bearing(
 
 
 def _add_transient_run(answer: FrictionAnswer, run: TransientRun) -> FrictionAnswer:
-    """Return the friction at the scene's instant with status, tables and text lines of a simulation over time added."""
+    """Return the answer on friction at one instant with status, tables and text lines of a simulation over time added.
+
+    ``answer``: friction at the instant that the scene describes; ``run``: simulation over time of the same screw.
+    """
     data = answer.data | {"run": transient_simulation_as_json(run)}
     good = answer.converged and run.converged
     if answer.converged and not good:
@@ -454,8 +460,8 @@ def drag_torques(
 ) -> list[DragTorque]:
     """Compute the friction torque without the scene's loads, for each pair of friction coefficients.
 
-    Supports and their prescribed displacements stay. If they press the screw axially, which is an axial load too, the
-    supports release it along the axis: the drag torque is the friction torque at zero axial load.
+    Supports and their prescribed displacements stay. If the supports press the screw axially, which is an axial load too,
+    they are released along the axis, because the drag torque is the friction torque at zero axial load.
 
     Parameters
     ----------
@@ -478,7 +484,10 @@ def drag_torques(
     bare, motion = replace(scene, loads=()), scene.motion or ONE_TURN
 
     def friction_of(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
-        """Return the friction of ``changed`` for each pair of coefficients; if loads did not converge, their status."""
+        """Return the friction for each pair of coefficients; the solver's status if contact loads did not converge.
+
+        ``changed``: scene without loads; ``result``: its static result.
+        """
         if not result.converged:
             return result.status
         return [cached_friction_state(changed, result, pair, motion, options.member) for pair in pairs]
@@ -533,8 +542,8 @@ def friction_status(state: FrictionState) -> str:
 def _friction_assumptions(scene: Scene, result: StaticResult) -> list[str]:
     """Return the assumptions stated in the scene and those of the model that computed the contact loads, a sentence each.
 
-    ``result``: static result with the contact loads. An assumption of this model alone begins with "contact loads:",
-    because the model neglects friction.
+    ``result``: static result with the contact loads. An assumption that this model makes and the scene does not state
+    begins with "contact loads:", because the model neglects friction.
     """
     return [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
 

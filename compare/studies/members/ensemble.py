@@ -1,11 +1,12 @@
-"""Contact loads of many specimens of a scene with randomly drawn errors (members of an ensemble), solved in blocks.
+"""Contact loads of many specimens of a scene (an ensemble), each with its own random geometric errors, solved in blocks.
 
 If ball sizes, pitch and roundness are random and flanks are exact arcs, all specimens share one system of equations: they
 are drawn at once, and compiled kernels run through them. Other scenes are solved specimen by specimen by ``solve_static``.
 
-On a shaft with several nuts and ball bearings, these have independent errors. Stored for the whole shaft are largest load,
-axial tangent rigidity and lost contacts; for each nut or bearing, largest and mean load, axial force on the shaft, lost
-contacts and life. Rollers have no random errors, but their loads change with the errors of the balls.
+On a shaft with several nuts and ball bearings, these have independent errors. Stored for the whole shaft are the largest
+load, the axial tangent rigidity and the number of lost contacts (contacts that carry load only without random errors); for
+each nut or bearing, the largest and mean load, the axial force on the shaft, the number of lost contacts and the life.
+Rollers have no random errors, but their loads change with the errors of the balls.
 """
 
 from __future__ import annotations
@@ -55,21 +56,23 @@ from rollbench.meshes.errors import (
 from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_centres
 from rollbench.meshes.parts import Scene
 
-#: Kind of kernels: for many solutions compiling them is worthwhile.
+#: How numerical kernels run: as machine code, because for many solutions compiling them is worthwhile.
 ENGINE: Engine = "compiled"
 
 #: Distance between ball and flank at which a flank that was left out counts as touched [m]; the specimen is then solved
 #: with all four flanks.
 MARGIN = 1e-7
 
-#: Relative residual at which the specimens of a batch count as solved. It takes one step of Newton's method fewer than a
-#: single solution, and is far below the accuracy for which the loads are used.
+#: Relative residual at which the specimens of a batch count as solved. It saves one step of Newton's method compared with a
+#: single solution, and is far below the accuracy that the uses of the loads need.
 ENOUGH = 1e-11
 
-#: Number of specimens tried first with fewer flanks; the others only if at least half of these pass the check.
+#: Number of specimens that are first tried without the flanks that should not carry load; the other specimens are tried so
+#: only if at least half of the first ones pass the check of the omitted flanks.
 TRIAL = 32
 
-#: Specimens per call of the kernels, which let other threads run: so few that memory is reused from call to call.
+#: Number of specimens per call of the kernels; so few that memory is reused from call to call. Other threads can run
+#: meanwhile.
 CHUNK = 96
 
 
@@ -87,7 +90,7 @@ class EnsembleResult:
     works: Array
     #: Number of specimens that needed all four flanks.
     all_sides: int
-    #: Number of specimens that were solved by ``solve_static``.
+    #: Number of specimens that were solved singly by ``solve_static``, not by the kernels for many specimens.
     general: int
 
     @property
@@ -97,7 +100,7 @@ class EnsembleResult:
 
 
 def is_solved_in_one_pass(scene: Scene) -> bool:
-    """Return whether a single solution with exact circular arcs solves a specimen, so that many can be solved together.
+    """Return whether one solution with flanks as exact circular arcs is enough for a specimen, so that many can share it.
 
     This is so if specimens differ in ball sizes, pitch and roundness only, and if Hertz constants do not follow the actual
     contact angle.
@@ -113,7 +116,7 @@ def solve_random_specimens(scene: Scene, members: int | None = None, first: int 
     scene
         Scene of one nut or bearing.
     members
-        Number of specimens; None: as the scene states.
+        Number of specimens; None: the number that the scene states.
     first
         Number of the first specimen.
     threads
@@ -158,7 +161,10 @@ class _SpecimenBatch:
     """
 
     def __init__(self, scene: Scene, count: int, first: int, threads: int) -> None:
-        """Draw the errors of ``count`` specimens from number ``first`` on; ``threads``: number of threads for `solve`."""
+        """Draw the random errors of ``count`` specimens from number ``first`` on.
+
+        ``threads``: number of threads that `solve` uses.
+        """
         self.scene, self.threads = scene, threads
         self.layout = ball_layout(scene)
         self.mean = draw_specimen(scene_without_random_errors(scene), self.layout)
@@ -173,7 +179,7 @@ class _SpecimenBatch:
         return Specimens(self.drawn.ball_radius[members], centre, self.drawn.radius)
 
     def solve(self) -> int:
-        """Solve all specimens and store their loads in this object; return how many were tried with all four flanks.
+        """Solve all specimens, store their loads in this object, and return how many of them needed all four flanks.
 
         No specimen is solved if the scene cannot carry its loads.
         """
@@ -320,19 +326,20 @@ def _nodal_to_flank_displacements(problem: Problem, layout: BallLayout, side: in
 
 
 def ensemble_of_study(study: Study, name: str) -> EnsembleResult:
-    """Return the contact loads of specimens of a scene of the package, solved once for each comparison.
+    """Return the contact loads of specimens of a scene of the package; a comparison computes them only once.
 
-    ``study``: comparison that states the number of specimens; ``name``: name of the scene, which has random errors.
+    ``study``: comparison of models with the 3D reference, which states the number of specimens; ``name``: name of the
+    scene, which has random errors.
     """
     return study.compute_once(_run_study_ensemble, name)
 
 
 def _run_study_ensemble(study: Study, name: str) -> EnsembleResult:
-    """Solve specimens of the scene ``name`` of the package, as many as the comparison ``study`` states."""
+    """Solve specimens of the scene ``name`` of the package; the comparison ``study`` states their number."""
     return solve_random_specimens(study.scene(name), study.members)
 
 
-#: Outputs of each specimen of one nut or bearing: key and heading.
+#: Outputs of each specimen of one nut or bearing: name of the output, and its heading in tables.
 KEPT = {
     "largest_load_N": "largest contact load / N",
     "mean_load_N": "mean contact load / N",
@@ -364,7 +371,7 @@ OF_SET = {
 #: of all raceways together.
 TURNING, STANDING, SYSTEM = 3.0, 10.0 / 3.0, 10.0 / 9.0
 
-#: Relative change of the loads from which the stiffness is computed.
+#: Relative change of the loads between the two solutions from which the stiffness is computed.
 STEP = 1e-3
 
 #: Models with elastic bodies, whose specimens may share one system of equations.
@@ -377,18 +384,18 @@ class SpecimenBlock:
 
     #: Contact loads, (k, N, 4) [N].
     loads: Array
-    #: Outputs of each specimen, (k, number of outputs).
+    #: Outputs of each specimen in the order of `output_names`, (k, number of outputs).
     kept: Array
     #: Status of each specimen.
     statuses: tuple[str, ...]
 
 
 def raceway_life_sum(load: Array) -> Array:
-    """Return L^(-10/9) of all raceways together, up to a constant factor, by ISO/TS 16281; L is the life.
+    """Return L^(-10/9), up to a constant factor, of the life L of all raceways together by ISO/TS 16281.
 
     ``load``: contact loads (..., N, 4) [N] of N balls on the flanks SL, SR, NL, NR. The screw's grooves turn relative to
-    the load (cubic mean over the balls), the nut's do not (power 10/3). The raceways are taken as equally strong, and every
-    position of a ball as equally frequent.
+    the load (cubic mean over the balls), the nut's do not (power 10/3). The raceways are assumed to be equally strong, and
+    all positions of the balls equally frequent.
     """
     turning = (load[..., :2] ** TURNING).mean(axis=-2) ** (SYSTEM * 3.0 / TURNING)
     standing = (load[..., 2:] ** STANDING).mean(axis=-2) ** (SYSTEM * 3.0 / STANDING)
@@ -396,16 +403,17 @@ def raceway_life_sum(load: Array) -> Array:
 
 
 def relative_life(load: Array, nominal: Array) -> Array:
-    """Return the life of each specimen with its random errors over the life without random errors.
+    """Return the ratio of each specimen's life with its random errors to the life without random errors.
 
-    ``load``: contact loads with random errors (..., N, 4) [N] of N balls; ``nominal``: contact loads without (N, 4) [N].
+    ``load``: contact loads with random errors (..., N, 4) [N] of N balls; ``nominal``: contact loads without random errors
+    (N, 4) [N].
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((raceway_life_sum(load) / raceway_life_sum(nominal)) ** (-1.0 / SYSTEM))
 
 
 def output_names(scene: Scene | Assembly) -> list[str]:
-    """Return the names of the outputs of a specimen, in the order in which `SpecimenBlock` holds their values."""
+    """Return the names of the outputs of a specimen, in the order of their values in ``SpecimenBlock.kept``."""
     if isinstance(scene, Scene):
         return [*KEPT]
     return [*WHOLE, *(f"set {i + 1} {key}" for i in range(len(scene.sets)) for key in OF_SET)]
@@ -455,8 +463,9 @@ def _solve_specimens(
 
     ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``first``:
     number of the first specimen; ``count``: number k of specimens; ``load_factor``: factor on the loads. Returns contact
-    loads (k, N, 4) [N] for N balls, statuses, relative residuals (k,), and works of the loads (k,) [J], in this order. With
-    a factor other than 1 the specimens of an elastic model are first solved under the loads themselves.
+    loads (k, N, 4) [N] for N balls, statuses, relative residuals (k,), and works done by the loads (k,) [J], in this order.
+    If the factor is not 1, specimens of a model with elastic bodies are first solved with the factor 1, as a starting
+    point.
     """
     of, scene = scene, scale_loads(scene, load_factor) if load_factor != 1.0 else scene
     if model == "lin" and engine == "compiled":
@@ -506,7 +515,7 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
 
     Returns
     -------
-    Block
+    SpecimenBlock
         Contact loads and outputs.
     """
     if isinstance(scene, Assembly):
@@ -535,8 +544,8 @@ def _solve_axis_block(
 ) -> SpecimenBlock:
     """Solve a block of specimens of a shaft with several nuts and bearings.
 
-    ``kernels``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled");
-    the other arguments are those of `solve_block`.
+    ``kernels``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); the other
+    arguments are those of `solve_block`.
     """
     results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
     where = ball_slices(assembly)

@@ -44,12 +44,12 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
 
-#: Largest and smallest number of specimens of a block; numbers of specimens from which on kernels are compiled, and from
-#: which on they are used if they are already compiled.
+#: Largest and smallest number of specimens of a block; number of specimens from which on numerical kernels are compiled,
+#: and number from which on they are used if they are already compiled.
 BLOCK, LEAST, COMPILE_FROM, USE_FROM = 500, 50, 200, 10
 
-#: Number of bins of the histogram of a contact load, and upper end of the histogram over the largest load without random
-#: errors.
+#: Number of bins of the histogram of a contact load, and ratio of the histogram's upper end to the largest load without
+#: random errors.
 BINS, END = 2000, 10.0
 
 #: Levels of the quantiles of an output.
@@ -70,7 +70,8 @@ class LoadDistributions:
     nominal
         Contact loads without random errors, (N, 4) [N].
     width
-        Width of a bin of the histograms [N]; the first bin is for zero loads, the last for those beyond the end.
+        Width of a bin of the histograms [N]; the first bin is for zero loads, the last for loads above the upper end of the
+        histogram.
     """
 
     def __init__(self, nominal: Array, width: float) -> None:
@@ -141,11 +142,11 @@ class EnsembleSummary:
     scene: Scene | Assembly
     #: Name of the model.
     model: str
-    #: Outputs of each specimen by `ensemble.output_names`, (M, k); nan without equilibrium.
+    #: Outputs of each specimen in the order of `ensemble.output_names`, (M, k); nan without equilibrium.
     kept: Array
-    #: Status of specimens without equilibrium, by number.
+    #: Status of each specimen without equilibrium, by number of the specimen.
     failed: dict[int, str]
-    #: Distributions of the contact loads; balls of one nut or bearing after the other.
+    #: Distributions of the contact loads over the specimens; the balls of a shaft come one nut or bearing after the other.
     bands: LoadDistributions
     #: Range of the balls of each nut or bearing in these distributions; None for rollers.
     balls: tuple[slice | None, ...]
@@ -176,11 +177,11 @@ def solve_specimens_of_scene(
     step
         Function that is called with each line of progress.
     record_specimen
-        Called with number, status and outputs (k,) of each specimen, in order.
+        Function that is called with number, status and outputs (k,) of each specimen, in order of the numbers.
 
     Returns
     -------
-    Members
+    EnsembleSummary
         Outputs and distributions of the contact loads.
 
     Raises
@@ -257,8 +258,8 @@ def _solve_blocks(
 def _binomial_quantile(probability: float, trials: int, chance: float) -> int:
     """Return the smallest count that a binomial variable does not exceed with probability ``probability``.
 
-    ``trials``: number of trials; ``chance``: probability of success of each. Probabilities are summed within about fifteen
-    standard deviations of the mean; scipy.special has this too, but takes long to import.
+    ``trials``: number of trials; ``chance``: probability of success of each trial. Probabilities are summed within about
+    fifteen standard deviations of the mean; scipy.special has this too, but takes long to import.
     """
     mean, reach = trials * chance, 15.0 * (1.0 + np.sqrt(trials * chance * (1.0 - chance)))
     first = max(0, int(mean - reach))
@@ -424,7 +425,7 @@ def _statistics_by_set(members: EnsembleSummary, assembly: Assembly) -> list[dic
 def _load_distributions_by_ball(bands: LoadDistributions) -> list[list[dict[str, Any]]]:
     """Return for every ball a list with one JSON row per loaded contact, which describes the distribution of its load [N].
 
-    ``bands``: distributions of the contact loads.
+    ``bands``: distributions of the contact loads over the specimens.
     """
     found = {
         "without_random_errors_N": bands.nominal,

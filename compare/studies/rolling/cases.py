@@ -29,7 +29,8 @@ from rollbench.meshes.parts import SIDE_SIGNS
 
 #: Largest number of balls that the 3D model of rolling takes.
 MOST = 4
-#: Signs of the contact directions (x, y): contacts BL, BR, TR, TL of a linear bearing; IL, IR, OR, OL of a rotary one.
+#: Signs of the contact directions (x, y): contacts BL, BR, TR, TL (bottom left to top left) of a linear bearing, or IL, IR,
+#: OR, OL (inner left to outer left) of a rotary one.
 LINEAR = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 RING = LINEAR
 #: Whether each contact of a linear bearing is on the part that moves.
@@ -44,15 +45,15 @@ class RollingCase:
     name: str
     #: Kind of the scene.
     kind: str
-    #: System with balls far apart.
+    #: Balls and grooves with the balls far apart.
     apart: Rolling
-    #: System with touching balls.
+    #: Balls and grooves with balls that touch.
     touching: Rolling
     #: Speed of the driving part (m/s on a straight track, else rad/s).
     speed: float
     #: Names of the contacts of a ball.
     contacts: tuple[str, ...]
-    #: Whether the loads depend on friction.
+    #: Whether the contact loads depend on friction.
     coupled: bool
 
 
@@ -64,7 +65,7 @@ def prepare_rolling_case(scene: KindScene, choices: Choices) -> RollingCase:
     scene
         Friction scene of one to four balls.
     choices
-        Grid of the contacts, for loads that depend on friction.
+        Grid of the contacts, on which friction is solved if the contact loads depend on it.
 
     Returns
     -------
@@ -131,7 +132,7 @@ def _linear_case(scene: LinearScene) -> RollingCase:
 
 
 def _loads_at_given_angles(scene: LinearScene, normals: Array, rho: float) -> Array:
-    """Return the contact loads (4,) [N] that balance a ball of a linear bearing at given contact angles.
+    """Return the loads (4,) [N] on the contacts of one ball of a linear bearing in equilibrium, at given contact angles.
 
     ``normals``: contact normals (4, 2) of the contacts BL, BR, TR, TL (bottom left to top left); they are replaced by those
     of the nominal contact angle if the scene's distribution is "diagonal"; ``rho``: side force over vertical force.

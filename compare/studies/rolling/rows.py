@@ -1,8 +1,8 @@
-"""Rolling balls: low-order models against the 3D model with its uncertainty and printed values, and the gate on them.
+"""Rolling balls: low-order models against the 3D model with its uncertainty and printed values, and their acceptance check.
 
-Also the change of ball-to-ball forces with numerical choices, their development from rest, and the rows of
-``rollbench compare`` and ``rollbench mesh-study`` for scenes of rolling balls. The 3D results are stored ones, or new ones
-that are then stored.
+This module also computes how ball-to-ball forces change with numerical choices and how they develop from rest, and the rows
+of ``rollbench compare`` and ``rollbench mesh-study`` for scenes of rolling balls. 3D results are read from a store, or
+computed and then stored.
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ from rollbench.lowfi.friction.screw.run import solve_pair
 def solve_low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
     """Solve a friction scene of rolling balls by the low-order model.
 
-    Returns forces, speeds and losses by names that end in the unit, then the time of a second solution [s], then the
-    status.
+    Returns forces, speeds and losses by names that end in the unit, then the time of a second solution [s], when code and
+    caches are loaded, then the status.
     """
     kinds: dict[type[KindScene], Callable[[Any], tuple[dict[str, float], str]]]
     kinds = {
@@ -116,10 +116,11 @@ def _bearing_ball_values(scene: BearingBallScene) -> tuple[dict[str, float], str
     return out | {"torque N mm": 1e3 * found.torque}, "converged" if found.motion.status != "failed" else "failed"
 
 
-#: Safety factor on the scatter between grids, as in grid convergence indices for three grids.
+#: Safety factor on the differences between grids, as in grid convergence indices for three grids.
 SAFETY = 1.25
 
-#: Printed ball-to-ball force by scene: table of Lin's thesis, entry of the low-order model, entry of ANSYS.
+#: Printed ball-to-ball force by scene: table of Lin's thesis, name of the value by its low-order model, name of the value
+#: by ANSYS.
 PRINTED = {
     "lin-pair-a": ("lin-3.5", "a_force_numerical", "a_force_ansys"),
     "lin-pair-b": ("lin-3.5", "b_force_numerical", "b_force_ansys"),
@@ -129,18 +130,20 @@ PRINTED = {
     "lin-screw-pair-b-inferred": ("lin-3.7", "force_b", "ansys_b"),
 }
 
-#: Scenes of the report and the gate: those of Tables 3.5 and 3.7 of Lin's thesis, and the rotary ball of its section 3.2.2.
+#: Scenes of the report and the acceptance check: those of Tables 3.5 and 3.7 of Lin's thesis, and the rotary ball of its
+#: section 3.2.2.
 PAIRS = tuple(PRINTED)
 
 RINGS = ("lin-rotary-1", "lin-rotary-2", "lin-rotary-3")
 
-#: Largest allowed error of the low-order model against 3D, where the load state is the same [%].
+#: Largest allowed error of the low-order model against the 3D model with the same contact loads [%].
 LIMIT = 2.0
 
 #: Values below this, in the unit of the quantity, count as round-off.
 ROUND_OFF = 1e-6
 
-#: Quantities that the gate checks; quantities for which the low-order model is known to exceed the limit, and why.
+#: Quantities that the acceptance check covers, and quantities for which the low-order model is known to exceed the limit,
+#: with the cause.
 GATED = ("force 1-2", "torque")
 
 KNOWN = {
@@ -181,9 +184,10 @@ class RollingComparisonRow:
     low_seconds: float
     #: Run time of the 3D model [s].
     seconds: float
-    #: Value with half spaces on the finest grid, if the bodies of the reference are finite.
+    #: Value by the 3D model with half spaces on the finest grid, if ``reference`` is computed with finite bodies.
     half_space: float | None = None
-    #: Interpretation of contact loads that Lin's thesis does not print, "plain" or "inferred"; None if it prints them.
+    #: How contact loads were found that Lin's thesis does not print, "plain" or "inferred", see
+    #: `interpretation_of_contact_loads`; None if the loads are printed.
     load_state: str | None = None
     #: Version and machine with which the run time of the 3D model was measured.
     measured_with: str = ""
@@ -206,10 +210,11 @@ UNSTATED = ": +- is the scatter of the grids, without the uncertainty of the loa
 
 
 def interpretation_of_contact_loads(name: str) -> str | None:
-    """Return how contact loads that Lin's thesis does not print were found, "plain" or "inferred"; None if it prints them.
+    """Return how the contact loads of a scene were found if Lin's thesis does not print them: "plain" or "inferred".
 
-    ``name``: name of the scene. The loads are not printed for the scenes of Table 3.7 of Lin's thesis, so that two scenes
-    exist for each of its cases.
+    ``name``: name of the scene. The loads are not printed for the cases of Table 3.7 of Lin's thesis, so that each has two
+    scenes: with loads computed from the printed data ("plain"), and with loads inferred from printed results ("inferred").
+    None for scenes of other tables.
     """
     table = PRINTED.get(name.removesuffix(".toml"))
     if table is None or table[0] != "lin-3.7":
@@ -220,9 +225,9 @@ def interpretation_of_contact_loads(name: str) -> str | None:
 def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
     """Return the uncertainty of a quantity by the 3D model of rolling, in its unit; infinite with a single grid.
 
-    It is the largest difference of a grid from the finest one times `SAFETY`, plus the difference between two quadratures
-    of the limit of rigid bodies. ``runs``: solutions on several grids, from coarse to fine; ``name``: name of the quantity
-    with its unit.
+    It is the largest difference between a grid and the finest one times `SAFETY`, plus the difference between two
+    quadratures of the value for rigid bodies. ``runs``: solutions on several grids, from coarse to fine; ``name``: name of
+    the quantity with its unit.
     """
     values = [r.values[name] for r in runs]
     if len(values) < 2:
@@ -240,10 +245,10 @@ def compare_scene_with_rolling_runs(
     scene
         Friction scene of rolling balls.
     runs
-        Runs of the 3D model from coarse to fine; the last is the reference.
+        Solutions by the 3D model from coarse to fine grid; the last one is the reference.
     half_space
-        Run with half spaces on the finest grid, if the runs have finite bodies, else None. The modelling choices of finite
-        bodies then count as uncertainty.
+        Solution with half spaces on the finest grid if ``runs`` have finite bodies, else None. With finite bodies the
+        uncertainty includes the effect of modelling choices.
     """
     low, low_seconds, _ = solve_low_order(scene)
     finest = runs[-1]
@@ -288,7 +293,7 @@ def compare_scene_with_rolling_runs(
 def low_order_error_is_within_limit(row: RollingComparisonRow) -> bool:
     """Return whether the error of the low-order model against the 3D model is at most `LIMIT`.
 
-    The uncertainty of the 3D model is first deducted from the error, but at most `LIMIT` itself.
+    The uncertainty of the 3D model is first deducted from the error, but not more than `LIMIT`.
     """
     if row.error_percent is None:
         return row.low == row.reference or (row.low is not None and abs(row.low - row.reference) <= row.uncertainty + 1e-9)
@@ -317,8 +322,8 @@ def gate_rows_of_rolling_balls(study: Study, max_error: float) -> list[GateCheck
     """Check ball-to-ball forces and torques of low-order models of rolling balls against stored solutions of the 3D model.
 
     These rows are a part of ``rollbench check``. ``max_error``: largest allowed error [%]; the limit is this or `LIMIT`,
-    whichever is smaller. A quantity beyond the limit passes if `KNOWN` lists it with the cause. A quantity that is listed
-    there and is within the limit fails.
+    whichever is smaller. A quantity whose error exceeds the limit passes if `KNOWN` lists it with the cause. A quantity
+    that `KNOWN` lists although its error is within the limit fails.
     """
     out: list[GateCheck] = []
     stores = study.stores or (shipped_store(),)
@@ -340,7 +345,8 @@ def gate_rows_of_rolling_balls(study: Study, max_error: float) -> list[GateCheck
     return out
 
 
-#: Runs from rest: duration [s], gap between the balls at the start [m], numbers of time steps (ten in Lin's section 3.3.5).
+#: Simulations from rest: duration [s], gap between the balls at the start [m], numbers of time steps (ten in section 3.3.5
+#: of Lin's thesis).
 DURATION, GAP, STEPS = 0.1, 1e-6, (10, 50, 100)
 
 
@@ -385,7 +391,8 @@ def runs_from_rest() -> tuple[RunFromRest, ...]:
 # --- change of ball-to-ball forces with numerical choices, compared with their stated uncertainty
 
 
-#: A grid finer than those of the uncertainty, and other paths of regularisation: creeping speeds over the largest slip.
+#: A grid finer than those from which the uncertainty follows (cells along and across the groove), and other sequences of
+#: creep speeds over the largest sliding speed with which friction is regularised.
 BEYOND = (30, 44)
 
 PATHS = {"by threes": tuple(3.0**-k for k in range(14)), "two steps": (PATH[0], PATH[-1])}
@@ -410,7 +417,7 @@ class ChoiceEffect:
 
     @property
     def within(self) -> bool:
-        """Whether the change of the force is within its stated uncertainty."""
+        """Whether the change of the force is at most its stated uncertainty."""
         return self.change <= self.uncertainty
 
 
@@ -467,8 +474,9 @@ def _force_changes_in_scene(
 def _solve_ball_to_ball_force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> float:
     """Solve a system of rolling balls in 3D and return the force between the first two balls [N].
 
-    ``scene``: the system; ``choices``: grid and bodies; ``path``: creep speeds of the regularised friction law over the
-    largest sliding speed, in the order in which the solver takes them. Nan if the solver does not converge.
+    ``scene``: the system; ``choices``: grid and bodies; ``path``: successive creep speeds (sliding speeds below which the
+    regularised friction law is nearly linear) over the largest sliding speed, in the order in which the solver takes them.
+    Nan if the solver does not converge.
     """
     found = solve_rolling(scene, choices, creeping_ratios=path)
     return float(found.force[0]) if found.converged else np.nan

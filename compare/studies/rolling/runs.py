@@ -1,4 +1,4 @@
-"""Runs of the 3D model of rolling: three grids of a scene, each also with nearly rigid bodies, and their store.
+"""Solutions ("runs") of the 3D model of rolling, on three grids for each scene, and the folder in which they are stored.
 
 Bodies are half spaces, or finite (`hifi.rolling.bodies`): contact patches of the static 3D reference; on straight tracks a
 ball and grooved bars.
@@ -39,7 +39,7 @@ from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.patch import MARGIN
 from rollbench.meshes.record_keys import digest_of_values
 
-#: Cells of a contact along and across the groove, by level.
+#: Numbers of cells of a contact along and across the groove, by level of the grid.
 LEVELS = {1: (16, 24), 2: (20, 30), 3: (24, 36)}
 
 #: Version of the mechanics and of the records in the names of stored runs; raise it when either changes.
@@ -74,7 +74,7 @@ class RollingRun:
     elastic: dict[str, float]
     #: Values with nearly rigid bodies on the same grid.
     near_rigid: dict[str, float]
-    #: Values for rigid bodies, by quadrature over the contacts.
+    #: Values for rigid bodies, by name, from quadrature over the contacts.
     limit: dict[str, float]
     #: Difference between the values of two quadratures.
     limit_spread: dict[str, float]
@@ -113,7 +113,7 @@ class RollingRun:
 
     @property
     def values(self) -> dict[str, float]:
-        """Values by name: effect of elasticity on this grid, plus the limit for rigid bodies."""
+        """Values by name: for rigid bodies, plus the difference of elastic from nearly rigid bodies on this grid."""
         return {k: self.limit[k] + self.elastic[k] - self.near_rigid[k] for k in self.elastic}
 
 
@@ -166,7 +166,8 @@ def save_run(store: Path, scene: KindScene, run: RollingRun) -> Path:
 def grid_shape(case: RollingCase, level: int) -> tuple[int, int]:
     """Return the numbers of cells of a contact along and across the groove, on a level of the grid.
 
-    On `SOURCE_LEVEL` as many cells with the element size of Lin's thesis are taken as fit into the largest contact.
+    On `SOURCE_LEVEL` the cells have the element size of Lin's thesis, and their number is that which fits into the largest
+    contact.
     """
     if level != SOURCE_LEVEL:
         return LEVELS[level]
@@ -253,7 +254,7 @@ def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) ->
 def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
     """Return the solution with balls far apart, then the solution with balls that touch.
 
-    ``case``: both systems of balls; if they are the same, they are solved once. ``choices``: grid and
+    ``case``: both systems of balls; if they are the same, they are solved once. ``choices``: grid of the contacts, and
     bodies.
     """
     apart = balls.solve_rolling(case.apart, choices)
@@ -265,8 +266,8 @@ def forces_speeds_and_losses_by_name(
 ) -> dict[str, float]:
     """Return forces, speeds, losses and torque of a solved case, by names that end with the unit, such as "force 1-2 N".
 
-    ``case``: scene as the 3D model takes it; ``apart`` and ``touching``: its solution with balls far
-    apart, and with balls that touch.
+    ``case``: scene in the form that the 3D model needs; ``apart`` and ``touching``: its solutions with balls far apart, and
+    with balls that touch.
     """
     out: dict[str, float] = {}
     linear = case.kind.startswith("linear")
@@ -323,7 +324,7 @@ class BodyVariant:
 
 
 def scenes_and_sizes_of_body_variants() -> dict[str, tuple[str, Sizes | None]]:
-    """Return the variants of the finite bodies: by description, the name of a scene and the sizes of its bodies.
+    """Return the variants of the finite bodies: for each description, the name of a scene and the sizes of its bodies.
 
     Sizes are None for half spaces.
     """
@@ -384,12 +385,12 @@ class StoredVariants:
 
     #: The variants.
     variants: tuple[BodyVariant, ...]
-    #: Sentence on their origin.
+    #: Sentence on whether they were stored or computed.
     words: str
 
 
 def variants_key() -> str:
-    """Return the digest of all inputs that affect the stored variants of the finite bodies, without texts such as names."""
+    """Return a digest of all inputs, other than names and remarks, that affect the stored variants of finite bodies."""
     return digest_of_values(
         *(run_key(shipped_case(name, KindScene), 1, FINITE) for name in SCENES), scenes_and_sizes_of_body_variants()
     )
@@ -398,7 +399,7 @@ def variants_key() -> str:
 def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants:
     """Return the stored variants of the finite bodies; compute and store them if there are none for the present inputs.
 
-    ``stores``: folders, the first of which takes new results; ``fresh``: whether they are computed in any case.
+    ``stores``: folders, the first of which takes new results; ``fresh``: whether they are computed even if they are stored.
     """
     kept = None if fresh else _load_variants(stores)
     if kept is None:

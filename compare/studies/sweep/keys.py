@@ -32,7 +32,8 @@ _PATH = re.compile(rf"{_ONE}(\+{_ONE})*")
 #: Forms of the texts that vary a key.
 _FORM = "KEY=A:B, KEY=A:B:N or KEY=v1,v2, units as in the scene"
 
-#: Groups of keys for the same quantity, of which a scene has one: a varied key replaces the others of its group.
+#: Groups of keys that state the same quantity, of which a scene has only one; a varied key replaces the others of its
+#: group.
 _SAME = (
     ("errors.balls.oversize", "preload.oversize", "preload.force"),
     ("preload.lead_offset", "preload.oversize", "preload.force"),
@@ -53,7 +54,7 @@ MOST_KEYS, MOST_VALUES = 20, 1000
 class VariedKey:
     """One varied key of a scene file with its range or list of values, or several keys that take the same value."""
 
-    #: Dotted path with indices from 0, such as ``loads[0].force[2]``; several joined by ``+``.
+    #: Dotted path of the key with indices from 0, such as ``loads[0].force[2]``; paths of several keys are joined by ``+``.
     key: str
     #: Text as the user wrote it.
     text: str
@@ -63,7 +64,7 @@ class VariedKey:
     high: float = 0.0
     #: Unit of a range.
     unit: str = ""
-    #: Whether the range is of whole numbers, both ends included.
+    #: Whether the range consists of whole numbers, both ends included.
     whole: bool = False
     #: Values of a list, as in a scene file; empty for a range.
     choices: tuple[Any, ...] = ()
@@ -105,7 +106,7 @@ class VariedKey:
 
     @property
     def name(self) -> str:
-        """Short name: path of the first key, and how many other keys take the same value."""
+        """Short name: path of the first key, and number of other keys that take the same value."""
         first, *others = self.paths
         return f"{first} (+{len(others)})" if others else first
 
@@ -147,7 +148,7 @@ def read_vary(texts: Sequence[str]) -> tuple[VariedKey, ...]:
 def _error_for_variation(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
     """Return the error for a text or value of the argument ``vary`` that cannot be used.
 
-    ``value``: what the user wrote; ``allowed``: allowed values; ``advice``: how to correct the text.
+    ``value``: text or value that the user gave; ``allowed``: which values are allowed; ``advice``: how to correct the text.
     """
     return ArgumentError("vary", toml_text(value), allowed, advice)
 
@@ -228,8 +229,8 @@ def _read_scalar(text: str) -> Any:
 def tables_with_varied_keys(raw: dict[str, Any], keys: Sequence[VariedKey], values: Sequence[Any]) -> dict[str, Any]:
     """Return a copy of a scene's TOML tables in which the varied keys have new values.
 
-    Other keys for the same quantities are removed. ``raw``: the tables; ``keys``: varied keys; ``values``: a value for each
-    key. Raises InputError for an entry that a list does not have.
+    Keys of the tables that state the same quantities in another way are removed. ``raw``: the tables; ``keys``: varied
+    keys; ``values``: a value for each key. Raises InputError for the index of a list entry that does not exist.
     """
     out = copy.deepcopy(raw)
     for path in (p for vary in keys for p in vary.paths):
@@ -285,8 +286,8 @@ def _path_steps(key: str) -> list[str | int]:
 def _set_key(raw: dict[str, Any], key: str, value: Any) -> None:
     """Set the value of a key in a scene's TOML tables, and create missing tables.
 
-    ``key``: path of the key. Raises InputError for an entry that a list does not have, and for a key below a value that is
-    no table.
+    ``key``: path of the key. Raises InputError for the index of a list entry that does not exist, and for a path through a
+    value that is no table.
     """
     *above, last = _path_steps(key)
     node: Any = raw
@@ -325,8 +326,8 @@ MOST = 1_000_000
 def base_points(samples: int, keys: int) -> int:
     """Return the number n of base points of a design for Sobol indices.
 
-    ``samples``: requested number of samples; ``keys``: number of varied keys. It is the power of two for which the number
-    of samples n (keys + 2) is nearest to ``samples`` by ratio, at least 2.
+    ``samples``: requested number of samples; ``keys``: number of varied keys. n is the power of two, at least 2, for which
+    the ratio of the number of samples n (keys + 2) to ``samples`` is nearest to 1.
     """
     return max(2, 1 << max(0, round(math.log2(max(samples, 1) / (keys + 2)))))
 

@@ -59,7 +59,7 @@ Step = Callable[[str], None]
 COMPILE_FROM = 50
 #: Number of samples that are tried before anything is stored: if all are refused for the same reason, the sweep ends.
 FIRST = 10
-#: Largest number of samples that one job solves and stores together; smallest number of jobs per worker.
+#: Largest number of samples that one job solves and stores together, and smallest number of jobs per worker.
 LARGEST_BATCH, BATCHES = 20, 20
 #: Assumed number of workers of a cluster if none is given, as workers can join at any time.
 MANY = 100
@@ -88,11 +88,11 @@ class Sweep:
 
     @property
     def wanted_outputs(self) -> tuple[str, ...]:
-        """Names of the outputs that are stored, in the order of `OUTPUTS`: all unless some are named, and always `MAIN`."""
+        """Names of the stored outputs in the order of `OUTPUTS`: those of ``outputs`` (empty: all), and always `MAIN`."""
         return tuple(name for name in OUTPUTS if not self.outputs or name in (MAIN, *self.outputs))
 
     def coordinates(self) -> Array:
-        """Return the coordinates of the m samples in the unit cube, one column for each of d varied keys, (m, d)."""
+        """Return the coordinates from 0 to 1 of the m samples, with one column for each of d varied keys, (m, d)."""
         return design_points(self.method, self.keys, self.samples, self.seed)
 
     def header(self) -> dict[str, Any]:
@@ -122,11 +122,11 @@ class Sweep:
 
 
 def solve_samples_of_sweep(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, sample.Record]:
-    """Solve all samples of a sweep that its folder does not hold yet, and return the records of all samples by number.
+    """Solve those samples of a sweep that its folder does not hold yet, and return the records of all samples by number.
 
     ``folder``: folder of the stored samples; ``engine``: number of processes, or cluster, that solve the samples; ``step``:
-    function that is called with each line of progress. Raises InputError if the sweep is not valid, the folder holds
-    something else, or workers are lost.
+    function that is called with each line of progress. Raises InputError if the sweep is not valid, if the folder holds
+    something else, or if worker processes are lost.
     """
     sweep.check()
     places = sweep.coordinates()
@@ -207,10 +207,12 @@ def _solve_missing_samples(
         step(f"[{done}/{len(left)}] {failed} failed")
 
 
-#: Number of worst samples that are listed; number of parts of a range for main effects; levels of the quantiles.
+#: Number of listed samples with the largest contact loads, number of parts of a range for main effects, and levels of the
+#: quantiles.
 WORST, BINS, LEVELS = 10, 8, (0.01, 0.05, 0.5, 0.95, 0.99)
 
-#: Number of resamples for confidence intervals, level of these intervals, smallest number of base points for Sobol indices.
+#: Number of resamples for confidence intervals, level of these intervals, and smallest number of base points for Sobol
+#: indices.
 RESAMPLES, CONFIDENCE, LEAST = 200, 0.95, 8
 
 #: Standard deviation over the mean below which an output counts as constant.
@@ -258,7 +260,8 @@ def output_of_samples(rows: Sequence[Record], name: str) -> Array:
 def key_values_of_samples(keys: Sequence[VariedKey], rows: Sequence[Record]) -> Array:
     """Return the values of d varied keys in k samples as an array of numbers (k, d).
 
-    ``rows``: records of the samples. A value from a list counts with its position in the list, see `Vary.as_number`.
+    ``rows``: records of the samples. A value from a list is replaced by its position in the list, see
+    `VariedKey.as_number`.
     """
     found = [[vary.as_number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in rows]
     return np.array(found, dtype=float).reshape(len(rows), len(keys))
@@ -282,9 +285,9 @@ def output_statistics(values: Array) -> dict[str, float] | None:
 def main_effects(keys: Sequence[VariedKey], rows: Sequence[Record]) -> dict[str, list[dict[str, float]]]:
     """Return for each varied key the mean of the output `MAIN` in groups of samples, a list with one entry per group.
 
-    A group has the samples in one part of the key's range, or at one value of its list. An entry has "at" (mean value of
-    the key in its unit), "mean" and "standard_error" of the output, and "samples" (their number). ``rows``: records of the
-    converged samples.
+    A group consists of the samples in one part of the key's range, or at one value of its list. An entry has "at" (mean
+    value of the key in its unit), "mean" and "standard_error" of the output, and "samples" (their number). ``rows``:
+    records of the converged samples.
     """
     x, y = key_values_of_samples(keys, rows), output_of_samples(rows, MAIN)
     return {
@@ -317,9 +320,10 @@ def _means_of_sample_group(x: Array, y: Array) -> dict[str, float]:
 def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
     """Return the Sobol indices of every output with confidence intervals of level `CONFIDENCE`, or the reason for none.
 
-    For each output and key: first-order index with the ends of its interval (first, first_low, first_high), and total index
-    (total, total_low, total_high); None for a constant output. The base points are the first ones with only converged
-    samples, as many as make a power of two. ``records``: records of the samples by their numbers.
+    For each output and key there is the first-order index with the ends of its interval (first, first_low, first_high) and
+    the total index (total, total_low, total_high); for a constant output there is None. Only base points whose samples all
+    converged are used, from the first on; their number is reduced to a power of two. ``records``: records of the samples by
+    their numbers.
     """
     if sweep.method != "sobol":
         return {"none": f"a design by {sweep.method} gives no Sobol indices: sobol does"}
@@ -414,8 +418,8 @@ def figures_from_sweep_summary(
 def _keys_with_largest_effect(keys: Sequence[VariedKey], summary: Mapping[str, Any]) -> tuple[list[int], str]:
     """Return the indices of the varied keys with the largest main effects, then a sentence if some keys are left out.
 
-    There are at most as many keys as a figure has panels. A seed of random errors is left out, because an output has no
-    trend over it. ``summary``: summary of the sweep from `summarise_sweep`.
+    At most `PANELS` keys are returned, as many as a figure has panels. A seed of random errors is left out, because an
+    output has no trend over it. ``summary``: summary of the sweep from `summarise_sweep`.
     """
     ordered = _indices_of_ordered_keys(keys)
     shown = sorted(ordered, key=lambda k: -_range_of_mean_outputs(summary["main_effects"][keys[k].key]))[:PANELS]
@@ -445,7 +449,7 @@ def _effects_figure(
     """Return a figure of the main effects: mean of the output `MAIN` over each key, with its standard error.
 
     ``name``: start of the figure's name; ``keys``: varied keys to show; ``summary``: summary of the sweep; ``left``:
-    sentence on keys that are left out; ``called``: function that returns the short name of a key.
+    sentence on keys that are left out, empty if there are none; ``called``: function that returns the short name of a key.
     """
     panels = []
     for vary in keys:
@@ -467,7 +471,7 @@ def _scatter_figure(
     """Return a figure of the output `MAIN` of single samples over each key that is shown.
 
     ``name``: start of the figure's name; ``shown``: indices of the keys that are shown; ``rows``: records of the samples;
-    ``left``: sentence on keys that are left out.
+    ``left``: sentence on keys that are left out, empty if there are none.
     """
     some = list(rows[:: max(1, len(rows) // POINTS)])
     x, y = key_values_of_samples(keys, some), output_of_samples(some, MAIN)
@@ -549,7 +553,7 @@ def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], N
     """Solve the missing samples of a sweep, write its tables and figures to its folder, and return the summary.
 
     ``out``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``step``: function
-    that is called with each line of progress. Raises InputError for the same faults as `solve_samples_of_sweep`.
+    that is called with each line of progress. Raises InputError in the cases in which `solve_samples_of_sweep` raises it.
     """
     records = solve_samples_of_sweep(sweep, out, engine, step)
     found = summarise_sweep(sweep, records)

@@ -1,12 +1,12 @@
 """Samples of a sweep: the scene with other values, its solution, its outputs, and the folder that stores them.
 
-The folder has a file that states the sweep, and one line per sample, which is appended when its batch is solved and never
-changed. Every process writes to a separate file, the lines of a batch in one call and each with a checksum. Whenever a
-process is killed, finished batches are therefore complete, and a torn line is recognised.
+The folder has a file that states the sweep, and files with one line per sample, which is appended when its batch is solved
+and never changed. Every process writes to a separate file, the lines of a batch in one call and each with a checksum.
+Whenever a process is killed, finished batches are therefore complete, and a torn line is recognised.
 
-A process that outlives its run stops after its batch, because the run's token is no longer that of the folder. A new run
-waits, by a lock that each process holds while it solves, until such processes have stopped; only then does it read the
-folder, so that no sample is solved twice.
+Each run of the sweep writes a token (random text) into the folder. A process that outlives its run stops after its batch,
+because the token in the folder is no longer that of its run. A new run waits, by a lock that each process holds while it
+solves, until such processes have stopped; only then does it read the folder, so that no sample is solved twice.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
-#: Outputs of a sample: key and heading.
+#: Outputs of a sample: name of the output, and its heading in tables.
 OUTPUTS = {
     "largest_load_N": "largest contact load / N",
     "mean_load_N": "mean contact load / N",
@@ -70,10 +70,11 @@ OUTPUTS = {
 GROWTH = ("largest_growth", "least_growth")
 
 
-#: Output that is judged for worst samples, main effects and plots; always stored, with its contact ``at``.
+#: Output by which worst samples, main effects and plots are made: the largest contact load. It is always stored, with the
+#: contact that carries it as ``at``.
 MAIN = "largest_load_N"
 
-#: Functions that compute outputs, by name of the output; only those of wanted outputs are called.
+#: Functions that compute outputs, by name of the output; only the functions of wanted outputs are called.
 Makers = dict[str, Callable[[], Any]]
 
 
@@ -115,10 +116,10 @@ def cycle_outputs(
 ) -> dict[str, Any]:
     """Return the outputs of a duty cycle from results and outputs of its load cases.
 
-    They are those of the load case with the largest contact load, which "at" names, with three exceptions. Life is the
-    shortest life of a nut or bearing over the duty cycle. Torque is the mean over all revolutions. Growth is the largest
-    load of a nut or bearing over all load cases over its largest load in the first; the largest and the smallest growth are
-    given.
+    They are the outputs of the load case with the largest contact load, which "at" names, with three exceptions. Life is
+    the shortest life of a nut or bearing over the duty cycle. Torque is the mean over all revolutions. Growth is the ratio
+    of a nut's or bearing's largest load in any load case to its largest load in the first; the outputs are the largest and
+    the smallest growth.
 
     Parameters
     ----------
@@ -167,10 +168,10 @@ def axis_outputs(
     """Return outputs of a converged static result of a shaft with several nuts and bearings, by name.
 
     ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``wanted``:
-    names of the outputs, keys of `OUTPUTS`. Loads are those of ball contacts and rollers; "at" begins with the name of the
-    nut or bearing. The displacement is axial, at the section or housing that the scene names; for the rigidity it counts
-    from the unloaded position. Approaches and torque are of balls only. Life is the shortest life of a nut or bearing;
-    preload is the largest axial force on one of them without loads.
+    names of the outputs, keys of `OUTPUTS`. Loads are those of ball contacts and rollers; "at", the place of the largest
+    load, begins with the name of the nut or bearing. The displacement is axial, at the section or housing that the scene
+    names; for the rigidity it counts from the unloaded position. Approaches and torque are of balls only. Life is the
+    shortest life of a nut or bearing; preload is the largest axial force on one of them without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
     force, moved, loads = (
@@ -217,7 +218,7 @@ def _outputs_over_nuts_and_bearings(
     contacts: Callable[[], int],
     rollers: Sequence[tuple[str, Array]] = (),
 ) -> dict[str, Any]:
-    """Return the wanted outputs over all nuts and bearings of a scene by name, and "at": the contact with the largest load.
+    """Return the wanted outputs over all nuts and bearings of a scene by name, and "at", the contact with the largest load.
 
     Parameters
     ----------
@@ -226,7 +227,8 @@ def _outputs_over_nuts_and_bearings(
     scene
         Scene of a nut or bearing, or of a shaft with several.
     whole
-        Functions that compute displacement [um], rigidity [N/um] and preload [N] of the whole scene, by name of the output.
+        Functions without arguments that compute displacement [um], rigidity [N/um] and preload [N] of the whole scene, by
+        name of the output.
     options
         Options of the model.
     wanted
@@ -259,9 +261,9 @@ def _outputs_over_nuts_and_bearings(
 
 
 def _displacement_along_loads(scene: Scene, result: StaticResult) -> float | None:
-    """Return the displacement [um] of the points of action of the loads along their forces; None without a force.
+    """Return the mean displacement [um] of the points at which the loads act, each along its force; None without a force.
 
-    It is the mean over the loads, weighted by the magnitudes of their forces.
+    Each load is weighted by the magnitude of its force.
     """
     work = total = 0.0
     for x in scene.loads:
@@ -422,7 +424,10 @@ class RecordWriter:
     """Writer that appends records of samples to a file in the folder of a sweep, which only this process writes."""
 
     def __init__(self, folder: Path, token: str) -> None:
-        """Set the file's path, which has the start of the run's token; the file is opened with the first record."""
+        """Name the file after the start of the run's token; the file is opened when the first record is appended.
+
+        ``folder``: folder of the sweep; ``token``: text that identifies the run.
+        """
         self._path = folder / RECORDS / f"{token[:8]}-{_process_name()}.lines"
 
     def append(self, records: Sequence[Record]) -> None:
@@ -469,7 +474,7 @@ def records_by_sample(folder: Path) -> dict[int, Record]:
 #: Status of a solved sample.
 CONVERGED = "converged"
 
-#: Numbers in the text of a refusal.
+#: Pattern of the numbers in a reason for which values are refused.
 _NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
 
 #: Number of balls on a shaft from which on one solution in plain Python takes seconds.
@@ -583,12 +588,12 @@ def solve_and_append_batch(
     folder
         Folder of the sweep.
     token
-        Token of the run.
+        Text that identifies the execution of the sweep, as `reserve_sweep_folder` yields it.
     sweep
         TOML text of the scene file, name of that file, varied keys, name of the model, kind of kernels ("interpreted" or
         "compiled"), and names of the wanted outputs.
     batch
-        Number of each sample, and its values of the keys.
+        For each sample its number, and its values of the varied keys.
     """
     run_folder = Path(folder)
     text, origin, keys, model, engine, wanted = sweep
