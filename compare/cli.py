@@ -78,7 +78,7 @@ def join_paragraph_lines(doc: str | None) -> str:
 
     Examples
     --------
-    >>> unwrapped("Solve.\n\nParameters\n----------\nscene\n    A name,\n    or a file.").splitlines()[-1]
+    >>> join_paragraph_lines("Solve.\n\nParameters\n----------\nscene\n    A name,\n    or a file.").splitlines()[-1]
     '    A name, or a file.'
     """
     paragraph = r"(?m)^( *)(?!-+$|Parameters$)\S.*(?:\n\1\S.*)+"
@@ -105,8 +105,8 @@ def option_of_argument(argument: str) -> str:
 
     Examples
     --------
-    >>> option("max_error"), option("levels=1"), option("spread=True"), option("compute=False")
-    ('--max-error', '--levels 1', '--spread', '--no-compute')
+    >>> [option_of_argument(text) for text in ("max_error", "levels=1", "spread=True", "compute=False")]
+    ['--max-error', '--levels 1', '--spread', '--no-compute']
     """
     name, _, value = argument.partition("=")
     spelled = OPTIONS.get(name, "--" + name.replace("_", "-"))

@@ -1,4 +1,4 @@
-"""Access to files shipped with rollbench, reading of users' text files, and writing of files completely or not at all.
+"""Access to files included with rollbench, reading of users' text files, and writing of files completely or not at all.
 
 A user's file is read as UTF-8, or as UTF-16 if it starts with that byte order mark. If a file does not exist, error
 messages suggest similar names.
@@ -27,18 +27,18 @@ if TYPE_CHECKING:
 
 
 def shipped_path(path: str) -> Path:
-    """Return the path of a file or folder that is shipped with rollbench; ``path`` is relative to the folder `compare`."""
+    """Return the path of a file or folder that is included with rollbench; ``path`` is relative to the folder `compare`."""
     return Path(str(resources.files("rollbench.compare").joinpath(*path.split("/"))))
 
 
 def text(path: str) -> str:
-    """Return the text of a file that is shipped with rollbench; ``path`` is relative to the folder `compare`."""
+    """Return the text of a file that is included with rollbench; ``path`` is relative to the folder `compare`."""
     return shipped_path(path).read_text(encoding="utf-8")
 
 
 @cache
 def read_shipped_toml(path: str) -> dict[str, Any]:
-    """Return the contents of a shipped TOML file from a cache; callers must not change the returned dictionary."""
+    """Return the contents of a built-in TOML file from a cache; callers must not change the returned dictionary."""
     return tomllib.loads(text(path))
 
 
@@ -68,7 +68,7 @@ def decode_text(data: bytes) -> str:
 
     Examples
     --------
-    >>> text_of("µ".encode("utf-16")), text_of("µ".encode("utf-8"))
+    >>> decode_text("µ".encode("utf-16")), decode_text("µ".encode("utf-8"))
     ('µ', 'µ')
     """
     encoding = next((encoding for mark, encoding in _MARKS.items() if data.startswith(mark)), "utf-8")

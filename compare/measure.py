@@ -64,7 +64,7 @@ def scale_of_gate_errors(reference: ArrayLike, mean: float) -> Array:
 
     Examples
     --------
-    >>> gate_scale([150.0, 5.0], 100.0).tolist()
+    >>> scale_of_gate_errors([150.0, 5.0], 100.0).tolist()
     [150.0, 100.0]
     """
     own = np.asarray(reference, float)

@@ -178,7 +178,7 @@ def half_unit_of_last_digit(printed: str) -> float:
 
     Examples
     --------
-    >>> last_digit("0.978"), last_digit("1.812e-7")
+    >>> half_unit_of_last_digit("0.978"), half_unit_of_last_digit("1.812e-7")
     (0.0005, 5e-11)
     """
     exponent = Decimal(printed).as_tuple().exponent

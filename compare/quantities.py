@@ -61,7 +61,7 @@ def count_with_noun(number: int, noun: str) -> str:
 
     Examples
     --------
-    >>> count_of(1, "set"), count_of(2, "set")
+    >>> count_with_noun(1, "set"), count_with_noun(2, "set")
     ('1 set', '2 sets')
     """
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
@@ -72,7 +72,7 @@ def words_and_unit_of_key(key: str) -> tuple[str, str]:
 
     Examples
     --------
-    >>> split_unit("rigidity_N_per_um"), split_unit("worst_ball")
+    >>> words_and_unit_of_key("rigidity_N_per_um"), words_and_unit_of_key("worst_ball")
     (('rigidity', 'N/um'), ('worst ball', ''))
     """
     name, unit = name_and_unit_of_key(key)
@@ -172,8 +172,10 @@ def format_by_error(value: float, error: float | None = None, digits: int = 4) -
 
     Examples
     --------
-    >>> shown(237.46, 4.3), shown(785.24, 11.0), shown(36523.0), shown(251.93, 2.2), shown(0.94, 2.2), shown(0.0)
-    ('237', '785', '36520', '251.9', '0.9', '0')
+    >>> format_by_error(237.46, 4.3), format_by_error(785.24, 11.0), format_by_error(36523.0), format_by_error(0.0)
+    ('237', '785', '36520', '0')
+    >>> format_by_error(251.93, 2.2), format_by_error(0.94, 2.2)
+    ('251.9', '0.9')
     """
     if not value or not math.isfinite(value):
         return f"{value:g}"

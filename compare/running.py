@@ -203,7 +203,7 @@ def format_duration(seconds: float) -> str:
 
     Examples
     --------
-    >>> duration(42.0), duration(600.0), duration(9000.0)
+    >>> format_duration(42.0), format_duration(600.0), format_duration(9000.0)
     ('40 s', '10 min', '2.5 h')
     """
     if seconds < 90.0:

@@ -46,7 +46,7 @@ LOG = logging.getLogger("rollbench")
 
 
 def read(name: str | Path) -> Described:
-    """Read a scene from a TOML file, or a shipped scene by its name.
+    """Read a scene from a TOML file, or a built-in scene by its name.
 
     Parameters
     ----------
@@ -440,7 +440,7 @@ def ensemble(
     scene
         Scene with random errors, its name or file.
     members
-        Number of specimens, at least 2. Each has its own randomly drawn errors.
+        Number of specimens, at least 2. Each has its own random errors.
     model
         Name of the model, as for `solve`.
     seed
@@ -493,7 +493,7 @@ def compare_models(
     reference
         CSV file with contact loads, in the columns that `check` reads; it replaces the 3D reference.
     store
-        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs shipped with rollbench.
+        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs included with rollbench.
 
     Returns
     -------
@@ -575,7 +575,7 @@ def check(
     levels
         Number of mesh levels of the reference, counted from the coarsest; None: the best stored run.
     store
-        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs shipped with rollbench.
+        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs included with rollbench.
     compute
         Whether missing runs of the reference are computed. If False, a quantity without a stored run is "not covered".
 
@@ -639,7 +639,7 @@ def mesh_study(
     spread
         Whether modelling choices that the scene's source leaves open are also varied, on the coarsest level.
     store
-        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs shipped with rollbench.
+        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs included with rollbench.
         Missing runs are computed, which takes minutes to hours.
 
     Returns
@@ -786,7 +786,7 @@ def table(
 
 @limited_to_one_thread()
 def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7.0, workers: int | None = None) -> Survey:
-    """Compare models with stored loads of the 3D reference on up to 240 randomly drawn ball screws.
+    """Compare models with stored loads of the 3D reference on up to 240 random ball screws.
 
     Parameters
     ----------

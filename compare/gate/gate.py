@@ -1,4 +1,4 @@
-"""Gate of the shipped scenes: checks the models against printed values, closed forms and the 3D reference.
+"""Gate of the built-in scenes: checks the models against printed values, closed forms and the 3D reference.
 
 It also checks the equilibrium of every solution, and one solver against another. Closed forms are computed here
 independently of the solvers, for the gate and for the report.
@@ -315,7 +315,7 @@ def check_closed_forms(study: Study, max_error: float) -> list[GateCheck]:
 
 
 def check_solvers(study: Study, max_error: float) -> list[GateCheck]:
-    """Check the equilibrium of every shipped scene's solution, and the agreement of both solvers of the beam model.
+    """Check the equilibrium of every built-in scene's solution, and the agreement of both solvers of the beam model.
 
     Limit of the errors: `EXACT`, at most ``max_error`` [%].
     """

@@ -296,7 +296,7 @@ class GivenValue:
     station: float | None = None
     #: Load or position as written in the file.
     where: str = ""
-    #: Number or name of the set of balls on the shaft, as written in the file.
+    #: Number or name of the nut or bearing on the shaft, as written in the file.
     set: str = ""
 
     @property

@@ -45,7 +45,7 @@ HEADINGS = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """Row of a published table of verdicts: a verdict on a user's scene, or a check of the shipped scenes."""
+    """Row of a published table of verdicts: a verdict on a user's scene, or a check of the built-in scenes."""
 
     #: Whether the row is shown as passed.
     good: bool
@@ -100,7 +100,7 @@ def outcome_of_verdict(v: Verdict) -> Outcome:
 
 
 def outcome_of_check(row: GateCheck) -> Outcome:
-    """Return the row to be published for a check of the gate on the shipped scenes."""
+    """Return the row to be published for a check of the gate on the built-in scenes."""
     numbers = (row.error_percent, row.uncertainty_percent, row.limit_percent)
     return Outcome(row.passed, row.verdict, row.name, "", row.kind, *numbers, note=row.detail)
 

@@ -65,13 +65,13 @@ class Limits:
 
 
 def subject_text(scene: str, case: str | None, set_: str | None) -> str:
-    """Return the names of scene, load case and set of balls (``set_``) as one text, without those that are None."""
+    """Return the names of scene, load case and nut or bearing (``set_``) as one text, without those that are None."""
     return ", ".join(filter(None, (scene, case, set_)))
 
 
 @result_record
 class Verdict:
-    """Verdict of the gate on one quantity of a scene, load case or set of balls, with the error and its limit."""
+    """Verdict on one quantity of a scene, of one of its load cases or of a nut or bearing, with the error and its limit."""
 
     #: Name of the scene.
     scene: str
@@ -81,7 +81,7 @@ class Verdict:
     quantity: str
     #: Verdict as text, such as "pass".
     word: Word
-    #: Error on the decisive contact [unit].
+    #: Error on the decisive contact [`unit`]; None if the quantity could not be judged.
     error: float | None = stated(
         "error_percent",
         "error of the judged quantity, in the rule of the gate: of its own value, of the mean load for contacts below a "
@@ -93,9 +93,9 @@ class Verdict:
         ),
         error="`uncertainty_percent` beside it",
     )
-    #: Uncertainty of the reference on the decisive contact [unit]; None: not known.
+    #: Uncertainty of the reference on the decisive contact [`unit`]; None: not known.
     uncertainty: float | None = stated("uncertainty_deg", "the reference's uncertainty of it, by discretisation")
-    #: Limit of the error [unit].
+    #: Limit of the error [`unit`].
     limit: float = stated(
         "limit_percent",
         "limit of the scene or of the command line",
@@ -111,16 +111,16 @@ class Verdict:
     contacts: int = 0
     #: Further explanation.
     detail: str = ""
-    #: Errors in per cent of the mean load, stated first in every output.
+    #: Largest and RMS error in per cent of the mean load, which every output states first; None for other quantities.
     of_mean: LoadError | None = stated(
         "max_percent_of_mean",
         "error of the worst contact load in per cent of the mean load",
         QuantityDescription("rms_percent_of_mean", "root mean square over all contacts, in per cent of the mean load"),
         default=None,
     )
-    #: Name of the set of balls, if there are several.
+    #: Name of the nut or bearing, if there are several.
     set: str | None = None
-    #: Name of the load case.
+    #: Name of the load case; None if the scene has only one.
     case: str | None = None
     #: Unit of error, uncertainty and limit.
     unit: str = "%"
@@ -146,7 +146,7 @@ class Verdict:
 
     @property
     def subject(self) -> str:
-        """Names of the judged scene, load case and set of balls, as one text."""
+        """Names of the judged scene, load case and nut or bearing, as one text."""
         return subject_text(self.scene, self.case and f"case {self.case}", self.set)
 
     def as_json(self) -> dict[str, Any]:
@@ -211,11 +211,11 @@ def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> W
     Parameters
     ----------
     error
-        Error against the reference [%].
+        Error against the reference, in any unit.
     uncertainty
-        Uncertainty of the reference [%]; None: not known.
+        Uncertainty of the reference, in the same unit; None: not known.
     limit
-        Limit of the error [%].
+        Limit of the error, in the same unit.
 
     Returns
     -------
@@ -225,7 +225,7 @@ def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> W
 
     Examples
     --------
-    >>> decide(-6.0, 0.5, 7.0), decide(6.8, 0.5, 7.0), decide(8.0, 0.5, 7.0)
+    >>> verdict_on_error(-6.0, 0.5, 7.0), verdict_on_error(6.8, 0.5, 7.0), verdict_on_error(8.0, 0.5, 7.0)
     ('pass', 'undecided', 'fail')
     """
     if uncertainty is None:
@@ -238,9 +238,9 @@ def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> W
 class ContactError(NamedTuple):
     """Error on one judged contact, with the uncertainty of the reference."""
 
-    #: Error [%].
+    #: Error [%; deg for contact angles].
     error: float
-    #: Uncertainty of the reference on this contact [%]; None: not known.
+    #: Uncertainty of the reference on this contact, in the same unit; None: not known.
     bar: float | None
     #: Number of the ball, from 1.
     ball: int
@@ -252,7 +252,7 @@ def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Word
     """Return the worst verdict on any contact, and the contact that decides it.
 
     ``points``: errors of all judged contacts; ``limit``: error limit in the unit of these errors. The decisive contact is
-    the one furthest beyond the limit; if none exceeds it, the one nearest to the limit.
+    the one that exceeds the limit by most; if none exceeds it, the one nearest to the limit.
     """
     each = [verdict_on_error(p.error, p.bar, limit) for p in points]
     worst = worst_verdict(each)
@@ -289,10 +289,10 @@ def judge_contact_loads(
     limits
         Error limits of the scene.
     flanks
-        Flanks that are judged. The other flanks enter no error and no mean load. The number of contacts over which the mean
-        is taken is reduced in proportion to the loaded contacts on the judged flanks.
+        Flanks that are judged; loads on the others are not used. The number of contacts over which the mean load is taken
+        is reduced to the share of the loaded contacts that are on the judged flanks.
     detail
-        Further explanation, added to the verdict.
+        Text that is added to the explanation of the verdict.
 
     Returns
     -------
@@ -343,7 +343,7 @@ def _loads_of_neighbouring_balls(
 
 
 def reference_notes(reference: Reference) -> str:
-    """Return notes on a reference as text: its origin, loads that did not converge, a single mesh level."""
+    """Return notes on a reference as text: its origin, incomplete convergence, a single mesh level; empty without any."""
     single = ONE_LEVEL if reference.parts.by_experience and not reference.stated else ""
     return "; ".join(filter(None, (reference.stated, reference.unsettled, single)))
 
@@ -354,7 +354,7 @@ def worst_verdict(words: Sequence[Word]) -> Word:
 
 
 def suspected_cause_text(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
-    """Return the likely cause of errors beyond the limit: wrong unit, different numbering of balls, or swapped flanks.
+    """Return the likely cause of errors above the limit: wrong unit, different numbering of balls, or swapped flanks.
 
     Parameters
     ----------
@@ -398,7 +398,7 @@ def _largest_error(given: Array, right: Array, mean: float) -> float:
     return float(np.abs(error_percent(given, right, mean)).max())
 
 
-#: Note on approaches and pressures that are computed from the loads of the reference.
+#: Note on approaches and pressures that are computed from the contact loads of the reference.
 BY_HERTZ = "reference value computed by Hertz theory from its contact loads and the radii of each contact"
 
 

@@ -89,8 +89,8 @@ class Modelling:
 def unchanged_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
     """Return the stored 3D run of a scene with which its variants on a mesh level are compared; None if none is stored.
 
-    ``stores``: folders with runs; None: that of the package. It is the run of the variant ``base`` if one is stored, else
-    the regular run.
+    ``stores``: folders with runs; None: that included with rollbench. The result is the run of the variant ``base`` if one
+    is stored, else the regular run.
     """
     return load_run(scene, level, "base", stores) or load_run(scene, level, stores=stores)
 
@@ -254,7 +254,7 @@ class BodyShareErrors:
 def errors_by_replaced_body(study: Study) -> list[BodyShareErrors]:
     """Compute the errors of the refined model with screw, nut, both or none of them replaced by condensed 3D bodies.
 
-    All shipped scenes with a stored 3D reference and condensed bodies are solved.
+    All built-in scenes with a stored 3D reference and condensed bodies are solved.
     """
     out = []
     for name, reference in study.references((*REFERENCED, *UNSEEN)).items():
@@ -290,7 +290,7 @@ def ladder(study: Study) -> list[Rung]:
 
 
 def model_errors_on_shipped_scenes(study: Study, rungs: Sequence[Rung]) -> list[Point]:
-    """Return the errors of the models on the shipped scenes, from which expected errors are estimated.
+    """Return the errors of the models on the built-in scenes, from which expected errors are estimated.
 
     ``rungs``: results of the models on these scenes.
     """
@@ -306,7 +306,7 @@ def leave_one_out_rows(study: Study, rungs: Sequence[Rung]) -> list[dict[str, An
     study
         Cache of scenes and 3D references.
     rungs
-        Results of the models on the shipped scenes.
+        Results of the models on the built-in scenes.
 
     Returns
     -------

@@ -107,7 +107,7 @@ def model_title(name: str) -> str:
 
     Examples
     --------
-    >>> title_of("awk -f /home/me/share.awk {scene.json} {loads.csv}"), title_of("lin")
+    >>> model_title("awk -f /home/me/share.awk {scene.json} {loads.csv}"), model_title("lin")
     ('awk -f share.awk', 'lin')
     """
     return parse_command(name).label if is_command(name) else name

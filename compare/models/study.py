@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 class Study:
     """Scenes, model results and stored 3D references of one report or check, each computed or read only once."""
 
-    #: Folders with runs of the 3D reference, in order of search; None: those of the package.
+    #: Folders with runs of the 3D reference, in order of search; None: those included with rollbench.
     stores: Sequence[Path] | None = None
     #: Number of specimens with random errors; None: as the scene states; 0: none, and results that need them stay open.
     members: int | None = None
@@ -46,13 +46,13 @@ class Study:
     evidence: dict[str, tuple[Any, ...]] = field(default_factory=dict)
 
     def scene(self, name: str) -> Scene:
-        """Return the shipped scene ``name``; read on first use."""
+        """Return the built-in scene ``name``; read on first use."""
         if name not in self.scenes:
             self.scenes[name] = catalogue.scene(name)
         return self.scenes[name]
 
     def record_used_scenes(self, names: Sequence[str]) -> None:
-        """Record that results of the study depend on the shipped scenes ``names``."""
+        """Record that results of the study depend on the built-in scenes ``names``."""
         for name in names:
             scene = catalogue.shipped_scene(name)
             if isinstance(scene, Scene):
@@ -67,7 +67,7 @@ class Study:
         return dict(sorted(scenes.items()))
 
     def changed(self, name: str, **ingredients: Any) -> Scene:
-        """Return a copy of the shipped scene ``name`` with changed modelling options.
+        """Return a copy of the built-in scene ``name`` with changed modelling options.
 
         ``ingredients``: new values of fields of `meshes.parts.Ingredients`.
         """
@@ -75,7 +75,7 @@ class Study:
         return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
     def solve(self, scene: Scene | str, model: str = "lin", member: int = 0) -> StaticResult:
-        """Return the result of a model for a scene or the shipped scene of this name; solved on first use.
+        """Return the result of a model for a scene or the built-in scene of this name; solved on first use.
 
         ``member``: number of the specimen with random errors.
         """
@@ -96,7 +96,7 @@ class Study:
         return cast(T, self.computed[key])
 
     def reference(self, name: str) -> Reference | None:
-        """Return the stored 3D reference of a shipped scene, with its uncertainty; None without a converged run."""
+        """Return the stored 3D reference of a built-in scene, with its uncertainty; None without a converged run."""
         return self.compute_once(_stored_reference, name)
 
     def references(self, names: Sequence[str]) -> dict[str, Reference]:
@@ -106,7 +106,7 @@ class Study:
 
 
 def _stored_reference(study: Study, name: str) -> Reference | None:
-    """Return the stored 3D reference of a shipped scene; None without a converged run."""
+    """Return the stored 3D reference of a built-in scene; None without a converged run."""
     return reference_of_scene(study.scene(name), study.stores)
 
 

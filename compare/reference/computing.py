@@ -39,7 +39,7 @@ Step = Callable[[str], None]
 
 #: Enlargement of patches whose rim a contact reaches: largest number, factor of a step, largest number of steps at once.
 ENLARGE, BEYOND, LARGER = 3, 1.2, 4
-#: Share of the length of skew contacts that a patch must cover; with 0.995, no contact of the randomly drawn screws
+#: Share of the length of skew contacts that a patch must cover; with 0.995, no contact of the random screws
 #: reaches the rim.
 ALIKE = 0.99
 #: Smallest relative enlargement for which a patch is meshed again.

@@ -49,7 +49,7 @@ def node_stations(*cases: Solvable) -> tuple[float, ...]:
 
 
 def ball_slices_by_set(described: Solvable) -> list[slice]:
-    """Return for each set of balls the slice of its balls in an array with the balls of all sets on the shaft."""
+    """Return for each nut or bearing the slice of its balls in an array with the balls of all sets on the shaft."""
     sets = [described] if isinstance(described, Scene) else [s.parts for s in described.sets if isinstance(s.parts, Scene)]
     ends = np.cumsum([0, *(scene.ball_count for scene in sets)])
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]
@@ -74,7 +74,7 @@ def _bodies_to_mesh(case: Solvable) -> list[Scene]:
 
 
 def _expected_contacts(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts, ...]:
-    """Return the expected contact loads and angles of each set of balls, from which mesh sizes are chosen.
+    """Return the expected contact loads and angles of each nut or bearing, from which mesh sizes are chosen.
 
     ``case``: load case; ``bodies``: nut or bearing rows to be meshed, as scenes.     For a set without load, a tenth of the
     mean contact load of the other sets is assumed. Refusal if the loads cannot be estimated.
