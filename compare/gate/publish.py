@@ -1,6 +1,6 @@
-"""Writes verdicts of the gate to files: JUnit XML for test servers, Markdown for summaries, CSV for spreadsheets.
+"""Writing of verdicts to files: JUnit XML for test servers, Markdown for summaries, CSV for spreadsheets.
 
-Also lists the verdicts that changed since an earlier file of ``rollbench check --csv`` or ``--json``.
+The module also lists the verdicts that changed since an earlier file of ``rollbench check --csv`` or ``--json``.
 """
 
 from __future__ import annotations
@@ -71,12 +71,12 @@ class Outcome:
     flank: str = ""
     #: Further explanation.
     note: str = ""
-    #: Number, load, reference load and its uncertainty [N] of the balls next to the decisive one, as in `Verdict`.
+    #: For the balls next to the decisive one: number of the ball, judged load, reference load and its uncertainty [N].
     near: tuple[tuple[int, float, float, float], ...] = ()
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """Texts of the cells of the row, in the order of HEADINGS; a unit other than per cent follows the number."""
+        """Texts of the cells of the row, in the order of `HEADINGS`; a unit other than per cent follows the number."""
         numbers = (number_cell_text(x, self.unit) for x in (self.error, self.uncertainty, self.limit))
         ball = "" if self.ball is None else str(self.ball)
         cells = (self.word, self.scene, self.judged, self.quantity, *numbers, ball, self.flank, self.note)
@@ -100,7 +100,7 @@ def outcome_of_verdict(v: Verdict) -> Outcome:
 
 
 def outcome_of_check(row: GateCheck) -> Outcome:
-    """Return the row to be published for a check of the gate on the built-in scenes."""
+    """Return the row to be published for an acceptance check of the built-in scenes."""
     numbers = (row.error_percent, row.uncertainty_percent, row.limit_percent)
     return Outcome(row.passed, row.verdict, row.name, "", row.kind, *numbers, note=row.detail)
 
@@ -147,9 +147,9 @@ def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str
 
 
 def outcome_with_worst_ball(outcomes: Sequence[Outcome]) -> Outcome | None:
-    """Return the row whose ball is drawn: the largest error among rows that did not pass, else among all rows.
+    """Return the row with the largest error among those that did not pass, else among all; its ball is drawn in the chart.
 
-    None if no row has loads of the balls around it.
+    Only rows with loads of the balls around the decisive one count. None if there is no such row.
     """
     shown = [o for o in outcomes if o.near]
     return min(shown, key=lambda o: (o.good, -abs(o.error or 0.0)), default=None)
@@ -353,7 +353,7 @@ def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[Verdic
 
     Returns
     -------
-    list of Change
+    list of VerdictChange
         Earlier and present verdict of each row that changed.
 
     Raises
@@ -371,7 +371,7 @@ def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[Verdic
 
 
 def _verdict_and_error_text(row: RoundedVerdict | None) -> tuple[str, str] | None:
-    """Return the verdict and the error with two decimals, by which a row is compared with an earlier one."""
+    """Return verdict and error (two decimals) of a row as texts, by which rows are compared; None if there is no row."""
     return None if row is None else (row.verdict, row.size)
 
 
@@ -423,7 +423,7 @@ def _number_and_unit(cell: str) -> tuple[float | None, str]:
 
 
 def _verdicts_in_json(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the list of verdicts on scenes, or of the gate's checks, from the JSON output of ``rollbench check``."""
+    """Return the records of verdicts on scenes, or of acceptance checks, from the JSON output of ``rollbench check``."""
     return list(data["verdicts"] if "verdicts" in data else data["rows"])
 
 
