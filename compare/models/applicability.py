@@ -39,7 +39,7 @@ class Descriptor:
 
 
 def _largest_lateral_displacement(scene: Scene) -> float:
-    """Return the largest relative lateral displacement that the supports prescribe [um], a misalignment."""
+    """Return the misalignment of the supports: largest difference of their prescribed lateral displacements [um]."""
     given = {axis: [0.0, *(v for s in scene.supports for k, v in s.fixed if k == axis)] for axis in ("ux", "uy")}
     across, up = (max(v) - min(v) for v in given.values())
     return 1e6 * float(np.hypot(across, up))
@@ -143,7 +143,7 @@ def compared_scenes(*, ring: bool) -> tuple[Scene, ...]:
 #: File with the random screws that were compared (by `rollbench stability`), in a folder of 3D reference runs.
 SURVEY = "survey.json"
 
-#: Number of random screws from which expected errors are estimated. Later screws of the file test the estimate.
+#: Number of random screws from which expected errors are estimated. Further screws in the file test the estimate.
 KNOWN_SCREWS = 240
 
 
@@ -207,7 +207,7 @@ def descriptors_with_ranges(scene: Scene, among: Sequence[Scene] | None = None) 
     scene
         Scene with one nut or bearing row.
     among
-        Compared scenes; None: all built-in scenes and random screws.
+        Compared scenes; None: all compared built-in scenes and random screws.
 
     Returns
     -------
@@ -217,7 +217,7 @@ def descriptors_with_ranges(scene: Scene, among: Sequence[Scene] | None = None) 
     Raises
     ------
     ValueError
-        If the scene has no solid dimensions (`meshes.solid.solid_dimensions`).
+        If no dimensions of the 3D parts follow from the scene (`meshes.solid.dimensions_of_3d_parts`).
     """
     ring = scene.track.lead == 0.0
     out = []
@@ -245,7 +245,7 @@ def descriptors_outside_range(scene: Scene) -> tuple[str, ...]:
     Raises
     ------
     ValueError
-        If the scene has no solid dimensions (`meshes.solid.solid_dimensions`).
+        If no dimensions of the 3D parts follow from the scene (`meshes.solid.dimensions_of_3d_parts`).
     """
     if not descriptors_of_shipped_scenes(ring=scene.track.lead == 0.0):
         return (f"the range of the compared scenes is not known; references/{PLACES} is missing or damaged",)

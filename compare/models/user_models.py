@@ -103,7 +103,8 @@ def origin_of_model(name: str) -> str:
     Returns
     -------
     str
-        Function with name and version of its package; for a command, the files in it with hashes of their contents.
+        Function ``module:name``, with name and version of its package; for a command, the names of its files with hashes of
+        their contents.
     """
     if programs.is_command(name):
         return programs.parse_command(name).files
@@ -123,7 +124,7 @@ def load_user_model(name: str) -> UserModel:
     Returns
     -------
     callable
-        Function of a scene that returns loads or a `ModelAnswer`.
+        Function that takes a scene and returns its contact loads (n, 4) [N] or a `ModelAnswer`.
 
     Raises
     ------
@@ -171,23 +172,23 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
     name
         Name of an installed model, or a command.
     scene
-        The scene. Random errors are drawn first, and the model gets a copy of the scene with the drawn values.
+        The scene. If its geometric errors are random, the model gets a copy with the fixed errors of one specimen.
     member
-        Number of the specimen, from 0.
+        Number of this specimen, from 0.
 
     Returns
     -------
     StaticResult
-        Result as from the models of rollbench.
+        Result of the same form as that of rollbench's models.
 
     Raises
     ------
     ArgumentError
         If an array has a wrong shape, or contains negative loads or values that are not finite.
     Refusal
-        If the function raises.
+        If the function of the model raises an exception.
     ProgramError
-        If the program fails.
+        If the external program fails.
     """
     from rollbench.lowfi.statics.contacts import hertz_C, with_error_free_hertz
     from rollbench.lowfi.statics.problem import SIGNS
