@@ -54,7 +54,7 @@ _LAYOUT = b"\t\n\r\f\v"
 class NotTextError(ValueError):
     """Error for bytes that cannot be read as text.
 
-    value: description of what the bytes are. advice: advice to the user.
+    ``value``: description of what the bytes are; ``advice``: advice to the user.
     """
 
     def __init__(self, value: str, advice: str) -> None:
@@ -119,9 +119,9 @@ def similar_names(name: str, names: Iterable[str]) -> list[str]:
 
 
 def similar_paths(path: Path, others: Iterable[str] = ()) -> str:
-    """Return a question that suggests names similar to a missing file, from its folder or else from ``others``.
+    """Return a question that suggests names similar to that of the missing file ``path``; empty if no name is similar.
 
-    The text is empty if no name is similar; see `did_you_mean`.
+    The names are those of files in the same folder; if none of these is similar, those in ``others``. See `did_you_mean`.
     """
     try:
         files = sorted(p.name for p in path.parent.iterdir() if p.suffix == path.suffix)
@@ -136,7 +136,7 @@ def similar_paths(path: Path, others: Iterable[str] = ()) -> str:
 def os_errors_as_input_errors(path: Path, allowed: str = "a folder that can be written to") -> Iterator[None]:
     """Raise InputError if the block under this context manager cannot write the file ``path``.
 
-    ``allowed``: text of the message on what is allowed.
+    ``allowed``: what is allowed, as text for the message.
     """
     try:
         yield

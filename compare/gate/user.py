@@ -281,7 +281,7 @@ def gate_request(
         If arguments exclude each other or are out of range.
     """
     if max_error is not None and not 0.0 < max_error <= 100.0:
-        advice = "leave it out for the gate's default limit of 7 per cent"
+        advice = "leave `max_error` out for the default of 7 per cent"
         raise ArgumentError("max_error", str(max_error), "above 0 to 100 per cent", advice)
     if levels is not None and not 1 <= levels <= len(LEVELS):
         advice = "compute at least 2 mesh levels to estimate the mesh uncertainty"

@@ -26,9 +26,10 @@ class Study:
 
     #: Folders with runs of the 3D reference, in order of search; None: those included with rollbench.
     stores: Sequence[Path] | None = None
-    #: Number of specimens with random errors; None: as the scene states; 0: none, and results that need them stay open.
+    #: Number of specimens with random errors; None: as many as the scene states; 0: none, so that results which need them
+    #: are not computed.
     members: int | None = None
-    #: Whether only coarse meshes are used.
+    #: Whether only coarse meshes are used, to save time.
     quick: bool = False
     #: Whether run times are measured; else stored run times are used.
     timed: bool = False
@@ -36,13 +37,14 @@ class Study:
     cache: Path | None = None
     #: Scenes with one nut or bearing row, by name.
     scenes: dict[str, Scene] = field(default_factory=dict)
-    #: Shipped scenes of other types than `Scene` (shafts, duty cycles, kinds for friction), by name.
+    #: Built-in scenes of other types than `Scene` (shafts with several nuts or bearings, duty cycles, parts for which only
+    #: friction is computed), by name.
     others: dict[str, Described] = field(default_factory=dict)
     #: Results by scene, model and number of the specimen.
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
     #: Values of `compute_once`, by function and arguments.
     computed: dict[Any, Any] = field(default_factory=dict)
-    #: Computed counterparts of printed numbers, by printed table.
+    #: Printed numbers and claims with their computed values (`compare.evidence.Evidence`), by printed table.
     evidence: dict[str, tuple[Any, ...]] = field(default_factory=dict)
 
     def scene(self, name: str) -> Scene:
@@ -69,15 +71,16 @@ class Study:
     def changed(self, name: str, **ingredients: Any) -> Scene:
         """Return a copy of the built-in scene ``name`` with changed modelling options.
 
-        ``ingredients``: new values of fields of `meshes.parts.Ingredients`.
+        ``**ingredients``: new values of fields of `meshes.parts.Ingredients`, by name.
         """
         scene = self.scene(name)
         return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
     def solve(self, scene: Scene | str, model: str = "lin", member: int = 0) -> StaticResult:
-        """Return the result of a model for a scene or the built-in scene of this name; solved on first use.
+        """Return the result of a model for a scene; it is solved on first use.
 
-        ``member``: number of the specimen with random errors.
+        ``scene``: the scene, or the name of a built-in scene; ``model``: name of the model; ``member``: number of the
+        specimen, from 0, of a scene with random errors.
         """
         parts = self.scene(scene) if isinstance(scene, str) else scene
         key = (parts, model, member)
@@ -100,7 +103,7 @@ class Study:
         return self.compute_once(_stored_reference, name)
 
     def references(self, names: Sequence[str]) -> dict[str, Reference]:
-        """Return the stored 3D references by scene name, without scenes that have none."""
+        """Return the stored 3D references of built-in scenes by name, without the scenes that have none."""
         references = {name: self.reference(name) for name in names}
         return {name: ref for name, ref in references.items() if ref is not None}
 
@@ -117,9 +120,10 @@ def with_conformity(scene: Scene, conformity: float) -> Scene:
 
 
 def with_ball_count(base: Scene, count: int) -> Scene:
-    """Return a copy of the ball screw ``base`` with ``count`` balls at the same spacing, with a nut as long as needed.
+    """Return a copy of the ball screw ``base`` with ``count`` balls at the same spacing.
 
-    The screw is lengthened by the same amount as the nut.
+    If the nut is too short for the balls, nut and screw are lengthened by the same amount. The nut is at the middle of the
+    screw.
     """
     step = (base.balls.azimuths[-1] - base.balls.azimuths[0]) / (len(base.balls.azimuths) - 1)
     azimuths = tuple((i - (count - 1) / 2.0) * step for i in range(count))
