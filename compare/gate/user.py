@@ -72,18 +72,19 @@ def read_reference_file(
 
     The file states the uncertainty of its loads in a column (``uncertainty_N``, or ``uncertainty_percent`` of each load) or
     in a note above the table (``# uncertainty: 0.5 %`` of the mean load, or ``2 N``). If it states none, the uncertainty is
-    taken as zero, and the reference says so.
+    taken as zero, and the description of the reference says so.
 
     Parameters
     ----------
     path
         Path of the file.
     scene
-        Scene with a single nut or bearing.
+        Scene with a single ball nut or bearing.
     row_filter
-        Filter for the rows of the file: accepted texts of the columns ``case`` and ``set``.
+        Accepted texts of the columns ``case`` (load case) and ``set`` (nut or bearing); rows with other texts are skipped.
     contacts
-        Number of contacts that carry load in the screw without errors; None: computed from the scene.
+        Number of contacts that carry load in the screw without geometric errors, over which the mean load is taken; None:
+        computed from the scene.
 
     Returns
     -------
@@ -209,7 +210,7 @@ SHARE = 0.2
 #: Reason of a verdict "not covered" on a scene without reference.
 NONE_STORED = "no run of its 3D reference is stored, and none is to be computed"
 
-#: Known columns of a file of loads, as text for messages.
+#: Known columns of a file of contact loads, as text for messages.
 KNOWN = "ball, flank, newton, azimuth_deg, z_mm, contact_angle_deg, approach_um, pressure_MPa, uncertainty_N in any unit"
 
 NO_OTHERS: Mapping[str, float] = {}
@@ -227,15 +228,15 @@ class GateRequest:
     model: str = DEFAULT
     #: File of contact loads that are judged instead of a model's.
     loads: Path | None = None
-    #: Limit of the errors of contact loads [%]; None: that of the scene, or `LIMIT`.
+    #: Limit of the errors of contact loads [%]; None: the limit that the scene states, or else `LIMIT`.
     max_error: float | None = None
-    #: Least number of mesh levels of the 3D reference; None: those that are stored, `ENOUGH` if there are fewer.
+    #: Least number of mesh levels of the 3D reference; None: the number of stored levels, but at least `ENOUGH`.
     levels: int | None = None
     #: Whether missing runs of the 3D reference are computed.
     compute: bool = True
     #: File of further values (such as stiffness or life) that are judged.
     values: Path | None = None
-    #: Error limits of quantities other than loads, by name of the quantity.
+    #: Error limits of quantities other than loads, by name of the quantity [%; deg for contact angles].
     limits: Mapping[str, float] = field(default_factory=dict)
     #: File of contact loads that replaces the 3D reference.
     reference: Path | None = None
@@ -264,7 +265,7 @@ def gate_request(
     model, loads, values, max_error, reference, strict, levels, compute
         As in `GateRequest`; an empty ``model`` means the default model.
     limits
-        Error limits of quantities other than loads, each as ``NAME=NUMBER``.
+        Error limits of quantities other than loads, each as ``NAME=NUMBER`` in %, or in degrees for contact angles.
     store
         Folder in which new runs of the 3D reference are stored.
     stored
@@ -319,9 +320,9 @@ class UserFiles:
 
     #: Contact loads of another program, one record for each nut or bearing.
     loads: tuple[GivenLoads, ...] = ()
-    #: Values of the whole screw (such as stiffness or life).
+    #: Values of quantities of the whole screw (such as stiffness or life).
     values: tuple[GivenValue, ...] = ()
-    #: Scene scaled to the axial load [N] at which a value is given, by that load.
+    #: For each axial load [N] at which a value is given, the scene with its loads scaled to that axial load.
     at: Mapping[float, Scene] = field(default_factory=dict)
     #: User's reference, one record for each nut or bearing.
     reference: tuple[Referenced, ...] = ()
@@ -335,7 +336,7 @@ def check_scenes(
     warn: Callable[[str], None] = lambda _: None,
     cases: Mapping[str, str] = NO_CASES,
 ) -> list[Verdict]:
-    """Judge a model's or a file's contact loads and other values on each scene, against the scene's reference.
+    """Judge a model's or a file's contact loads and other values on each scene, against the 3D or the user's reference.
 
     Missing runs of the 3D reference are computed first, unless the request forbids it.
 
@@ -344,15 +345,15 @@ def check_scenes(
     scenes
         Scenes with one load case each.
     request
-        Model or file to be judged, error limits and reference.
+        Model or file to be judged, error limits, and the reference to judge it against.
     engine
         Settings that determine where missing runs of the 3D reference are computed.
     step
-        Called with each line of progress.
+        Function that is called with each line of progress.
     warn
-        Called with each warning.
+        Function that is called with each warning.
     cases
-        Name of the load case by name of the scene, if a file holds rows of several load cases.
+        For each scene's name, the name of its load case; needed if a file holds rows of several load cases, else empty.
 
     Returns
     -------
@@ -363,7 +364,7 @@ def check_scenes(
     Raises
     ------
     InputError
-        If a file does not fit the scene. If the model cannot describe a scene, the subclass Refusal.
+        If a file does not fit the scene, or the model does not cover a scene.
     """
     warned: dict[str, None] = {}
     for scene in scenes:
@@ -419,7 +420,7 @@ def _contact_verdicts_of_set(one: Referenced, files: UserFiles, limits: Limits, 
 def _with_set_name(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
     """Return the verdicts with the names of the shaft assembly and of its nut or bearing filled in.
 
-    ``one``: the nut or bearing that they judge; the verdicts of a scene with one set are unchanged.
+    ``one``: the nut or bearing that they judge; the verdicts of a scene with a single one are unchanged.
     """
     return verdicts if one.of is None else [replace(v, scene=one.of.assembly.name, set=one.of.name) for v in verdicts]
 
@@ -464,7 +465,10 @@ def _verdict_on_value(
 
 
 def is_name_of_set(referenced: Referenced, text: str) -> bool:
-    """Return whether the text ``text`` is the number (from 1) or the name of a nut or bearing; true if there is one set."""
+    """Return whether a text is the number (from 1) or the name of a nut or bearing; True for a scene with a single one.
+
+    ``referenced``: the nut or bearing with its reference.
+    """
     return referenced.of is None or text in _names_of_set(referenced.of.assembly, referenced.of.number)
 
 
@@ -650,7 +654,7 @@ def _notes_on_loads(given: GivenLoads, reference: Reference, limits: Limits) -> 
 
 
 def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
-    """Return the error limits for a scene: those of the request, else those of the scene, else `LIMIT`.
+    """Return the error limits for a scene: those that the user states, else those that the scene states, else `LIMIT`.
 
     Parameters
     ----------
