@@ -193,7 +193,11 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
     """
 
     def refuse(key: str, allowed: str, advice: str, shown: str = "") -> InputError:
-        """Return the error to raise for a key of this row; ``shown`` replaces the value of the key in the message."""
+        """Return the error to raise for a key of this row.
+
+        ``allowed``, ``advice``: what is allowed, and what to do, as texts of the message; ``shown``: text that the message
+        shows instead of the value of the key; empty: the value is shown.
+        """
         given = raw.get(key)
         value = shown or ("nothing" if given is None else f'"{given}"' if isinstance(given, str) else f"{given}")
         return InputError(f"{table}.toml", f"row[{index}].{key}", value, allowed, advice)

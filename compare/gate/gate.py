@@ -144,7 +144,8 @@ def compare_oversize_preload(scene: Scene, oversize: float) -> tuple[float, floa
 
     The screw is rigid and carries no external load. By symmetry a ball moves only radially, by x. Its approach to each
     screw flank is e + |(x - d cos beta, d sin beta)| - d, to each nut flank the same with x + d cos beta. Here e is the
-    oversize [m], beta the contact angle, and d the distance of the groove centre from the ball centre. The closed form is
+    oversize of the ball radius (``oversize``) [m], beta the contact angle, and d the distance of the groove centre from the
+    ball centre. The closed form is
     the x at which the radial forces on the ball balance.
     """
     squeezed = replace(
@@ -206,7 +207,7 @@ class GateCheck:
     detail: str = ""
     #: Uncertainty of the reference [%].
     uncertainty_percent: float | None = None
-    #: Whether the gate fails if this check fails; if not, the check is only reported.
+    #: Whether ``rollbench check`` fails if this check fails; if not, the check is only reported.
     gated: bool = True
 
     @property
@@ -229,7 +230,8 @@ class GateCheck:
 def check_of_number(name: str, kind: str, value: float, reference: float, limit: float) -> GateCheck:
     """Return the check of a computed number against a reference value.
 
-    ``name``: checked quantity; ``kind``: kind of the reference, such as "closed form"; ``limit``: limit of the error [%].
+    ``name``: checked quantity; ``kind``: kind of the reference, such as "closed form"; ``value``: computed number;
+    ``reference``: value that it should have, in the same unit; ``limit``: limit of the error [%].
     """
     error = float(error_percent(value, reference))
     return GateCheck(name, kind, value, reference, error, limit, abs(error) <= limit)

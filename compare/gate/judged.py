@@ -99,7 +99,7 @@ def parse_error_limits(texts: Sequence[str]) -> dict[str, float]:
         name, _, number = text.partition("=")
         name = name.strip().lower().replace("_", " ")
         name = ANGLE.name if name == "angle" else name
-        allowed = f"NAME=NUMBER with a number above 0 and, each once, one of the names {', '.join(QUANTITIES)}"
+        allowed = f"NAME=NUMBER with a number above 0, each NAME once, out of the names {', '.join(QUANTITIES)}"
         advice = (
             "state the limit in per cent, of the contact angle in degrees, such as rigidity=10; set the limit of the loads "
             "with `max_error`"

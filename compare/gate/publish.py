@@ -108,7 +108,8 @@ def outcome_of_check(row: GateCheck) -> Outcome:
 def junit_xml(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
     """Return verdicts as JUnit XML: a test case for each row, and the notes as properties.
 
-    A row that did not pass is a failure, whose type is its verdict.
+    ``outcomes``: rows of verdicts; ``notes``: notes on the whole table. A row that did not pass is a failure, whose type is
+    its verdict.
     """
     bad = [o for o in outcomes if not o.good]
     counts = {"tests": str(len(outcomes)), "failures": str(len(bad)), "errors": "0", "skipped": "0"}
@@ -133,8 +134,9 @@ def junit_xml(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
 def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
     """Return verdicts as Markdown: counts, notes, a table, and a chart of the loads around the worst ball.
 
-    Rows that did not pass come first. The chart is written in Mermaid, which GitHub, GitLab, Forgejo and Gitea draw,
-    because a comment there cannot contain an image file.
+    ``outcomes``: rows of verdicts, of which those that did not pass come first; ``notes``: notes on the whole table. The
+    chart is written in Mermaid, which GitHub, GitLab, Forgejo and Gitea draw, because a comment there cannot contain an
+    image file.
     """
     counts: dict[str, int] = {}
     for o in outcomes:

@@ -123,7 +123,8 @@ def read_reference_file(
 def uncertainty_warning(ref: Reference, limit: float) -> str:
     """Return a warning if the largest uncertainty of a contact load of the reference exceeds the error limit; else "".
 
-    ``limit``: error limit of contact loads [% of the contact's load; of the mean load for small loads].
+    ``ref``: the reference; ``limit``: error limit of contact loads [% of the contact's load; of the mean load for small
+    loads].
     """
     worst = max(contact_load_errors(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
     if worst.uncertainty_percent <= limit:
@@ -258,7 +259,7 @@ def gate_request(
     stored: Path | None = None,
     compute: bool = True,
 ) -> GateRequest:
-    """Check the user's arguments and return them as a request to the gate.
+    """Check the user's arguments and return them as a request to judge a model or file.
 
     Parameters
     ----------
@@ -404,7 +405,8 @@ def check_scenes(
 def _contact_verdicts_of_set(one: Referenced, files: UserFiles, limits: Limits, request: GateRequest) -> list[Verdict]:
     """Return the verdicts on the contact loads of one nut or bearing, taken from a user's file or from a model.
 
-    ``one``: the nut or bearing with its reference.
+    ``one``: the nut or bearing with its reference; ``files``: contents of the user's files; ``limits``: error limits;
+    ``request``: model or file to be judged.
     """
     if request.loads is None:
         return _with_set_name(_verdicts_on_model(one, request.model, limits, request.stores), one)
@@ -451,9 +453,9 @@ def _verdict_on_value(
 ) -> Verdict:
     """Return the verdict on a user's value of the whole screw (such as its life or stiffness).
 
-    ``referenced_sets``: the nuts or bearings to which the value belongs, with their references; if there is none, the
-    verdict is "not covered" for the given ``reason``. Of several nuts or bearings on one shaft, only the life of each is
-    judged. ``scene``: the scene that the user's file describes.
+    ``value``: the user's value; ``referenced_sets``: the nuts or bearings to which it belongs, with their references; if
+    there is none, the verdict is "not covered" for the given ``reason``. Of several nuts or bearings on one shaft, only the
+    life of each is judged. ``scene``: the scene that the user's file describes.
     """
     assert request.values is not None
     one = next(iter(referenced_sets), None)
@@ -490,8 +492,8 @@ def _scenes_with_user_files(
 ) -> Sequence[Solvable]:
     """Return the scenes to which the user's files apply; an empty sequence if the request names no file.
 
-    ``cases``: name of the load case by name of the scene.
-    Raises ArgumentError if there are several scenes that are not load cases of a single one.
+    ``scenes``: scenes to be judged; ``cases``: name of the load case by name of the scene, for load cases of one scene.
+    ArgumentError if there are several scenes that are not load cases of a single one.
     """
     named = {"loads": request.loads, "values": request.values, "reference": request.reference}
     for argument, path in named.items():
@@ -619,7 +621,7 @@ def _check_set_names(scene: Solvable, values: Sequence[GivenValue], path: Path) 
 def _scene_at_value_load(scene: Solvable, value: GivenValue, path: Path) -> Scene:
     """Return the scene with its loads scaled to the axial load at which a value in the file ``path`` is given.
 
-    InputError if the scene has no axial load, or several nuts or bearings.
+    ``value``: the value with its axial load. InputError if the scene has no axial load, or several nuts or bearings.
     """
     assert value.force is not None
     if isinstance(scene, Assembly):
@@ -642,9 +644,10 @@ def _check_unknown_columns(path: Path, headings: Sequence[str], warn: Callable[[
 
 
 def _notes_on_loads(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[str]:
-    """Yield notes on a user's contact loads, some of them empty texts.
+    """Yield notes on a user's contact loads, some of which may be empty texts.
 
-    The notes state flanks without loads, balls that the file numbers differently, and suspected causes of large errors.
+    ``given``: the user's contact loads; ``limits``: error limits. The notes state flanks without loads, balls that the file
+    numbers differently, and suspected causes of large errors.
     """
     left = [side for side in SIDES if side not in given.flanks]
     yield f"flanks not judged because the file has no loads on them: {', '.join(left)}" if left else ""
@@ -718,7 +721,9 @@ def _compute_missing_runs(
 ) -> dict[str, str]:
     """Compute missing runs of the 3D reference, and return why a computation failed, by name of the scene.
 
-    A scene that the 3D reference cannot represent does not stop the computation of the others.
+    ``request``: number of mesh levels and folders of runs; ``engine``: settings that determine where runs are computed;
+    ``step``: function that is called with each line of progress. A scene that the 3D reference cannot represent does not
+    stop the computation of the others.
     """
     why: dict[str, str] = {}
     for group in group_by_geometry(scenes):

@@ -1,4 +1,4 @@
-"""Verdicts of the gate on contact loads and other quantities: error against a reference, its uncertainty, and a limit."""
+"""Verdicts on contact loads and other quantities, from the error against a reference, its uncertainty, and a limit."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Limits:
 
 
 def subject_text(scene: str, case: str | None, set_: str | None) -> str:
-    """Return the names of scene, load case and nut or bearing (``set_``) as one text, without those that are None."""
+    """Return the names of scene, load ``case`` and nut or bearing (``set_``) as one text, without those that are None."""
     return ", ".join(filter(None, (scene, case, set_)))
 
 
@@ -459,10 +459,10 @@ def _judge_contact_quantity(
 ) -> Verdict:
     """Judge one contact quantity (angle, approach or pressure) by its decisive contact.
 
-    ``judged``: name of the model or file; ``given``: its values; ``name``: key of the quantity in `OF_CONTACTS`. Errors of
-    approach and pressure are in per cent of the reference value of the contact; for contacts with less than a tenth of the
-    mean load, in per cent of the value at the mean load. Errors of angles are in degrees, on contacts that bear load both
-    in the reference and in the judged values.
+    ``judged``: name of the model or file; ``given``: its values; ``name``: key of the quantity in `OF_CONTACTS`; ``ref``:
+    the reference; ``limits``: error limits. Errors of approach and pressure are in per cent of the reference value of the
+    contact; for contacts with less than a tenth of the mean load, in per cent of the value at the mean load. Errors of
+    angles are in degrees, on contacts that bear load both in the reference and in the judged values.
     """
     q, value = OF_CONTACTS[name], given.further[name]
     limit, unit = error_limit_of(q, limits.others, limits.largest), "deg" if q is ANGLE else "%"
@@ -519,5 +519,5 @@ def judge_given_value(judged: str, given: GivenValue, scene: Scene, ref: Referen
 
 
 def quantities_without_verdict(verdicts: Sequence[Verdict]) -> list[str]:
-    """Return the names of the quantities (`QUANTITIES`) on which none of the verdicts is."""
+    """Return the names of those quantities (`QUANTITIES`) on which there is none of the given verdicts."""
     return [name for name in QUANTITIES if not any(v.quantity.split(" at ")[0] == name for v in verdicts)]

@@ -107,7 +107,8 @@ def axial_play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
 def _play_warning_of_row(parts: Scene, displacement: float) -> Iterator[Warned]:
     """Yield a warning if a deep-groove row is fixed near one end of its axial play.
 
-    ``displacement``: prescribed axial displacement of the inner ring relative to the outer ring [m].
+    ``parts``: the row as a scene; ``displacement``: prescribed axial displacement of the inner ring relative to the outer
+    ring [m].
     """
     clearance = clearance_of_deep_groove(parts)
     if clearance is None:
@@ -305,7 +306,7 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Opti
     step = TANGENT_OF.get(model, model)
     if step not in (*LADDER, "condensed"):
         allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
-        raise ArgumentError("stiffness_at", f"the model {model}", f"only with a model of {allowed}", "choose another model")
+        raise ArgumentError("stiffness_at", f"the model {model}", f"only the models {allowed}", "choose another model")
     condensed = read_condensed_bodies(scene, options) if step == "condensed" else None
     modelled = MODELS[model].scene(scene)
     try:

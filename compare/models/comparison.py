@@ -531,7 +531,7 @@ class SetOfAssembly:
 
     #: Shaft with all nuts or bearings.
     assembly: Assembly
-    #: Number of the set, from 0.
+    #: Number of this nut or bearing on the shaft, from 0.
     number: int
 
     @property
@@ -555,7 +555,7 @@ class SetOfAssembly:
 
 @dataclass(frozen=True)
 class Referenced:
-    """Scene with one nut or bearing, or one of several sets on a shaft, with its 3D reference."""
+    """Scene with one nut or bearing, or one of several nuts or bearings on a shaft, with its 3D or user's reference."""
 
     #: Nut or bearing as a separate scene.
     scene: Scene
@@ -571,7 +571,7 @@ class Referenced:
 
     @property
     def set(self) -> str:
-        """Name of the nut or bearing on its shaft; empty if the scene has one set."""
+        """Name of the nut or bearing on its shaft; empty if the scene has a single one."""
         return "" if self.of is None else self.of.name
 
 

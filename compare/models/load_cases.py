@@ -243,7 +243,10 @@ def _torque_of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | No
 
 
 def combined_axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnswers) -> SystemLife | None:
-    """Compute the combined life of all nuts and bearings that turn with the shaft; None if none of them has a life."""
+    """Compute the combined life of all nuts and bearings that turn with the shaft; None if none of them has a life.
+
+    ``result``: converged solution; ``answers``: results that follow from it, with the life of each nut or bearing.
+    """
     lives = {}
     for s, one in zip(result.sets, answers.sets, strict=True):
         life = getattr(one.loads, "life", None)
@@ -528,7 +531,7 @@ def compute_cycle_results(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis
 def _axis_life_over_cycle(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
     """Return the combined life over a duty cycle of all nuts and rows that turn with the shaft.
 
-    None for a scene with one nut or row, or if no life is known.
+    ``lives``: lives of each nut or row. None for a scene with one nut or row, or if no life is known.
     """
     if not isinstance(cycle.parts, Assembly):
         return None

@@ -320,8 +320,8 @@ class LoadPath:
     on_shaft: Array
     #: Parts that supports and frames carry.
     takers: tuple[LoadTaker, ...] = quantity_field("supports")
-    #: Force and moment of the contacts about their nut or ring, (6,) [N, N m]; of several sets the sum of the absolute
-    #: values.
+    #: Force of the contacts, and its moment about the centre of their nut or ring, (6,) [N, N m]; for several nuts or rows
+    #: the sum of the absolute values.
     contacts: Array = quantity_field(
         "contacts.force_N",
         "what the loads change of the force that the contacts take from the screw; of several sets the sum of the changes' "

@@ -252,7 +252,8 @@ class CsvTable:
 def _cells_by_line(path: Path, lines: Sequence[str], above: int, separator: str) -> Iterator[tuple[int, list[str]]]:
     """Yield each row of a CSV table as (line number in the file, cells); InputError for unmatched quotes.
 
-    ``lines``: lines of the table; ``above``: number of lines of the file before them.
+    ``lines``: lines of the table; ``above``: number of lines of the file before them; ``separator``: character between two
+    cells.
     """
     reader = csv.reader(lines, delimiter=separator, strict=True)
     try:
@@ -266,7 +267,7 @@ def _cells_by_line(path: Path, lines: Sequence[str], above: int, separator: str)
 def _check_cells(path: Path, number: int, titles: Sequence[str], row: Sequence[str], separator: str) -> None:
     """Raise InputError for a row with text in a column without heading, other than the first column (row numbers).
 
-    ``number``: line number; ``titles``: headings; ``row``: cells.
+    ``number``: number of the line; ``titles``: headings; ``row``: cells; ``separator``: character between two cells.
     """
     if not any(cell and not title for cell, title in [*zip_longest(row, titles, fillvalue="")][1:]):
         return

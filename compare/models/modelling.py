@@ -5,8 +5,8 @@ not print. Each choice is varied separately on the coarsest mesh level, and each
 finest level. Each varied run is compared with the unchanged scene on the same level (``base``). If a choice has several
 variants, the largest change of each contact load counts. The choices are independent and their effects have unknown signs,
 so they are combined for each contact by the root of the sum of squares. The result estimates the effect of one typical
-variation of every choice and is not a bound. Properties of the scene (where the nut is fixed) or of the method (modes,
-sockets) are listed but not included; choices that cannot be varied are not included either
+variation of every choice and is not a bound. Properties of the scene (where the nut is fixed) or of the method (number of
+modes, mesh around the contacts) are listed but not included; choices that cannot be varied are not included either
 (``compare.reference.levels.NOT_VARIED``).
 """
 

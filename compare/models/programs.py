@@ -143,7 +143,7 @@ def parse_command(name: str) -> Program:
     except ValueError as error:
         raise ArgumentError("model_command", command, f"a command that can be split into words ({error})", advice) from None
     if not words or SCENE in words[0] or LOADS in words[0]:
-        raise ArgumentError("model_command", command, "a program before its files", advice)
+        raise ArgumentError("model_command", command, "a command that begins with a program", advice)
     try:
         seconds = SECONDS if limit is None else float(limit[1])
     except ValueError:

@@ -399,7 +399,7 @@ def find_model(name: str, argument: str = "model", excluded: Sequence[str] = ())
 
 
 def has_random_errors(scene: Scene | Assembly) -> bool:
-    """Return whether the scene, or any nut or row on its shaft, has geometric errors that are drawn at random."""
+    """Return whether the scene, or any nut or row on its shaft, has random geometric errors."""
     if isinstance(scene, Scene):
         return scene.errors.random
     return any(isinstance(s.parts, Scene) and s.parts.errors.random for s in scene.sets)

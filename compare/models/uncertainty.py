@@ -603,7 +603,10 @@ def _largest_input_effect(scene: Scene) -> tuple[float | None, str]:
 
 
 def choice_effects_record(varied: Modelling) -> ChoiceEffects:
-    """Return the record to be stored of the effects of modelling choices on the contact loads of a scene."""
+    """Return the record to be stored of the effects of modelling choices on the contact loads of a scene.
+
+    ``varied``: effects of all choices on this scene.
+    """
     first = max(varied.choices, key=lambda name: varied.choices[name])
     return ChoiceEffects(varied.scene, varied.largest, first, varied.choices[first])
 

@@ -157,7 +157,10 @@ def _answer_of_program(program: programs.Program, scene: Scene) -> ModelAnswer:
 
 
 def _unusable_model_error(point: EntryPoint, reason: str) -> ArgumentError:
-    """Return the ArgumentError for a model of an installed package that cannot be used; ``point``: its entry point."""
+    """Return the ArgumentError for a model of an installed package that cannot be used, with the reason.
+
+    ``point``: entry point of the model.
+    """
     advice = "correct the package that provides the model, or uninstall it"
     return ArgumentError("model", f"{point.name} ({point.value}): {reason}", "a function of a scene", advice)
 
@@ -239,7 +242,10 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
 
 
 def _equilibrium_warnings(name: str, balance: Equilibrium) -> Iterator[Warned]:
-    """Yield a warning if the contact loads of the model ``name`` are not in equilibrium with loads and supports."""
+    """Yield a warning if the contact loads of the model ``name`` are not in equilibrium with loads and supports.
+
+    ``balance``: equilibrium of the screw, with what remains unbalanced.
+    """
     if balance.largest > UNBALANCED:
         brief = f"loads of {name} out of balance by {100.0 * balance.largest:.3g} % of the largest force or moment"
         yield Warned("balance", f"{brief}: check their units, signs and the order of the flanks", brief)
@@ -273,8 +279,8 @@ def _contact_balance(scene: Scene, load_of: Array, points: Array, normal: Array)
 def _checked_numbers(name: str, what: str, value: Array, shape: Sequence[int], least: float = -np.inf) -> Array:
     """Return an array that a user's model gave, after checking its shape and values.
 
-    ArgumentError if it is not of shape ``shape``, or a value is not finite or below ``least``. ``name``: name of the model;
-    ``what``: quantity.
+    ``name``: name of the model; ``what``: name of the quantity; ``value``: the array. ArgumentError if it is not of shape
+    ``shape``, or a number in it is not finite or below ``least``.
     """
     advice = "correct the model"
     allowed_shape = f"an array of shape {shape}"

@@ -211,9 +211,10 @@ def _pooled_uncertainties(data: Array, h: Array) -> Array:
 
 
 def _checked_levels(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
-    """Return values as an array (levels, m) and sizes relative to the finest.
+    """Return values of m quantities as an array (levels, m), and cell sizes relative to the finest, (levels,).
 
-    ValueError if a value is not finite, the numbers differ, or the sizes do not decrease.
+    ``values``: (levels, m), or (levels,) for one quantity; ``sizes``: cell sizes, coarse to fine. ValueError if a value is
+    not finite, the number of values differs from that of the sizes, or the sizes do not decrease.
     """
     y, h = np.asarray(values, float), np.asarray(sizes, float)
     y = y[:, None] if y.ndim == 1 else y
@@ -295,8 +296,8 @@ def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
 def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
     """Fit limits and slopes of all quantities for a given order p.
 
-    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``weighted``: whether weights are 1 / h. The order
-    counts as one fitted parameter that all quantities share.
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``p``: the order; ``weighted``: whether the levels have
+    weights 1 / h instead of equal ones. The order counts as one fitted parameter that all quantities share.
     """
     x = _box_cox_transform(h, np.array([p]))[0]
     finest, slope, residual = _linear_least_squares(y, x[:, None], level_weights(h, weighted))
@@ -347,7 +348,10 @@ def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
 
 
 def level_weights(h: Array, weighted: bool) -> Array:
-    """Return the weights of the mesh levels, with sum one: proportional to 1 / h if ``weighted``, else equal."""
+    """Return the weights of the mesh levels, (levels,), with sum one: proportional to 1 / h if ``weighted``, else equal.
+
+    ``h``: relative cell sizes (levels,).
+    """
     w = 1.0 / h if weighted else np.ones_like(h)
     return np.asarray(w / w.sum())
 

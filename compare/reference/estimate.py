@@ -215,7 +215,8 @@ def _cell_sizes(level: int) -> Array:
 def _variance_factors(level: int, other: int) -> Array:
     """Return the factors by which variances of the errors contribute to the variance of a load change between two levels.
 
-    The two entries belong to the error due to the cells at the contact and to that due to the cells of the bodies.
+    ``level``, ``other``: the two mesh levels. The result (2,) has first the factor for the error due to the cells at the
+    contact, then that for the error due to the cells of the bodies.
     """
     return np.asarray(_cell_sizes(level) ** (2 * ORDER) + _cell_sizes(other) ** (2 * ORDER))
 

@@ -41,9 +41,9 @@ BASE_GB = {0: 0.6, 1: 0.65, 2: 0.9, 3: 1.3, 4: 2.2, 5: 4.4}
 
 CONTACT_GB = 0.007
 
-#: Stages that two processes share, their speed-up, and the memory that a second process adds: the share `MORE` of the
-#: whole up to `TOGETHER` contacts. With more contacts it computes only patches (`hifi.setup.TOGETHER`) and adds the share
-#: `PATCHES_ALONE` of the base memory.
+#: Stages that are divided between two processes, factor by which they are then faster, and memory that the second process
+#: adds: up to `TOGETHER` contacts the share `MORE` of the memory of one process. With more contacts the second process
+#: computes only patches (`hifi.setup.TOGETHER`) and adds the share `PATCHES_ALONE` of `BASE_GB`.
 SHARED, FASTER, MORE, TOGETHER = ("meshes", "patches", "ball", "shaft section", "screw", "nut"), 1.7, 0.7, 160
 
 PATCHES_ALONE = 0.68
@@ -261,8 +261,8 @@ def plan_tasks(
 def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
     """Return the tasks whose runs are not stored yet, reduced to the scenes without a stored run.
 
-    ``stores``: folders that are searched. A task whose condensed screw and nut are required but not stored is returned with
-    all its scenes.
+    ``tasks``: the required tasks; ``stores``: folders that are searched. A task whose condensed screw and nut are required
+    but not stored is returned with all its scenes.
     """
     left = []
     for task in tasks:
@@ -439,8 +439,9 @@ def ensure(
 def _announcement_text(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
     """Return the message that announces number, expected time and memory of the tasks to compute.
 
-    ``left``: the tasks; ``stored``: number of tasks whose runs are stored already; ``store``: folder of new runs;
-    ``here``: whether they run on this machine. InputError if its memory is too small.
+    ``left``: the tasks to compute; ``stored``: number of tasks whose runs are stored already; ``store``: folder of new
+    runs; ``workers``: number of tasks at the same time; ``here``: whether they run on this machine. InputError if the free
+    memory of this machine is too small.
     """
     kept = f", {stored} are stored" if stored > 0 else ""
     head = f"3D reference: {count_with_noun(len(left), 'set-up')} to compute{kept}"

@@ -47,7 +47,8 @@ PRODUCTION = 3
 STUDIED = (1, 2, 3, 4)
 #: Default levels of a scene outside the studies: level 3 is more accurate than level 1 by a factor of 1.8, measured on all
 #: scenes that were solved on three levels or more. Between consecutive levels the factors are 1.6, 1.2 and 1.2, because the
-#: error due to the cut of the coarse sockets is the same on all levels (tests/unit/models/test_grid_coverage.py).
+#: error due to the mesh of the sockets (coarse boxes around the contacts) is the same on all levels
+#: (tests/unit/models/test_grid_coverage.py).
 ADVISED = (1, 3)
 #: Kinds of bodies in models of rolling contacts.
 HALF_SPACE, FINITE = "half-space", "finite"
@@ -141,8 +142,8 @@ def lengthen_3d_shaft(leads: float) -> Change:
 def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
     """Return a function that copies a scene with the nut fixed only at the inner or outer half of its fixed face.
 
-    For a flanged nut it is the half of the flange's seat. The function raises ValueError if the nut is not fixed at one
-    face.
+    ``half``: which half of the face's width. For a flanged nut it is the half of the flange's seat. The function raises
+    ValueError if the nut is not fixed at one face.
     """
 
     def fix_half(scene: Scene) -> Scene:

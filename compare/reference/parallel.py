@@ -123,7 +123,8 @@ def _run_in_workers(
 def _run_job(number: int, version: str, function: Callable[..., Any], arguments: Sequence[Any]) -> Answer:
     """Run one job in a worker process, and return its number, whether it succeeded, and its pickled result or exception.
 
-    A process runs one job at a time, because gmsh has one state per process. A worker of another version than ``version``,
+    ``number``: number of the job; ``function``, ``arguments``: the job. A process runs one job at a time, because gmsh has
+    one state per process. A worker of another version than ``version``,
     which may have joined the cluster at any time, returns an InputError. Results and exceptions are sent as bytes, because
     joblib hangs on results that cannot be unpickled; cloudpickle is used because tables of the report contain lambdas.
     """
@@ -250,7 +251,7 @@ def _no_cluster_error(place: str, reason: str, advice: str) -> InputError:
 
 
 def _lost_cluster_error(reason: str) -> InputError:
-    """Return the ArgumentError for a cluster whose scheduler or workers were lost while jobs ran."""
+    """Return the ArgumentError for a cluster whose scheduler or workers were lost while jobs ran; ``reason``: why."""
     return ArgumentError("scheduler", reason, "a scheduler with workers", AGAIN)
 
 

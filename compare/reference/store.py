@@ -315,8 +315,8 @@ def content_key_of_bodies(
 ) -> str:
     """Return the content key of condensed screw and nut: a hash of everything that affects their stiffness.
 
-    These are the geometry of the parts, the mesh settings, the numbers of the meshed flanks (``sides``), the versions of
-    gmsh and scikit-fem (``programs``; None: those installed), `SCHEMA` and `BODIES`.
+    These are the geometry of the parts, the mesh ``settings``, the numbers of the meshed flanks (``sides``), the versions
+    of gmsh and scikit-fem (``programs``; None: those installed), `SCHEMA` and `BODIES`.
     """
     return digest_of_values(
         SCHEMA, BODIES, digest_of_geometry(scene), *_mesh_parts_of_key(scene, settings, sides, programs)
@@ -328,7 +328,8 @@ def _mesh_parts_of_key(
 ) -> tuple[object, ...]:
     """Return the parts of a content key that describe a mesh: dimensions, settings, flanks, program versions.
 
-    ``sides``: numbers of the meshed flanks; ``programs``: versions of gmsh and scikit-fem; None: those installed.
+    ``settings``: mesh settings by name; ``sides``: numbers of the meshed flanks; ``programs``: versions of gmsh and
+    scikit-fem; None: those installed.
     """
     made_by = program_versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
     dims = dimensions_of_3d_parts(scene)
@@ -356,7 +357,7 @@ def path_of_run(store: Path, scene: Solvable, run: Run) -> Path:
 
 
 def path_of_bodies(store: Path, scene: Scene, run: Run) -> Path:
-    """Return the path of the file with a run's condensed screw and nut in the folder ``store``."""
+    """Return the path of the file with the condensed screw and nut of a scene's ``run`` in the folder ``store``."""
     key = content_key_of_bodies(scene, run.settings, run.sides, run.versions)
     return store / f"bodies-{digest_of_geometry(scene)}-level{run.level}-{key}.npz"
 

@@ -196,9 +196,10 @@ def is_mesh_suitable(scene: Solvable, level: int, variant: str, settings: Mappin
 
 
 def _mesh_covers(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
-    """Return whether a stored mesh can replace a required one, by the mesh settings of both.
+    """Return whether a stored mesh can replace a required one.
 
-    Its contact cells must be at least as fine, its patches as large, all required flanks meshed, and all other settings
+    ``meshed``, ``wanted``: mesh settings and meshed flanks of the stored and of the required mesh. The contact cells of the
+    stored mesh must be at least as fine, its patches as large, all required flanks meshed, and all other settings
     equal.
     """
     from rollbench.hifi.meshing.settings import Settings
