@@ -56,7 +56,8 @@ ONE_LEVEL = "one mesh level: its uncertainty is estimated from other scenes; two
 class Limits:
     """Error limits of a scene: in per cent, or in degrees for contact angles."""
 
-    #: Limit of the largest error of a contact load [% of its reference load; of the mean load for small loads].
+    #: Limit of the largest error of a contact load [% of its reference load; of the mean load for loads below a tenth of
+    #: it].
     largest: float = LIMIT
     #: Limit of the root mean square error of the loads [% of the mean load]; None: not judged.
     rms: float | None = None
@@ -109,7 +110,7 @@ class Verdict:
     levels: tuple[int, ...] = ()
     #: Number of judged contacts.
     contacts: int = 0
-    #: Further explanation.
+    #: Further explanation; may be empty.
     detail: str = ""
     #: Largest and RMS error in per cent of the mean load, which every output states first; None for other quantities.
     of_mean: LoadError | None = stated(
@@ -126,7 +127,7 @@ class Verdict:
     unit: str = "%"
     #: Key of the quantity, its judged value and its value in the reference; None for contact loads.
     pair: tuple[str, float, float] | None = None
-    #: Number, load, reference load and its uncertainty [N] of the balls next to the decisive one.
+    #: For the balls next to the decisive one: number of the ball, judged load, reference load and its uncertainty [N].
     near: tuple[tuple[int, float, float, float], ...] = ()
 
     @property
@@ -251,7 +252,7 @@ class ContactError(NamedTuple):
 def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Word, ContactError]:
     """Return the worst verdict on any contact, and the contact that decides it.
 
-    ``points``: errors of all judged contacts; ``limit``: error limit in the unit of these errors. The decisive contact is
+    ``points``: errors of all judged contacts; ``limit``: error limit, in the unit of these errors. The decisive contact is
     the one that exceeds the limit by most; if none exceeds it, the one nearest to the limit.
     """
     each = [verdict_on_error(p.error, p.bar, limit) for p in points]

@@ -194,9 +194,9 @@ class Loads:
     angle: Array
     #: Axial positions on the screw, (k,) [m].
     stations: Array
-    #: Displacement of the screw's axis at these positions, (k, 3) [m].
+    #: Displacement (x, y, z) of the screw's axis at these positions, (k, 3) [m].
     line: Array
-    #: Computing time of the model or 3D run [s].
+    #: Computing time of the model or 3D run [s]; None: not measured.
     seconds: float | None
     #: Version and machine with which the time was measured; empty: this version and machine.
     measured: str = ""
@@ -330,7 +330,7 @@ def _comparison_row(
 
     ``answer``: results of the model; ``pair``: values by the model and by the reference in ``unit``; ``error``: uncertainty
     of the reference in this unit; ``percent``: error of the model [%]; ``at``: number of the ball and name of its flank;
-    ``printed``: value that the publication prints.
+    None: a quantity of the whole screw; ``printed``: value that the scene's publication prints; None: none.
     """
     values, time = (*pair, error, percent, answer.seconds), answer.measured
     return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *values, measured_with=time)
@@ -367,7 +367,7 @@ def _finite_or_none(value: float) -> float | None:
 
 
 def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield comparisons of load and contact angle for each contact that carries load by the model or the reference.
+    """Yield comparisons of load and contact angle for each contact that carries load by the model or in the reference.
 
     ``row``: function that makes a comparison record (`_comparison_row` with scene and model bound); ``answer``: results of
     the model.

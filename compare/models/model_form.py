@@ -133,7 +133,7 @@ class ModelForm:
     nearest: str = quantity_field("nearest", "its name")
     #: Number of compared scenes of the same kind (screws or bearings).
     compared: int = quantity_field("compared", "number of compared scenes")
-    #: Which parts the model contains, and in what the scene differs from the compared ones.
+    #: Sentences on which parts the model contains, and in what the scene differs from the compared scenes.
     words: tuple[str, ...] = quantity_field("words")
     #: Error of the axial displacement of the loaded cross-section [%].
     displacement_percent: float | None = quantity_field(
@@ -141,7 +141,7 @@ class ModelForm:
     )
     #: Error of the tangent rigidity of the loaded cross-section [%].
     rigidity_percent: float | None = quantity_field("rigidity_percent", "the same of the tangent rigidity", default=None)
-    #: Error of the largest pressure, against Hertz on the loads of the reference [%].
+    #: Error of the largest pressure against that by Hertz from the contact loads of the 3D reference [%].
     pressure_percent: float | None = quantity_field("pressure_percent", "the same of the largest pressure", default=None)
 
 
@@ -154,13 +154,13 @@ class Point:
 
     #: Name of the scene.
     scene: str
-    #: Name of the model.
+    #: Name of the low-order model.
     model: str
     #: Largest error of a contact load [% of the mean load].
     percent: float
     #: Root mean square error of the contact loads [% of the mean load].
     rms_percent: float
-    #: Features of the scene by name.
+    #: Features of the scene by name, as `features_of_scene` returns them.
     features: dict[str, float]
     displacement_percent: float | None = None
     rigidity_percent: float | None = None
@@ -478,7 +478,7 @@ def loaded_section_state(scene: Scene, answer: Loads) -> SectionAnswer:
     Returns
     -------
     SectionAnswer
-        Axial displacement and force.
+        Axial displacement of the loaded cross-section and axial force on the nut.
     """
     place = max(scene.loads, key=lambda load: abs(load.force[2])).at if scene.loads else scene.nut.position
     moved = float(np.interp(place, answer.stations, answer.line[:, 2]))

@@ -186,9 +186,9 @@ class Uncertainty:
 
 
 def difference_percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
-    """Return the difference ``value - base`` in per cent of ``base``; for contact loads, of the mean contact load.
+    """Return the difference ``value - base`` in per cent of ``base``; for contact loads, in per cent of the mean load.
 
-    ``mean``: mean contact load [N].
+    ``quantity``: quantity to which the values belong; ``mean``: mean contact load [N].
     """
     scale = mean if quantity.of_mean else None
     return np.asarray(error_percent(value, base, scale))
@@ -309,21 +309,22 @@ class Validated:
     model: str
     #: Name of the quantity.
     quantity: str
-    #: Error of the model [%].
+    #: Error of the model against the 3D reference [%].
     error: float
-    #: Grid uncertainty of the reference [%].
+    #: Uncertainty of the 3D reference due to the mesh, u_grid [%].
     grid: float
-    #: Uncertainty by modelling choices of the reference [%].
+    #: Uncertainty due to modelling choices of the 3D reference, u_model [%].
     choices: float
-    #: Uncertainty by tolerances of the inputs [%].
+    #: Uncertainty due to tolerances of the inputs, u_input [%].
     inputs: float
     #: Validation uncertainty u_val [%]; nan: not known.
     combined: float
     #: Share of values whose error is within u_val [1].
     within: float
-    #: Share of values whose error is within the reference's part of u_val, sqrt(u_grid^2 + u_model^2) [1].
+    #: Share of values whose error is within sqrt(u_grid^2 + u_model^2), the part of u_val due to the 3D reference [1].
     within_own: float
-    #: Ratio of model to reference, of the value or of every contact load above a tenth of the mean load.
+    #: Ratio of the value by the model to that by the 3D reference; for contact loads, of every load above a tenth of the
+    #: mean load.
     ratio: tuple[float, ...]
     #: Name of the scene on which the modelling choices of the 3D reference were varied; empty: none.
     varied: str
@@ -374,20 +375,21 @@ class Scatter:
     scenes: int
     #: Number of values.
     values: int
-    #: Relative deviation from the reference, as a geometric mean [%].
+    #: Relative deviation of the model from the 3D reference, as a geometric mean over all values [%].
     bias: float
-    #: Relative standard deviation of the model's errors, less the part due to grid uncertainty [%].
+    #: Relative standard deviation of the model's errors, without the part due to the mesh of the 3D reference [%].
     scatter: float
-    #: Share of values whose error is within u_val.
+    #: Share of values whose error is within u_val [1].
     within: float
-    #: Share of values whose error is within the reference's part of u_val.
+    #: Share of values whose error is within the part of u_val that is due to the 3D reference [1].
     within_own: float
 
 
 def bias_and_scatter(rows: Sequence[Validated]) -> list[Scatter]:
     """Compute bias and scatter of each model's errors in each quantity, as in fire-model validation.
 
-    ``rows``: errors with their uncertainty, one row for each scene, model and quantity.
+    ``rows``: errors with their uncertainty, one row for each scene, model and quantity. Returned is a record for each pair
+    of model and quantity.
 
     Notes
     -----

@@ -56,7 +56,7 @@ STAGES = ("meshes", "patches", "shaft section", "screw", "nut", "ball", "contact
 class Expected:
     """Expected computing time and memory of a task of the 3D reference."""
 
-    #: Time of each stage [s].
+    #: Expected time of each stage [s], by its name.
     stages: dict[str, float]
     #: Peak memory [GB].
     memory_GB: float

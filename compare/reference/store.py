@@ -187,7 +187,7 @@ class Run:
 
     #: Name of the scene.
     scene: str
-    #: Mesh level.
+    #: Mesh level, from 1 (coarsest); 0: the mesh of Lin's thesis, or loads from a file.
     level: int
     #: Name of the modelling variant; empty: none.
     variant: str
@@ -223,11 +223,11 @@ class Run:
     screw_balance: float
     #: Bounds on truncation errors, for example of neglected modes, by name.
     quality: dict[str, float]
-    #: Mesh settings.
+    #: Mesh settings by name.
     settings: dict[str, Any]
-    #: Assumptions of scene and model.
+    #: Assumptions of scene and 3D model, as sentences.
     assumed: tuple[str, ...]
-    #: Versions of the programs that affect the result.
+    #: Versions of the programs that affect the result, by name.
     versions: dict[str, str]
     #: Date of the run.
     date: str

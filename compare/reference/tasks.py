@@ -39,7 +39,7 @@ class SetUp:
     sides: tuple[int, ...]
     #: Mesh settings.
     settings: Settings
-    #: Numbers of the equal rows in the assembly.
+    #: Numbers (from 0) of the equal nuts or rows on the shaft that share what is meshed.
     sets: tuple[int, ...] = (0,)
 
 
