@@ -8,7 +8,10 @@ __version__ = "0.15.0"
 
 
 class _Package(ModuleType):
-    """Module type of the package ``rollbench.compare``, whose name was that of a function up to version 0.14."""
+    """Module type of ``rollbench.compare``, which explains to callers that a function of this name was renamed.
+
+    The function ``rollbench.compare`` existed up to version 0.14.
+    """
 
     def __call__(self, *_: object, **__: object) -> NoReturn:
         """Raise TypeError with the new name of the function."""

@@ -1,6 +1,6 @@
 """Cases: publications whose results rollbench reproduces, with their printed numbers, scenes, computations and pages.
 
-The cases of this package are the folders of ``compare/cases``, listed in `CASES`. Another package adds a case by an entry
+The cases of rollbench are the folders of ``compare/cases``, listed in `CASES`. Another package adds a case by an entry
 point of the group ``rollbench.cases`` that names its `Case` record; it is imported when printed numbers are judged.
 """
 
@@ -53,7 +53,7 @@ class Case:
         return getattr(import_module(f"{self.package}.{module}"), name)
 
 
-#: Cases of this package, in the order of the report.
+#: Cases of rollbench, in the order of the report.
 CASES = (
     Case("lin", "Lin (2019)", "rollbench.compare.cases.lin", "pages"),
     Case("smith", "Smith (1994)", "rollbench.compare.cases.smith", "page"),
@@ -90,13 +90,13 @@ def cases_of_other_packages() -> tuple[Case, ...]:
 
 
 def all_cases() -> tuple[Case, ...]:
-    """Return all cases, first those of this package, then those that other installed packages add."""
+    """Return all cases, first those of rollbench, then those that other installed packages add."""
     return (*CASES, *cases_of_other_packages())
 
 
 @cache
 def shipped_toml_files(folder: str) -> dict[str, Path]:
-    """Return all TOML files of scenes or printed tables in this package, sorted, by file name without suffix.
+    """Return all TOML files of scenes or printed tables that are included with rollbench, by file name without suffix.
 
     ``folder``: "scenes" or "printed".
     """

@@ -26,7 +26,8 @@ from rollbench.meshes.processes import limit_to_one_thread
 
 #: Largest time to wait, after an interrupt, for threads that clean up [s].
 TIDYING = 2.0
-#: Options by the arguments of the library whose names differ; positional arguments have no dashes.
+#: For arguments of library functions, the command-line option if it is not the same name with dashes; positional arguments
+#: of the command line are without dashes.
 OPTIONS = {
     "models": "--model",
     "limits": "--limit",
@@ -65,7 +66,7 @@ OF_ALL = "completion"
 
 
 def app_with_commands(first: str = "") -> App:
-    """Return the command-line application with the command ``first`` only, or with all commands if ``first`` is unknown."""
+    """Return the command-line application with the command ``first`` only; with all commands if ``first`` is no command."""
     modules = {name: module for group in COMMANDS.values() for name, module in group.items()}
     for name in modules if first not in modules or first == OF_ALL else (first,):
         import_module(f"rollbench.compare.commands.{modules[name]}")
@@ -74,7 +75,9 @@ def app_with_commands(first: str = "") -> App:
 
 
 def join_paragraph_lines(doc: str | None) -> str:
-    r"""Join each paragraph of a docstring to one line, so that the help text can be wrapped to the terminal's width.
+    r"""Return a docstring with each paragraph on one line, so that the help text can be wrapped to the terminal's width.
+
+    ``doc``: the docstring; None gives an empty text.
 
     Examples
     --------
@@ -103,9 +106,11 @@ def group_commands_in_help(app: App) -> None:
 def option_of_argument(argument: str) -> str:
     """Return the command-line option that corresponds to an argument of a library function.
 
+    ``argument``: name of the argument, or ``name=value``.
+
     Examples
     --------
-    >>> [option_of_argument(x) for x in ("max_error", "levels=1", "spread=True", "compute=False")]
+    >>> [option_of_argument(text) for text in ("max_error", "levels=1", "spread=True", "compute=False")]
     ['--max-error', '--levels 1', '--spread', '--no-compute']
     """
     name, _, value = argument.partition("=")

@@ -25,7 +25,7 @@ def escape_unprintable(text: str) -> str:
 
 
 def one_line(text: str, longest: int = _LONGEST) -> str:
-    """Return a text as one printable line with a limited number of characters.
+    """Return a text as one printable line, in which unprintable characters are escaped, of limited length.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class InputError(Exception):
     ...     rollbench.check("lin-case1", max_error=700)
     ... except rollbench.InputError as error:
     ...     print(error)
-    max_error: got 700; allowed: above 0 to 100 per cent; advice: leave it out for the gate's default limit of 7 per cent
+    max_error: got 700; allowed: above 0 to 100 per cent; advice: leave `max_error` out for the default of 7 per cent
     """
 
     #: Exit code of a command that ends with this error.
@@ -152,7 +152,7 @@ class Refusal(InputError):
 
 
 class ProgramError(Refusal):
-    """Error for an external program of the user that failed, with scene, program, reason and its last line of output."""
+    """Error for an external program of the user that failed: with program, scene, reason and the program's last output."""
 
     code = 1
 
@@ -166,7 +166,7 @@ def name_file_in_refusals(name: str, origin: str) -> Iterator[None]:
     name
         Name of the scene.
     origin
-        File or name that messages show instead of the scene's name.
+        File or other name that messages show instead of this name.
     """
     try:
         yield
@@ -188,7 +188,7 @@ class SceneError(InputError):
     file, key, value, allowed, advice, more
         As for `InputError`.
     others
-        Errors for further faults of the file.
+        Errors for the other faults of the file; empty if there is only one fault.
     """
 
     def __init__(

@@ -1,8 +1,8 @@
 """Comparison of the numbers and claims that publications print with the values that rollbench computes for them.
 
 Commands, report and tests use the same comparison. For each printed table of a publication, `computations.toml` in the
-publication's folder names the function that computes its numbers and the test that asserts them. The expected verdict of an
-entry is stored with the printed value; `Evidence.change` states where the verdict differs from it.
+publication's folder names the function that computes its numbers and the test that asserts them. The expected verdict on a
+number or claim is stored with it; `Evidence.change` states where the actual verdict differs.
 """
 
 from __future__ import annotations
@@ -35,13 +35,14 @@ class Evidence:
     value: float | None = None
     #: Value computed with the publication's mistakes repeated.
     as_printed: float | None = None
-    #: Value under an assumption that was inferred from the printed results; its agreement with them confirms nothing.
+    #: Value computed under an assumption that was inferred from the printed results; its agreement with them confirms
+    #: nothing.
     reading: float | None = None
-    #: Value of the 3D reference.
+    #: Value by the 3D reference.
     reference: float | None = None
-    #: Whether a claim is true.
+    #: Whether a claim is true; None for a number.
     holds: bool | None = None
-    #: Numbers that support a claim, or a remark.
+    #: Text with the numbers that support or contradict a claim, or a remark on a number.
     words: str = ""
 
     @property
@@ -114,7 +115,7 @@ class Evidence:
 
 
 class Findings:
-    """Collector to which a computation adds its values for the entries of one printed table.
+    """Collector to which a computation adds its values for the numbers and claims of one printed table.
 
     Parameters
     ----------
@@ -130,12 +131,12 @@ class Findings:
     """
 
     def __init__(self, table: str) -> None:
-        """Read the printed entries of ``table``, and start without computed values; InputError for an unknown table."""
+        """Read the numbers and claims of the printed table; InputError for an unknown table."""
         self._entries = {row.key: Evidence(row) for row in load_table(table)}
         self.table = table
 
     def _set_fields(self, key: str, **fields: float | bool | str | None) -> None:
-        """Set fields of the `Evidence` record of the entry ``key``; KeyError for an unknown key."""
+        """Set fields of the `Evidence` record of the number or claim ``key``; KeyError for an unknown key."""
         if key not in self._entries:
             raise KeyError(f"{self.table}: no printed entry {key!r}")
         self._entries[key] = replace(self._entries[key], **fields)  # type: ignore[arg-type]
@@ -207,8 +208,8 @@ def count_text_of_mask(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) ->
     return f"{int(mask.sum())} of {mask.size}"
 
 
-#: Names of the scenes from which a printed number is computed, or the reason why no scene is used. The reason is empty if
-#: the kind of the number implies it (an input of the publication, or arithmetic on printed numbers).
+#: Names of the scenes from which a printed number is computed, or a text with the reason why no scene is used. The text is
+#: empty if the kind of the number implies the reason (an input of the publication, or arithmetic on printed numbers).
 Behind = tuple[str, ...] | str
 
 
@@ -222,13 +223,14 @@ class Computation:
     table: str
     #: Function ``module:name`` that computes the values; empty if nothing is computed.
     computed_by: str
-    #: Test file that asserts every entry.
+    #: Test file that asserts every number and claim of the table.
     test: str
-    #: Pairs of a pattern and the scenes (or the reason for none) of the keys that match it; the first match counts.
+    #: Pairs of a pattern for keys of the table and the scenes, or the reason for none, that hold for all keys that match
+    #: it; for a key, the first pattern that matches counts.
     behind: tuple[tuple[str, Behind], ...]
 
     def compute(self, study: Study) -> tuple[Evidence, ...]:
-        """Compute the values of every entry of the table; InputError if the function cannot be imported."""
+        """Compute the values for all numbers and claims of the table; InputError if the function cannot be imported."""
         if not self.computed_by:
             return tuple(Evidence(row, words=self.origin(row)[1]) for row in load_table(self.table))
         findings = Findings(self.table)
@@ -252,9 +254,9 @@ class Computation:
         return tuple(dict.fromkeys(name for _, names in self.behind if not isinstance(names, str) for name in names))
 
     def origin(self, row: Printed) -> tuple[tuple[str, ...], str]:
-        """Return the names of the scenes from which the printed entry ``row`` is computed, or the reason if there are none.
+        """Return the names of the scenes from which a number or claim is computed, and the reason if there are none.
 
-        The reason (second entry) is empty if scenes are used.
+        ``row``: the printed number or claim. The names are empty if no scene is used, the reason is empty if one is used.
         """
         origin = next((behind for pattern, behind in self.behind if fnmatchcase(row.key, pattern)), "")
         if not isinstance(origin, str) and origin:
@@ -281,7 +283,7 @@ def all_computations() -> dict[str, Computation]:
         for table in sorted(described.keys() ^ printed.keys()):
             value = "no computation for this table" if table in printed else "a table that does not exist"
             advice = "state the function that computes it, or why nothing is computed" if table in printed else "remove it"
-            raise InputError(str(path), table, value, f"one entry for each of {', '.join(printed)}", advice)
+            raise InputError(str(path), table, value, f"one table [NAME] for each of {', '.join(printed)}", advice)
         for table, keys in described.items():
             behind = tuple((pattern, x if isinstance(x, str) else tuple(x)) for pattern, x in keys["behind"].items())
             out[table] = Computation(case, table, keys.get("function", ""), keys.get("test", ""), behind)
@@ -300,7 +302,7 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
     Parameters
     ----------
     study
-        Store of the computed values (each table is computed once) and of the names of the scenes used.
+        Cache in which computed values are stored, so that each table is computed once, and used scenes are recorded.
     *names
         Names of the tables; if none are given, all tables for which something is computed.
 
@@ -328,15 +330,15 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
 
 @dataclass(frozen=True)
 class EntryOrigin:
-    """Origin of the value for a printed entry: its scenes or why there are none, the computing function, the test."""
+    """How the value for a printed number or claim is computed: from which scenes, by which function, with which test."""
 
     #: Name of the printed table.
     table: str
-    #: Key of the entry in the table.
+    #: Key of the number or claim in the table.
     key: str
     #: Number with its unit, or claim, as printed.
     printed: str
-    #: Class of the entry, a key of `printed.CLASSES`.
+    #: Class of the number or claim, a key of `printed.CLASSES`.
     cls: str
     #: Names of the scenes from which the value is computed.
     scenes: tuple[str, ...]
@@ -344,12 +346,15 @@ class EntryOrigin:
     no_scene: str
     #: Function that computes the value; "none" if nothing is computed.
     computation: str
-    #: Test that asserts the entry; empty if nothing is computed.
+    #: Test that asserts the number or claim; empty if nothing is computed.
     test: str
 
 
 def origins_of_entries(table: str = "") -> Iterator[EntryOrigin]:
-    """Yield for every printed entry of one table, or of all tables, how it is computed; InputError for an unknown table."""
+    """Yield, for every printed number and claim, how it is computed; InputError for an unknown table.
+
+    ``table``: name of the printed table; empty: all tables.
+    """
     for name in [table] if table else printed_table_names():
         rows, computation = load_table(name), all_computations()[name]
         for row in rows:
@@ -389,7 +394,7 @@ def publication_titles() -> list[str]:
 
 
 def evidence_of_all_tables(study: Study, *names: str) -> list[Evidence]:
-    """Return all entries of the printed tables ``names`` with their computed values and verdicts.
+    """Return all numbers and claims of the printed tables ``names`` with their computed values and verdicts.
 
     Without names, all tables are returned, including those for which nothing is computed. InputError for an unknown table.
     """
@@ -404,9 +409,9 @@ def publication_title_of(entry: Printed) -> str:
 def count_entries_by_verdict(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
     """Count printed numbers and claims by publication and verdict.
 
-    ``rows``: printed entries with their verdicts. A returned row for each publication, and a last one for all, has the
-    counts by verdict, ``judged`` (number of entries that judge a model, which are all except inputs and identities) and
-    ``all`` (number of entries).
+    ``rows``: printed numbers and claims with their verdicts. Returned is a row for each publication, and a last one for all
+    publications, with the counts by verdict, ``judged`` (count of those that judge a model, which are all except inputs and
+    identities) and ``all`` (count of all).
     """
     out = []
     for title in (*publication_titles(), "all"):

@@ -1,4 +1,4 @@
-"""Access to files shipped with rollbench, reading of users' text files, and writing of files completely or not at all.
+"""Access to files included with rollbench, reading of users' text files, and writing of files completely or not at all.
 
 A user's file is read as UTF-8, or as UTF-16 if it starts with that byte order mark. If a file does not exist, error
 messages suggest similar names.
@@ -27,18 +27,18 @@ if TYPE_CHECKING:
 
 
 def shipped_path(path: str) -> Path:
-    """Return the path of a file or folder that is shipped with rollbench; ``path`` is relative to the folder `compare`."""
+    """Return the path of a file or folder that is included with rollbench; ``path`` is relative to the folder `compare`."""
     return Path(str(resources.files("rollbench.compare").joinpath(*path.split("/"))))
 
 
 def text(path: str) -> str:
-    """Return the text of a file that is shipped with rollbench; ``path`` is relative to the folder `compare`."""
+    """Return the text of a file that is included with rollbench; ``path`` is relative to the folder `compare`."""
     return shipped_path(path).read_text(encoding="utf-8")
 
 
 @cache
 def read_shipped_toml(path: str) -> dict[str, Any]:
-    """Return the contents of a shipped TOML file from a cache; callers must not change the returned dictionary."""
+    """Return the contents of a built-in TOML file from a cache; callers must not change the returned dictionary."""
     return tomllib.loads(text(path))
 
 
@@ -54,7 +54,7 @@ _LAYOUT = b"\t\n\r\f\v"
 class NotTextError(ValueError):
     """Error for bytes that cannot be read as text.
 
-    value: description of what the bytes are. advice: advice to the user.
+    ``value``: description of what the bytes are; ``advice``: advice to the user.
     """
 
     def __init__(self, value: str, advice: str) -> None:
@@ -119,9 +119,9 @@ def similar_names(name: str, names: Iterable[str]) -> list[str]:
 
 
 def similar_paths(path: Path, others: Iterable[str] = ()) -> str:
-    """Return a question that suggests names similar to a missing file, from its folder or else from ``others``.
+    """Return a question that suggests names similar to that of the missing file ``path``; empty if no name is similar.
 
-    The text is empty if no name is similar; see `did_you_mean`.
+    The names are those of files in the same folder; if none of these is similar, those in ``others``. See `did_you_mean`.
     """
     try:
         files = sorted(p.name for p in path.parent.iterdir() if p.suffix == path.suffix)
@@ -136,7 +136,7 @@ def similar_paths(path: Path, others: Iterable[str] = ()) -> str:
 def os_errors_as_input_errors(path: Path, allowed: str = "a folder that can be written to") -> Iterator[None]:
     """Raise InputError if the block under this context manager cannot write the file ``path``.
 
-    ``allowed``: text of the message on what is allowed.
+    ``allowed``: what is allowed, as text for the message.
     """
     try:
         yield

@@ -87,8 +87,8 @@ class LoadError:
     ball: int
     #: Groove flank with the largest error: SL, SR, NL, NR.
     side: str
-    #: Largest error as `rollbench check` judges it [% of `scale_of_gate_errors`], over all contacts that are loaded in one
-    #: of both.
+    #: Largest error as `rollbench check` judges it [% of the load by `scale_of_gate_errors`], over all contacts that are
+    #: loaded in one of both.
     gate_percent: float
 
 
@@ -102,7 +102,7 @@ def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
     reference
         Contact loads of the reference, (n, 4) [N].
     contacts
-        Number by which the sum of the loads is divided for the mean load, see `mean_load`.
+        Number of contacts over which the mean load is taken; 0: not known (see `mean_load`).
 
     Returns
     -------

@@ -15,7 +15,7 @@ from rollbench.compare.errors import InputError
 
 Class = Literal["hard", "as-printed", "band", "open", "input"]
 
-#: Classes of printed entries, and what each says about reproducing an entry.
+#: Classes of printed numbers and claims, and what each says about reproducing the number.
 CLASSES: dict[Class, str] = {
     "hard": "the publication states all that is needed: the number has to come out",
     "as-printed": "the number follows from a mistake of the publication: it comes out only if the mistake is repeated",
@@ -26,8 +26,8 @@ CLASSES: dict[Class, str] = {
 
 Kind = Literal["number", "claim", "arithmetic", "zero", "input"]
 
-#: Kinds of printed entries, with their descriptions; the kind shows whether reproducing an entry tests a model. A printed
-#: table states the kinds `NAMED` only; the others follow from the entry.
+#: Kinds of printed numbers and claims, with their descriptions; the kind shows whether reproducing one tests a model. The
+#: file of a printed table states the kinds `NAMED` only; the others follow from the class and from whether it is a claim.
 KINDS: dict[Kind, str] = {
     "number": "computed number",
     "claim": "claim in words",
@@ -52,7 +52,8 @@ VERDICTS: dict[Verdict, str] = {
     "identity": "arithmetic on printed numbers, or zero by symmetry: it tests no model",
 }
 
-#: Largest ratio of half the width of a band to its middle: a wider band contains nearly any value, and tests nothing.
+#: Largest ratio of half the width of a tolerance band to its middle: a wider band contains nearly any value, and tests
+#: nothing.
 WIDEST = 0.25
 
 _TEXTS = (
@@ -68,7 +69,7 @@ class Printed:
 
     #: Name of the printed table.
     table: str
-    #: Key of the entry in the table.
+    #: Key of the number or claim in the table.
     key: str
     #: Description of the quantity or claim.
     label: str
@@ -76,7 +77,7 @@ class Printed:
     value: float | None
     #: Unit as printed.
     unit: str
-    #: Section or table of the publication that prints the entry.
+    #: Section or table of the publication that prints the number or claim.
     place: str
     #: Class: "hard" (must be reproduced), "as-printed" (reproduced only by repeating a mistake of the publication), "band"
     #: (must lie between ``low`` and ``high``), "open" (shown, but never a reason to fail a check) or "input" (input data
@@ -84,23 +85,23 @@ class Printed:
     cls: Class
     #: Absolute tolerance in ``unit``; half a unit of the last printed digit unless the table states another.
     tolerance: float
-    #: Remark on the entry.
+    #: Remark on the number or claim; may be empty.
     remark: str
     #: Number as printed.
     printed: str = ""
-    #: Lower end of the band.
+    #: Lower end of the tolerance band; None: no band.
     low: float | None = None
-    #: Upper end of the band.
+    #: Upper end of the tolerance band; None: no band.
     high: float | None = None
-    #: Sentence that states where the limits of the band come from.
+    #: Sentence that states where the limits of the tolerance band come from.
     origin: str = ""
-    #: Claim of the publication in words, if the entry is not a number.
+    #: Claim of the publication in words; empty for a number.
     claim: str = ""
-    #: Kind of the entry, a key of `KINDS`.
+    #: Kind of the number or claim, a key of `KINDS`.
     kind: Kind = "number"
-    #: Expected verdict, a key of `VERDICTS`; None if the entry has not been judged yet.
+    #: Expected verdict, a key of `VERDICTS`; None: no verdict is stored.
     verdict: Verdict | None = None
-    #: Sentence on the result or statement that contradicts an entry of class "open".
+    #: Sentence on the result or statement that contradicts a number or claim of class "open"; empty if nothing does.
     contradicted: str = ""
 
     @property
@@ -174,7 +175,7 @@ def parse_printed_table(text: str, name: str) -> tuple[Printed, ...]:
 
 
 def half_unit_of_last_digit(printed: str) -> float:
-    """Return half a unit of the last digit of a printed number, which is its rounding error.
+    """Return half a unit of the last digit of a printed number, which is its largest rounding error.
 
     Examples
     --------
@@ -192,7 +193,11 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
     """
 
     def refuse(key: str, allowed: str, advice: str, shown: str = "") -> InputError:
-        """Return the error to raise for a key of this row; ``shown`` replaces the value of the key in the message."""
+        """Return the error to raise for a key of this row.
+
+        ``allowed``, ``advice``: what is allowed, and what to do, as texts of the message; ``shown``: text that the message
+        shows instead of the value of the key; empty: the value is shown.
+        """
         given = raw.get(key)
         value = shown or ("nothing" if given is None else f'"{given}"' if isinstance(given, str) else f"{given}")
         return InputError(f"{table}.toml", f"row[{index}].{key}", value, allowed, advice)
@@ -277,7 +282,7 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
 def _check_value_types(raw: Mapping[str, Any], refuse: Any) -> None:
     """Check that the ``[[row]]`` of a printed table (``raw``) has only known keys, with values of the right type.
 
-    If not, raises the error that the function ``refuse`` makes from a key, the allowed values and an advice.
+    If not, raise the error that the function ``refuse`` returns for a key, its allowed values and an advice.
     """
     for key, value in raw.items():
         if key in _TEXTS:

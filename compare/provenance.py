@@ -43,15 +43,15 @@ def source_commit() -> str:
 
 
 def _source_folder(package: str) -> Path:
-    """Return the path in the installed package of a folder with source code, such as ``compare/studies/rolling``."""
+    """Return the path of a folder with source code in the installed package; ``package``: such as ``compare/studies``."""
     first, *rest = package.split("/")
     return Path(str(resources.files("rollbench").joinpath(first, *rest)))
 
 
 def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
-    """Return a SHA-256 hash of names and contents of all Python files in the package's ``folders``, and of a ``text``.
+    """Return a SHA-256 hash of the names and contents of all Python files in folders of rollbench, and of a text.
 
-    ``text``: further text on which the hash depends.
+    ``folders``: names of the folders, such as "compare"; ``text``: the text; empty: none.
     """
     lines = [text] if text else []
     for package in folders:
@@ -72,7 +72,8 @@ def hashes_of_report_inputs(stores: Sequence[Path], scenes: Mapping[str, str]) -
     """Return the SHA-256 hashes of all inputs of a report, by the names that its manifest uses.
 
     The inputs are the source code, the scenes (texts by name), the printed data, and the stored runs of the 3D reference.
-    If a file exists in several ``stores``, the first one is used.
+    ``stores``: folders with runs; if a file exists in several of them, the first one is used; ``scenes``: text of each
+    scene file by the name of the scene.
     """
     hashes = {SOURCES: sources_hash()}
     hashes |= {f"{SCENE}{name}": sha256(text) for name, text in sorted(scenes.items())}

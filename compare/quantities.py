@@ -90,13 +90,13 @@ def quantities_of_record(kind: type) -> dict[str, Quantity]:
 
 
 def _unit_of_dotted_key(key: str) -> tuple[str, Unit | None]:
-    """Return the name in the last part of a dotted key, and the unit of this part, or else of the part before."""
+    """Return the name in the last part of a dotted JSON key, and the unit of the last part that has one; None without."""
     *tables, last = map(name_and_unit_of_key, key.split("."))
     return last[0], next((unit for _, unit in (last, *reversed(tables)) if unit is not None), None)
 
 
 def heading_and_unit(stated: QuantityDescription) -> tuple[str, str]:
-    """Return the heading and the unit under which tables show a quantity; ``stated``: what the field states about it."""
+    """Return the heading and the unit under which tables show a quantity; ``stated``: description of the quantity."""
     words, unit = _unit_of_dotted_key(stated.key)
     return stated.heading or words.replace("_", " "), "" if unit is None else unit.text
 
@@ -104,7 +104,7 @@ def heading_and_unit(stated: QuantityDescription) -> tuple[str, str]:
 def _quantity_of_field(name: str, x: QuantityDescription) -> Quantity:
     """Return the quantity of a record's field: key, heading, unit, format, and function that gets its value for JSON.
 
-    ``name``: name of the field; ``x``: what the field states about its quantity.
+    ``name``: name of the field; ``x``: description of the quantity in this field.
     """
     unit = _unit_of_dotted_key(x.key)[1]
     factor = 1.0 if unit is None else unit.factor
@@ -118,7 +118,7 @@ def _quantity_of_field(name: str, x: QuantityDescription) -> Quantity:
 def record_as_json(instance: Any, *without: str) -> dict[str, Any] | None:
     """Return the quantities of the record ``instance`` as JSON values by key; None if the record is None.
 
-    ``without``: keys that are left out.
+    ``*without``: keys that are left out.
     """
     if instance is None:
         return None
@@ -132,10 +132,10 @@ def record_as_json(instance: Any, *without: str) -> dict[str, Any] | None:
 
 
 def fields_from_json(record_class: type, data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of a record's quantity fields in SI units, read from its JSON; None if a value is missing.
+    """Return the values of a record's quantity fields, in SI units, from its JSON.
 
-    ``record_class``: class of the record; ``data``: JSON with the values in the units of their keys. The result has the
-    fields by name.
+    ``record_class``: class of the record; ``data``: JSON with the values in the units of their keys. The returned
+    dictionary has the values by name of the field; None for a value that is missing in the JSON.
     """
     out: dict[str, Any] = {}
     for field in fields(record_class):
@@ -172,8 +172,10 @@ def format_by_error(value: float, error: float | None = None, digits: int = 4) -
 
     Examples
     --------
-    >>> [format_by_error(*x) for x in ((237.46, 4.3), (785.24, 11.0), (36523.0,), (251.93, 2.2), (0.94, 2.2), (0.0,))]
-    ['237', '785', '36520', '251.9', '0.9', '0']
+    >>> format_by_error(237.46, 4.3), format_by_error(785.24, 11.0), format_by_error(36523.0), format_by_error(0.0)
+    ('237', '785', '36520', '0')
+    >>> format_by_error(251.93, 2.2), format_by_error(0.94, 2.2)
+    ('251.9', '0.9')
     """
     if not value or not math.isfinite(value):
         return f"{value:g}"
@@ -210,9 +212,8 @@ def format_range(limits: Sequence[float] | None, digits: int = 3) -> str:
 def _in_key_unit(value: Any, factor: float) -> Any:
     """Return a value as JSON, with all numbers multiplied by ``factor`` (from SI to the unit of the key).
 
-    Numbers inside mappings, lists and arrays are multiplied, too.
-
-    A record is converted to a dictionary.
+    Numbers inside mappings, lists and arrays are multiplied, too, but whole numbers (int) are not. A record is converted to
+    a dictionary in the units of its own keys.
     """
     if is_dataclass(value):
         return record_as_json(value)

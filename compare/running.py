@@ -90,7 +90,7 @@ def out_of_memory_error(reason: object) -> InputError:
 def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs/cgroup")) -> float | None:
     """Return the memory that this process can still use without swapping [GB]; None if not known.
 
-    ``proc``: file with the free memory of the computer. ``group``: folder of the control group, whose limit counts too.
+    ``proc``: file with the free memory of the computer; ``group``: folder of the control group, whose limit counts, too.
     """
     limits = []
     with suppress(OSError, ValueError, StopIteration):
@@ -114,7 +114,7 @@ ENDED = 1
 
 
 def checked_time_limit(limit: float | None) -> float | None:
-    """Return a time limit [s] or None (no limit) unchanged; InputError if it is not above 0 and up to 1e9 s."""
+    """Return the time limit ``limit`` [s] (None: no limit) after checking it; InputError if not above 0 and up to 1e9 s."""
     if limit is not None and not 0.0 < limit <= 1e9:
         raise ArgumentError("time_limit", str(limit), "above 0 to 1e9 seconds", "state a time in seconds, such as 60")
     return limit
@@ -122,7 +122,7 @@ def checked_time_limit(limit: float | None) -> float | None:
 
 @contextmanager
 def watch_running_time(label: str, limit: float | None = None) -> Iterator[None]:
-    """Show on the terminal how long the computation ``label`` has been running, and end the process after ``limit`` [s].
+    """Show how long the computation ``label`` has been running, and end the process after ``limit`` [s] (None: never).
 
     The process ends at once, even inside a compiled kernel, which cannot be interrupted otherwise. So the block under this
     context manager must not write files.
@@ -141,8 +141,8 @@ def watch_running_time(label: str, limit: float | None = None) -> Iterator[None]
 def progress_bar(label: str) -> Iterator[Callable[[str, float], None]]:
     """Show a progress bar on the terminal while the computation ``label`` runs.
 
-    Yields the function that updates the bar, whose arguments are a text and the share of work done (0 to 1). Nothing is
-    shown if standard error is no terminal, or in the first seconds.
+    Yields a function that updates the bar; its arguments are a text and the share of the work that is done (0 to 1).
+    Nothing is shown if standard error is no terminal, or in the first `FIRST` seconds.
     """
     begin = monotonic()
 
@@ -159,8 +159,9 @@ def progress_bar(label: str) -> Iterator[Callable[[str, float], None]]:
 def show_progress_message(text: str) -> None:
     """Show a progress message on standard error if that is a terminal.
 
-    A text that contains ``[3/12]`` or ``34%`` replaces the progress line, with a bar and the time left; other texts are
-    printed above this line. If standard error is not a terminal, only texts that begin with WARNING are printed.
+    A text that states a share of work, such as ``[3/12]`` or ``34%``, replaces the progress line, with a bar and the time
+    left; other texts are printed above this line. If standard error is not a terminal, only texts that begin with WARNING
+    are printed.
 
     Parameters
     ----------

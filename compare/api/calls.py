@@ -46,7 +46,7 @@ LOG = logging.getLogger("rollbench")
 
 
 def read(name: str | Path) -> Described:
-    """Read a scene from a TOML file, or a shipped scene by its name.
+    """Read a scene from a TOML file, or a scene that is included with rollbench by its name.
 
     Parameters
     ----------
@@ -128,9 +128,9 @@ def solve(
         Name of a low-order model (``rollbench list`` shows all), or the model that `model_command` returns. If empty, the
         refined model solves the scene.
     member
-        Number of the specimen, from 0, in a scene whose geometric errors are drawn at random.
+        Number of the specimen, from 0, of a scene with random geometric errors; each specimen has its own errors.
     everything
-        Whether all terms of the model are computed, including those that cannot change the loads of this scene.
+        Whether all terms of the model are computed, including those that cannot change the contact loads of this scene.
     condensed
         File that ``rollbench condense`` wrote, with the compliance of screw and nut from the 3D mesh. If it is given and
         ``model`` is empty, the model is ``"condensed"``.
@@ -190,7 +190,7 @@ def solve_described(
     origin
         File or name by which error messages refer to the scene; if empty, the name of the scene.
     stiffness
-        Whether the stiffness at the nut's centre is computed even if no quantity in the output needs it (no axial force).
+        Whether the stiffness at the nut's centre is computed even without axial force, when no other result needs it.
 
     Returns
     -------
@@ -270,14 +270,14 @@ def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, me
 
 
 def load_curve_of(described: Described, loads: str, model: str, options: Options, origin: str = "") -> LoadCurve:
-    """Compute displacement and stiffness over load for a scene that has already been read; see `compute_load_curve`.
+    """Compute displacement and stiffness over load for a scene that has already been read; see `load_curve`.
 
     Parameters
     ----------
     described
         The scene; of several load cases only the first is solved.
     loads
-        Range of loads, as for `compute_load_curve`.
+        Range of loads as text, such as ``"-3000N:3000N"``, in the form that `load_curve` describes.
     model
         Name of the model; if empty, the default model of the scene.
     options
@@ -438,9 +438,9 @@ def ensemble(
     Parameters
     ----------
     scene
-        Scene with random errors, its name or file.
+        Scene with random geometric errors, its name or file.
     members
-        Number of specimens, at least 2. Each has its own randomly drawn errors.
+        Number of specimens, at least 2. Each has its own random errors.
     model
         Name of the model, as for `solve`.
     seed
@@ -479,7 +479,7 @@ def compare_models(
     reference: str | Path | None = None,
     store: str | Path = "rollbench-reference",
 ) -> Comparison:
-    """Compare low-order models with the 3D reference: errors of loads, largest pressure and displacement.
+    """Compare low-order models with the 3D finite-element reference: errors of loads, largest pressure and displacement.
 
     Parameters
     ----------
@@ -491,9 +491,9 @@ def compare_models(
         Number of mesh levels to use, counted from the coarsest; runs that are not stored yet are computed. If None, the
         most accurate stored run is used; if no run is stored, all levels are computed, which takes minutes to hours.
     reference
-        CSV file with contact loads, in the columns that `check` reads; it replaces the 3D reference.
+        CSV file with contact loads, in the columns of the argument ``loads`` of `check`; it replaces the 3D reference.
     store
-        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs shipped with rollbench.
+        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs included with rollbench.
 
     Returns
     -------
@@ -503,7 +503,7 @@ def compare_models(
     Raises
     ------
     rollbench.InputError
-        If scene, model or reference cannot be used; the subclass ``Refusal`` if no run of the reference converged.
+        If scene, model or reference cannot be used; the subclass ``Refusal`` if no run of the 3D reference converged.
 
     Examples
     --------
@@ -564,20 +564,20 @@ def check(
         CSV file with contact loads of another program, which are judged instead of a model's: columns ball, flank (SL, SR,
         NL, NR), newton.
     values
-        CSV file with values of the whole screw that are judged: columns quantity (displacement, rigidity, torque, life),
+        CSV file with further values that are judged: columns quantity (displacement, rigidity, torque, life),
         value, unit, where (a load such as 5 kN, or an axial position).
     limits
         Permitted errors of further quantities, by the quantity's name: in %, for contact angles in degrees.
     reference
-        CSV file with loads and their uncertainty, which replaces the 3D reference.
+        CSV file with contact loads and their uncertainty, which replaces the 3D reference; columns as for ``loads``.
     strict
         Whether unknown columns of the files are an error (True) or a warning (False).
     levels
-        Number of mesh levels of the reference, counted from the coarsest; None: the best stored run.
+        Number of mesh levels of the 3D reference, counted from the coarsest; None: those that are stored, at least two.
     store
-        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs shipped with rollbench.
+        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs included with rollbench.
     compute
-        Whether missing runs of the reference are computed. If False, a quantity without a stored run is "not covered".
+        Whether missing runs of the 3D reference are computed. If False, a quantity without a stored run is "not covered".
 
     Returns
     -------
@@ -587,7 +587,7 @@ def check(
     Raises
     ------
     rollbench.InputError
-        If a scene, file or limit cannot be used.
+        If the scene, a file or a limit cannot be used.
 
     Examples
     --------
@@ -639,14 +639,14 @@ def mesh_study(
     spread
         Whether modelling choices that the scene's source leaves open are also varied, on the coarsest level.
     store
-        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs shipped with rollbench.
+        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs included with rollbench.
         Missing runs are computed, which takes minutes to hours.
 
     Returns
     -------
     MeshStudy
-        The levels, and for each quantity its values, observed order of convergence and uncertainty. For a scene with
-        tapered roller bearings, these are listed for each kind of roller under the names of its bearings.
+        The mesh levels, and for each quantity its values, observed order of convergence and uncertainty. For a scene with
+        tapered roller bearings, these are listed once for all bearings with equal rollers, under their names.
 
     Raises
     ------
@@ -699,7 +699,7 @@ def sweep(
     model
         Name of the model, as for `solve`.
     seed
-        Seed of the random numbers from which the samples are drawn.
+        Seed of the random numbers that determine the samples.
     out
         Folder for the samples (``samples.csv``) and the summary. Samples that are stored there are not solved again.
     outputs
@@ -755,7 +755,7 @@ def table(
         Name of the model, as for `solve`.
     stiffness_at
         Axial position on the shaft [m] at which the stiffness is computed. With several nuts or bearings on the shaft, also
-        the name of one, whose own stiffness is then computed. None: the nut's centre.
+        the name of one of them, for the stiffness of this nut or bearing alone. None: the nut's centre.
 
     Returns
     -------
@@ -786,7 +786,7 @@ def table(
 
 @limited_to_one_thread()
 def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7.0, workers: int | None = None) -> Survey:
-    """Compare models with stored loads of the 3D reference on up to 240 randomly drawn ball screws.
+    """Compare models with stored loads of the 3D reference on up to 240 random ball screws.
 
     Parameters
     ----------

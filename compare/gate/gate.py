@@ -1,4 +1,4 @@
-"""Gate of the shipped scenes: checks the models against printed values, closed forms and the 3D reference.
+"""Acceptance check of the built-in scenes (the gate): models against printed values, closed forms and the 3D reference.
 
 It also checks the equilibrium of every solution, and one solver against another. Closed forms are computed here
 independently of the solvers, for the gate and for the report.
@@ -44,7 +44,7 @@ def compare_sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, f
     Returns
     -------
     list of tuple
-        Name, unit, value by the program and value by the closed form, of approach, contact radius and largest pressure.
+        Name, unit, value by the program and value in closed form, for approach, contact radius and largest pressure.
     """
     m = scene.balls.material
     modulus = contact_modulus(m.youngs_modulus, m.poissons_ratio, m.youngs_modulus, m.poissons_ratio)
@@ -103,8 +103,8 @@ def compare_cantilever_deflection(scene: Scene) -> tuple[float, float]:
 
     Returns the deflection by the solver, then the deflection in closed form.
 
-    Closed form of a Timoshenko beam of length L: L^3/(3 E I) + L/(kappa G A). In the solved scene small balls with
-    clearance keep the ball contacts unloaded.
+    Closed form of a Timoshenko beam of length L: L^3/(3 E I) + L/(kappa G A), with the bending stiffness E I and the shear
+    stiffness kappa G A. In the solved scene small balls with clearance keep the ball contacts unloaded.
     """
     length = scene.screw.length
     alone = replace(
@@ -144,7 +144,8 @@ def compare_oversize_preload(scene: Scene, oversize: float) -> tuple[float, floa
 
     The screw is rigid and carries no external load. By symmetry a ball moves only radially, by x. Its approach to each
     screw flank is e + |(x - d cos beta, d sin beta)| - d, to each nut flank the same with x + d cos beta. Here e is the
-    oversize [m], beta the contact angle, and d the distance of the groove centre from the ball centre. The closed form is
+    oversize of the ball radius (``oversize``) [m], beta the contact angle, and d the distance of the groove centre from the
+    ball centre. The closed form is
     the x at which the radial forces on the ball balance.
     """
     squeezed = replace(
@@ -171,10 +172,10 @@ def compare_oversize_preload(scene: Scene, oversize: float) -> tuple[float, floa
     return float(solve_static(squeezed).load[:, :2].mean()), contact(x, screw, -1.0, float(constants[0]))[0]
 
 
-#: Limit of the default model's largest error [% of the mean load], by which regressions are detected.
+#: Limit of the default model's largest error [% of the mean load], tight enough to detect changes for the worse.
 TIGHT = 2.0
 
-#: Scenes with a higher limit [%], with the reason.
+#: Scenes for which this limit is higher: the limit [%], and the reason.
 WIDER = {"unseen-thin-nut": (2.4, "the wall under the nut's groove is thin, and the model's nut a smooth tube")}
 
 #: Limit [%] of checks that are exact except for round-off and the tolerance of a root search.
@@ -183,9 +184,9 @@ EXACT = 1e-6
 
 @dataclass(frozen=True)
 class GateCheck:
-    """Result of one check of the gate: a computed number against a reference, or a printed claim in words.
+    """Result of one acceptance check: a computed number against a reference value, or a printed claim in words.
 
-    Numbers are None for a claim.
+    Value, reference, error and limit are None for a claim.
     """
 
     #: Name of the checked quantity.
@@ -206,14 +207,15 @@ class GateCheck:
     detail: str = ""
     #: Uncertainty of the reference [%].
     uncertainty_percent: float | None = None
-    #: Whether the gate fails if this check fails; if not, the check is only reported.
+    #: Whether ``rollbench check`` fails if this check fails; if not, the check is only reported.
     gated: bool = True
 
     @property
     def verdict(self) -> str:
         """Verdict as text: ``ok``, ``FAIL``, ``undecided`` or ``reported``.
 
-        ``undecided``: the error exceeds the limit by less than the uncertainty. ``reported``: cannot fail the gate.
+        It is ``undecided`` if the error exceeds the limit by less than the uncertainty, and ``reported`` for a passed check
+        that is only reported (see `gated`).
         """
         if not self.passed:
             return "FAIL"
@@ -226,7 +228,11 @@ class GateCheck:
 
 
 def check_of_number(name: str, kind: str, value: float, reference: float, limit: float) -> GateCheck:
-    """Return the check of a computed number against a reference value; ``kind``: of reference; ``limit``: of error [%]."""
+    """Return the check of a computed number against a reference value.
+
+    ``name``: checked quantity; ``kind``: kind of the reference, such as "closed form"; ``value``: computed number;
+    ``reference``: value that it should have, in the same unit; ``limit``: limit of the error [%].
+    """
     error = float(error_percent(value, reference))
     return GateCheck(name, kind, value, reference, error, limit, abs(error) <= limit)
 
@@ -251,7 +257,8 @@ def check_of_error(
 def check_of_printed_entry(entry: Evidence, max_error: float) -> GateCheck:
     """Return the check of a printed number or claim of a publication against the computed value.
 
-    The limit of the error is the tolerance of the printed number, at most ``max_error`` [%].
+    ``entry``: the printed number or claim with the computed value. The limit of the error is the tolerance of the printed
+    number, at most ``max_error`` [%].
     """
     p = entry.printed
     if p.value is None:
@@ -269,7 +276,7 @@ def check_of_printed_entry(entry: Evidence, max_error: float) -> GateCheck:
 
 
 def check_printed_entries(study: Study, max_error: float) -> list[GateCheck]:
-    """Check every printed number or claim of class hard, as-printed or input for which the program computes a value.
+    """Check every printed number or claim of class hard, as-printed or input (`printed.CLASSES`) that has a computed value.
 
     ``max_error``: upper limit of the error [%].
     """
@@ -278,16 +285,20 @@ def check_printed_entries(study: Study, max_error: float) -> list[GateCheck]:
 
 
 def check_external_bands(study: Study) -> list[GateCheck]:
-    """Check every number and claim with a tolerance band that other programs, makers or textbooks publish.
+    """Check every number and claim of other programs, makers or textbooks that has a tolerance band.
 
-    The limit of the error is the distance from the printed number to the end of the band on the computed value's side.
+    The limit of the error is the distance from the printed number to that end of the band which lies on the side of the
+    computed value.
     """
     tables = [name for name, one in computations_with_function().items() if one.case.name == "external"]
     return [check_of_band(e) for e in evidence(study, *tables) if e.printed.cls == "band"]
 
 
 def check_of_band(found: Evidence) -> GateCheck:
-    """Return the check of a printed number or claim that has a tolerance band; ``found``: it with the computed value."""
+    """Return the check of a printed number or claim that has a tolerance band.
+
+    ``found``: the printed number or claim with the computed value.
+    """
     p, value = found.printed, found.compared
     label, passed = f"{p.place}: {p.claim or p.label}", found.agrees is True
     if p.value is None or value is None or p.low is None or p.high is None:
@@ -315,7 +326,7 @@ def check_closed_forms(study: Study, max_error: float) -> list[GateCheck]:
 
 
 def check_solvers(study: Study, max_error: float) -> list[GateCheck]:
-    """Check the equilibrium of every shipped scene's solution, and the agreement of both solvers of the beam model.
+    """Check the equilibrium of every built-in scene's solution, and the agreement of both solvers of the beam model.
 
     Limit of the errors: `EXACT`, at most ``max_error`` [%].
     """
@@ -380,8 +391,8 @@ def check_default_model(study: Study, max_error: float) -> list[GateCheck]:
 def check_lin_model(study: Study, max_error: float) -> list[GateCheck]:
     """Check Lin's model on every scene with a 3D reference, and report its worst contact.
 
-    Errors of this model beyond the limit ``max_error`` [%] do not fail the gate: the contacts with such errors are listed
-    in ``known_exceedances.toml`` with their cause. A check fails only if this list is wrong.
+    Errors of this model above the limit ``max_error`` [%] do not make a check fail: the contacts with such errors are
+    listed in ``known_exceedances.toml`` with their cause. A check fails only if this list is wrong.
     """
     rows: list[GateCheck] = []
     known = {(x.scene, x.ball, x.side) for x in known_exceedances()}

@@ -1,4 +1,4 @@
-"""Quantities other than contact loads that the gate judges: limits, values, uncertainties, and values in users' CSV files.
+"""Quantities other than contact loads that `rollbench check` judges: limits, values, uncertainties, users' CSV files.
 
 Contact angle, approach and pressure are judged on every contact; displacement, rigidity, torque and life of the whole
 screw. By Hertz the approach of a contact is proportional to F^(2/3) and its largest pressure to F^(1/3); life is
@@ -32,7 +32,7 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.units import COMMA, UnitError, dimension_description, has_comma_in_number, parse_quantity
 
-#: Options of the default model's solutions that give the unloaded position and the contacts for friction.
+#: Options with which the default model computes the unloaded position of the screw and the contacts for the friction.
 INTERPRETED = Options(discretisation=False, engine="interpreted")
 #: Note on quantities that are computed from loads.
 BY_FORMULA = "reference value computed by rollbench's formula from the reference's loads"
@@ -40,15 +40,15 @@ BY_FORMULA = "reference value computed by rollbench's formula from the reference
 
 @dataclass(frozen=True)
 class JudgedQuantity:
-    """Quantity that the gate judges besides contact loads, such as the life of the screw."""
+    """Quantity other than a contact load that `rollbench check` judges, such as the life of the screw."""
 
     #: Key in JSON, which ends with the unit.
     key: str
     #: Name in tables, files and options.
     name: str
-    #: Ratio of the default limit of this quantity to the limit of the loads.
+    #: Ratio of the default error limit of this quantity to that of the contact loads.
     times: float = 1.0
-    #: Default limit of the error, in the unit of the quantity; None: ``times`` the limit of the loads.
+    #: Default error limit in the unit of the quantity; None: ``times`` the error limit of the contact loads [%].
     limit: float | None = None
 
     @property
@@ -70,7 +70,7 @@ DISPLACEMENT = JudgedQuantity("displacement_um", "displacement")
 RIGIDITY = JudgedQuantity("rigidity_N_per_um", "rigidity")
 TORQUE = JudgedQuantity("torque_Nmm", "torque")
 LIFE = JudgedQuantity("life_million_revolutions", "life", 3.0)
-#: Quantities of every contact by their columns, quantities of the whole screw, and all of them by name.
+#: Quantities of every contact, by their columns in a CSV file; quantities of the whole screw; all of them by name.
 OF_CONTACTS = {"angle": ANGLE, "approach": APPROACH, "pressure": PRESSURE}
 OF_WHOLE = (DISPLACEMENT, RIGIDITY, TORQUE, LIFE)
 QUANTITIES = {q.name: q for q in (*OF_CONTACTS.values(), *OF_WHOLE)}
@@ -99,7 +99,7 @@ def parse_error_limits(texts: Sequence[str]) -> dict[str, float]:
         name, _, number = text.partition("=")
         name = name.strip().lower().replace("_", " ")
         name = ANGLE.name if name == "angle" else name
-        allowed = f"NAME=NUMBER with a number above 0 and, each once, one of the names {', '.join(QUANTITIES)}"
+        allowed = f"NAME=NUMBER with a number above 0, each NAME once, out of the names {', '.join(QUANTITIES)}"
         advice = (
             "state the limit in per cent, of the contact angle in degrees, such as rigidity=10; set the limit of the loads "
             "with `max_error`"
@@ -125,9 +125,9 @@ def error_limit_of(quantity: JudgedQuantity, stated_limits: Mapping[str, float],
 
 
 def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Array) -> Array:
-    """Compute the approach [m] or the largest pressure [Pa] of all contacts by Hertz, (n, 4).
+    """Compute the elastic approach [m] or the largest pressure [Pa] of all contacts by Hertz, (n, 4).
 
-    ``quantity``: `PRESSURE` for the pressure, else the approach; ``load``: contact loads (n, 4) [N].
+    ``quantity``: which of the two: `PRESSURE`, or any other for the approach; ``load``: contact loads (n, 4) [N].
     """
     h = own_hertz(scene, draw_specimen(scene, ball_layout(scene)))
     return h.pressure(load) if quantity is PRESSURE else np.asarray(h.C * np.cbrt(load) ** 2)
@@ -162,9 +162,9 @@ def uncertainty_from_loads(
 
 
 def contact_quantity_of_reference(scene: Scene, reference: Reference, quantity: JudgedQuantity) -> tuple[Array, Array]:
-    """Return the reference's values of a contact quantity (angle, approach or pressure), and their uncertainty.
+    """Return the values of a contact quantity (angle, approach or pressure) by the reference, and their uncertainty.
 
-    Both are (n, 4) in SI units; an uncertainty of nan is not known.
+    Both are arrays (n, 4) in SI units; an uncertainty that is not known is nan.
     """
     given = reference.further.get(quantity.name)
     if quantity is ANGLE:
@@ -187,15 +187,15 @@ class WholeScrewQuantities:
     def start(self) -> float:
         """Axial displacement of the screw without external loads by the default model [m].
 
-        The 3D reference has no run of the unloaded screw.
+        It is also used for the 3D reference, of which no run without loads exists.
         """
         return unloaded_axial_displacement(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
 
     def value_of(self, quantity: JudgedQuantity, answer: Loads, station: float | None = None) -> float | None:
         """Return a quantity in SI units (a life in million revolutions) from the results of a model or a 3D run.
 
-        ``answer``: its contact loads and displacements. None if the quantity is not defined for them. A displacement is
-        taken at the axial position ``station`` [m]; None: at the nut's centre.
+        ``answer``: contact loads and displacements by the model or run; ``station``: axial position at which a displacement
+        is taken [m]; None: the nut's centre. None is returned if the quantity is not defined for these loads.
         """
         angle = np.radians(answer.angle)
         if quantity is LIFE:
@@ -215,7 +215,7 @@ class WholeScrewQuantities:
     def reference(
         self, quantity: JudgedQuantity, ref: Reference, station: float | None = None
     ) -> tuple[float | None, float | None]:
-        """Return the reference's value of a quantity and its uncertainty in SI units; None if not known.
+        """Return the value of a quantity by the reference ``ref``, and its uncertainty, in SI units; None if not known.
 
         ``station``: axial position of a displacement [m]; None: the nut's centre. A life is in million revolutions.
         """
@@ -250,7 +250,9 @@ class WholeScrewQuantities:
         )
 
     def _friction_torque(self, load: Array, angle: Array) -> float | None:
-        """Compute the friction torque [N m] of the screw; None without coefficients of friction or without equilibrium.
+        """Compute the friction torque [N m] of the screw from contact loads and angles; None if it cannot be computed.
+
+        It cannot be computed without coefficients of friction, or if the default model finds no equilibrium.
 
         ``load``: contact loads (n, 4) [N]; ``angle``: contact angles (n, 4) [rad]. Angles that are nan are replaced by
         those of the default model.
@@ -292,11 +294,11 @@ class GivenValue:
     value: float
     #: Axial load at which the value applies [N]; None: the loads of the scene.
     force: float | None = None
-    #: Axial position of a displacement [m]; None: the nut's centre.
+    #: Axial position at which a displacement applies [m]; None: the nut's centre.
     station: float | None = None
-    #: Load or position as written in the file.
+    #: Load or position as written in the file; empty: none is written.
     where: str = ""
-    #: Number or name of the set of balls on the shaft, as written in the file.
+    #: Number or name of the nut or bearing on the shaft, as written in the file; empty: none is written.
     set: str = ""
 
     @property
@@ -306,7 +308,7 @@ class GivenValue:
 
 
 def read_given_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], tuple[str, ...]]:
-    """Read from a CSV file the values of the whole screw that the gate judges.
+    """Read from a CSV file the values of the whole screw that are to be judged.
 
     Parameters
     ----------
@@ -348,8 +350,8 @@ def read_given_values(path: Path, case: str | None = None) -> tuple[list[GivenVa
 def _value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> GivenValue:
     """Return the value that one row of a user's file states; InputError if a cell is not valid.
 
-    ``line``: number of the line, as text; ``cells``: texts of the row by column; ``decimal_comma``: whether numbers have
-    one.
+    ``line``: number of the line, as text; ``cells``: texts of the row by column; ``decimal_comma``: whether a comma is the
+    decimal mark of numbers.
     """
     name, number, unit = (cells.get(column, "") for column in VALUE_COLUMNS)
     quantity = next((q for q in OF_WHOLE if q.name == name.lower()), None)
@@ -380,7 +382,7 @@ def _value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma
     if where and force is None and (station is None or quantity is not DISPLACEMENT):
         position = ", or an axial position such as 400 mm" if quantity is DISPLACEMENT else ""
         allowed = f"an axial load such as 5 kN{position}"
-        advice = decimal_comma_advice("leave it empty for the loads of the scene", where)
+        advice = decimal_comma_advice("leave the cell empty for the loads of the scene", where)
         raise InputError(str(path), f"{line}: {WHERE}", where, allowed, advice)
     return GivenValue(quantity, value, force, station, where, cells.get("set", ""))
 
@@ -396,7 +398,7 @@ def _life_in_million_revolutions(number: str, unit: str) -> float:
 def _load_or_length_in_si(text: str, dimension: str) -> float | None:
     """Parse a load or position such as ``5 kN`` and return it in SI units; None if its unit is not of the dimension.
 
-    ``dimension``: "force" or "length". Loads that are not positive also give None.
+    ``dimension``: "force" or "length". None is also returned for a force that is not positive.
     """
     try:
         value = parse_quantity(text, dimension)

@@ -1,6 +1,6 @@
-"""Writes verdicts of the gate to files: JUnit XML for test servers, Markdown for summaries, CSV for spreadsheets.
+"""Writing of verdicts to files: JUnit XML for test servers, Markdown for summaries, CSV for spreadsheets.
 
-Also lists the verdicts that changed since an earlier file of ``rollbench check --csv`` or ``--json``.
+The module also lists the verdicts that changed since an earlier file of ``rollbench check --csv`` or ``--json``.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ HEADINGS = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """Row of a published table of verdicts: a verdict on a user's scene, or a check of the shipped scenes."""
+    """Row of a published table of verdicts: a verdict on a user's scene, or a check of the built-in scenes."""
 
     #: Whether the row is shown as passed.
     good: bool
@@ -71,12 +71,12 @@ class Outcome:
     flank: str = ""
     #: Further explanation.
     note: str = ""
-    #: Number, load, reference load and its uncertainty [N] of the balls next to the decisive one, as in `Verdict`.
+    #: For the balls next to the decisive one: number of the ball, judged load, reference load and its uncertainty [N].
     near: tuple[tuple[int, float, float, float], ...] = ()
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """Texts of the cells of the row, in the order of HEADINGS; a unit other than per cent follows the number."""
+        """Texts of the cells of the row, in the order of `HEADINGS`; a unit other than per cent follows the number."""
         numbers = (number_cell_text(x, self.unit) for x in (self.error, self.uncertainty, self.limit))
         ball = "" if self.ball is None else str(self.ball)
         cells = (self.word, self.scene, self.judged, self.quantity, *numbers, ball, self.flank, self.note)
@@ -100,7 +100,7 @@ def outcome_of_verdict(v: Verdict) -> Outcome:
 
 
 def outcome_of_check(row: GateCheck) -> Outcome:
-    """Return the row to be published for a check of the gate on the shipped scenes."""
+    """Return the row to be published for an acceptance check of the built-in scenes."""
     numbers = (row.error_percent, row.uncertainty_percent, row.limit_percent)
     return Outcome(row.passed, row.verdict, row.name, "", row.kind, *numbers, note=row.detail)
 
@@ -108,7 +108,8 @@ def outcome_of_check(row: GateCheck) -> Outcome:
 def junit_xml(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
     """Return verdicts as JUnit XML: a test case for each row, and the notes as properties.
 
-    A row that did not pass is a failure, whose type is its verdict.
+    ``outcomes``: rows of verdicts; ``notes``: notes on the whole table. A row that did not pass is a failure, whose type is
+    its verdict.
     """
     bad = [o for o in outcomes if not o.good]
     counts = {"tests": str(len(outcomes)), "failures": str(len(bad)), "errors": "0", "skipped": "0"}
@@ -133,8 +134,9 @@ def junit_xml(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
 def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
     """Return verdicts as Markdown: counts, notes, a table, and a chart of the loads around the worst ball.
 
-    Rows that did not pass come first. The chart is written in Mermaid, which GitHub, GitLab, Forgejo and Gitea draw,
-    because a comment there cannot contain an image file.
+    ``outcomes``: rows of verdicts, of which those that did not pass come first; ``notes``: notes on the whole table. The
+    chart is written in Mermaid, which GitHub, GitLab, Forgejo and Gitea draw, because a comment there cannot contain an
+    image file.
     """
     counts: dict[str, int] = {}
     for o in outcomes:
@@ -147,9 +149,9 @@ def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str
 
 
 def outcome_with_worst_ball(outcomes: Sequence[Outcome]) -> Outcome | None:
-    """Return the row whose ball is drawn: the largest error among rows that did not pass, else among all rows.
+    """Return the row with the largest error among those that did not pass, else among all; its ball is drawn in the chart.
 
-    None if no row has loads of the balls around it.
+    Only rows with loads of the balls around the decisive one count. None if there is no such row.
     """
     shown = [o for o in outcomes if o.near]
     return min(shown, key=lambda o: (o.good, -abs(o.error or 0.0)), default=None)
@@ -353,7 +355,7 @@ def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[Verdic
 
     Returns
     -------
-    list of Change
+    list of VerdictChange
         Earlier and present verdict of each row that changed.
 
     Raises
@@ -371,7 +373,7 @@ def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[Verdic
 
 
 def _verdict_and_error_text(row: RoundedVerdict | None) -> tuple[str, str] | None:
-    """Return the verdict and the error with two decimals, by which a row is compared with an earlier one."""
+    """Return verdict and error (two decimals) of a row as texts, by which rows are compared; None if there is no row."""
     return None if row is None else (row.verdict, row.size)
 
 
@@ -423,7 +425,7 @@ def _number_and_unit(cell: str) -> tuple[float | None, str]:
 
 
 def _verdicts_in_json(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the list of verdicts on scenes, or of the gate's checks, from the JSON output of ``rollbench check``."""
+    """Return the records of verdicts on scenes, or of acceptance checks, from the JSON output of ``rollbench check``."""
     return list(data["verdicts"] if "verdicts" in data else data["rows"])
 
 

@@ -72,18 +72,19 @@ def read_reference_file(
 
     The file states the uncertainty of its loads in a column (``uncertainty_N``, or ``uncertainty_percent`` of each load) or
     in a note above the table (``# uncertainty: 0.5 %`` of the mean load, or ``2 N``). If it states none, the uncertainty is
-    taken as zero, and the reference says so.
+    taken as zero, and the description of the reference says so.
 
     Parameters
     ----------
     path
         Path of the file.
     scene
-        Scene with a single set of balls.
+        Scene with a single ball nut or bearing.
     row_filter
-        Filter for the rows of the file: accepted texts of the columns ``case`` and ``set``.
+        Accepted texts of the columns ``case`` (load case) and ``set`` (nut or bearing); rows with other texts are skipped.
     contacts
-        Number of contacts that carry load in the screw without errors; None: computed from the scene.
+        Number of contacts that carry load in the screw without geometric errors, over which the mean load is taken; None:
+        computed from the scene.
 
     Returns
     -------
@@ -122,7 +123,8 @@ def read_reference_file(
 def uncertainty_warning(ref: Reference, limit: float) -> str:
     """Return a warning if the largest uncertainty of a contact load of the reference exceeds the error limit; else "".
 
-    ``limit``: error limit of contact loads [% of the contact's load; of the mean load for small loads].
+    ``ref``: the reference; ``limit``: error limit of contact loads [% of the contact's load; of the mean load for small
+    loads].
     """
     worst = max(contact_load_errors(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
     if worst.uncertainty_percent <= limit:
@@ -144,7 +146,7 @@ def _stated_uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Arr
     note = given.notes.get(UNCERTAINTY)
     if len(stated) + (note is not None) > 1:
         allowed = "one column or one note"
-        raise InputError(str(path), "uncertainty", "several statements", allowed, "keep one of them and delete the others")
+        raise InputError(str(path), "uncertainty", "several columns or notes", allowed, "keep one and delete the others")
     if stated:
         values = given.further[stated[0]] * (given.load if stated[0] == "uncertain share" else 1.0)
         gaps = np.argwhere(np.isnan(values) & on)
@@ -209,7 +211,7 @@ SHARE = 0.2
 #: Reason of a verdict "not covered" on a scene without reference.
 NONE_STORED = "no run of its 3D reference is stored, and none is to be computed"
 
-#: Known columns of a file of loads, as text for messages.
+#: Known columns of a file of contact loads, as text for messages.
 KNOWN = "ball, flank, newton, azimuth_deg, z_mm, contact_angle_deg, approach_um, pressure_MPa, uncertainty_N in any unit"
 
 NO_OTHERS: Mapping[str, float] = {}
@@ -227,15 +229,15 @@ class GateRequest:
     model: str = DEFAULT
     #: File of contact loads that are judged instead of a model's.
     loads: Path | None = None
-    #: Limit of the errors of contact loads [%]; None: that of the scene, or `LIMIT`.
+    #: Limit of the errors of contact loads [%]; None: the limit that the scene states, or else `LIMIT`.
     max_error: float | None = None
-    #: Least number of mesh levels of the 3D reference; None: those that are stored, `ENOUGH` if there are fewer.
+    #: Least number of mesh levels of the 3D reference; None: the number of stored levels, but at least `ENOUGH`.
     levels: int | None = None
     #: Whether missing runs of the 3D reference are computed.
     compute: bool = True
     #: File of further values (such as stiffness or life) that are judged.
     values: Path | None = None
-    #: Error limits of quantities other than loads, by name of the quantity.
+    #: Error limits of quantities other than loads, by name of the quantity [%; deg for contact angles].
     limits: Mapping[str, float] = field(default_factory=dict)
     #: File of contact loads that replaces the 3D reference.
     reference: Path | None = None
@@ -257,14 +259,14 @@ def gate_request(
     stored: Path | None = None,
     compute: bool = True,
 ) -> GateRequest:
-    """Check the user's arguments and return them as a request to the gate.
+    """Check the user's arguments and return them as a request to judge a model or file.
 
     Parameters
     ----------
     model, loads, values, max_error, reference, strict, levels, compute
         As in `GateRequest`; an empty ``model`` means the default model.
     limits
-        Error limits of quantities other than loads, each as ``NAME=NUMBER``.
+        Error limits of quantities other than loads, each as ``NAME=NUMBER`` in %, or in degrees for contact angles.
     store
         Folder in which new runs of the 3D reference are stored.
     stored
@@ -281,20 +283,20 @@ def gate_request(
         If arguments exclude each other or are out of range.
     """
     if max_error is not None and not 0.0 < max_error <= 100.0:
-        advice = "leave it out for the gate's default limit of 7 per cent"
+        advice = "leave `max_error` out for the default of 7 per cent"
         raise ArgumentError("max_error", str(max_error), "above 0 to 100 per cent", advice)
     if levels is not None and not 1 <= levels <= len(LEVELS):
         advice = "compute at least 2 mesh levels to estimate the mesh uncertainty"
         raise ArgumentError("levels", str(levels), f"1 to {len(LEVELS)}", advice)
     if levels is not None and (stored is not None or not compute):
-        advice = "leave one of them out: stored runs are used with all mesh levels that are stored"
+        advice = "leave `levels` out: stored runs are used with all mesh levels that are stored"
         raise ArgumentError("levels", str(levels), "only without `stored` and `compute=False`", advice)
     if levels is not None and reference is not None:
-        advice = "leave one of them out: a reference from a file needs no mesh levels"
+        advice = "leave `levels` out: a reference from a file needs no mesh levels"
         raise ArgumentError("levels", str(levels), "only without `reference`", advice)
     for name, file in (("loads", loads), ("values", values)):
         if file is not None and model:
-            advice = "leave one of them out: the gate judges either the file or the model"
+            advice = "leave the file or `model` out: either a file or a model is judged"
             raise ArgumentError(name, str(file), "only without `model`", advice)
     if stored is not None and not stored.is_dir():
         raise ArgumentError("stored", str(stored), "a folder with stored runs of the 3D reference", "check the path")
@@ -317,13 +319,13 @@ def gate_request(
 class UserFiles:
     """Contents of a user's files (loads, values, reference) for a scene or load case."""
 
-    #: Contact loads of another program, one record for each set of balls.
+    #: Contact loads of another program, one record for each nut or bearing.
     loads: tuple[GivenLoads, ...] = ()
-    #: Values of the whole screw (such as stiffness or life).
+    #: Values of quantities of the whole screw (such as stiffness or life).
     values: tuple[GivenValue, ...] = ()
-    #: Scene scaled to the axial load [N] at which a value is given, by that load.
+    #: For each axial load [N] at which a value is given, the scene with its loads scaled to that axial load.
     at: Mapping[float, Scene] = field(default_factory=dict)
-    #: User's reference, one record for each set of balls.
+    #: User's reference, one record for each nut or bearing.
     reference: tuple[Referenced, ...] = ()
 
 
@@ -335,7 +337,7 @@ def check_scenes(
     warn: Callable[[str], None] = lambda _: None,
     cases: Mapping[str, str] = NO_CASES,
 ) -> list[Verdict]:
-    """Judge a model's or a file's contact loads and other values on each scene, against the scene's reference.
+    """Judge a model's or a file's contact loads and other values on each scene, against the 3D or the user's reference.
 
     Missing runs of the 3D reference are computed first, unless the request forbids it.
 
@@ -344,26 +346,26 @@ def check_scenes(
     scenes
         Scenes with one load case each.
     request
-        Model or file to be judged, error limits and reference.
+        Model or file to be judged, error limits, and the reference to judge it against.
     engine
         Settings that determine where missing runs of the 3D reference are computed.
     step
-        Called with each line of progress.
+        Function that is called with each line of progress.
     warn
-        Called with each warning.
+        Function that is called with each warning.
     cases
-        Name of the load case by name of the scene, if a file holds rows of several load cases.
+        For each scene's name, the name of its load case; needed if a file holds rows of several load cases, else empty.
 
     Returns
     -------
     list of Verdict
-        Verdicts on each scene, or on each of its sets of balls: one on the largest error of a load, one on the RMS error if
-        that has a limit, and one on each further quantity that a file gives or that has a limit.
+        Verdicts on each scene, or on each of its nuts or bearings: one on the largest error of a load, one on the RMS error
+        if that has a limit, and one on each further quantity that a file gives or that has a limit.
 
     Raises
     ------
     InputError
-        If a file does not fit the scene. If the model cannot describe a scene, the subclass Refusal.
+        If a file does not fit the scene, or the model does not cover a scene.
     """
     warned: dict[str, None] = {}
     for scene in scenes:
@@ -401,9 +403,10 @@ def check_scenes(
 
 
 def _contact_verdicts_of_set(one: Referenced, files: UserFiles, limits: Limits, request: GateRequest) -> list[Verdict]:
-    """Return the verdicts on the contact loads of one set of balls, taken from a user's file or from a model.
+    """Return the verdicts on the contact loads of one nut or bearing, taken from a user's file or from a model.
 
-    ``one``: the set of balls with its reference.
+    ``one``: the nut or bearing with its reference; ``files``: contents of the user's files; ``limits``: error limits;
+    ``request``: model or file to be judged.
     """
     if request.loads is None:
         return _with_set_name(_verdicts_on_model(one, request.model, limits, request.stores), one)
@@ -417,9 +420,9 @@ def _contact_verdicts_of_set(one: Referenced, files: UserFiles, limits: Limits, 
 
 
 def _with_set_name(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
-    """Return the verdicts with the names of the shaft assembly and of its set of balls filled in.
+    """Return the verdicts with the names of the shaft assembly and of its nut or bearing filled in.
 
-    ``one``: the set of balls that they judge; the verdicts of a scene with one set are unchanged.
+    ``one``: the nut or bearing that they judge; the verdicts of a scene with a single one are unchanged.
     """
     return verdicts if one.of is None else [replace(v, scene=one.of.assembly.name, set=one.of.name) for v in verdicts]
 
@@ -427,10 +430,10 @@ def _with_set_name(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
 def _add_stored_reference_verdict(
     verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, request: GateRequest
 ) -> list[Verdict]:
-    """Return the verdicts, the first with the verdict against the stored 3D reference added to its explanation.
+    """Return the verdicts, after adding to the first one's explanation how the stored 3D reference would judge the loads.
 
-    It is added only if the user's own reference file was used for ``verdicts``. ``given``: the user's contact loads;
-    ``one``: the set of balls with its reference.
+    Nothing is added unless ``verdicts`` refer to a user's reference file and a 3D reference is stored, too. ``given``: the
+    user's contact loads; ``one``: the nut or bearing with the reference against which it was judged.
     """
     ours = stored_reference_of_set(one, request.stores) if one.found.stated else None
     if ours is None:
@@ -450,8 +453,9 @@ def _verdict_on_value(
 ) -> Verdict:
     """Return the verdict on a user's value of the whole screw (such as its life or stiffness).
 
-    ``referenced_sets``: the sets of balls to which the value belongs, with their references; if there is none, the verdict
-    is "not covered" for the given ``reason``. Of several sets of balls on one shaft, only the life of each set is judged.
+    ``value``: the user's value; ``referenced_sets``: the nuts or bearings to which it belongs, with their references; if
+    there is none, the verdict is "not covered" for the given ``reason``. Of several nuts or bearings on one shaft, only the
+    life of each is judged. ``scene``: the scene that the user's file describes.
     """
     assert request.values is not None
     one = next(iter(referenced_sets), None)
@@ -463,12 +467,15 @@ def _verdict_on_value(
 
 
 def is_name_of_set(referenced: Referenced, text: str) -> bool:
-    """Return whether the text ``text`` is the number (from 1) or the name of a set of balls; true if there is one set."""
+    """Return whether a text is the number (from 1) or the name of a nut or bearing; True for a scene with a single one.
+
+    ``referenced``: the nut or bearing with its reference.
+    """
     return referenced.of is None or text in _names_of_set(referenced.of.assembly, referenced.of.number)
 
 
 def _names_of_set(assembly: Assembly, k: int) -> tuple[str, str]:
-    """Return the texts that identify the set of balls ``k`` (from 0) in users' files: its number from 1, and its name."""
+    """Return the texts that identify the nut or bearing ``k`` (from 0) in users' files: its number from 1, and its name."""
     return str(k + 1), assembly.sets[k].name
 
 
@@ -485,8 +492,8 @@ def _scenes_with_user_files(
 ) -> Sequence[Solvable]:
     """Return the scenes to which the user's files apply; an empty sequence if the request names no file.
 
-    ``cases``: name of the load case by name of the scene.
-    Raises ArgumentError if there are several scenes that are not load cases of a single one.
+    ``scenes``: scenes to be judged; ``cases``: name of the load case by name of the scene, for load cases of one scene.
+    ArgumentError if there are several scenes that are not load cases of a single one.
     """
     named = {"loads": request.loads, "values": request.values, "reference": request.reference}
     for argument, path in named.items():
@@ -522,9 +529,10 @@ def _read_user_files(scene: Solvable, request: GateRequest, warn: Callable[[str]
 
 
 def sets_with_row_filter(scene: Solvable, case: str | None) -> list[tuple[Scene, Only]]:
-    """Return each set of balls of a scene, with the filter for its rows in a user's file; InputError for rollers.
+    """Return each nut or bearing of a scene, with the filter for its rows in a user's file; InputError for rollers.
 
-    ``case``: load case whose rows are wanted; None: all. A filter has the accepted texts of the columns case and set.
+    ``case``: load case whose rows are wanted; None: all. A filter has the accepted texts of the file's columns ``case`` and
+    ``set``.
     """
     of_case: Only = {} if case is None else {"case": (case,)}
     if isinstance(scene, Scene):
@@ -547,19 +555,19 @@ def references_from_file(
     strict: bool = False,
     case: str | None = None,
 ) -> list[Referenced]:
-    """Read the user's reference file and return the reference loads of each set of balls of a scene.
+    """Read the user's reference file and return the reference loads of each nut or bearing of a scene.
 
     Parameters
     ----------
     path
         Path of the file.
     scene
-        Scene with one set of balls or several.
+        Scene with one nut or bearing or several.
     warn
-        Called with each warning.
+        Function that is called with each warning.
     limit
         Limit of the errors of loads [%]: a warning is given if the uncertainty of the reference exceeds it. None: the limit
-        of the scene.
+        that the scene states, or `LIMIT`.
     strict
         Whether unknown column headings are an error.
     case
@@ -568,7 +576,7 @@ def references_from_file(
     Returns
     -------
     list of Referenced
-        Each set of balls with its reference.
+        Each nut or bearing with its reference.
 
     Raises
     ------
@@ -588,18 +596,18 @@ def references_from_file(
 
 
 def stored_reference_of_set(referenced: Referenced, stores: Sequence[Path]) -> Reference | None:
-    """Return the stored 3D reference of the set of balls ``referenced`` that has a user's reference.
+    """Return the stored 3D reference of a nut or bearing that was judged against a user's reference; None if there is none.
 
-    None if none is stored.
+    ``referenced``: the nut or bearing with the user's reference; ``stores``: folders with runs of the 3D reference.
     """
     references = stored_references(referenced.scene if referenced.of is None else referenced.of.assembly, stores)
     return references[0 if referenced.of is None else referenced.of.number].found if references else None
 
 
 def _check_set_names(scene: Solvable, values: Sequence[GivenValue], path: Path) -> None:
-    """Raise InputError if a value in the file ``path`` names no set of balls, or an unknown one.
+    """Raise InputError if a value in the file ``path`` names no nut or bearing, or an unknown one.
 
-    Values of a scene with one set of balls need no name.
+    Values of a scene with one nut or bearing need no name.
     """
     if isinstance(scene, Scene):
         return
@@ -613,15 +621,15 @@ def _check_set_names(scene: Solvable, values: Sequence[GivenValue], path: Path) 
 def _scene_at_value_load(scene: Solvable, value: GivenValue, path: Path) -> Scene:
     """Return the scene with its loads scaled to the axial load at which a value in the file ``path`` is given.
 
-    InputError if the scene has no axial load, or several sets of balls.
+    ``value``: the value with its axial load. InputError if the scene has no axial load, or several nuts or bearings.
     """
     assert value.force is not None
     if isinstance(scene, Assembly):
-        advice = "leave it empty: several sets of balls are judged only at the loads of the scene"
+        advice = "leave the cell empty: several nuts or bearings are judged only at the loads of the scene"
         raise InputError(str(path), "where", value.where, "no entry", advice)
     axial = abs(sum(load.force[2] for load in scene.loads))
     if axial == 0.0:
-        advice = "leave it empty: the loads of the scene are scaled to this load, and it has no axial load"
+        advice = "leave the cell empty: the scene has no axial load that could be scaled to this value"
         raise InputError(str(path), "where", value.where, "an axial load only for a scene with an axial load", advice)
     return scale_loads(scene, value.force / axial)
 
@@ -636,9 +644,10 @@ def _check_unknown_columns(path: Path, headings: Sequence[str], warn: Callable[[
 
 
 def _notes_on_loads(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[str]:
-    """Yield notes on a user's contact loads, some of them empty texts.
+    """Yield notes on a user's contact loads, some of which may be empty texts.
 
-    The notes state flanks without loads, balls that the file numbers differently, and suspected causes of large errors.
+    ``given``: the user's contact loads; ``limits``: error limits. The notes state flanks without loads, balls that the file
+    numbers differently, and suspected causes of large errors.
     """
     left = [side for side in SIDES if side not in given.flanks]
     yield f"flanks not judged because the file has no loads on them: {', '.join(left)}" if left else ""
@@ -648,21 +657,21 @@ def _notes_on_loads(given: GivenLoads, reference: Reference, limits: Limits) -> 
 
 
 def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
-    """Return the error limits for a scene: those of the request, else those of the scene, else `LIMIT`.
+    """Return the error limits for a scene: those that the user states, else those that the scene states, else `LIMIT`.
 
     Parameters
     ----------
     scene
-        Scene with one set of balls or several.
+        Scene with one nut or bearing or several.
     max_error
-        Limit of the largest error of a load [%] in the request; None: not stated there.
+        Limit of the largest error of a contact load [%] that the user states; None: not stated.
     others
         Error limits of quantities other than loads, by name of the quantity.
 
     Returns
     -------
     Limits
-        Limits by which the gate judges the scene.
+        Limits by which the scene is judged.
     """
     if isinstance(scene, Assembly):
         return Limits(LIMIT if max_error is None else max_error, others=others)
@@ -678,9 +687,9 @@ def fraction_limit_warnings(limits: Limits) -> Iterator[str]:
 
 
 def _verdicts_on_model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
-    """Return the verdicts on a model's results for one set of balls; a single "fail" if the model finds no equilibrium.
+    """Return the verdicts on a model's results for one nut or bearing; a single "fail" if the model finds no equilibrium.
 
-    ``one``: the set of balls with its reference; ``name``: name of the model; ``stores``: folders with 3D runs.
+    ``one``: the nut or bearing with its reference; ``name``: name of the model; ``stores``: folders with 3D runs.
     """
     scene, ref, title = one.scene, one.found, model_title(name)
     if one.of is not None:
@@ -712,7 +721,9 @@ def _compute_missing_runs(
 ) -> dict[str, str]:
     """Compute missing runs of the 3D reference, and return why a computation failed, by name of the scene.
 
-    A scene that the 3D reference cannot represent does not stop the computation of the others.
+    ``request``: number of mesh levels and folders of runs; ``engine``: settings that determine where runs are computed;
+    ``step``: function that is called with each line of progress. A scene that the 3D reference cannot represent does not
+    stop the computation of the others.
     """
     why: dict[str, str] = {}
     for group in group_by_geometry(scenes):

@@ -1,4 +1,4 @@
-"""Verdicts of the gate on contact loads and other quantities: error against a reference, its uncertainty, and a limit."""
+"""Verdicts on contact loads and other quantities, from the error against a reference, its uncertainty, and a limit."""
 
 from __future__ import annotations
 
@@ -56,7 +56,8 @@ ONE_LEVEL = "one mesh level: its uncertainty is estimated from other scenes; two
 class Limits:
     """Error limits of a scene: in per cent, or in degrees for contact angles."""
 
-    #: Limit of the largest error of a contact load [% of its reference load; of the mean load for small loads].
+    #: Limit of the largest error of a contact load [% of its reference load; of the mean load for loads below a tenth of
+    #: it].
     largest: float = LIMIT
     #: Limit of the root mean square error of the loads [% of the mean load]; None: not judged.
     rms: float | None = None
@@ -65,13 +66,13 @@ class Limits:
 
 
 def subject_text(scene: str, case: str | None, set_: str | None) -> str:
-    """Return the names of scene, load case and set of balls (``set_``) as one text, without those that are None."""
+    """Return the names of scene, load ``case`` and nut or bearing (``set_``) as one text, without those that are None."""
     return ", ".join(filter(None, (scene, case, set_)))
 
 
 @result_record
 class Verdict:
-    """Verdict of the gate on one quantity of a scene, load case or set of balls, with the error and its limit."""
+    """Verdict on one quantity of a scene, of one of its load cases or of a nut or bearing, with the error and its limit."""
 
     #: Name of the scene.
     scene: str
@@ -81,7 +82,7 @@ class Verdict:
     quantity: str
     #: Verdict as text, such as "pass".
     word: Word
-    #: Error on the decisive contact [unit].
+    #: Error on the decisive contact [`unit`]; None if the quantity could not be judged.
     error: float | None = stated(
         "error_percent",
         "error of the judged quantity, in the rule of the gate: of its own value, of the mean load for contacts below a "
@@ -93,9 +94,9 @@ class Verdict:
         ),
         error="`uncertainty_percent` beside it",
     )
-    #: Uncertainty of the reference on the decisive contact [unit]; None: not known.
+    #: Uncertainty of the reference on the decisive contact [`unit`]; None: not known.
     uncertainty: float | None = stated("uncertainty_deg", "the reference's uncertainty of it, by discretisation")
-    #: Limit of the error [unit].
+    #: Limit of the error [`unit`].
     limit: float = stated(
         "limit_percent",
         "limit of the scene or of the command line",
@@ -109,24 +110,24 @@ class Verdict:
     levels: tuple[int, ...] = ()
     #: Number of judged contacts.
     contacts: int = 0
-    #: Further explanation.
+    #: Further explanation; may be empty.
     detail: str = ""
-    #: Errors in per cent of the mean load, stated first in every output.
+    #: Largest and RMS error in per cent of the mean load, which every output states first; None for other quantities.
     of_mean: LoadError | None = stated(
         "max_percent_of_mean",
         "error of the worst contact load in per cent of the mean load",
         QuantityDescription("rms_percent_of_mean", "root mean square over all contacts, in per cent of the mean load"),
         default=None,
     )
-    #: Name of the set of balls, if there are several.
+    #: Name of the nut or bearing, if there are several.
     set: str | None = None
-    #: Name of the load case.
+    #: Name of the load case; None if the scene has only one.
     case: str | None = None
     #: Unit of error, uncertainty and limit.
     unit: str = "%"
     #: Key of the quantity, its judged value and its value in the reference; None for contact loads.
     pair: tuple[str, float, float] | None = None
-    #: Number, load, reference load and its uncertainty [N] of the balls next to the decisive one.
+    #: For the balls next to the decisive one: number of the ball, judged load, reference load and its uncertainty [N].
     near: tuple[tuple[int, float, float, float], ...] = ()
 
     @property
@@ -146,7 +147,7 @@ class Verdict:
 
     @property
     def subject(self) -> str:
-        """Names of the judged scene, load case and set of balls, as one text."""
+        """Names of the judged scene, load case and nut or bearing, as one text."""
         return subject_text(self.scene, self.case and f"case {self.case}", self.set)
 
     def as_json(self) -> dict[str, Any]:
@@ -211,11 +212,11 @@ def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> W
     Parameters
     ----------
     error
-        Error against the reference [%].
+        Error against the reference, in any unit.
     uncertainty
-        Uncertainty of the reference [%]; None: not known.
+        Uncertainty of the reference, in the same unit; None: not known.
     limit
-        Limit of the error [%].
+        Limit of the error, in the same unit.
 
     Returns
     -------
@@ -238,9 +239,9 @@ def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> W
 class ContactError(NamedTuple):
     """Error on one judged contact, with the uncertainty of the reference."""
 
-    #: Error [%].
+    #: Error [%; deg for contact angles].
     error: float
-    #: Uncertainty of the reference on this contact [%]; None: not known.
+    #: Uncertainty of the reference on this contact, in the same unit; None: not known.
     bar: float | None
     #: Number of the ball, from 1.
     ball: int
@@ -251,8 +252,8 @@ class ContactError(NamedTuple):
 def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Word, ContactError]:
     """Return the worst verdict on any contact, and the contact that decides it.
 
-    ``points``: errors of all judged contacts; ``limit``: error limit in the unit of these errors. The decisive contact is
-    the one furthest beyond the limit; if none exceeds it, the one nearest to the limit.
+    ``points``: errors of all judged contacts; ``limit``: error limit, in the unit of these errors. The decisive contact is
+    the one that exceeds the limit by most; if none exceeds it, the one nearest to the limit.
     """
     each = [verdict_on_error(p.error, p.bar, limit) for p in points]
     worst = worst_verdict(each)
@@ -289,10 +290,10 @@ def judge_contact_loads(
     limits
         Error limits of the scene.
     flanks
-        Flanks that are judged. The other flanks enter no error and no mean load. The number of contacts over which the mean
-        is taken is reduced in proportion to the loaded contacts on the judged flanks.
+        Flanks that are judged; loads on the others are not used. The number of contacts over which the mean load is taken
+        is reduced to the share of the loaded contacts that are on the judged flanks.
     detail
-        Further explanation, added to the verdict.
+        Text that is added to the explanation of the verdict.
 
     Returns
     -------
@@ -343,7 +344,7 @@ def _loads_of_neighbouring_balls(
 
 
 def reference_notes(reference: Reference) -> str:
-    """Return notes on a reference as text: its origin, loads that did not converge, a single mesh level."""
+    """Return notes on a reference as text: its origin, incomplete convergence, a single mesh level; empty without any."""
     single = ONE_LEVEL if reference.parts.by_experience and not reference.stated else ""
     return "; ".join(filter(None, (reference.stated, reference.unsettled, single)))
 
@@ -354,7 +355,7 @@ def worst_verdict(words: Sequence[Word]) -> Word:
 
 
 def suspected_cause_text(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
-    """Return the likely cause of errors beyond the limit: wrong unit, different numbering of balls, or swapped flanks.
+    """Return the likely cause of errors above the limit: wrong unit, different numbering of balls, or swapped flanks.
 
     Parameters
     ----------
@@ -398,7 +399,7 @@ def _largest_error(given: Array, right: Array, mean: float) -> float:
     return float(np.abs(error_percent(given, right, mean)).max())
 
 
-#: Note on approaches and pressures that are computed from the loads of the reference.
+#: Note on approaches and pressures that are computed from the contact loads of the reference.
 BY_HERTZ = "reference value computed by Hertz theory from its contact loads and the radii of each contact"
 
 
@@ -459,10 +460,10 @@ def _judge_contact_quantity(
 ) -> Verdict:
     """Judge one contact quantity (angle, approach or pressure) by its decisive contact.
 
-    ``judged``: name of the model or file; ``given``: its values; ``name``: key of the quantity in `OF_CONTACTS`. Errors of
-    approach and pressure are in per cent of the reference value of the contact; for contacts with less than a tenth of the
-    mean load, in per cent of the value at the mean load. Errors of angles are in degrees, on contacts that bear load both
-    in the reference and in the judged values.
+    ``judged``: name of the model or file; ``given``: its values; ``name``: key of the quantity in `OF_CONTACTS`; ``ref``:
+    the reference; ``limits``: error limits. Errors of approach and pressure are in per cent of the reference value of the
+    contact; for contacts with less than a tenth of the mean load, in per cent of the value at the mean load. Errors of
+    angles are in degrees, on contacts that bear load both in the reference and in the judged values.
     """
     q, value = OF_CONTACTS[name], given.further[name]
     limit, unit = error_limit_of(q, limits.others, limits.largest), "deg" if q is ANGLE else "%"
@@ -519,5 +520,5 @@ def judge_given_value(judged: str, given: GivenValue, scene: Scene, ref: Referen
 
 
 def quantities_without_verdict(verdicts: Sequence[Verdict]) -> list[str]:
-    """Return the names of the quantities (`QUANTITIES`) on which none of the verdicts is."""
+    """Return the names of those quantities (`QUANTITIES`) on which there is none of the given verdicts."""
     return [name for name in QUANTITIES if not any(v.quantity.split(" at ")[0] == name for v in verdicts)]

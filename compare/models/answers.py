@@ -67,7 +67,7 @@ from rollbench.meshes.one_arc import Clearance, distance_of_groove_centres, has_
 from rollbench.meshes.parts import Lubricant, Motion, Scene, Support
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
-#: Share of the half play from which on a ring counts as being at the end of its play.
+#: Distance of a ring from the middle of its axial play, over half the play, from which on it counts as at the end [1].
 AT_END = 0.9
 
 
@@ -84,7 +84,7 @@ def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> Clear
     Returns
     -------
     Clearance or None
-        Axial and radial play with the contact angle at the end of the play.
+        Axial and radial play [m], and the contact angle at the end of the play [rad].
     """
     found = internal_clearance(parts) if thrust == "deep groove" else None
     return found if found is not None and found.axial > 0.0 else None
@@ -107,7 +107,8 @@ def axial_play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
 def _play_warning_of_row(parts: Scene, displacement: float) -> Iterator[Warned]:
     """Yield a warning if a deep-groove row is fixed near one end of its axial play.
 
-    ``displacement``: prescribed axial displacement of the inner ring relative to the outer ring [m].
+    ``parts``: the row as a scene; ``displacement``: prescribed axial displacement of the inner ring relative to the outer
+    ring [m].
     """
     clearance = clearance_of_deep_groove(parts)
     if clearance is None:
@@ -137,8 +138,8 @@ def _prescribed_outer_ring_displacement(assembly: Assembly, row: RollingSet) -> 
     return next((row.offset + value for name, value in housing.fixed if name == "uz"), None)
 
 
-#: For each model, the model whose elastic bodies are used for its tangent stiffness. Liu's model has an axial stiffness
-#: only; models that are neither listed here nor in `LADDER` have none.
+#: For each of these models, the model whose elastic bodies are used for its tangent stiffness. The models in `LADDER` and
+#: "condensed" use their own bodies, Liu's model has an axial stiffness only, and all others have none.
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
 
 
@@ -149,9 +150,9 @@ WIDEST = 0.6
 
 @result_record
 class LoadAnswers:
-    """Pressure, static safety, rating life and load ratings that follow from the contact loads of a row or nut.
+    """Pressure, static safety, rating life and load ratings that follow from the contact loads of a ball nut or bearing.
 
-    The loads are those of a low-order model or of the 3D reference. Fields are None without load.
+    The contact loads stem from a low-order model or from the 3D reference. Fields are None if no contact carries load.
     """
 
     #: Contact with the highest pressure.
@@ -160,7 +161,7 @@ class LoadAnswers:
     safety: StaticSafety | None = quantity_field("static_safety")
     #: How close contact ellipses come to the edges of their grooves.
     reach: Truncation | None = quantity_field("truncation")
-    #: Basic rating life by the loads.
+    #: Basic rating life under the contact loads.
     life: Life | None = quantity_field("life")
     #: Dynamic and static load ratings.
     ratings: Ratings | None = quantity_field("ratings")
@@ -174,7 +175,7 @@ class LoadAnswers:
 class RollerAnswers:
     """Pressure, static safety, life and friction torque that follow from the line loads of a row of rollers.
 
-    Fields are None without load.
+    Fields are None if no roller carries load.
     """
 
     #: Line contact with the highest pressure.
@@ -183,7 +184,7 @@ class RollerAnswers:
     safety: StaticSafety | None = quantity_field("static_safety")
     #: Contact of the most loaded roller with the rib of its ring.
     rib: RibContact | None = quantity_field("rib_contact")
-    #: Basic rating life by the loads.
+    #: Basic rating life under the contact loads.
     life: Life | None = quantity_field("life")
     #: Dynamic and static load ratings.
     ratings: Ratings = quantity_field("ratings")
@@ -211,11 +212,11 @@ class Answers:
     tangent_words: str
     #: Contact loads that remain when the loads of the scene are removed.
     preload: Preload | None
-    #: Load at which the first preloaded contact opens.
+    #: Load at which the first preloaded contact opens; None without preload.
     lift: LiftOff | None
     #: Friction torques and efficiencies as JSON values; None if not computed.
     friction: dict[str, Any] | None
-    #: Why friction is not computed.
+    #: Why friction is not computed; empty if it is.
     friction_words: str
     #: Share of the loads that each support and the contacts take; None without loads.
     path: LoadPath | None = None
@@ -251,7 +252,7 @@ def rate_contact_loads(
     angle
         Contact angles, (n, 4) [rad].
     member
-        Number of the specimen of a scene with random errors.
+        Number of the specimen, from 0, of a scene with random errors.
     pressure
         Largest pressure of each contact, (n, 4) [Pa]; None: by Hertz.
 
@@ -287,14 +288,14 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Opti
     station
         Axial position on the screw [m].
     model
-        Model with a beam or elastic bodies.
+        Name of a model that describes the screw as a beam or as an elastic body.
     options
         Options of the model.
 
     Returns
     -------
     Tangent
-        Stiffness and rigidities.
+        Tangent stiffness, and the rigidities that follow from it.
 
     Raises
     ------
@@ -305,7 +306,7 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Opti
     step = TANGENT_OF.get(model, model)
     if step not in (*LADDER, "condensed"):
         allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
-        raise ArgumentError("stiffness_at", f"the model {model}", f"only with a model of {allowed}", "choose another model")
+        raise ArgumentError("stiffness_at", f"the model {model}", f"only the models {allowed}", "choose another model")
     condensed = read_condensed_bodies(scene, options) if step == "condensed" else None
     modelled = MODELS[model].scene(scene)
     try:
@@ -353,7 +354,7 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tupl
 
 
 def unloaded_axial_displacement(scene: Scene, unloaded: StaticResult) -> float:
-    """Return the screw's axial position at the nut's centre without loads [m], from which displacements are counted.
+    """Return the unloaded screw's axial displacement at the nut's centre [m], from which displacements are counted.
 
     Parameters
     ----------
@@ -373,7 +374,7 @@ def unloaded_axial_displacement(scene: Scene, unloaded: StaticResult) -> float:
 def displacement_without_loads(scene: Scene, unloaded: StaticResult) -> Array:
     """Return the unloaded screw's displacement at the nut's centre from its nominal position, (6,) [m, rad].
 
-    ``unloaded``: result of the scene without loads. Zero if no contact fixes the unloaded screw.
+    ``unloaded``: result of the scene without loads. The displacement is zero if no contact fixes the unloaded screw.
     """
     return displacement_at_nut(scene, unloaded) if unloaded.converged and (unloaded.load > 0.0).any() else np.zeros(6)
 
@@ -445,7 +446,7 @@ def bearing_friction_torque(
     balls
         Solution with the contact loads and angles of the row.
     force
-        Force between shaft and row, (3,) [N].
+        Force (x, y, z) between shaft and row, (3,) [N]; only its radial part is used.
     loads
         Results from these contact loads, of which the static safety is used.
     lubricant, motion
@@ -612,13 +613,13 @@ class AxisAnswers:
     sets: tuple[SetAnswers, ...]
     #: Sum of the axial loads on shaft and housings [N].
     force: float
-    #: Displacement of the shaft position or housing of interest from its unloaded position, (6,) [m, rad]; None if the
-    #: unloaded shaft has no equilibrium.
+    #: Displacement, from its unloaded position, of the shaft position or housing that the scene's key ``stiffness_at``
+    #: names, (6,) [m, rad]; None if the unloaded shaft has no equilibrium.
     motion: Array | None
     #: Share of all loads that each support and the contacts take; None without loads.
     path: LoadPath | None = None
-    #: Load paths for the loads on each body separately. In their sum, loads on other bodies may hide a load that the
-    #: frame carries.
+    #: The same shares for the loads on the shaft and on each housing separately. In the sum over all bodies, loads on other
+    #: bodies may hide a load that the frame carries.
     paths: tuple[LoadPath, ...] = ()
 
     @property
@@ -636,7 +637,7 @@ class AxisAnswers:
 
     @property
     def displacement(self) -> float | None:
-        """Axial displacement of the position of interest from its unloaded position [m]; None as for `motion`."""
+        """Axial component of `motion` [m]; None if the unloaded shaft has no equilibrium."""
         return None if self.motion is None else float(self.motion[2])
 
 
@@ -672,7 +673,8 @@ def compute_axis_results(assembly: Assembly, result: AxisResult) -> AxisAnswers:
 def _load_paths_by_body(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
     """Return the load path of each loaded body: the change of all reactions when the loads on that body are removed.
 
-    If only one body is loaded, return ``path``, the load path of all loads.
+    A body is the shaft or a housing; ``result``: solution of the assembly under all loads; ``path``: load path of all
+    loads, which is returned alone if only one body is loaded. The tuple is empty without loads.
     """
     bodies, options = assemblies_by_loaded_body(assembly), Options(member=result.member)
     if len(bodies) < 2:

@@ -39,7 +39,7 @@ class Descriptor:
 
 
 def _largest_lateral_displacement(scene: Scene) -> float:
-    """Return the largest relative lateral displacement that the supports prescribe [um], a misalignment."""
+    """Return the misalignment of the supports: largest difference of their prescribed lateral displacements [um]."""
     given = {axis: [0.0, *(v for s in scene.supports for k, v in s.fixed if k == axis)] for axis in ("ux", "uy")}
     across, up = (max(v) - min(v) for v in given.values())
     return 1e6 * float(np.hypot(across, up))
@@ -134,22 +134,22 @@ class DescriptorInRange:
 
 @cache
 def compared_scenes(*, ring: bool) -> tuple[Scene, ...]:
-    """Return the shipped scenes that were compared with the 3D reference: bearings if ``ring``, else screws."""
+    """Return the built-in scenes that were compared with the 3D reference: bearings if ``ring``, else screws."""
     names = (*catalogue.names_with_role("referenced"), *catalogue.names_with_role("unseen"))
     scenes = (catalogue.scene(name) for name in names)
     return tuple(s for s in scenes if (s.track.lead == 0.0) == ring)
 
 
-#: File with the randomly drawn screws that were compared (by `rollbench stability`), in a folder of 3D reference runs.
+#: File with the random screws that were compared (by `rollbench stability`), in a folder of 3D reference runs.
 SURVEY = "survey.json"
 
-#: Number of randomly drawn screws from which expected errors are estimated. Later screws of the file test the estimate.
+#: Number of random screws from which expected errors are estimated. Further screws in the file test the estimate.
 KNOWN_SCREWS = 240
 
 
 @cache
 def records_of_drawn_screws() -> tuple[dict[str, Any], ...]:
-    """Read the records of the first `KNOWN_SCREWS` randomly drawn screws; empty if their file cannot be used."""
+    """Read the records of the first `KNOWN_SCREWS` random screws; empty if their file cannot be used."""
     try:
         scenes = json.loads(files.text(f"references/{SURVEY}"))["scenes"]
         return tuple(row for row in scenes if row["number"] < KNOWN_SCREWS and row.get("points"))
@@ -159,16 +159,16 @@ def records_of_drawn_screws() -> tuple[dict[str, Any], ...]:
 
 @cache
 def descriptors_of_drawn_screws() -> tuple[dict[str, float], ...]:
-    """Return the descriptors, by name, of each of the first `KNOWN_SCREWS` randomly drawn screws."""
+    """Return the descriptors, by name, of each of the first `KNOWN_SCREWS` random screws."""
     return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in records_of_drawn_screws())
 
 
-#: File with the descriptors of the compared shipped scenes, stored because reading all scenes would take longer.
+#: File with the descriptors of the compared built-in scenes, stored because reading all scenes would take longer.
 PLACES = "places.json"
 
 
 def save_descriptors(store: Path) -> None:
-    """Write the descriptors of all compared shipped screws and bearings to the file `PLACES` in a folder of 3D runs."""
+    """Write the descriptors of all compared built-in screws and bearings to the file `PLACES` in a folder of 3D runs."""
     from rollbench.compare.files import replace_file
 
     by_kind = {
@@ -180,7 +180,7 @@ def save_descriptors(store: Path) -> None:
 
 @cache
 def descriptors_of_shipped_scenes(*, ring: bool) -> tuple[dict[str, float], ...]:
-    """Read the descriptors of each compared shipped bearing if ``ring``, else of each screw.
+    """Read the descriptors of each compared built-in bearing if ``ring``, else of each screw.
 
     Empty if the file `PLACES` is missing or damaged.
     """
@@ -207,7 +207,7 @@ def descriptors_with_ranges(scene: Scene, among: Sequence[Scene] | None = None) 
     scene
         Scene with one nut or bearing row.
     among
-        Compared scenes; None: all shipped scenes and randomly drawn screws.
+        Compared scenes; None: all compared built-in scenes and random screws.
 
     Returns
     -------
@@ -217,7 +217,7 @@ def descriptors_with_ranges(scene: Scene, among: Sequence[Scene] | None = None) 
     Raises
     ------
     ValueError
-        If the scene has no solid dimensions (`meshes.solid.dimensions_of_3d_parts`).
+        If no dimensions of the 3D parts follow from the scene (`meshes.solid.dimensions_of_3d_parts`).
     """
     ring = scene.track.lead == 0.0
     out = []
@@ -245,7 +245,7 @@ def descriptors_outside_range(scene: Scene) -> tuple[str, ...]:
     Raises
     ------
     ValueError
-        If the scene has no solid dimensions (`meshes.solid.dimensions_of_3d_parts`).
+        If no dimensions of the 3D parts follow from the scene (`meshes.solid.dimensions_of_3d_parts`).
     """
     if not descriptors_of_shipped_scenes(ring=scene.track.lead == 0.0):
         return (f"the range of the compared scenes is not known; references/{PLACES} is missing or damaged",)

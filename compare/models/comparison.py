@@ -34,13 +34,13 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Load, Scene
 
-#: Scenes whose runs of the 3D reference are part of the package.
+#: Names of the scenes whose runs of the 3D reference are included with rollbench.
 REFERENCED = names_with_role("referenced")
 
 #: Definition of the error that is compared with the limit (`measure.scale_of_gate_errors`), as text.
 RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"
 
-#: For each scene of Lin's thesis, the keys of its printed errors (largest, RMS) and load ratio.
+#: For each scene of Lin's thesis, the keys of its printed errors (largest, RMS) and of its printed load ratio; empty: none.
 PRINTED = {
     "lin-case1": ("case1_max_error", "case1_rms_error", "case1_ratio"),
     "lin-case2": ("case2_max_error", "case2_rms_error", ""),
@@ -90,8 +90,8 @@ def models_by_name(names: tuple[str, ...], argument: str = "models") -> list[Mod
 def path_of_condensed_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> Path | None:
     """Return the path of the file with the stiffness of screw and nut, condensed to the contacts, of the finest 3D run.
 
-    ``stores``: folders with runs of the 3D reference; None: that of the package. None is returned if no folder has the
-    file, or if the reference is a user's file.
+    ``stores``: folders with runs of the 3D reference; None: that included with rollbench. None is returned if no folder has
+    the file, or if the reference is a user's file.
     """
     if reference.stated:
         return None
@@ -118,7 +118,7 @@ def comparison_options(
     reference
         Reference of the scene.
     stores
-        Folders with runs of the 3D reference; None: those of the package.
+        Folders with runs of the 3D reference; None: those included with rollbench.
     engine
         "interpreted" (plain Python), "compiled", or "auto" as suits the problem.
 
@@ -156,17 +156,17 @@ class ComparisonRow:
     side: str | None
     #: Unit of the values.
     unit: str
-    #: Value that the publication prints, if any.
+    #: Value that the scene's publication prints; None if it prints none.
     printed: float | None
     #: Name of the model.
     model: str
     #: Value by the model.
     value: float | None
-    #: Value by the reference.
+    #: Value by the 3D reference.
     reference: float | None
-    #: Uncertainty of the reference, in the unit of the value.
+    #: Uncertainty of the value by the 3D reference, in the same unit; None: not known.
     reference_error: float | None
-    #: Error of the model in per cent.
+    #: Error of the model in per cent; None: not defined.
     error_percent: float | None
     #: Computing time of the model or 3D run [s].
     seconds: float | None
@@ -194,9 +194,9 @@ class Loads:
     angle: Array
     #: Axial positions on the screw, (k,) [m].
     stations: Array
-    #: Displacement of the screw's axis at these positions, (k, 3) [m].
+    #: Displacement (x, y, z) of the screw's axis at these positions, (k, 3) [m].
     line: Array
-    #: Computing time of the model or 3D run [s].
+    #: Computing time of the model or 3D run [s]; None: not measured.
     seconds: float | None
     #: Version and machine with which the time was measured; empty: this version and machine.
     measured: str = ""
@@ -240,7 +240,7 @@ def solve_and_time(
     reference
         Reference of the scene.
     stores
-        Folders with runs of the 3D reference; None: those of the package.
+        Folders with runs of the 3D reference; None: those included with rollbench.
 
     Returns
     -------
@@ -302,9 +302,9 @@ def comparison_rows(scene: Scene, answer: Loads, ref: Reference) -> list[Compari
     scene
         Scene with one nut or bearing row.
     answer
-        Loads and displacements by a model.
+        Loads and displacements by a model or a run of the 3D reference.
     ref
-        Reference of the scene.
+        3D reference of the scene.
 
     Returns
     -------
@@ -330,7 +330,7 @@ def _comparison_row(
 
     ``answer``: results of the model; ``pair``: values by the model and by the reference in ``unit``; ``error``: uncertainty
     of the reference in this unit; ``percent``: error of the model [%]; ``at``: number of the ball and name of its flank;
-    ``printed``: value that the publication prints.
+    None: a quantity of the whole screw; ``printed``: value that the scene's publication prints; None: none.
     """
     values, time = (*pair, error, percent, answer.seconds), answer.measured
     return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *values, measured_with=time)
@@ -367,7 +367,7 @@ def _finite_or_none(value: float) -> float | None:
 
 
 def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield comparisons of load and contact angle for each contact that carries load by the model or the reference.
+    """Yield comparisons of load and contact angle for each contact that carries load by the model or in the reference.
 
     ``row``: function that makes a comparison record (`_comparison_row` with scene and model bound); ``answer``: results of
     the model.
@@ -459,7 +459,7 @@ def load_ratio_uncertainty(reference: Reference) -> float | None:
 
 @dataclass(frozen=True)
 class Exceedance:
-    """Contact of a shipped scene on which the error of Lin's model is known to exceed the limit."""
+    """Contact of a built-in scene on which the error of the model lin is known to exceed the error limit."""
 
     #: Name of the scene.
     scene: str
@@ -472,7 +472,7 @@ class Exceedance:
 
 
 def known_exceedances() -> list[Exceedance]:
-    """Read the shipped list of contacts on which the error of Lin's model exceeds the limit."""
+    """Return the contacts on which the error of the model lin is known to exceed the error limit, from a built-in file."""
     return [Exceedance(**row) for row in files.read_shipped_toml("references/known_exceedances.toml").get("row", [])]
 
 
@@ -490,7 +490,7 @@ class GatePoint:
     error_percent: float
     #: Uncertainty of the reference [% of the same load].
     uncertainty_percent: float
-    #: Whether the magnitude of the error less the uncertainty exceeds the limit.
+    #: Whether the magnitude of the error, less the uncertainty, exceeds the error limit.
     exceeds: bool
 
 
@@ -513,7 +513,7 @@ def contact_load_errors(name: str, reference: Reference, max_error: float, load:
     Returns
     -------
     list of GatePoint
-        One for each contact.
+        Error of each contact that carries load by the model or in the reference.
     """
     scales = scale_of_gate_errors(reference.load, reference.mean)
     points = []
@@ -527,21 +527,21 @@ def contact_load_errors(name: str, reference: Reference, max_error: float, load:
 
 @dataclass(frozen=True)
 class SetOfAssembly:
-    """Set of balls (a nut or a bearing row) on a shaft that has several."""
+    """Nut or bearing (a nut or a bearing row) on a shaft that has several."""
 
-    #: Shaft with all sets of balls.
+    #: Shaft with all nuts or bearings.
     assembly: Assembly
-    #: Number of the set, from 0.
+    #: Number of this nut or bearing on the shaft, from 0.
     number: int
 
     @property
     def name(self) -> str:
-        """Name of the set of balls."""
+        """Name of the nut or bearing."""
         return self.assembly.sets[self.number].name
 
     @property
     def scene(self) -> Scene:
-        """Set of balls as a separate scene, named after assembly and set; ValueError for a row of rollers."""
+        """Nut or bearing as a separate scene, named after assembly and set; ValueError for a row of rollers."""
         parts = self.assembly.sets[self.number].parts
         if not isinstance(parts, Scene):
             raise ValueError(f"{self.name} has rollers instead of balls")
@@ -549,35 +549,35 @@ class SetOfAssembly:
 
     @property
     def contacts(self) -> int:
-        """Number of loaded contacts if the set had its nominal geometry, that is no errors but the preload."""
+        """Number of loaded contacts of the nut or bearing without geometric errors, but with its preload."""
         return _loaded_contact_counts(self.assembly)[self.number]
 
 
 @dataclass(frozen=True)
 class Referenced:
-    """Scene with one set of balls, or one of several sets on a shaft, with its 3D reference."""
+    """Scene with one nut or bearing, or one of several nuts or bearings on a shaft, with its 3D or user's reference."""
 
-    #: Set of balls as a separate scene.
+    #: Nut or bearing as a separate scene.
     scene: Scene
-    #: Reference of the set of balls.
+    #: Reference of the nut or bearing.
     found: Reference
-    #: Place of the set on the shaft; None for a scene with one set.
+    #: The nut or bearing as one of several on its shaft; None for a scene with a single one.
     of: SetOfAssembly | None = None
 
     @property
     def described(self) -> str:
-        """Name of the scene that the user described: the assembly's name if the shaft has several sets of balls."""
+        """Name of the scene that the user described: the assembly's name if the shaft has several nuts or bearings."""
         return self.scene.name if self.of is None else self.of.assembly.name
 
     @property
     def set(self) -> str:
-        """Name of the set of balls on its shaft; empty if the scene has one set."""
+        """Name of the nut or bearing on its shaft; empty if the scene has a single one."""
         return "" if self.of is None else self.of.name
 
 
 @dataclass(frozen=True)
 class SetSolution:
-    """Solution of a low-order model for one of several sets of balls on a shaft, with and without loads."""
+    """Solution of a low-order model for one of several nuts or bearings on a shaft, with and without loads."""
 
     #: Result under the loads of the assembly.
     result: StaticResult
@@ -585,37 +585,37 @@ class SetSolution:
     bare: StaticResult
     #: Computing time of the solution under load [s].
     seconds: float
-    #: Set of balls as a separate scene, loaded by the force and moment that its balls carry.
+    #: Nut or bearing as a separate scene, loaded by the force and moment that its balls carry.
     scene: Scene
 
 
 def stored_references(
     described: Solvable, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS), fitted: int = FITTED
 ) -> list[Referenced]:
-    """Return the stored 3D reference of each set of balls of a scene, from the finest runs.
+    """Return the stored 3D reference of each nut or bearing of a scene, from the finest runs.
 
     Parameters
     ----------
     described
-        Scene with one set of balls or several.
+        Scene with one nut or bearing or several.
     stores
-        Folders with runs of the 3D reference; None: those of the package.
+        Folders with runs of the 3D reference; None: those included with rollbench.
     levels
         Mesh levels that are used.
     fitted
-        Number of the finest 3D runs from which the uncertainty is estimated.
+        Number of runs, counted from the finest, from which the uncertainty is estimated.
 
     Returns
     -------
     list of Referenced
-        Reference of each set; empty if no run is stored.
+        Reference of each nut or bearing; empty if no run is stored.
     """
     runs = tuple(run for level in levels if (run := load_run(described, level, stores=stores)) is not None)
     return references_from_runs(described, runs[-fitted:]) if runs else []
 
 
 def references_from_runs(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced]:
-    """Return the 3D reference of each set of balls of a scene from its ``runs`` on several mesh levels, coarse to fine."""
+    """Return the 3D reference of each nut or bearing of a scene from its ``runs`` on mesh levels, sorted coarse to fine."""
     if isinstance(described, Scene):
         return [
             Referenced(
@@ -633,14 +633,14 @@ def references_from_runs(described: Solvable, runs: tuple[Run, ...]) -> list[Ref
 
 @lru_cache(maxsize=64)
 def _loaded_contact_counts(assembly: Assembly) -> tuple[int, ...]:
-    """Return the number of loaded contacts of each set of balls by the model lin, without any errors but the preload."""
+    """Return the number of loaded contacts of each nut or bearing by the model lin, without any errors but the preload."""
     sets = tuple(replace(s, parts=nominal_scene(s.parts)) if isinstance(s.parts, Scene) else s for s in assembly.sets)
     result = run_model(replace(assembly, sets=sets), "lin")
     return tuple(_loaded_contact_count(result, k) for k in range(len(sets)))
 
 
 def _loaded_contact_count(result: AxisResult, k: int) -> int:
-    """Return the number of loaded contacts of the set of balls ``k`` (from 0); 0 for rollers, or without equilibrium."""
+    """Return the number of loaded contacts of the nut or bearing ``k`` (from 0); 0 for rollers, or without equilibrium."""
     balls = result.sets[k].balls if result.converged else None
     return 0 if balls is None else int(np.count_nonzero(balls.load > 0.0))
 
@@ -658,12 +658,12 @@ def _solve_loaded_and_unloaded(assembly: Assembly, model: str) -> tuple[AxisResu
 
 
 def solution_of_set(set_of_assembly: SetOfAssembly, model: str) -> SetSolution | str:
-    """Return a model's solution for one of several sets of balls on a shaft, with and without the loads of the assembly.
+    """Return a model's solution for one of several nuts or bearings on a shaft, with and without the loads of the assembly.
 
     Parameters
     ----------
     set_of_assembly
-        The set of balls on its shaft.
+        The nut or bearing on its shaft.
     model
         Name of the model.
 
@@ -675,7 +675,7 @@ def solution_of_set(set_of_assembly: SetOfAssembly, model: str) -> SetSolution |
     Raises
     ------
     InputError
-        If the model covers only scenes with one set.
+        If the model covers only scenes with one nut or bearing.
     """
     result, bare, seconds = _solve_loaded_and_unloaded(set_of_assembly.assembly, model)
     if not result.converged:

@@ -59,9 +59,9 @@ def percent_or_none(share: float) -> float | None:
 def _cached_torque(scene: Scene, result: StaticResult, friction: Friction, drive: Motion, member: int) -> ScrewTorque:
     """Return the friction torque and efficiencies of a screw or bearing under its contact loads; cached on disk.
 
-    ``drive``: motion of the scene; ``member``: number of the specimen with random errors.
-
-    ValueError if they cannot be computed (`lowfi.friction.whole.state.friction_state`), or only after compiling a kernel.
+    ``result``: solution with the contact loads; ``drive``: motion of the scene; ``member``: number of the specimen of a
+    scene with random errors. ValueError if they cannot be computed (`lowfi.friction.whole.state.friction_state`), or only
+    after compiling a kernel.
     """
     if compiling_saves_time(scene, friction) and not is_machine_code_cached(CONTACT):
         raise ValueError("the friction kernels are not compiled yet; run rollbench friction SCENE once")
@@ -71,7 +71,7 @@ def _cached_torque(scene: Scene, result: StaticResult, friction: Friction, drive
 
 
 def cached_friction_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
-    """Return friction torques and efficiencies of a scene with [friction] if no kernel must be compiled for them.
+    """Return friction torques and efficiencies of a scene if no kernel must be compiled for them.
 
     The results are cached on disk by scene and loads, because loading machine code would take longer than the rest of the
     solution.
@@ -79,11 +79,11 @@ def cached_friction_sums(scene: Scene, result: StaticResult, options: Options) -
     Parameters
     ----------
     scene
-        Scene with one nut or bearing row.
+        Scene with one nut or bearing row, and with coefficients of friction.
     result
         Converged result of the scene.
     options
-        Options of the model.
+        Options of the model, of which the number of the specimen is used.
 
     Returns
     -------
@@ -114,7 +114,7 @@ def torque(
     friction
         Coefficients of friction.
     motion
-        Motion of the scene; None: a rotation that shows only the torque.
+        Motion of the scene; None: the rotation `ONE_TURN`, because the speed is not known.
     options
         Options of the model.
 

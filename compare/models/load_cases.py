@@ -44,7 +44,7 @@ from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Load, Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
-#: Default efficiency of a nut that accelerates a mass (Smith 4.3.1: typically 0.90 to 0.95).
+#: Smallest and largest efficiency of a nut that accelerates a mass, if the scene states none (Smith 4.3.1) [1].
 EFFICIENCY: Band = (0.90, 0.95)
 NOT_RUNNING = "the running torque of a bearing needs the tables [lubricant] and [motion]"
 #: For the number (from 0) of each nut: its friction torques and efficiencies as JSON values, or None and the reason why
@@ -54,7 +54,7 @@ NutSums = Mapping[int, tuple[dict[str, Any] | None, str]]
 
 @result_record
 class SetDrive:
-    """Torque of one nut or bearing row on the turning shaft; ranges are (low, high) [N m], None if not known."""
+    """Torque of one nut or bearing row on the turning shaft; ranges of torque are (low, high) [N m], None if not known."""
 
     name: str = quantity_field("name", "name of the set")
     running: Band | None = quantity_field(
@@ -151,9 +151,10 @@ def motor_torques_and_inertias(
     result
         Converged result of the assembly.
     answers
-        Bearing torques and other results that follow from ``result``.
+        Friction torques of the bearings and other results that follow from ``result``.
     friction_of_nuts
-        Friction results of the nuts, by `friction_of_nuts`.
+        For the number (from 0) of each nut, its friction results or the reason why there are none, as the function
+        `friction_of_nuts` returns them.
 
     Returns
     -------
@@ -201,7 +202,11 @@ def lead_of_first_nut(assembly: Assembly) -> float:
 
 
 def _sum_of_torques(other: float, sets: list[Band | None], seals: float) -> Band | None:
-    """Return the sum of all torques on the shaft as (low, high) [N m] (Smith 4.10); None if one of ``sets`` is None."""
+    """Return the sum of all torques on the shaft as (low, high) [N m] (Smith 4.10).
+
+    ``sets``: torque of each nut or bearing, (low, high); if one of them is None (not known), the result is None; ``seals``,
+    ``other``: torques of all seals and of all else [N m].
+    """
     known = [x for x in sets if x is not None]
     if len(known) < len(sets):
         return None
@@ -210,7 +215,11 @@ def _sum_of_torques(other: float, sets: list[Band | None], seals: float) -> Band
 
 
 def _torque_of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> SetDrive:
-    """Return the torque with which the screw drives a nut, positive in the shaft's direction of rotation (``sign``)."""
+    """Return the torque with which the screw drives a nut.
+
+    ``name``: name of the nut; ``sums``: its friction results as JSON values; None: not known, for the reason ``why``;
+    ``sign``: -1 if the shaft turns in the negative direction, else 1.
+    """
     if sums is None or sums["driving_torque_on_screw_Nmm"] is None:
         return SetDrive(name, None, None, words=why or "the friction of the balls did not converge")
     torque = 1e-3 * sign * sums["driving_torque_on_screw_Nmm"]
@@ -218,7 +227,10 @@ def _torque_of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float
 
 
 def _torque_of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | None) -> SetDrive:
-    """Return the friction torque of a bearing row, running and from rest; zero without load; ``torque``: of ball rows."""
+    """Return the friction torque of a bearing row, running and from rest; zero without load.
+
+    ``s``: solution of the row; ``torque``: friction torque of a row of balls; None for rollers or without load.
+    """
     ends: tuple[Band | None, Band | None] = (0.0, 0.0), (0.0, 0.0)
     if torque is not None:
         ends = torque.running, torque.starting
@@ -231,7 +243,10 @@ def _torque_of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | No
 
 
 def combined_axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnswers) -> SystemLife | None:
-    """Compute the combined life of all nuts and bearings that turn with the shaft; None if none of them has a life."""
+    """Compute the combined life of all nuts and bearings that turn with the shaft; None if none of them has a life.
+
+    ``result``: converged solution; ``answers``: results that follow from it, with the life of each nut or bearing.
+    """
     lives = {}
     for s, one in zip(result.sets, answers.sets, strict=True):
         life = getattr(one.loads, "life", None)
@@ -255,7 +270,7 @@ class SolvedSet:
     load: Array
     #: Force of the shaft on the nut or row, (3,) [N].
     force: Array
-    #: Axial force between both halves of a nut with a lead offset [N].
+    #: Axial preload between both halves of a nut with a lead offset [N]; 0 for all others.
     preload: float = 0.0
 
 
@@ -267,9 +282,9 @@ class Solved:
     scene: Scene
     #: Contact loads and displacements by the model, with all warnings.
     result: StaticResult
-    #: Results that follow from them; None without equilibrium.
+    #: Results that follow from the contact loads; None without equilibrium.
     answers: Answers | None = None
-    #: Expected error of the model; None without equilibrium.
+    #: Expected error of the model's results; None without equilibrium.
     expected: ModelForm | None = None
 
     @property
@@ -295,13 +310,13 @@ class SolvedAxis:
     scene: Assembly
     #: Contact loads and displacements by the model, with all warnings.
     result: AxisResult
-    #: Results that follow from them; None without equilibrium.
+    #: Results that follow from the contact loads; None without equilibrium.
     answers: AxisAnswers | None = None
     #: Always None: expected errors are estimated for scenes with one nut or row only.
     expected: None = None
-    #: Torques and inertias at the motor.
+    #: Torques and inertias at the motor; None without equilibrium, or if the nuts turn instead of the shaft.
     drive: AxisDrive | None = None
-    #: Combined life of all nuts and rows that turn with the shaft.
+    #: Combined life of all nuts and rows that turn with the shaft; None if none of them has a life.
     life: SystemLife | None = None
 
     @property
@@ -427,7 +442,7 @@ class Lives:
 class CycleResults:
     """Extreme values over the load cases of a duty cycle, and lives of each nut or bearing row over the whole cycle."""
 
-    #: Largest pressure [Pa] of the load cases with equilibrium.
+    #: Largest contact pressure [Pa] of the load cases with equilibrium; None if no contact is loaded.
     pressure: Extreme | None = quantity_field(
         "largest_pressure_MPa",
         "largest pressure of all cases",
@@ -437,7 +452,7 @@ class CycleResults:
         heading="peak pressure of all cases",
         note="case {largest_pressure_case}",
     )
-    #: Smallest static safety over these load cases.
+    #: Smallest static safety of the load cases with equilibrium; None if no contact is loaded.
     safety: Extreme | None = quantity_field(
         "least_static_safety",
         "least static safety of all cases",
@@ -448,7 +463,7 @@ class CycleResults:
         form="g3",
         note="case {least_static_safety_case}",
     )
-    #: Largest expected error of a contact load over these load cases [% of the mean load].
+    #: Largest expected error of a contact load in the load cases with equilibrium [% of the mean load]; None: not known.
     error: Extreme | None = quantity_field(
         "largest_expected_error_percent",
         "largest error to expect of a contact load in any case, in per cent of the mean load",
@@ -458,15 +473,15 @@ class CycleResults:
         form="g2",
         note="of the mean load, case {largest_expected_error_case}",
     )
-    #: Load cases whose error to expect is not known.
+    #: Names of the load cases with equilibrium whose expected error is not known.
     uncovered: tuple[str, ...] = quantity_field("expected_error_not_covered")
-    #: Status of the load cases without equilibrium, by name.
+    #: Reason why there is no equilibrium, by the name of each load case without equilibrium.
     unsolved: dict[str, str] = quantity_field("unsolved")
-    #: Life of every set.
+    #: Lives of every nut or bearing row.
     lives: tuple[Lives, ...]
-    #: Mean speed [rad/s].
+    #: Mean speed over the cycle [rad/s]; None: not known.
     speed: float | None
-    #: Life of several sets as one system.
+    #: Combined life of all nuts and rows that turn with the shaft; None for a single nut or row, or if no life is known.
     axis_life: SystemLife | None = quantity_field("axis_life", default=None)
 
     @property
@@ -479,7 +494,7 @@ class CycleResults:
 
     @property
     def least(self) -> Lives:
-        """Lives of the nut or row with the shortest life, or of the first one whose life is not known."""
+        """Lives of the nut or row with the shortest life; of the first one whose life is not known, if there is one."""
         return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions)
 
 
@@ -516,7 +531,7 @@ def compute_cycle_results(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis
 def _axis_life_over_cycle(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
     """Return the combined life over a duty cycle of all nuts and rows that turn with the shaft.
 
-    None for a scene with one nut or row, or if no life is known.
+    ``lives``: lives of each nut or row. None for a scene with one nut or row, or if no life is known.
     """
     if not isinstance(cycle.parts, Assembly):
         return None
@@ -530,7 +545,7 @@ def _axis_life_over_cycle(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLif
 
 
 def life_over_cycle(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:
-    """Compute the life of a nut or bearing row over a duty cycle from its loads in every load case.
+    """Compute the basic rating life of a nut or bearing row over a duty cycle from its loads in every load case.
 
     Parameters
     ----------
@@ -583,7 +598,11 @@ def contact_loads_by_set(result: StaticResult | AxisResult) -> dict[str, Array]:
 
 
 def _lives_of_set(cycle: DutyCycle, name: str, each: Sequence[SolvedSet | None]) -> Lives:
-    """Return the lives of a nut or row from its loads ``each`` in every load case (None: case without equilibrium)."""
+    """Return the lives of a nut or row over a duty cycle.
+
+    ``name``: name as in `DutyCycle.sets`; ``each``: contact loads and force of the nut or row in every load case; None for
+    a case without equilibrium.
+    """
     rated, words = life_over_cycle(cycle, name, [None if s is None else s.load for s in each])
     if rated is None:
         return Lives(rated, words, None, words, name)
@@ -605,6 +624,9 @@ def _lives_of_set(cycle: DutyCycle, name: str, each: Sequence[SolvedSet | None])
 def _extreme_over_cases(
     pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]
 ) -> Extreme | None:
-    """Return the largest or smallest known value over load cases (``pick``: max or min); None if no value is known."""
+    """Return the largest or smallest known value over load cases, with the name of its case; None if no value is known.
+
+    ``pick``: the function max or min; ``values``: pairs of load case and value; None: value not known.
+    """
     known = [(value, case.name) for case, value in values if value is not None]
     return Extreme(*pick(known, key=lambda one: one[0])) if known else None

@@ -22,7 +22,8 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 
 Loaded = TypeVar("Loaded", Load, Housing)
 
-#: Search for the load factor at which a contact opens: relative accuracy, largest factor, largest number of solutions.
+#: Search for the factor on the loads at which a contact opens: relative accuracy and largest value of the factor, largest
+#: number of solutions.
 TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16
 
 #: Share of the step to the expected factor that is taken. Beyond that factor the contact is open and its approach, from
@@ -75,7 +76,7 @@ class LiftOff:
     ball: int = quantity_field("ball", "ball of that contact", show=lambda ball: ball or None, default=0)
     #: Flank of this contact: SL, SR, NL, NR.
     side: str = quantity_field("side", "its flank", show=lambda side: side or None, default="")
-    #: Axial force on the nut at this factor [N].
+    #: Axial force on the nut at this factor [N]; 0 if none was found.
     axial: float = 0.0
     #: Number of solutions that were needed.
     solves: int = 0
@@ -109,7 +110,7 @@ def scale_loads(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
     Returns
     -------
     Scene or Assembly
-        The copy. Displacement and stiffness are reported at the same position as for the original.
+        The copy. Displacement and stiffness refer to the same position as those of the original.
     """
 
     def multiplied_load(x: Loaded) -> Loaded:
@@ -154,7 +155,7 @@ def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> S
 
 
 def preload_from_unloaded(scene: Scene, unloaded: StaticResult) -> Preload:
-    """Return contact loads and axial force of a scene's preload; ``unloaded``: result of the scene without its loads."""
+    """Return contact loads and axial force due to preload; ``unloaded``: result of the scene without its loads."""
     loads = unloaded.load[unloaded.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
@@ -177,8 +178,8 @@ def find_lift_off_load(
 ) -> LiftOff | None:
     """Find the factor on the scene's loads at which the first preloaded contact opens.
 
-    The approach of a contact is nearly linear in the external load. Secant steps are therefore taken on F^(2/3), which is
-    proportional to the approach, of the contact with the smallest force F.
+    The elastic approach of the bodies at a contact is nearly linear in the external load, and proportional to F^(2/3),
+    where F is the contact load. Secant steps are therefore taken on F^(2/3) of the contact with the smallest load.
 
     Parameters
     ----------
@@ -196,7 +197,8 @@ def find_lift_off_load(
     Returns
     -------
     LiftOff or None
-        Load factor and contact; None without preload or without loads.
+        Factor on the loads, with the contact that opens, or the reason why no factor was found; None without preload or
+        without loads.
     """
     tracked = unloaded.load > 0.0
     if not tracked.any() or not any(np.any(x.force) or np.any(x.moment) for x in scene.loads):
@@ -265,10 +267,10 @@ def displacement_at_stated_position(assembly: Assembly, result: AxisResult) -> A
     return np.array([np.interp(at, result.centreline_z, u) for u in result.centreline.T])
 
 
-#: Share of a load below which the contacts carry too little of it, and a warning is shown.
+#: Share of a load that the contacts carry, below which a warning is shown [1].
 LITTLE = 0.05
 
-#: Share of a load below which a reaction counts as round-off.
+#: Ratio of a reaction to the load, below which the reaction counts as round-off [1].
 NOTHING = 5e-4
 
 #: Names of the six components of a load.
@@ -318,8 +320,8 @@ class LoadPath:
     on_shaft: Array
     #: Parts that supports and frames carry.
     takers: tuple[LoadTaker, ...] = quantity_field("supports")
-    #: Force and moment of the contacts about their nut or ring, (6,) [N, N m]; of several sets the sum of the absolute
-    #: values.
+    #: Force of the contacts, and its moment about the centre of their nut or ring, (6,) [N, N m]; for several nuts or rows
+    #: the sum of the absolute values.
     contacts: Array = quantity_field(
         "contacts.force_N",
         "what the loads change of the force that the contacts take from the screw; of several sets the sum of the changes' "
@@ -335,7 +337,7 @@ class LoadPath:
     )
     #: Pitch radius, which converts moments to forces [m].
     arm: float
-    #: Body on which the loads act, if they are those on one body only; empty for all loads.
+    #: Name of the body (housing, or "the shaft") whose loads alone are considered; empty: the loads on all bodies.
     where: str = ""
 
 
@@ -379,7 +381,7 @@ def load_path_of_assembly(
     unloaded
         Result of the assembly without loads.
     loaded_body
-        Body on which the loads act; empty: all bodies.
+        Name of the body (housing, or "the shaft") on which alone loads act in ``assembly``; empty: on all bodies.
 
     Returns
     -------
@@ -430,7 +432,7 @@ def sum_of_loads(loads: Sequence[Load]) -> Array:
 def _support_shares(scene: Scene | Assembly, result: Solved, bare: Solved) -> tuple[LoadTaker, ...]:
     """Return the part of the loads that each support carries; empty if the model does not compute support reactions.
 
-    ``bare``: result of the scene without its loads.
+    ``result``: solution under the scene's loads; ``bare``: solution without them.
     """
     if not len(result.reactions):  # Mei's axial models do not distinguish supports
         return ()
@@ -440,13 +442,19 @@ def _support_shares(scene: Scene | Assembly, result: Solved, bare: Solved) -> tu
 
 
 def _contact_wrench_on_screw(result: StaticResult) -> Array:
-    """Return force and moment of all contacts on the screw about the origin, (6,) [N, N m]; zero without equilibrium."""
+    """Return the force of all contacts on the screw and its moment about the origin, (6,) [N, N m]; else zero.
+
+    It is zero without equilibrium.
+    """
     e = result.equilibrium
     return np.zeros(6) if e is None or not result.converged else np.concatenate([e.contact_force, e.contact_moment])
 
 
 def _wrench_about_station(station: float, wrench: Array) -> Array:
-    """Return the force and moment ``wrench`` (6,) [N, N m] about the origin as about the axial position ``station`` [m]."""
+    """Convert a force with its moment about the origin, ``wrench`` (6,) [N, N m], to its moment about a point on the axis.
+
+    ``station``: axial position of this point [m]. The force, the first three components, stays the same.
+    """
     return resultant_about_origin(np.array([-station]), wrench[None])
 
 

@@ -28,7 +28,8 @@ COLUMNS = ("ball", "flank", "newton")
 #: Columns that contain text instead of numbers.
 WORDS = ("ball", "flank", "case", "set")
 
-#: Numeric columns: the beginning of their heading, with their quantity and dimension. The heading must end with a unit.
+#: Numeric columns: for the beginning of a heading, the name of the quantity and its dimension. The heading must end with a
+#: unit.
 NAMES = {
     "contact_angle": ("angle", "angle"),
     "contact_load": ("load", "force"),
@@ -57,12 +58,13 @@ PLACE = {"azimuth", "z"}
 #: Contact quantities besides the load that a file may give, by the names of `NAMES`.
 FURTHER = ("angle", "approach", "pressure", "uncertainty", "uncertain share")
 
-#: Filter for the rows of a file: for a column, the texts whose rows are read, the usual text first.
+#: Filter for the rows of a file: for each of some columns, the accepted texts; only rows with one of them are read.
+#: Messages show the first text.
 Only = Mapping[str, Sequence[str]]
 
 EVERY: Only = {}
 
-#: Largest size of a file [bytes]: four loads of 100 000 balls.
+#: Largest size of a file [bytes], enough for four loads on each of 100 000 balls.
 MAX_BYTES = 16_000_000
 
 EXAMPLE = "write a first line ball,flank,newton and rows such as 1,SL,225.4"
@@ -73,7 +75,7 @@ class Column(NamedTuple):
 
     #: Name by `WORDS` or `NAMES`; ``uncertain share`` for the relative uncertainty of a load; empty if unknown.
     name: str
-    #: Factor of its numbers to SI.
+    #: Factor that converts the numbers of the column to SI units.
     factor: float = 1.0
 
 
@@ -94,9 +96,10 @@ def parse_heading(heading: str) -> Column:
 
     Examples
     --------
-    >>> approach, angle, *others = map(parse_heading, ("approach_um", "Contact angle [deg]", "load / kN", "note"))
-    >>> approach, angle.name, *others
-    (Column(name='approach', factor=1e-06), 'angle', Column(name='load', factor=1000.0), Column(name='', factor=1.0))
+    >>> parse_heading("approach_um"), parse_heading("Contact angle [deg]").name
+    (Column(name='approach', factor=1e-06), 'angle')
+    >>> parse_heading("load / kN"), parse_heading("note")
+    (Column(name='load', factor=1000.0), Column(name='', factor=1.0))
     """
     text = heading.strip()
     plain = text.lower().replace(" ", "_")
@@ -111,8 +114,8 @@ def parse_heading(heading: str) -> Column:
 def _column_in_unit(name: str, text: str, dimension: str) -> Column:
     """Return the column of a quantity from its name and the rest of its heading, which states the unit.
 
-    ``text``: rest of the heading; ``dimension``: required dimension. The name of the column is empty if the unit has
-    another.
+    ``name``: name of the quantity; ``text``: rest of the heading; ``dimension``: required dimension, such as "force". The
+    name of the returned column is empty if the unit has another dimension.
     """
     unit = standard_unit_spelling(text.strip(" _[]()/"))
     if name == "uncertainty" and unit in ("%", "percent"):
@@ -133,11 +136,11 @@ class GivenLoads:
     flanks: tuple[str, ...]
     #: Number of balls whose number differs between file and scene.
     renumbered: int = 0
-    #: Other quantities (n, 4) in SI by the names of `FURTHER`; nan in empty cells.
+    #: Other quantities of each contact, (n, 4) in SI units, by the names of `FURTHER`; nan in empty cells.
     further: Mapping[str, Array] = field(default_factory=dict)
     #: Headings that were not recognised.
     unknown: tuple[str, ...] = ()
-    #: Notes of the file: text by name.
+    #: Notes of the file (lines ``# name: text`` above the headings): text by name.
     notes: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -181,9 +184,9 @@ class CsvTable:
     line: int
     #: Whether numbers have a decimal comma.
     decimal_comma: bool
-    #: Rows with their line numbers.
+    #: Rows: number of the line in the file, and text of each cell by its heading in lower case.
     rows: tuple[tuple[int, dict[str, str]], ...]
-    #: Notes: lines ``# name: text`` above the headings.
+    #: Notes (lines ``# name: text`` above the headings): text by name.
     notes: Mapping[str, str]
 
     @classmethod
@@ -200,7 +203,7 @@ class CsvTable:
         columns
             Headings that the file must have.
         example
-            Example that error messages show.
+            Advice with an example of such a file, which error messages show.
         optional
             Headings that the file may have, each once.
 
@@ -249,7 +252,8 @@ class CsvTable:
 def _cells_by_line(path: Path, lines: Sequence[str], above: int, separator: str) -> Iterator[tuple[int, list[str]]]:
     """Yield each row of a CSV table as (line number in the file, cells); InputError for unmatched quotes.
 
-    ``lines``: lines of the table; ``above``: number of lines of the file before them.
+    ``lines``: lines of the table; ``above``: number of lines of the file before them; ``separator``: character between two
+    cells.
     """
     reader = csv.reader(lines, delimiter=separator, strict=True)
     try:
@@ -263,7 +267,7 @@ def _cells_by_line(path: Path, lines: Sequence[str], above: int, separator: str)
 def _check_cells(path: Path, number: int, titles: Sequence[str], row: Sequence[str], separator: str) -> None:
     """Raise InputError for a row with text in a column without heading, other than the first column (row numbers).
 
-    ``number``: line number; ``titles``: headings; ``row``: cells.
+    ``number``: number of the line; ``titles``: headings; ``row``: cells; ``separator``: character between two cells.
     """
     if not any(cell and not title for cell, title in [*zip_longest(row, titles, fillvalue="")][1:]):
         return
@@ -290,9 +294,10 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
     ball_count
         Number of balls of the scene.
     scene
-        Scene whose balls are identified by azimuth and axial position if the file has both; else by their numbers.
+        Scene. If the file has both azimuth and axial position of the balls, they are matched by position to the balls of
+        this scene. None, or if one column is missing: balls are matched by their numbers.
     row_filter
-        Filter for the rows: accepted texts of the columns case and set.
+        Accepted texts of the columns ``case`` (load case) and ``set`` (nut or bearing); rows with other texts are skipped.
 
     Returns
     -------
@@ -353,7 +358,7 @@ def _note_above_table(line: str) -> tuple[str, str]:
 
 
 def _columns_by_heading(path: Path, table: CsvTable) -> dict[str, Column]:
-    """Return quantity and unit of each column by its heading; InputError without loads or if a quantity occurs twice."""
+    """Return quantity and unit of each column by its heading; InputError without loads, or if a quantity occurs twice."""
     columns = {head: parse_heading(head) for head in table.titles}
     where, names = f"line {table.line}", [parse_heading(head).name for head in table.titles]
     if "load" not in names:
@@ -372,7 +377,10 @@ class _LoadsRow:
         self._path, self._line, self._cells_by_line, self._comma = path, line, cells, decimal_comma
 
     def fault(self, name: str, value: str, allowed: str, advice: str) -> InputError:
-        """Return the InputError for a wrong cell; ``name``: its column, ``value``: its text, ``allowed``: its range."""
+        """Return the InputError for a wrong cell.
+
+        ``name``: column of the cell; ``value``: its text; ``allowed``: allowed texts or range; ``advice``: what to do.
+        """
         return InputError(str(self._path), f"{self._line}: {name}", value or "nothing", allowed, advice)
 
     def word(self, name: str) -> str:
@@ -409,7 +417,10 @@ class _LoadsRow:
         return value * factor
 
     def non_negative_value(self, name: str) -> float:
-        """Return the quantity ``name`` of the row in SI units; nan for an empty cell, InputError if negative or no load."""
+        """Return the quantity ``name`` of the row in SI units; nan for an empty cell.
+
+        InputError if the text is not a number of at least 0, or if the cell of the contact load is empty.
+        """
         value, factor, text = self._number(name)
         if not text and name != "load":
             return float("nan")
@@ -466,7 +477,7 @@ def number_in_cell(text: str, *, decimal_comma: bool) -> float:
 
 
 def decimal_comma_advice(advice: str, text: str) -> str:
-    """Return the advice for a cell that should be a number: about the decimal mark if its text has a comma.
+    """Return the advice for a cell that is no number: ``advice``, or one on the decimal mark if the text has a comma.
 
     Parameters
     ----------
@@ -506,7 +517,7 @@ def read_csv_text(path: Path) -> str:
 def _check_complete_loads(path: Path, load: Array) -> GivenLoads:
     """Return contact loads (n, 4) [N] read from the file ``path`` as a record; nan: no row in the file.
 
-    InputError if a ball has no load (nan) on a flank on which other balls have one.
+    InputError if there is no load at all, or if a ball has none (nan) on a flank on which other balls have one.
     """
     given = ~np.isnan(load)
     if not given.any():

@@ -1,9 +1,10 @@
 """Expected error of a low-order model, estimated from its errors against the 3D reference on other scenes.
 
-Each scene is described by dimensionless features (`SCALES`). On the compared scenes, which are shipped or drawn at random,
-the errors of the model were measured. The logarithm of an error is fitted as a linear function of the features, by ridge
-regression to avoid steep slopes with few scenes. The expected error is the fitted error times a factor. This factor is
-chosen so that the share `SHARE` of the compared scenes lies below their expected error, each estimated by a fit without it.
+Each scene is described by dimensionless features (`SCALES`). On the compared scenes, which are included with rollbench or
+generated at random, the errors of the model were measured. The logarithm of an error is fitted as a linear function of the
+features, by ridge regression to avoid steep slopes with few scenes. The expected error is the fitted error times a factor.
+This factor is chosen so that the errors of the share `SHARE` of the compared scenes lie below their expected errors, each
+estimated by a fit without the scene.
 
 This method is the leave-one-out jackknife. No theorem guarantees which share of new scenes lies below the expected error
 (Barber, Candes, Ramdas and Tibshirani 2021: for an unstable fit it may be none), and the scenes of users are not drawn from
@@ -12,7 +13,7 @@ the others. In each quantity of the models lin and refined, at least nine of ten
 ladder-estimate of the report; tests/unit/models/test_covered.py). A scene outside the range of the compared scenes in any
 feature is "not covered".
 
-`rollbench report` stores the errors on the shipped scenes in model_form.json; those on randomly drawn screws are in
+`rollbench report` stores the errors on the built-in scenes in model_form.json; those on random screws are in
 survey.json.
 
 Each error is measured against one run of the 3D reference (`measure_model_error`). Displacement and rigidity are those of
@@ -50,11 +51,12 @@ if TYPE_CHECKING:
     from rollbench.compare.models.comparison import Loads
     from rollbench.compare.reference.store import Run
 
-#: File with the errors on shipped scenes, in a folder of 3D reference runs.
+#: File with the errors on built-in scenes, in a folder of 3D reference runs.
 FILE = "model_form.json"
 
-#: Errors that are estimated, each separately: loads (largest, RMS; of the mean load), axial displacement and tangent
-#: rigidity of the cross-section that the axial load acts on, largest pressure.
+#: Fields of `ModelForm` with the errors that are estimated, each separately: largest and RMS error of the contact loads (in
+#: per cent of the mean load), errors of axial displacement and tangent rigidity of the cross-section on which the axial
+#: load acts, error of the largest pressure.
 QUANTITIES = ("percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
 #: Share of compared scenes whose error is below their expected error, each estimated from the other scenes.
@@ -66,7 +68,7 @@ LEAST = dict.fromkeys(QUANTITIES[:2], 0.05) | dict.fromkeys(QUANTITIES[2:], 0.1)
 #: Weight of the ridge penalty (squared slopes per unit of each feature) relative to the squared misfit of one scene.
 RIDGE = 2.0
 
-#: Smallest number of compared scenes of a kind for an estimate.
+#: Smallest number of compared scenes of one kind (screws, bearings, screws with a nut fixed at its flange) for an estimate.
 FEWEST = 3
 
 #: Distance outside the compared range of a feature, in units of `SCALES`, up to which a scene is covered.
@@ -122,15 +124,16 @@ class ModelForm:
     )
     #: Root mean square error of the loads [% of the mean contact load].
     rms_percent: float | None = quantity_field("rms_percent_of_mean", "the same of the root mean square over all contacts")
-    #: Distance to the nearest compared scene, in units of the features.
+    #: Distance to the nearest compared scene: Euclidean norm of the differences of the features, each divided by its unit
+    #: of difference (`SCALES`).
     distance: float = quantity_field(
         "distance", "distance to the nearest compared scene, in the space of what decides the error"
     )
-    #: Name of this scene.
+    #: Name of the nearest compared scene; empty if there is none.
     nearest: str = quantity_field("nearest", "its name")
-    #: Number of compared scenes of this kind.
+    #: Number of compared scenes of the same kind (screws or bearings).
     compared: int = quantity_field("compared", "number of compared scenes")
-    #: Which parts the model contains, and in what the scene differs from the compared ones.
+    #: Sentences on which parts the model contains, and in what the scene differs from the compared scenes.
     words: tuple[str, ...] = quantity_field("words")
     #: Error of the axial displacement of the loaded cross-section [%].
     displacement_percent: float | None = quantity_field(
@@ -138,7 +141,7 @@ class ModelForm:
     )
     #: Error of the tangent rigidity of the loaded cross-section [%].
     rigidity_percent: float | None = quantity_field("rigidity_percent", "the same of the tangent rigidity", default=None)
-    #: Error of the largest pressure, against Hertz on the loads of the reference [%].
+    #: Error of the largest pressure against that by Hertz from the contact loads of the 3D reference [%].
     pressure_percent: float | None = quantity_field("pressure_percent", "the same of the largest pressure", default=None)
 
 
@@ -151,13 +154,13 @@ class Point:
 
     #: Name of the scene.
     scene: str
-    #: Name of the model.
+    #: Name of the low-order model.
     model: str
     #: Largest error of a contact load [% of the mean load].
     percent: float
     #: Root mean square error of the contact loads [% of the mean load].
     rms_percent: float
-    #: Features of the scene by name.
+    #: Features of the scene by name, as `features_of_scene` returns them.
     features: dict[str, float]
     displacement_percent: float | None = None
     rigidity_percent: float | None = None
@@ -171,7 +174,7 @@ def lateral_force_and_tilting_moment(scene: Scene, result: StaticResult) -> tupl
 
     ``result``: converged solution of the scene.
 
-    They include the effects of loads anywhere on the shaft, of their lever arms and of displaced supports. At least one
+    Both include the effects of loads anywhere on the shaft, of their lever arms and of displaced supports. At least one
     contact must carry load.
     """
     touching = result.load[:, :2] > 0.0
@@ -199,7 +202,7 @@ def features_of_scene(scene: Scene, result: StaticResult) -> dict[str, float]:
     Raises
     ------
     ValueError
-        If the scene has no solid dimensions (`meshes.solid.dimensions_of_3d_parts`).
+        If no dimensions of the 3D parts follow from the scene (`meshes.solid.dimensions_of_3d_parts`).
     """
     dims, R, layout, load = dimensions_of_3d_parts(scene), scene.track.pitch_radius, ball_layout(scene), result.load
     flank_means = np.sort(np.array([load[:, [0, 3]].mean(), load[:, [1, 2]].mean()]))
@@ -261,7 +264,7 @@ def save_model_errors(store: Path, points: Sequence[Point]) -> None:
 
 @cache
 def errors_on_compared_scenes() -> tuple[Point, ...]:
-    """Return the errors of models on the shipped scenes and on the randomly drawn screws of the package.
+    """Return the errors of models on the built-in scenes and on the random screws that are included with rollbench.
 
     A file that is missing or damaged contributes nothing.
     """
@@ -270,7 +273,7 @@ def errors_on_compared_scenes() -> tuple[Point, ...]:
 
 @cache
 def errors_on_drawn_screws() -> tuple[Point, ...]:
-    """Return the errors of models on all randomly drawn screws; empty if their file is missing or damaged."""
+    """Return the errors of models on all random screws; empty if their file is missing or damaged."""
     return _model_errors_from_json(lambda: [point for scene in records_of_drawn_screws() for point in scene["points"]])
 
 
@@ -303,10 +306,10 @@ def held_by_flange(scene: Scene) -> bool:
 
 
 def error_bound(known: Array, errors: Array, here: Array, least: float) -> float:
-    """Return an upper bound [%] of a model's error on a scene, below which the share `SHARE` of similar errors lies.
+    """Return an upper bound [%] of a model's error on a scene, estimated from its errors on compared scenes.
 
     The logarithm of the bound is the linear fit of the logarithms of the errors, plus the quantile `SHARE` of the
-    leave-one-out residuals.
+    leave-one-out residuals: for this share of the compared scenes, the error lies below the bound from all other scenes.
 
     Parameters
     ----------
@@ -340,7 +343,7 @@ def estimate_model_error(scene: Scene, result: StaticResult, points: Iterable[Po
     result
         Converged result of the model for the scene.
     points
-        Errors of the model on compared scenes; None: those of the package.
+        Errors of the model on compared scenes; None: those included with rollbench.
 
     Returns
     -------
@@ -392,7 +395,8 @@ def estimate_model_error(scene: Scene, result: StaticResult, points: Iterable[Po
 def _features_beyond_compared(known: Array, here: Array) -> list[str]:
     """Return the definitions of the features in which a scene lies outside the range of the compared scenes.
 
-    ``here``: scaled features of the scene, (k,); ``known``: scaled features of the n compared scenes, (n, k).
+    ``here``: scaled features of the scene, (k,); ``known``: scaled features of the n compared scenes, (n, k). A feature is
+    outside the range if it exceeds it by more than `MARGIN`.
     """
     far = np.maximum(known.min(axis=0) - here, here - known.max(axis=0)) > MARGIN
     return [what for (what, _), beyond in zip(WITH_FLANGE.values(), far, strict=False) if beyond]
@@ -419,7 +423,7 @@ class LeftOutScene:
 
     #: Measured errors of the scene.
     point: Point
-    #: Expected errors [%] by quantity; None if the scene is not covered by the others.
+    #: Expected errors [%] by name of the quantity (`QUANTITIES`); None if the scene is outside the range of the others.
     expected: dict[str, float | None] | None
 
 
@@ -427,7 +431,7 @@ def leave_one_out(points: Sequence[Point], model: str) -> list[LeftOutScene]:
     """Estimate the error of a model on each compared screw from its errors on all other compared screws.
 
     ``points``: errors of models on compared scenes; ``model``: name of the model. Screws whose nut is not fixed at a flange
-    are estimated from other such screws only.
+    are estimated only from other screws whose nut is not fixed at a flange.
     """
     out = []
     for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):
@@ -445,7 +449,7 @@ def leave_one_out(points: Sequence[Point], model: str) -> list[LeftOutScene]:
     return out
 
 
-#: Scene with increased loads, with a model's result and the run of the 3D reference for it.
+#: Scene with increased loads, the result of a model for it, and the run of the 3D reference for it.
 Raised: TypeAlias = "tuple[Scene, StaticResult, Run]"
 
 
@@ -474,7 +478,7 @@ def loaded_section_state(scene: Scene, answer: Loads) -> SectionAnswer:
     Returns
     -------
     SectionAnswer
-        Axial displacement and force.
+        Axial displacement of the loaded cross-section and axial force on the nut.
     """
     place = max(scene.loads, key=lambda load: abs(load.force[2])).at if scene.loads else scene.nut.position
     moved = float(np.interp(place, answer.stations, answer.line[:, 2]))
@@ -511,7 +515,8 @@ def measure_model_error(name: str, scene: Scene, result: StaticResult, run: Run,
     run
         Run of the 3D reference.
     raised
-        Scene, result and run under increased loads, from which the rigidity is computed; None: no rigidity.
+        Scene with increased loads, with the model's result and the 3D run for it, from which the rigidity between both load
+        states is computed; None: the rigidity is not compared.
 
     Returns
     -------

@@ -1,12 +1,12 @@
 """Effect of modelling choices on contact loads: in the 3D reference, and in the sequence of low-order models.
 
-The modelling uncertainty of the reference is the effect of its idealisations and of dimensions that Lin's thesis does not
-print. Each choice is varied separately on the coarsest mesh level, and each mesh setting is refined separately on the
+The modelling uncertainty of the 3D reference is the effect of its idealisations, and of dimensions that Lin's thesis does
+not print. Each choice is varied separately on the coarsest mesh level, and each mesh setting is refined separately on the
 finest level. Each varied run is compared with the unchanged scene on the same level (``base``). If a choice has several
 variants, the largest change of each contact load counts. The choices are independent and their effects have unknown signs,
 so they are combined for each contact by the root of the sum of squares. The result estimates the effect of one typical
-variation of every choice and is not a bound. Properties of the scene (where the nut is fixed) or of the method (modes,
-sockets) are listed but not included; choices that cannot be varied are not included either
+variation of every choice and is not a bound. Properties of the scene (where the nut is fixed) or of the method (number of
+modes, mesh around the contacts) are listed but not included; choices that cannot be varied are not included either
 (``compare.reference.levels.NOT_VARIED``).
 """
 
@@ -56,15 +56,15 @@ class Effect:
     variant: str
     #: Description of the variant.
     label: str
-    #: Modelling choice that it varies.
+    #: Name of the modelling choice that the variant changes.
     choice: str
     #: Kind of the choice: "modelling", "numerical" or "scene" (a property of the scene).
     kind: Kind
     #: Changes of the contact loads, (n, 4) [% of the mean load].
     change: Array
-    #: Largest and root mean square change, with its contact.
+    #: Largest change with its contact, and root mean square change.
     error: LoadError
-    #: Change of the ratio of largest to smallest load on SL [%]; nan if one is zero.
+    #: Change of the ratio of largest to smallest load on the flank SL [%]; nan if a smallest load is zero.
     ratio: float
 
 
@@ -80,7 +80,7 @@ class Modelling:
     largest: float
     #: Root mean square of the uncertainty over the loaded contacts [% of the mean load].
     rms: float
-    #: Uncertainty of the ratio of largest to smallest load on SL [%].
+    #: Uncertainty of the ratio of largest to smallest load on the flank SL [%].
     ratio: float
     #: Largest change of a contact load by each choice, sorted by decreasing root mean square [% of the mean load].
     choices: dict[str, float]
@@ -89,17 +89,18 @@ class Modelling:
 def unchanged_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
     """Return the stored 3D run of a scene with which its variants on a mesh level are compared; None if none is stored.
 
-    ``stores``: folders with runs; None: that of the package. It is the run of the variant ``base`` if one is stored, else
-    the regular run.
+    ``stores``: folders with runs; None: that included with rollbench. The result is the run of the variant ``base`` if one
+    is stored, else the regular run.
     """
     return load_run(scene, level, "base", stores) or load_run(scene, level, stores=stores)
 
 
 def effects_of_variants(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
-    """Return the effect of each variant of the 3D reference on a scene, from converged runs in the folders ``stores``.
+    """Return the effect of each variant of the 3D reference on a scene, from stored runs that converged.
 
-    Beyond its 3D part, the reference neglects that an axial force twists a grooved shaft. The effect of this twist is
-    computed by the refined model. Empty if no run of a variant is stored.
+    ``stores``: folders with runs; None: that included with rollbench. Outside the 3D part of the shaft, the 3D reference
+    neglects that an axial force twists a grooved shaft. The effect of this twist is computed by the refined model and
+    added. The list is empty if no run of a variant is stored.
     """
     out = []
     for name, variant in VARIANTS.items():
@@ -145,7 +146,7 @@ def effect_of_variant(scene: str, variant: str, label: str, choice: str, kind: K
 def combine_effects(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
     """Return the modelling uncertainty of a scene: root of the sum of squares of the effects of all choices.
 
-    None if no choice was varied on the scene.
+    ``effects``: effects of variants, also those on other scenes. None if no choice was varied on the scene.
     """
     of_scene = [e for e in effects if e.kind == "modelling" and e.scene == scene.name]
     if all(e.variant == "coupling" for e in of_scene):
@@ -183,7 +184,8 @@ UNSEEN = names_with_role("unseen")
 #: Scenes with an uncertainty above 0.3 % on four mesh levels, due to lightly loaded contacts next to heavily loaded ones.
 DEEP = ("two-balls", "unseen-25x5")
 
-#: Models in the sequence of refinement, from the model of Lin's thesis to the refined model.
+#: Models of the refinement sequence, each of which refines the one before it: from the model of Lin's thesis to the refined
+#: model and the model "condensed".
 RUNGS = tuple(sorted((m for m in MODELS.values() if m.ladder_step), key=lambda m: m.ladder_step or (0, "")))
 
 
@@ -197,13 +199,13 @@ class Rung:
     model: str
     #: Result of the model.
     result: StaticResult
-    #: Errors of the contact loads.
+    #: Errors of the contact loads against the 3D reference.
     error: LoadError
-    #: Uncertainty of the reference [% of the mean load].
+    #: Largest uncertainty of a contact load of the 3D reference [% of the mean load].
     uncertainty: float | None
-    #: Difference of the sum of contact loads from that of the reference [%].
+    #: Relative difference of the sum of the contact loads from that of the 3D reference [%].
     bias: float
-    #: Computing time for a new geometry, in plain Python, without import of libraries [s].
+    #: Computing time in plain Python, without cached results of the same geometry and without import of libraries [s].
     seconds: float
 
 
@@ -245,16 +247,16 @@ class BodyShareErrors:
 
     #: Name of the scene.
     scene: str
-    #: Errors of the contact loads, by the names of the replaced bodies: none, one, both.
+    #: Errors of the contact loads, by the names of the replaced bodies: (), ("screw",), ("nut",) or both.
     errors: dict[tuple[str, ...], LoadError]
-    #: Difference of the sum of contact loads from that of the reference [%], by the names of the replaced bodies.
+    #: Relative difference of the sum of the contact loads from that of the 3D reference [%], by the same names.
     bias: dict[tuple[str, ...], float]
 
 
 def errors_by_replaced_body(study: Study) -> list[BodyShareErrors]:
     """Compute the errors of the refined model with screw, nut, both or none of them replaced by condensed 3D bodies.
 
-    All shipped scenes with a stored 3D reference and condensed bodies are solved.
+    All built-in scenes with a stored 3D reference and condensed bodies are solved.
     """
     out = []
     for name, reference in study.references((*REFERENCED, *UNSEEN)).items():
@@ -290,29 +292,30 @@ def ladder(study: Study) -> list[Rung]:
 
 
 def model_errors_on_shipped_scenes(study: Study, rungs: Sequence[Rung]) -> list[Point]:
-    """Return the errors of the models on the shipped scenes, from which expected errors are estimated.
+    """Return the errors of the models on the built-in scenes, from which expected errors are estimated.
 
-    ``rungs``: results of the models on these scenes.
+    ``rungs``: result of each model of the refinement sequence on each of these scenes.
     """
     references = study.references((*REFERENCED, *UNSEEN))
     return [measure_model_error(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
 
 
 def leave_one_out_rows(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
-    """Estimate the errors of each model on every compared screw (shipped or randomly drawn) from all other screws.
+    """Estimate the errors of each model on every compared screw (built-in or random) from its errors on all other screws.
 
     Parameters
     ----------
     study
         Cache of scenes and 3D references.
     rungs
-        Results of the models on the shipped scenes.
+        Result of each model of the refinement sequence on each built-in scene.
 
     Returns
     -------
     list of dict
-        Measured and expected errors of the loads [% of the mean load]. Expected errors are None if a screw is outside the
-        range of the others.
+        For each model and screw, the measured and expected largest error of a contact load (keys ``measured`` and
+        ``expected``) and RMS error (``rms`` and ``expected_rms``) [% of the mean load]. Expected errors are None if a screw
+        is outside the range of the others.
     """
     everything = [*model_errors_on_shipped_scenes(study, rungs), *errors_on_drawn_screws()]
     return [

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from rollbench.compare.models.loads_file import GivenLoads
 
-#: Placeholders of the two files in a command, and of its time limit.
+#: Placeholders in a command: for the file with the scene, for the file with the loads, and for the time limit.
 SCENE, LOADS, LIMIT = "{scene.json}", "{loads.csv}", re.compile(r"\{seconds=([^{}]*)\}")
 #: Default and largest time limit of a program for one scene [s].
 SECONDS, LONGEST = 60.0, 1e6
@@ -51,7 +51,7 @@ MEND = (
 
 
 def is_command(name: str) -> bool:
-    """Return whether the name of a model is the command of an external program.
+    """Return whether the name of a model is a command that runs an external program.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def parse_command(name: str) -> Program:
     Returns
     -------
     Program
-        Words and time limit.
+        Record of the words and the time limit.
 
     Raises
     ------
@@ -143,7 +143,7 @@ def parse_command(name: str) -> Program:
     except ValueError as error:
         raise ArgumentError("model_command", command, f"a command that can be split into words ({error})", advice) from None
     if not words or SCENE in words[0] or LOADS in words[0]:
-        raise ArgumentError("model_command", command, "a program before its files", advice)
+        raise ArgumentError("model_command", command, "a command that begins with a program", advice)
     try:
         seconds = SECONDS if limit is None else float(limit[1])
     except ValueError:
@@ -184,12 +184,13 @@ class Program:
         Parameters
         ----------
         scene
-            Scene whose random errors have been drawn.
+            Scene with geometric errors that are fixed values, not random.
 
         Returns
         -------
         tuple
-            Contact loads, and the displacement of the screw at the nut's centre (6,) [m, rad] or None.
+            Contact loads, and the displacement of the screw at the nut's centre (6,) [m, rad]; None if the program writes
+            no displacement.
 
         Raises
         ------
@@ -218,7 +219,7 @@ class Program:
                 raise self._failure_error(scene, f"wrote loads that cannot be used, {what}", said) from None
 
     def _run(self, words: list[str], said: Path) -> str:
-        """Run the program and return the reason why it failed, or an empty text.
+        """Run the program and return the reason why it failed; an empty text if it did not fail.
 
         ``words``: command with the paths of its files; ``said``: file to which its printed output is written.
         """
@@ -241,18 +242,19 @@ class Program:
         return "" if code == 0 else f"ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
 
     def _failure_error(self, scene: Scene, why: str, said: Path) -> ProgramError:
-        """Return the ProgramError with the reason ``why`` the program failed on a scene and the last line of its output.
+        """Return the ProgramError for a program that failed on a scene, with the last line of its output.
 
-        ``said``: file with the output.
+        ``why``: reason of the failure; ``said``: file with the program's printed output.
         """
         line = last_output_line(said)
         words = "" if line is None else f"; its last line: {line}" if line else "; it printed nothing"
         return ProgramError(self.label, scene.name, why + words, MEND)
 
     def _read_answer(self, path: Path, scene: Scene) -> tuple[GivenLoads, Array | None]:
-        """Read the contact loads and the screw's displacement (6,) [m, rad] that the program wrote; None if it wrote none.
+        """Read the contact loads and the screw's displacement that the program wrote to its file.
 
-        InputError if they cannot be used.
+        ``path``: the file. The displacement (6,) [m, rad] is None if the program wrote none. InputError if loads or
+        displacement cannot be used.
         """
         from rollbench.compare.models.loads_file import read_loads
 
@@ -314,14 +316,15 @@ def scene_json(scene: Scene) -> str:
     Parameters
     ----------
     scene
-        Scene whose random errors have been drawn.
+        Scene with geometric errors that are fixed values, not random.
 
     Returns
     -------
     str
-        Fields of the scene. Under ``given``: lead angle [rad] and axial force of all loads [N]. Under ``contacts``, for
-        every ball: azimuth [rad], axial position [m], the interference that all errors cause on both pairs of flanks in the
-        nominal position [m] (positive: pressed), and the Hertz constants C [m/N^(2/3)] of its contacts.
+        JSON with the fields of the scene. The key ``given`` has the lead angle [rad] and the axial force of all loads [N].
+        The key ``contacts`` has for every ball: azimuth [rad], axial position [m], the interference [m] that all errors
+        cause on both pairs of flanks in the nominal position (positive: pressed), and the Hertz constants C [m/N^(2/3)] of
+        its contacts, where the approach under the load F is C F^(2/3).
     """
     from rollbench.lowfi.statics.contacts import hertz_C, with_error_free_hertz
     from rollbench.lowfi.statics.problem import centre_distances

@@ -29,15 +29,15 @@ if TYPE_CHECKING:
 class Options:
     """Options with which a low-order model is run."""
 
-    #: Whether terms of the model that cannot change the loads of the scene are computed too.
+    #: Whether terms of the model that cannot change the contact loads of the scene are computed, too.
     everything: bool = False
-    #: Number of the specimen of a scene with random errors.
+    #: Number of the specimen, from 0, of a scene with random geometric errors.
     member: int = 0
     #: How numerical kernels run: ``interpreted``, ``compiled``, or ``auto`` (depends on the number of balls).
     engine: str = "auto"
-    #: Whether the error of the beam's discretisation is estimated.
+    #: Whether the error due to the beam's division into elements is estimated.
     discretisation: bool = True
-    #: File with condensed bodies for the elastic models.
+    #: File with the condensed stiffness of screw and nut, which the model "condensed" needs; None: none.
     condensed: Path | None = None
 
 
@@ -77,7 +77,7 @@ def read_condensed_bodies(scene: Scene, options: Options) -> Condensed:
     from rollbench.lowfi.compliance.bodies import Condensed
 
     if options.condensed is None:
-        advice = "write a file with rollbench condense, and pass it as `condensed=FILE`"
+        advice = "write such a file with rollbench condense, and pass it as `condensed=FILE`"
         raise InputError(scene.name, "model", '"condensed"', "only with a file of condensed bodies", advice)
     try:
         return Condensed.read(options.condensed, scene)
@@ -157,7 +157,7 @@ def covers_any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of M
 
 
 def has_beam(scene: Scene) -> bool:
-    """Return whether the scene demands a screw that is modelled as a beam (not as a rigid body)."""
+    """Return whether the scene asks for a screw that is modelled as a beam instead of a rigid body."""
     return scene.ingredients.screw == "beam"
 
 
@@ -168,7 +168,7 @@ def is_covered_by_mei(scene: Scene) -> bool:
 
 
 def is_covered_by_liu(scene: Scene) -> bool:
-    """Return whether Liu's model covers a scene: axial loads at one end of the ball row, no preload, uz free."""
+    """Return whether Liu's model covers a scene: axial loads at one end of the nut, no preload, no support fixing uz."""
     from rollbench.lowfi.statics.liu import is_solvable_by_liu
 
     return is_solvable_by_liu(scene)
@@ -192,13 +192,14 @@ class Model:
     assembly: Callable[[Assembly, Options], AxisResult] | str = "it solves one nut or bearing row"
     #: Function that returns whether the model covers a scene.
     suits: Callable[[Scene], bool] = covers_any_scene
-    #: Whether ``rollbench compare`` shows it by default.
+    #: Whether ``rollbench compare`` shows the model by default.
     compared: bool = False
     #: Whether the model is in the table of numerical stability.
     extremes: bool = False
     #: Settings of the scene's table [ingredients] that distinguish this model from the one with the same solver.
     ingredients: tuple[tuple[str, Any], ...] = ()
-    #: Position in the sequence of models from Lin's to the refined one, and what this step adds; None: not in it.
+    #: Position in the sequence of models from Lin's to the refined one, and what the model adds to the one before it; None:
+    #: the model is not in the sequence.
     ladder_step: tuple[int, str] | None = None
     #: Name of another model whose measured errors hold for this one, too; empty: none.
     errors_of: str = ""
@@ -398,7 +399,7 @@ def find_model(name: str, argument: str = "model", excluded: Sequence[str] = ())
 
 
 def has_random_errors(scene: Scene | Assembly) -> bool:
-    """Return whether the scene, or any nut or row on its shaft, has geometric errors that are drawn at random."""
+    """Return whether the scene, or any nut or row on its shaft, has random geometric errors."""
     if isinstance(scene, Scene):
         return scene.errors.random
     return any(isinstance(s.parts, Scene) and s.parts.errors.random for s in scene.sets)
@@ -409,9 +410,10 @@ def scene_key_of_error(error: ValueError) -> str:
 
     Examples
     --------
-    >>> error = UnfitKey("solid.nut_inner_diameter", "9 mm leave no groove")
-    >>> scene_key_of_error(error), scene_key_of_error(ValueError("no"))
-    ('solid.nut_inner_diameter', 'scene')
+    >>> scene_key_of_error(UnfitKey("solid.nut_inner_diameter", "9 mm leave no groove"))
+    'solid.nut_inner_diameter'
+    >>> scene_key_of_error(ValueError("no"))
+    'scene'
     """
     return error.key if isinstance(error, UnfitKey) else "scene"
 
@@ -447,7 +449,7 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
     run = _solver_of_scene(scene, name)
     if options.member and not has_random_errors(scene):
         allowed = "0, because the scene has no random errors"
-        raise ArgumentError("member", str(options.member), allowed, "leave it out", scene.name)
+        raise ArgumentError("member", str(options.member), allowed, "leave `member` out", scene.name)
     try:
         with np.errstate(all="ignore"):
             result = run(options)
@@ -459,7 +461,7 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
 
 
 def _solver_of_scene(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticResult | AxisResult]:
-    """Return a function that solves the scene with the model ``name`` and given options; InputError if none does."""
+    """Return a function that solves the scene with the model ``name`` and given options; InputError if the model cannot."""
     if isinstance(scene, Scene):
         model = find_model(name)
         return partial(model.run, model.scene(scene))

@@ -24,11 +24,12 @@ if TYPE_CHECKING:
 class Study:
     """Scenes, model results and stored 3D references of one report or check, each computed or read only once."""
 
-    #: Folders with runs of the 3D reference, in order of search; None: those of the package.
+    #: Folders with runs of the 3D reference, in order of search; None: those included with rollbench.
     stores: Sequence[Path] | None = None
-    #: Number of specimens with random errors; None: as the scene states; 0: none, and results that need them stay open.
+    #: Number of specimens with random errors; None: as many as the scene states; 0: none, so that results which need them
+    #: are not computed.
     members: int | None = None
-    #: Whether only coarse meshes are used.
+    #: Whether only coarse meshes are used, to save time.
     quick: bool = False
     #: Whether run times are measured; else stored run times are used.
     timed: bool = False
@@ -36,23 +37,24 @@ class Study:
     cache: Path | None = None
     #: Scenes with one nut or bearing row, by name.
     scenes: dict[str, Scene] = field(default_factory=dict)
-    #: Shipped scenes of other types than `Scene` (shafts, duty cycles, kinds for friction), by name.
+    #: Built-in scenes of other types than `Scene` (shafts with several nuts or bearings, duty cycles, parts for which only
+    #: friction is computed), by name.
     others: dict[str, Described] = field(default_factory=dict)
     #: Results by scene, model and number of the specimen.
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
     #: Values of `compute_once`, by function and arguments.
     computed: dict[Any, Any] = field(default_factory=dict)
-    #: Computed counterparts of printed numbers, by printed table.
+    #: Printed numbers and claims with their computed values (`compare.evidence.Evidence`), by printed table.
     evidence: dict[str, tuple[Any, ...]] = field(default_factory=dict)
 
     def scene(self, name: str) -> Scene:
-        """Return the shipped scene ``name``; read on first use."""
+        """Return the built-in scene ``name``; read on first use."""
         if name not in self.scenes:
             self.scenes[name] = catalogue.scene(name)
         return self.scenes[name]
 
     def record_used_scenes(self, names: Sequence[str]) -> None:
-        """Record that results of the study depend on the shipped scenes ``names``."""
+        """Record that results of the study depend on the built-in scenes ``names``."""
         for name in names:
             scene = catalogue.shipped_scene(name)
             if isinstance(scene, Scene):
@@ -67,17 +69,18 @@ class Study:
         return dict(sorted(scenes.items()))
 
     def changed(self, name: str, **ingredients: Any) -> Scene:
-        """Return a copy of the shipped scene ``name`` with changed modelling options.
+        """Return a copy of the built-in scene ``name`` with changed modelling options.
 
-        ``ingredients``: new values of fields of `meshes.parts.Ingredients`.
+        ``**ingredients``: new values of fields of `meshes.parts.Ingredients`, by name.
         """
         scene = self.scene(name)
         return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
     def solve(self, scene: Scene | str, model: str = "lin", member: int = 0) -> StaticResult:
-        """Return the result of a model for a scene or the shipped scene of this name; solved on first use.
+        """Return the result of a model for a scene; it is solved on first use.
 
-        ``member``: number of the specimen with random errors.
+        ``scene``: the scene, or the name of a built-in scene; ``model``: name of the model; ``member``: number of the
+        specimen, from 0, of a scene with random errors.
         """
         parts = self.scene(scene) if isinstance(scene, str) else scene
         key = (parts, model, member)
@@ -96,17 +99,17 @@ class Study:
         return cast(T, self.computed[key])
 
     def reference(self, name: str) -> Reference | None:
-        """Return the stored 3D reference of a shipped scene, with its uncertainty; None without a converged run."""
+        """Return the stored 3D reference of a built-in scene, with its uncertainty; None without a converged run."""
         return self.compute_once(_stored_reference, name)
 
     def references(self, names: Sequence[str]) -> dict[str, Reference]:
-        """Return the stored 3D references by scene name, without scenes that have none."""
+        """Return the stored 3D references of built-in scenes by name, without the scenes that have none."""
         references = {name: self.reference(name) for name in names}
         return {name: ref for name, ref in references.items() if ref is not None}
 
 
 def _stored_reference(study: Study, name: str) -> Reference | None:
-    """Return the stored 3D reference of a shipped scene; None without a converged run."""
+    """Return the stored 3D reference of a built-in scene; None without a converged run."""
     return reference_of_scene(study.scene(name), study.stores)
 
 
@@ -117,9 +120,10 @@ def with_conformity(scene: Scene, conformity: float) -> Scene:
 
 
 def with_ball_count(base: Scene, count: int) -> Scene:
-    """Return a copy of the ball screw ``base`` with ``count`` balls at the same spacing, with a nut as long as needed.
+    """Return a copy of the ball screw ``base`` with ``count`` balls at the same spacing.
 
-    The screw is lengthened by the same amount as the nut.
+    If the nut is too short for the balls, nut and screw are lengthened by the same amount. The nut is at the middle of the
+    screw.
     """
     step = (base.balls.azimuths[-1] - base.balls.azimuths[0]) / (len(base.balls.azimuths) - 1)
     azimuths = tuple((i - (count - 1) / 2.0) * step for i in range(count))

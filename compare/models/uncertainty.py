@@ -9,11 +9,12 @@ of idealisations and of unprinted dimensions of the reference, each varied separ
 is the effect of tolerances of the inputs, each varied separately. If |E| <= u_val, the error of the model cannot be
 distinguished from these uncertainties; else it lies within E +- u_val. u_val is not known if one of its parts is not.
 
-Percentages refer to the reference's value, those of contact loads to the mean load. u_input is computed by the model of
-Lin's thesis (lin), because this takes little time. Model and reference get the same inputs, so that u_input cancels in E;
-it would count if one of the two were a measured screw. Therefore the share of values within sqrt(u_grid^2 + u_model^2), the
-part of the reference, is stated too. If the modelling choices were not varied on a scene, the largest effect on the scenes
-on which they were varied is used, unless the scene is outside the range of the compared scenes.
+Percentages refer to the value by the 3D reference, those of contact loads to the mean load. u_input is computed by the
+model of Lin's thesis (lin), because this takes little time. Model and reference get the same inputs, so that u_input
+cancels in E; it would count if one of the two were a measured screw. Therefore the share of values within
+sqrt(u_grid^2 + u_model^2), the part of the reference, is stated too. If the modelling choices were not varied on a scene,
+the largest effect on the scenes on which they were varied is used, unless the scene is outside the range of the compared
+scenes.
 
 The largest contact load of a scene (`uncertainty_of_loads`) has a fourth part, the second-order effect of displacements,
 which the reference neglects. On the scene two-balls, large displacements in CalculiX reduce the contact forces F in
@@ -61,8 +62,8 @@ GRID, CHOICES, INPUT, SECOND = "discretisation", "modelling choices", "inputs", 
 FILE = "choices.json"
 #: Relative reduction of a contact load by large displacements, over a / r [1] (tests/unit/models/test_uncertainty.py).
 SECOND_ORDER = 0.030
-#: Smallest and largest excess [%] of the sum of contact loads of a preloaded scene in independent 3D programs over the
-#: 3D reference.
+#: Smallest and largest amount [%] by which the sum of the contact loads of a preloaded scene is larger in independent 3D
+#: programs than in the 3D reference.
 SHARED = (0.12, 0.19)
 #: Model that gives the sensitivities to the inputs.
 SENSITIVE = "lin"
@@ -78,7 +79,7 @@ class Quantity:
     name: str
     #: Unit of its values.
     unit: str
-    #: Function that takes its values (any shape) from an answer.
+    #: Function that returns its values (any shape) from a scene and the results of a model or 3D run.
     take: Take
     #: Whether errors are in per cent of the mean contact load instead of the value.
     of_mean: bool = False
@@ -87,7 +88,7 @@ class Quantity:
 
 
 def _axial_displacement(scene: Scene, answer: Loads) -> Array:
-    """Return the axial displacement of the screw at the nut's centre as an array (1,) [um]; ``answer``: results."""
+    """Return the screw's axial displacement at the nut's centre in the results ``answer`` as an array (1,) [um]."""
     return np.array([1e6 * float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2]))])
 
 
@@ -162,7 +163,7 @@ class Uncertainty:
 
     #: Each part by its name [%], a number or an array in the shape of the quantity; nan: not known.
     parts: Mapping[str, Array | float]
-    #: Scene on which the modelling choices were varied.
+    #: Name of the scene on which the modelling choices of the 3D reference were varied; empty: none.
     varied: str = ""
 
     def combined(self, *names: str, unknown: float = np.nan) -> Array:
@@ -185,9 +186,9 @@ class Uncertainty:
 
 
 def difference_percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
-    """Return the difference ``value - base`` in per cent of ``base``; for contact loads, of the mean contact load.
+    """Return the difference ``value - base`` in per cent of ``base``; for contact loads, in per cent of the mean load.
 
-    ``mean``: mean contact load [N].
+    ``quantity``: quantity to which the values belong; ``mean``: mean contact load [N].
     """
     scale = mean if quantity.of_mean else None
     return np.asarray(error_percent(value, base, scale))
@@ -196,7 +197,8 @@ def difference_percent(quantity: Quantity, value: Array, base: Array, mean: floa
 def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> Array:
     """Return the uncertainty due to the mesh [%] of a quantity in the 3D run on the finest mesh level.
 
-    With a single mesh level it is nan, except for contact loads, whose uncertainty is then estimated from other scenes.
+    The array has the shape of the quantity. With a single mesh level it is nan, except for contact loads, whose uncertainty
+    is then estimated from other scenes.
     """
     base = quantity.take(scene, loads_from_run(reference.best, ""))
     if quantity.of_mean:
@@ -307,23 +309,24 @@ class Validated:
     model: str
     #: Name of the quantity.
     quantity: str
-    #: Error of the model [%].
+    #: Error of the model against the 3D reference [%].
     error: float
-    #: Grid uncertainty of the reference [%].
+    #: Uncertainty of the 3D reference due to the mesh, u_grid [%].
     grid: float
-    #: Uncertainty by modelling choices of the reference [%].
+    #: Uncertainty due to modelling choices of the 3D reference, u_model [%].
     choices: float
-    #: Uncertainty by tolerances of the inputs [%].
+    #: Uncertainty due to tolerances of the inputs, u_input [%].
     inputs: float
-    #: u_val [%].
+    #: Validation uncertainty u_val [%]; nan: not known.
     combined: float
     #: Share of values whose error is within u_val [1].
     within: float
-    #: Share of values whose error is within the reference's part of u_val, sqrt(u_grid^2 + u_model^2) [1].
+    #: Share of values whose error is within sqrt(u_grid^2 + u_model^2), the part of u_val due to the 3D reference [1].
     within_own: float
-    #: Ratio of model to reference, of the value or of every contact load above a tenth of the mean load.
+    #: Ratio of the value by the model to that by the 3D reference; for contact loads, of every load above a tenth of the
+    #: mean load.
     ratio: tuple[float, ...]
-    #: Scene on which the modelling choices were varied.
+    #: Name of the scene on which the modelling choices of the 3D reference were varied; empty: none.
     varied: str
 
     @property
@@ -372,20 +375,21 @@ class Scatter:
     scenes: int
     #: Number of values.
     values: int
-    #: Relative deviation from the reference, as a geometric mean [%].
+    #: Relative deviation of the model from the 3D reference, as a geometric mean over all values [%].
     bias: float
-    #: Relative standard deviation of the model's errors, less the part due to grid uncertainty [%].
+    #: Relative standard deviation of the model's errors, without the part due to the mesh of the 3D reference [%].
     scatter: float
-    #: Share of values whose error is within u_val.
+    #: Share of values whose error is within u_val [1].
     within: float
-    #: Share of values whose error is within the reference's part of u_val.
+    #: Share of values whose error is within the part of u_val that is due to the 3D reference [1].
     within_own: float
 
 
 def bias_and_scatter(rows: Sequence[Validated]) -> list[Scatter]:
     """Compute bias and scatter of each model's errors in each quantity, as in fire-model validation.
 
-    ``rows``: errors with their uncertainty, one row for each scene, model and quantity.
+    ``rows``: errors with their uncertainty, one row for each scene, model and quantity. Returned is a record for each pair
+    of model and quantity.
 
     Notes
     -----
@@ -467,7 +471,7 @@ class LoadUncertainty:
     input: str = quantity_field("input_dominated_by", show=lambda name: name or None)
     #: Part due to large displacements, which the reference neglects.
     second_order: float = quantity_field("large_displacements_percent", "what the second order of displacements changes")
-    #: Whether all contacts share a further error of the sum of loads.
+    #: Whether all contacts share a further error, because equilibrium does not fix the sum of their loads (`SHARED`).
     shared: bool = quantity_field(
         "shared_by_all_percent",
         "part that all contacts share and no mesh shows; null where it is not known",
@@ -482,7 +486,7 @@ class LoadUncertainty:
         "it is less than the rest",
         default=0.0,
     )
-    #: Contact near a free face of the nut with the largest such part.
+    #: Ball and flank of the contact near a free face of the nut with the largest such part; empty if there is none.
     at_face: str = quantity_field("beside_free_face_at", show=lambda contact: contact or None, default="")
 
     @property
@@ -580,7 +584,7 @@ def largest_face_error(reference: Reference) -> tuple[float, str]:
 
 
 def large_displacement_effect(scene: Scene, reference: Reference) -> float:
-    """Return the reduction of the largest contact load by large displacements [% of the mean load]."""
+    """Return by how much large displacements reduce the largest contact load [% of the mean load]; 0 without load."""
     worst = rate_contact_loads(scene, reference.load, np.radians(reference.best.angle)).worst
     if worst is None:
         return 0.0
@@ -601,7 +605,10 @@ def _largest_input_effect(scene: Scene) -> tuple[float | None, str]:
 
 
 def choice_effects_record(varied: Modelling) -> ChoiceEffects:
-    """Return the record to be stored of the effects of modelling choices on the contact loads of a scene."""
+    """Return the record to be stored of the effects of modelling choices on the contact loads of a scene.
+
+    ``varied``: effects of all choices on this scene.
+    """
     first = max(varied.choices, key=lambda name: varied.choices[name])
     return ChoiceEffects(varied.scene, varied.largest, first, varied.choices[first])
 
@@ -609,7 +616,8 @@ def choice_effects_record(varied: Modelling) -> ChoiceEffects:
 def applicable_choice_effects(scene: Scene, known: Mapping[str, ChoiceEffects]) -> ChoiceEffects | None:
     """Return the effects of modelling choices that apply to a scene, from the stored effects ``known`` by scene.
 
-    They are those of a scene with the same parts, else the largest; None if the scene is outside the compared range.
+    They are the effects on a scene with the same parts; if there is none, those on the scene with the largest effect. None
+    if no effect is stored, or the scene is outside the range of the compared scenes.
     """
     if descriptors_outside_range(scene):
         return None

@@ -103,7 +103,8 @@ def origin_of_model(name: str) -> str:
     Returns
     -------
     str
-        Function with name and version of its package; for a command, the files in it with hashes of their contents.
+        Function ``module:name``, with name and version of its package; for a command, the names of its files with hashes of
+        their contents.
     """
     if programs.is_command(name):
         return programs.parse_command(name).files
@@ -123,7 +124,7 @@ def load_user_model(name: str) -> UserModel:
     Returns
     -------
     callable
-        Function of a scene that returns loads or a `ModelAnswer`.
+        Function that takes a scene and returns its contact loads (n, 4) [N] or a `ModelAnswer`.
 
     Raises
     ------
@@ -156,7 +157,10 @@ def _answer_of_program(program: programs.Program, scene: Scene) -> ModelAnswer:
 
 
 def _unusable_model_error(point: EntryPoint, reason: str) -> ArgumentError:
-    """Return the ArgumentError for a model of an installed package that cannot be used; ``point``: its entry point."""
+    """Return the ArgumentError for a model of an installed package that cannot be used, with the reason.
+
+    ``point``: entry point of the model.
+    """
     advice = "correct the package that provides the model, or uninstall it"
     return ArgumentError("model", f"{point.name} ({point.value}): {reason}", "a function of a scene", advice)
 
@@ -171,23 +175,23 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
     name
         Name of an installed model, or a command.
     scene
-        The scene. Random errors are drawn first, and the model gets a copy of the scene with the drawn values.
+        The scene. If its geometric errors are random, the model gets a copy with the fixed errors of one specimen.
     member
-        Number of the specimen, from 0.
+        Number of this specimen, from 0.
 
     Returns
     -------
     StaticResult
-        Result as from the models of rollbench.
+        Result of the same form as that of rollbench's models.
 
     Raises
     ------
     ArgumentError
         If an array has a wrong shape, or contains negative loads or values that are not finite.
     Refusal
-        If the function raises.
+        If the function of the model raises an exception.
     ProgramError
-        If the program fails.
+        If the external program fails.
     """
     from rollbench.lowfi.statics.contacts import hertz_C, with_error_free_hertz
     from rollbench.lowfi.statics.problem import SIGNS
@@ -238,7 +242,10 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
 
 
 def _equilibrium_warnings(name: str, balance: Equilibrium) -> Iterator[Warned]:
-    """Yield a warning if the contact loads of the model ``name`` are not in equilibrium with loads and supports."""
+    """Yield a warning if the contact loads of the model ``name`` are not in equilibrium with loads and supports.
+
+    ``balance``: equilibrium of the screw, with what remains unbalanced.
+    """
     if balance.largest > UNBALANCED:
         brief = f"loads of {name} out of balance by {100.0 * balance.largest:.3g} % of the largest force or moment"
         yield Warned("balance", f"{brief}: check their units, signs and the order of the flanks", brief)
@@ -272,8 +279,8 @@ def _contact_balance(scene: Scene, load_of: Array, points: Array, normal: Array)
 def _checked_numbers(name: str, what: str, value: Array, shape: Sequence[int], least: float = -np.inf) -> Array:
     """Return an array that a user's model gave, after checking its shape and values.
 
-    ArgumentError if it is not of shape ``shape``, or a value is not finite or below ``least``. ``name``: name of the model;
-    ``what``: quantity.
+    ``name``: name of the model; ``what``: name of the quantity; ``value``: the array. ArgumentError if it is not of shape
+    ``shape``, or a number in it is not finite or below ``least``.
     """
     advice = "correct the model"
     allowed_shape = f"an array of shape {shape}"

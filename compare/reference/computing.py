@@ -37,10 +37,11 @@ if TYPE_CHECKING:
 
 Step = Callable[[str], None]
 
-#: Enlargement of patches whose rim a contact reaches: largest number, factor of a step, largest number of steps at once.
+#: Enlargement of patches (finely meshed parts of a surface) whose rim a contact reaches: largest number of enlargements,
+#: factor of one step, largest number of steps in one enlargement.
 ENLARGE, BEYOND, LARGER = 3, 1.2, 4
-#: Share of the length of skew contacts that a patch must cover; with 0.995, no contact of the randomly drawn screws
-#: reaches the rim.
+#: Share of the length of skew contacts along the groove that a patch must cover; with 0.995, no contact of the random
+#: screws reaches the rim.
 ALIKE = 0.99
 #: Smallest relative enlargement for which a patch is meshed again.
 GROWN = 5e-3
@@ -125,10 +126,11 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
 
 
 def _prepare_setups(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step: Step) -> list[Setup]:
-    """Mesh and condense the parts of each nut or bearing row, and return one set-up for each row.
+    """Mesh and condense the parts of each nut or bearing row, and return one set-up (condensed parts) for each row.
 
-    ``ups``: bodies, flanks and mesh settings; equal rows share one set-up. ``step``: function that is called with lines of
-    progress. InputError if a mesh cannot be built or memory is too small.
+    ``scenes``: load cases of the task; ``ups``: bodies, flanks and mesh settings of what is meshed; equal rows share one
+    set-up; ``step``: function that is called with lines of progress. InputError if a mesh cannot be built or memory is too
+    small.
     """
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
@@ -149,9 +151,10 @@ def _prepare_setups(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp]
 
 
 def _solve_load_case(scene: Solvable, setups: Sequence[Setup], step: Step) -> ReferenceResult:
-    """Solve one load case by the 3D reference with meshed and condensed parts, one set-up for each nut or bearing row.
+    """Solve one load case by the 3D reference.
 
-    Refusal if the 3D reference does not cover the scene.
+    ``setups``: meshed and condensed parts of each nut or bearing row; ``step``: function that is called with lines of
+    progress. Refusal if the 3D reference does not cover the scene.
     """
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.several_sets import solve_sets
@@ -227,18 +230,18 @@ def settings_with_larger_patches(
     Parameters
     ----------
     setup
-        Meshed and condensed parts.
+        Meshed and condensed parts with the present patches.
     contacts
-        Contact loads (n, 4) [N] and angles (n, 4) [rad] of each load case.
+        Computed contact loads (n, 4) [N] and contact angles (n, 4) [rad] of each load case.
     steps_left
-        Number of further enlargements that are possible.
+        Number of enlargements that are still possible after this one.
 
     Returns
     -------
     Settings or None
         The settings; None if the patches cannot be enlarged.
     str
-        Text with the required and the present size.
+        Text with the required and the present size of the patches; without settings, also the reason.
     """
     from rollbench.hifi.meshing.part_meshes import choose_patch_lines, choose_socket_size, reach_of_ellipses_along_groove
     from rollbench.hifi.meshing.settings import hertz_contacts_under_unit_force
@@ -290,8 +293,8 @@ def settings_with_larger_patches(
 
 
 def stores_bodies(task: Task) -> bool:
-    """Return whether a task also stores its condensed bodies.
+    """Return whether the condensed screw and nut of a task are stored with its runs.
 
-    It does for scenes with one nut or bearing row, without a variant, on a regular mesh level.
+    They are for scenes with one nut or bearing row, without a variant, on a regular mesh level.
     """
     return bool(task.single) and not task.variant and task.level in LEVELS

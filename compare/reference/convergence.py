@@ -36,9 +36,9 @@ from rollbench.meshes.arrays import Array
 #: Range of credible orders of convergence (Eca and Hoekstra). Below it the cells are too coarse; above it the fitted order
 #: is due to scatter.
 ORDERS = (0.5, 2.0)
-#: Safety factors with and without a credible order.
+#: Safety factor F of the uncertainty, with a credible order and without one.
 SAFE, CAREFUL = 1.25, 3.0
-#: Share of the largest value below which changes are due to rounding of stored values.
+#: Ratio of the change between mesh levels to the largest value, up to which the change is due to rounding [1].
 ROUND_OFF = 1e-6
 #: Number of orders in the allowed interval for which `pooled_grid_uncertainty` computes the uncertainty.
 STEPS = 16
@@ -211,9 +211,10 @@ def _pooled_uncertainties(data: Array, h: Array) -> Array:
 
 
 def _checked_levels(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
-    """Return values as an array (levels, m) and sizes relative to the finest.
+    """Return values of m quantities as an array (levels, m), and cell sizes relative to the finest, (levels,).
 
-    ValueError if a value is not finite, the numbers differ, or the sizes do not decrease.
+    ``values``: (levels, m), or (levels,) for one quantity; ``sizes``: cell sizes, coarse to fine. ValueError if a value is
+    not finite, the number of values differs from that of the sizes, or the sizes do not decrease.
     """
     y, h = np.asarray(values, float), np.asarray(sizes, float)
     y = y[:, None] if y.ndim == 1 else y
@@ -230,9 +231,10 @@ def _is_constant(column: Array) -> bool:
 
 
 def _kind_of_convergence(column: Array, h: Array) -> tuple[str, float | None]:
-    """Return the kind of convergence of a quantity on three or more levels, and its fitted order (None if not monotone).
+    """Return whether a quantity converges monotonically and with a credible order, as text, and the fitted order.
 
-    ``column``: values on the mesh levels, coarse to fine, (levels,); ``h``: relative cell sizes, (levels,).
+    ``column``: values on three or more mesh levels, coarse to fine, (levels,); ``h``: relative cell sizes, (levels,). The
+    text is `MONOTONE`, `OUT_OF_RANGE` or `NOT_MONOTONE`; in the last case the order is None.
     """
     steps = np.diff(column)
     if not ((steps > 0.0).all() or (steps < 0.0).all()):
@@ -245,8 +247,9 @@ def _kind_of_convergence(column: Array, h: Array) -> tuple[str, float | None]:
 def _uncertainty_of_finest(y: Array, fit: Fit, sigma: Array | float, factor: float, mean_change: float = np.inf) -> Array:
     """Return the uncertainty U of the finest value of each quantity, (m,), from a fit.
 
-    ``y``: values (levels, m), coarse to fine; ``sigma``: standard deviation; ``factor``: F; ``mean_change``: Delta, the
-    mean change between levels.
+    ``y``: values (levels, m), coarse to fine; ``fit``: fit to these values; ``sigma``: standard deviation of the fit, a
+    number or (m,); ``factor``: safety factor F; ``mean_change``: Delta, the mean change between levels; infinite: the first
+    of the two formulas in the docstring of the module is used.
     """
     error, off = np.abs(y[-1] - fit.residual[-1] - fit.limit), np.abs(fit.residual[-1])
     if np.max(sigma) < mean_change:
@@ -268,16 +271,17 @@ class Fit:
     limit: Array
     #: Residuals, (levels, m).
     residual: Array
-    #: Standard deviation of all residuals; zero without degree of freedom.
+    #: Standard deviation of the residuals of all quantities; zero without degree of freedom.
     deviation: float
     #: Standard deviation of the residuals of each quantity, (m,); zero without degree of freedom.
     own: Array
 
 
 def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
-    """Fit limits, slopes and the best common order p to m quantities, by grids of p on shrinking intervals.
+    """Fit limits, slopes and the best common order p to m quantities.
 
-    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``weighted``: whether weights are 1 / h.
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``weighted``: whether the levels have weights 1 / h
+    instead of equal ones. The best order is searched on grids over shrinking intervals.
     """
     w = level_weights(h, weighted)
     low, high = SEARCH
@@ -292,8 +296,8 @@ def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
 def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
     """Fit limits and slopes of all quantities for a given order p.
 
-    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``weighted``: whether weights are 1 / h. The order
-    counts as one fitted parameter that all quantities share.
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``p``: the order; ``weighted``: whether the levels have
+    weights 1 / h instead of equal ones. The order counts as one fitted parameter that all quantities share.
     """
     x = _box_cox_transform(h, np.array([p]))[0]
     finest, slope, residual = _linear_least_squares(y, x[:, None], level_weights(h, weighted))
@@ -304,8 +308,8 @@ def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
 def fit_fixed_orders(y: Array, h: Array, *, both: bool) -> list[Fit]:
     """Fit all quantities by h and by h^2, each with equal weights and with weights 1 / h.
 
-    ``y``: values (levels, m); ``h``: relative cell sizes (levels,). If ``both``, and with four levels or more, also by the
-    sum of h and h^2.
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``both``: whether, with four levels or more, fits by
+    the sum of h and h^2 are added.
     """
     forms: dict[str, tuple[float, ...]] = {"first order": (1.0,), "second order": (2.0,)}
     if both and len(h) > 3:
@@ -322,9 +326,9 @@ def fit_fixed_orders(y: Array, h: Array, *, both: bool) -> list[Fit]:
 def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
     """Return the lowest and highest order around the best one that are compatible with the data.
 
-    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``best``: fit with the best order.
-    The criterion is an F test of the sums of squared residuals with the confidence `CONFIDENCE`. Without a degree of
-    freedom, the interval is the whole searched range.
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``best``: fit with the best order. The criterion is an
+    F test of the sums of squared residuals with the confidence `CONFIDENCE`. If the best fit has no degree of freedom, or
+    no searched order, the whole searched range `SEARCH` is returned.
     """
     from scipy.stats import f as f_ratio
 
@@ -344,7 +348,10 @@ def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
 
 
 def level_weights(h: Array, weighted: bool) -> Array:
-    """Return the weights of the mesh levels, with sum one: proportional to 1 / h if ``weighted``, else equal."""
+    """Return the weights of the mesh levels, (levels,), with sum one: proportional to 1 / h if ``weighted``, else equal.
+
+    ``h``: relative cell sizes (levels,).
+    """
     w = 1.0 / h if weighted else np.ones_like(h)
     return np.asarray(w / w.sum())
 
@@ -389,8 +396,9 @@ def _fit_record(
 ) -> Fit:
     """Return the record of a fit with its standard deviations, which depend on the number of fitted parameters.
 
-    ``limit``: limits at h = 0, (m,); ``residual``: residuals, (levels, m); ``of_each``: parameters for each quantity;
-    ``of_all``: parameters that all quantities share.
+    ``form``: name of the fitted function; ``order``: its order; None: fixed orders; ``weighted``: whether levels have
+    weights 1 / h; ``h``: relative cell sizes (levels,); ``limit``: limits at h = 0, (m,); ``residual``: residuals,
+    (levels, m); ``of_each``: number of parameters for each quantity; ``of_all``: number of parameters that all share.
     """
     n, m = residual.shape
     squares = n * (level_weights(h, weighted) @ (residual * residual))

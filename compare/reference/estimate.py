@@ -2,10 +2,11 @@
 
 The uncertainty has a part for each kind of refinement.
 
-From one mesh level to the next, the cells at the contact are refined by 4/3, those of the bodies by 1.15, and the cut of
-the coarse sockets (boxes around the contacts into which fine patches fit) not at all. Therefore no order of convergence in
-a single cell size describes the loads. The loads do not approach a limit from one side either. Consecutive changes of a
-contact load have a correlation of -0.5, like independent errors, because no cell of one level's mesh is a cell of the next.
+From one mesh level to the next, the cells at the contact are refined by 4/3, those of the bodies by 1.15, and the mesh of
+the sockets (coarse boxes around the contacts, into which finely meshed patches fit) not at all. Therefore no order of
+convergence in a single cell size describes the loads. The loads do not approach a limit from one side either. Consecutive
+changes of a contact load have a correlation of -0.5, like independent errors, because no cell of one level's mesh is a cell
+of the next.
 Extrapolation with any order increases the distance to the next level (tests/unit/models/test_grid_coverage.py). The errors
 of a level are therefore treated as scatter with the variance
 
@@ -13,7 +14,7 @@ of a level are therefore treated as scatter with the variance
 
 where h_c and h_b are the cell sizes of contact and bodies over those of the finest level (second-order cells, whose errors
 fall as h^2). The first two parts are determined from the changes between the levels of the scene; the variance of a change
-is the sum of those of two levels. The part sockets is that of a separate run with a finer cut of the sockets. The part
+is the sum of those of two levels. The part sockets is that of a separate run with more finely meshed sockets. The part
 common changes all loads of a level alike and does not average out over the contacts of one scene. It is determined from the
 mean changes of all scenes with loads on both flanks of the screw, where equilibrium does not fix the sum of the loads.
 
@@ -66,9 +67,9 @@ from rollbench.meshes.solid import dimensions_of_3d_parts
 
 FILE = "grid_parts.json"
 
-#: Number of standard deviations in an uncertainty that covers 95 %: normally, and if only the change between two
-#: neighbouring levels is known. This change scatters between scenes: a factor of 2 covered 87 % of the contacts of one
-#: randomly drawn screw.
+#: Number of standard deviations in an uncertainty that covers 95 % of the contacts: normally, and if only the change
+#: between two neighbouring mesh levels is known. This change scatters between scenes: a factor of 2 covered 87 % of the
+#: contacts of one random screw.
 COVER, COVER_OF_ONE_CHANGE = 2.0, 2.2
 
 #: Order of convergence of the (second-order) cells.
@@ -77,11 +78,11 @@ ORDER = 2
 #: Exponent of the load in the stiffness of a contact.
 STIFFNESS = 1.0 / 3.0
 
-#: Ratio of the cell sizes (contact, bodies) of an assumed level beyond the last one to those of the last level.
+#: Cell sizes (at the contact, of the bodies) of an assumed level finer than the last one, over those of the last level.
 NEXT = (0.75, 0.87)
 
-#: Shares of contacts that the uncertainty of a single level must cover: of all compared scenes together, and at least of
-#: each scene with one loaded flank of the screw or with both.
+#: Shares of contacts whose error the uncertainty of a scene with a single mesh level must cover: over all compared scenes
+#: together; in each scene with one loaded flank of the screw, and in each with both flanks loaded.
 SHARE, LEAST = 0.95, (0.93, 0.95)
 
 #: Number of reweighting rounds in a fit of variances, and the smallest variance that counts [%^2].
@@ -95,7 +96,7 @@ Levelled = Mapping[int, Array]
 class Experience:
     """Parts of the mesh uncertainty that are determined from other scenes [% of the mean load]."""
 
-    #: Standard deviation due to the cut of the sockets.
+    #: Standard deviation due to the mesh of the sockets (boxes around the contacts).
     sockets: float
     #: Standard deviation of an error that all contacts share.
     common: float
@@ -120,7 +121,7 @@ class GridParts:
     contact: float | None = None
     #: Standard deviation due to the cells of the bodies.
     bodies: float | None = None
-    #: Standard deviation due to the cut of the sockets.
+    #: Standard deviation due to the mesh of the sockets (boxes around the contacts).
     sockets: float | None = None
     #: Standard deviation of an error that all contacts share.
     common: float | None = None
@@ -193,18 +194,17 @@ def mesh_uncertainty(loads: Levelled, experience: Experience) -> GridParts:
 def _load_change(loads: Levelled, level: int, other: int, finest: int) -> Array:
     """Return the changes of the contact loads from one mesh level to another [% of the mean load on level ``finest``].
 
-    ``loads``: contact loads (n, 4) [N] by mesh level; ``level``, ``other``: first and second level. The result has one
-    dimension; contacts that carry load on no level
-    are omitted.
+    ``loads``: contact loads (n, 4) [N] by mesh level; ``level``, ``other``: first and second level. The result is a vector
+    with the changes of all contacts that carry load on at least one level.
     """
     on = loaded_on_any_level(loads)
     return np.asarray(error_percent(loads[other][on], loads[level][on], mean_load(loads[finest])))
 
 
 def _cell_sizes(level: int) -> Array:
-    """Return the relative cell sizes of a mesh level at the contact and of the bodies, (2,).
+    """Return the relative cell sizes of a mesh level, (2,): first at the contact, then of the bodies.
 
-    For levels beyond the last one, the sizes fall by the factors `NEXT`.
+    For assumed levels finer than the last one, the sizes fall by the factors `NEXT` from level to level.
     """
     last = max(LEVELS)
     cells = LEVELS[min(level, last)]
@@ -215,7 +215,8 @@ def _cell_sizes(level: int) -> Array:
 def _variance_factors(level: int, other: int) -> Array:
     """Return the factors by which variances of the errors contribute to the variance of a load change between two levels.
 
-    The two entries belong to the error due to the cells at the contact and to that due to the cells of the bodies.
+    ``level``, ``other``: the two mesh levels. The result (2,) has first the factor for the error due to the cells at the
+    contact, then that for the error due to the cells of the bodies.
     """
     return np.asarray(_cell_sizes(level) ** (2 * ORDER) + _cell_sizes(other) ** (2 * ORDER))
 
@@ -223,9 +224,10 @@ def _variance_factors(level: int, other: int) -> Array:
 def _fit_variances(columns: Array, shown: Array, fixed: float) -> Array:
     """Fit the variances of the parts contact and bodies (2,) to the observed variances between levels.
 
-    ``columns``: `_variance_factors` of each pair of levels; ``shown``: observed variances without ``fixed``, the known
-    variance of other parts. Relative least squares with results of at least zero. With two levels the whole variance is
-    attributed to the bodies, whose part falls more slowly.
+    ``columns``: `_variance_factors` of each of k pairs of levels, (k, 2); ``shown``: observed variances, (k,) [%^2], from
+    which ``fixed``, the known variance of other parts, is already subtracted. The fit minimises relative squared deviations
+    with results of at least zero. With two levels the whole variance is attributed to the bodies, whose part falls more
+    slowly.
     """
     from scipy.optimize import nnls
 
@@ -240,17 +242,17 @@ def _fit_variances(columns: Array, shown: Array, fixed: float) -> Array:
 def derive_experience(
     scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None
 ) -> Experience:
-    """Determine the common parts of the mesh uncertainty from scenes that were solved on several levels.
+    """Determine the parts of the mesh uncertainty that hold for all scenes, from scenes solved on several mesh levels.
 
     Parameters
     ----------
     scenes
         Contact loads on each mesh level, for each scene.
     sockets
-        Standard deviation due to the cut of the sockets [% of the mean load], from a separate run.
+        Standard deviation due to the mesh of the sockets [% of the mean load], from a separate run.
     known
-        For each scene: errors of the coarsest level near free faces (`error_near_faces`), which have an uncertainty of
-        their own and are subtracted, (n, 4) [% of the mean load].
+        For each scene, the errors on the coarsest level near free faces of the nut (`error_near_faces`), (n, 4) [% of the
+        mean load]. They have a separate uncertainty and are subtracted. None: nothing is subtracted.
 
     Returns
     -------
@@ -280,12 +282,15 @@ def derive_experience(
 
 
 def _covering_bound(errors: Sequence[Array], least: float) -> float:
-    """Return the smallest bound that covers the share `SHARE` of all errors and ``least`` of the errors of each scene."""
+    """Return the smallest bound that covers the share `SHARE` of all errors and ``least`` of the errors of each scene.
+
+    ``errors``: absolute errors of the contacts of each scene.
+    """
     return float(max(np.quantile(np.concatenate(errors), SHARE), *(np.quantile(of_scene, least) for of_scene in errors)))
 
 
 def save_experience(store: Path, known: Experience) -> None:
-    """Write the common parts of the mesh uncertainty (``known``) to the folder ``store`` of 3D runs; OSError on failure."""
+    """Write ``known``, parts of the mesh uncertainty that hold for all scenes, to a file in the folder ``store``."""
     replace_file(store / FILE, json.dumps(asdict(known), indent=1) + "\n")
 
 
@@ -302,16 +307,17 @@ def read_experience(store: Path) -> Experience:
 
 LIP_FILE = "near_face.json"
 
-#: Distance [ball radii] beyond which a face has no influence; from the last measured distance it falls linearly to zero.
+#: Distance [ball radii] from which on a face has no influence; from the last computed distance the influence falls linearly
+#: to zero at this one.
 AWAY = 3.0
 
 #: Distance by which the influence is extrapolated towards the face [ball radii]; closer to it no socket can be meshed.
 CLOSER = 0.25
 
-#: Approach [m] below which there is no load.
+#: Smallest denominator (an approach in m, or a sum of stiffnesses), which avoids division by zero without load.
 NO_STIFFNESS = 1e-30
 
-#: Flanks of the nut that are pressed towards its low and its high face.
+#: Numbers of the flanks of the nut that are pressed towards its face of low z and towards that of high z.
 TOWARDS = (2, 3)
 
 
@@ -340,8 +346,8 @@ def read_lip_compliance(store: Path) -> LipCompliance:
     """Read the compliance of the lip between a contact and a free face of the nut from the folder ``store``.
 
     It was computed for one scene on all mesh levels. The part that a level neglects is multiplied by the largest ratio of
-    any other scene to this one. Values are extrapolated from the two smallest distances towards the face, and fall to zero
-    beyond the largest distance. OSError, ValueError or KeyError if the file is missing or damaged.
+    this part in any other scene to that in this scene. Values are extrapolated from the two smallest distances towards the
+    face, and fall to zero beyond the largest distance. OSError, ValueError or KeyError if the file is missing or damaged.
     """
     rows = json.loads((store / LIP_FILE).read_text(encoding="utf-8"))
     first = [row for row in rows if row["scene"] == rows[0]["scene"]]
@@ -362,7 +368,7 @@ def read_lip_compliance(store: Path) -> LipCompliance:
 
 
 def excess_near_faces(scene: Scene, load: Array, level: int) -> Array:
-    """Return by how much contact loads near free faces of the nut are at most too high on a mesh level, (n, 4) [N].
+    """Return upper bounds of the excess of contact loads near free faces of the nut on a mesh level, (n, 4) [N].
 
     ``load``: contact loads (n, 4) [N] of the level.
     """
@@ -391,7 +397,7 @@ def error_near_faces(scene: Scene, load: Array, level: int) -> Array:
     """Return the largest errors of the contact loads on a mesh level due to free faces of the nut, (n, 4) [N].
 
     ``load``: contact loads (n, 4) [N] of the level. If equilibrium fixes the sum of the loads, contacts far from the faces
-    have errors, too.
+    have errors, too, because the excess near the faces is missing there.
     """
     excess = excess_near_faces(scene, load, level)
     if has_both_flanks_loaded(load) or not excess.any():
@@ -418,13 +424,13 @@ class Reference:
     uncertainty: Array
     #: Uncertainty of the loads due to the mesh, with its parts.
     parts: GridParts
-    #: Number of contacts that are loaded in the nominal screw; 0: not known.
+    #: Number of contacts that are loaded in the screw without geometric errors; 0: not known.
     contacts: int = 0
     #: Name of the reference; for a user's file, the name of the file.
     label: str = "3D reference"
     #: Text on the uncertainty in a user's file; empty for a computed reference.
     stated: str = ""
-    #: Other contact quantities in a user's file, (n, 4) in SI.
+    #: Other contact quantities in a user's file, (n, 4) in SI units, by name.
     further: Mapping[str, Array] = field(default_factory=dict)
     #: Part of the uncertainty due to a free face of the nut near the contact, (n, 4) [N].
     beside_face: Array | None = None
@@ -463,7 +469,7 @@ def reference_of_scene(scene: Scene, stores: Sequence[Path] | None = None) -> Re
     scene
         Scene with one nut or bearing row.
     stores
-        Folders with runs; None: those of the package.
+        Folders with runs; None: those included with rollbench.
 
     Returns
     -------
@@ -483,11 +489,11 @@ def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts
     name
         Name of the scene.
     scene
-        Scene with one nut or bearing row; one row as a scene if the shaft has several.
+        Scene with one nut or bearing row. Of several on one shaft, the nut or row as a separate scene.
     runs
         Runs, coarse to fine.
     contacts
-        Number of contacts that are loaded in the nominal screw; 0: not known.
+        Number of contacts that are loaded in the screw without geometric errors; 0: not known.
 
     Returns
     -------

@@ -28,22 +28,22 @@ from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.processes import reset_peak_memory
 
-#: Time of the contact patches on each mesh level [s], independent of the number of contacts.
+#: Time of the finely meshed contact patches by mesh level [s], independent of the number of contacts.
 PATCHES = {0: 3.0, 1: 13.0, 2: 25.0, 3: 45.0, 4: 100.0, 5: 200.0}
 
-#: Time per contact of the other stages on level 1 [s], and the factor by which it grows with the level.
+#: Time per contact of the other stages on mesh level 1 [s], and the factor by which it is multiplied on each level.
 A_CONTACT = {"meshes": 0.02, "shaft section": 0.05, "screw": 0.08, "nut": 0.06, "contact loads": 0.02}
 
 GROWTH = {0: 0.4, 1: 1.0, 2: 1.2, 3: 1.8, 4: 3.0, 5: 6.0}
 
-#: Memory [GB]: part that depends on the mesh level only, and part per contact.
+#: Memory [GB]: part that depends only on the mesh level, and part per contact.
 BASE_GB = {0: 0.6, 1: 0.65, 2: 0.9, 3: 1.3, 4: 2.2, 5: 4.4}
 
 CONTACT_GB = 0.007
 
-#: Stages that two processes share, their speed-up, and the memory that a second process adds: the share `MORE` of the
-#: whole up to `TOGETHER` contacts. With more contacts it computes only patches (`hifi.setup.TOGETHER`) and adds the share
-#: `PATCHES_ALONE` of the base memory.
+#: Stages that are divided between two processes, factor by which they are then faster, and memory that the second process
+#: adds: up to `TOGETHER` contacts the share `MORE` of the memory of one process. With more contacts the second process
+#: computes only patches (`hifi.setup.TOGETHER`) and adds the share `PATCHES_ALONE` of `BASE_GB`.
 SHARED, FASTER, MORE, TOGETHER = ("meshes", "patches", "ball", "shaft section", "screw", "nut"), 1.7, 0.7, 160
 
 PATCHES_ALONE = 0.68
@@ -56,7 +56,7 @@ STAGES = ("meshes", "patches", "shaft section", "screw", "nut", "ball", "contact
 class Expected:
     """Expected computing time and memory of a task of the 3D reference."""
 
-    #: Time of each stage [s].
+    #: Expected time of each stage [s], by its name.
     stages: dict[str, float]
     #: Peak memory [GB].
     memory_GB: float
@@ -121,7 +121,7 @@ class Progress:
     """Progress of a task of the 3D reference: present stage, finished share, and expected time left."""
 
     def __init__(self, task: Task, after: float = 0.0) -> None:
-        """Start the progress of a task; ``after``: expected time of all following tasks [s]."""
+        """Start the progress of a task; ``after``: expected time of all tasks that follow it [s]."""
         self.label, self.after = task.label, after
         stages, scenes = expected_cost(task).stages, len(task.scenes)
         loads = stages.pop("contact loads")
@@ -130,7 +130,7 @@ class Progress:
 
     @property
     def present_stage_text(self) -> str:
-        """Text with the name of the task and its present stage."""
+        """Text with the name of the task and, until it is finished, its present stage."""
         return f"{self.label}: {self.stages[0][0]}" if self.stages else self.label
 
     def line(self, text: str, spent: float) -> str:
@@ -166,13 +166,13 @@ class Engine:
 
     #: ``joblib``: processes on this machine; ``dask``: a cluster.
     backend: str = "joblib"
-    #: Address of the scheduler of a Dask cluster.
+    #: Address of the scheduler of a Dask cluster; None: a cluster is started on this machine.
     scheduler: str | None = None
-    #: Number of jobs at the same time.
+    #: Number of jobs at the same time; None: one, or one on each worker of a scheduler.
     workers: int | None = None
     #: Folder in which meshes and condensed parts are cached; None: no cache.
     cache: Path | None = None
-    #: Time to wait for a worker of the cluster [s], see `parallel.as_done`.
+    #: Time to wait for a worker of the cluster [s]; None: the default of `parallel.as_done`.
     wait: float | None = None
 
     @property
@@ -194,7 +194,7 @@ def run_jobs_where_faster(jobs: Sequence[parallel.Job], engine: Engine, what: st
     engine
         Settings that determine where the jobs run.
     what
-        Name of the computed items in the plural, for messages.
+        Noun in the plural for the computed items, such as "screws", for messages.
     step
         Function that is called with lines of progress.
 
@@ -235,11 +235,11 @@ def plan_tasks(
     levels
         Mesh levels.
     variants
-        Modelling variants, each computed on its own mesh level.
+        Names of variants of the 3D reference (`VARIANTS`), each computed on the mesh level that belongs to it.
     source
-        Whether the mesh of Lin's thesis is added.
+        Whether a task on the mesh of Lin's thesis is added.
     ablate
-        Whether the coarsest level is also solved without each ingredient of the model in turn.
+        Whether the scenes are also solved on the coarsest level without each ingredient of the 3D model in turn.
 
     Returns
     -------
@@ -261,8 +261,8 @@ def plan_tasks(
 def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
     """Return the tasks whose runs are not stored yet, reduced to the scenes without a stored run.
 
-    ``stores``: folders that are searched. A task whose condensed screw and nut are required but not stored is returned
-    as a whole.
+    ``tasks``: the required tasks; ``stores``: folders that are searched. A task whose condensed screw and nut are required
+    but not stored is returned with all its scenes.
     """
     left = []
     for task in tasks:
@@ -285,18 +285,18 @@ def compute_and_store(
 ) -> tuple[list[Run], CondensedBodies | None]:
     """Compute a task of the 3D reference and store its results immediately.
 
-    If a study is interrupted, only the results of the unfinished task are lost.
+    If a mesh study with several tasks is interrupted, only the results of the unfinished task are lost.
 
     Parameters
     ----------
     task
         The task.
     store
-        Folder of runs.
+        Folder to which the runs are written.
     step
         Function that is called with lines of progress.
     progress
-        Progress of the task; None: a new one.
+        Record of the task's progress, which gives the expected time left; None: a new record.
 
     Returns
     -------
@@ -313,9 +313,10 @@ def compute_and_store(
 
 
 def store_runs_and_bodies(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
-    """Write the runs of a task whose loads can be used, and its condensed screw and nut, to the folder ``store``.
+    """Write those runs of a task whose loads can be used, and its condensed screw and nut, to the folder ``store``.
 
-    ``bodies``: condensed screw and nut; None: none are stored. InputError if a file cannot be written.
+    ``runs``: a run for each scene of the task; ``bodies``: condensed screw and nut; None: none are written. InputError if
+    the file of the bodies cannot be written.
     """
     for run, scene in zip(runs, task.scenes, strict=True):
         if run.answers:
@@ -362,12 +363,12 @@ def ensure(
     Returns
     -------
     list of Run
-        Runs that did not converge and have no usable loads.
+        Computed runs without usable loads, because they did not converge; empty if there are none.
 
     Raises
     ------
     InputError
-        If this machine has too little memory.
+        If this machine has too little free memory.
     """
     wanted = tasks if fresh else missing_runs(tasks, (store, *stores))
     local = engine.backend == "joblib"
@@ -438,8 +439,9 @@ def ensure(
 def _announcement_text(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
     """Return the message that announces number, expected time and memory of the tasks to compute.
 
-    ``left``: the tasks; ``stored``: number of tasks whose runs are stored already; ``store``: folder of new runs;
-    ``here``: whether they run on this machine. InputError if its memory is too small.
+    ``left``: the tasks to compute; ``stored``: number of tasks whose runs are stored already; ``store``: folder of new
+    runs; ``workers``: number of tasks at the same time; ``here``: whether they run on this machine. InputError if the free
+    memory of this machine is too small.
     """
     kept = f", {stored} are stored" if stored > 0 else ""
     head = f"3D reference: {count_with_noun(len(left), 'set-up')} to compute{kept}"

@@ -40,14 +40,15 @@ BEYOND: dict[str, Any] = _settings_from_toml(_TABLES["beyond"])
 #: second-order ones of twice the size). It is not part of a convergence study.
 SOURCE_LEVEL = 0
 SOURCE_MESH: dict[str, Any] = _settings_from_toml(_TABLES["source"])
-#: Finest level of a production run; variants refine single settings of it.
+#: Finest mesh level of ordinary use; some variants refine single settings of it.
 PRODUCTION = 3
-#: Levels of a mesh study. The last one is finer than a production run and tests the uncertainty estimated from the others.
-#: Level 5 does the same for scenes with lightly loaded contacts next to heavily loaded ones, from four levels.
+#: Levels of a mesh study. The last one is finer than `PRODUCTION` and tests the uncertainty estimated from the others. For
+#: scenes with lightly loaded contacts next to heavily loaded ones, level 5 tests the uncertainty from levels 1 to 4.
 STUDIED = (1, 2, 3, 4)
 #: Default levels of a scene outside the studies: level 3 is more accurate than level 1 by a factor of 1.8, measured on all
 #: scenes that were solved on three levels or more. Between consecutive levels the factors are 1.6, 1.2 and 1.2, because the
-#: error due to the cut of the coarse sockets is the same on all levels (tests/unit/models/test_grid_coverage.py).
+#: error due to the mesh of the sockets (coarse boxes around the contacts) is the same on all levels
+#: (tests/unit/models/test_grid_coverage.py).
 ADVISED = (1, 3)
 #: Kinds of bodies in models of rolling contacts.
 HALF_SPACE, FINITE = "half-space", "finite"
@@ -55,9 +56,9 @@ _RATIOS = ("b_over_h", "growth")
 
 
 def scaled_settings(level: int, ball: float, refined: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the mesh settings of a level, with lengths scaled to a ball radius [m].
+    """Return the mesh settings of a level, by name, with lengths scaled to a ball radius.
 
-    ``refined``: names of settings whose finer values are used (`BEYOND`).
+    ``ball``: ball radius [m]; ``refined``: names of settings whose values are replaced by the finer ones in `BEYOND`.
     """
     ratio = ball / BALL
     settings = dict(SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]) | {name: BEYOND[name] for name in refined}
@@ -75,8 +76,8 @@ Change = Callable[[Scene], Scene]
 #: method or mesh; "scene": another boundary condition, which the scene must state.
 Kind = Literal["modelling", "numerical", "scene"]
 #: Bound on the axial-torsional coupling of a grooved shaft: its twist by an axial force over the geometric mean of both
-#: compliances (`hifi.shaft.section.Homogenised.coupling`, tests/unit/hifi/test_helical_section.py). The beams beyond the 3D
-#: part of the shaft neglect this coupling.
+#: compliances (`hifi.shaft.section.Homogenised.coupling`, tests/unit/hifi/test_helical_section.py) [1]. The beams that
+#: continue the 3D part of the shaft neglect this coupling.
 COUPLING = 0.02
 
 
@@ -86,13 +87,13 @@ class Variant:
 
     #: Description of the change.
     label: str
-    #: Choice that is changed; of several variants of one choice, the largest effect counts.
+    #: Name of the choice that is changed; of several variants of one choice, the largest effect counts.
     choice: str
-    #: Kind of the choice.
+    #: Kind of the choice: "modelling", "numerical" or "scene".
     kind: Kind
-    #: Function that changes the scene.
+    #: Function that returns the changed scene.
     change: Change
-    #: Mesh settings taken from `BEYOND`, on the finest level.
+    #: Names of the mesh settings that are taken from `BEYOND`, on the level `PRODUCTION`; empty: the mesh is not refined.
     refined: tuple[str, ...] = ()
 
     @property
@@ -134,15 +135,15 @@ def scale_dimension(name: str, dimension_of: Callable[[Dimensions], float], fact
 
 
 def lengthen_3d_shaft(leads: float) -> Change:
-    """Return a function that copies a scene with the 3D part of its shaft lengthened on each side by a number of leads."""
+    """Return a function that copies a scene with a longer 3D part of its shaft; ``leads``: length added, in leads."""
     return lambda scene: scale_dimension("shaft", lambda d: d.shaft, 1.0, leads * abs(scene.track.lead))(scene)
 
 
 def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
     """Return a function that copies a scene with the nut fixed only at the inner or outer half of its fixed face.
 
-    For a flanged nut it is the half of the flange's seat. The function raises ValueError if the nut is not fixed at one
-    face.
+    ``half``: which half of the face's width. For a flanged nut it is the half of the flange's seat. The function raises
+    ValueError if the nut is not fixed at one face.
     """
 
     def fix_half(scene: Scene) -> Scene:
@@ -159,19 +160,19 @@ def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
 
 
 def with_plain_shaft(scene: Scene) -> Scene:
-    """Return a copy of the scene whose shaft is plain beyond its 3D part, with the diameter of the lands."""
+    """Return a copy of the scene whose shaft has no groove outside its 3D part, but the diameter of the screw's lands."""
     return change_solid_model(shaft_diameter=scene.screw.outer_diameter)(scene)
 
 
 def with_shortened_groove(scene: Scene) -> Scene:
-    """Return a copy of the scene whose groove ends at half the length of the shaft's 3D part, before a plain shaft."""
+    """Return a copy of the scene whose 3D part of the shaft is half as long and continues as a shaft without groove."""
     return with_plain_shaft(scale_dimension("shaft", lambda d: d.shaft, 0.5)(scene))
 
 
 def with_twisted_supports(scene: Scene) -> Scene:
     """Return a copy of the scene whose supports are rotated by the twist that the axial-torsional coupling would cause.
 
-    The 3D reference neglects this coupling beyond the 3D part of the shaft. Between a support and the nut at the distance
+    The 3D reference neglects this coupling outside the 3D part of the shaft. Between a support and the nut at the distance
     L, the shaft would twist by |c| F L / sqrt(EA GJ) under the sum F of the axial loads. EA and GJ are those of a plain
     shaft with the pitch radius less the groove radius, which twists more than the grooved shaft, or with the radius of the
     groove's bottom if that core is thinner than the bore.

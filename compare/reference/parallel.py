@@ -31,7 +31,7 @@ Asked = tuple[int, str, Callable[..., Any], Sequence[Any]]
 Answer = tuple[int, bool, bytes]
 
 BACKENDS = ("joblib", "dask")
-#: Time to wait for a reply of the scheduler [s].
+#: Time to wait for one reply of the scheduler [s].
 PATIENCE = 5.0
 #: Default time to wait for the first worker, and for another one after the last was lost [s].
 LONELY = 60.0
@@ -86,13 +86,13 @@ def as_done(
         remaining jobs are cancelled.
     """
     if backend not in BACKENDS:
-        raise ArgumentError("backend", backend, " or ".join(BACKENDS), "leave it out to compute on this machine")
+        raise ArgumentError("backend", backend, " or ".join(BACKENDS), "leave `backend` out to compute on this machine")
     if workers is not None and workers < 1:
         raise ArgumentError("workers", str(workers), "1 or more", "choose as many as the memory allows")
     if scheduler is not None and backend != "dask":
         raise ArgumentError("scheduler", scheduler, "only with `backend=dask`", "add `backend=dask`")
     if wait is not None and scheduler is None:
-        raise ArgumentError("wait_workers", f"{wait:g}", "only with `scheduler`", "leave it out")
+        raise ArgumentError("wait_workers", f"{wait:g}", "only with `scheduler`", "leave `wait_workers` out")
     if wait is not None and not 0.0 <= wait <= 1e6:
         raise ArgumentError("wait_workers", f"{wait:g}", "0 to 1e6 seconds", "write 600 for ten minutes")
     calls = [job if isinstance(job, tuple) else (job, ()) for job in jobs]
@@ -106,8 +106,9 @@ def _run_in_workers(
 ) -> Generator[tuple[int, Any], None, None]:
     """Run jobs in other processes or on a cluster, and yield number (from 0) and result of each.
 
-    ``calls``: function and arguments of each job; ``workers``: number of simultaneous jobs (0: as many as the cluster has
-    workers); ``wait``: time to wait for a worker [s]. The exception of a job is raised here.
+    ``calls``: function and arguments of each job; ``backend``, ``scheduler``: as for `as_done`; ``workers``: number of
+    simultaneous jobs (0: as many as the cluster has workers); ``wait``: time to wait for a worker [s]. The exception of a
+    job is raised here.
     """
     asked = [(number, __version__, *call) for number, call in enumerate(calls)]
     answers = _run_on_cluster(asked, scheduler, workers, wait) if backend == "dask" else _run_in_processes(asked, workers)
@@ -122,7 +123,8 @@ def _run_in_workers(
 def _run_job(number: int, version: str, function: Callable[..., Any], arguments: Sequence[Any]) -> Answer:
     """Run one job in a worker process, and return its number, whether it succeeded, and its pickled result or exception.
 
-    A process runs one job at a time, because gmsh has one state per process. A worker of another version than ``version``,
+    ``number``: number of the job; ``function``, ``arguments``: the job. A process runs one job at a time, because gmsh has
+    one state per process. A worker of another version than ``version``,
     which may have joined the cluster at any time, returns an InputError. Results and exceptions are sent as bytes, because
     joblib hangs on results that cannot be unpickled; cloudpickle is used because tables of the report contain lambdas.
     """
@@ -177,9 +179,10 @@ def _run_on_cluster(
 ) -> Generator[Answer, None, None]:
     """Run jobs on a Dask cluster, and yield the workers' replies as they arrive; closing cancels the remaining jobs.
 
-    ``asked``: requests to the workers; ``wait``: time to wait for a worker [s]. The scheduler gets all jobs at once, or as
-    many as may run at the same time. It assigns them to workers as these join, and a cluster with adaptive size knows the
-    amount of work.
+    ``asked``: requests to the workers; ``scheduler``: address; None: a cluster is started on this machine; ``workers``:
+    number of simultaneous jobs; 0: no limit; ``wait``: time to wait for a worker [s]. The scheduler gets all jobs at once,
+    or as many as may run at the same time. It assigns them to workers as these join, and a cluster with adaptive size knows
+    the amount of work.
     """
     with _connect_to_cluster(scheduler, workers) as client:
         from distributed import KilledWorker, as_completed
@@ -243,12 +246,12 @@ def _check_cluster(client: Any, place: str, wait: float) -> Iterator[None]:
 
 
 def _no_cluster_error(place: str, reason: str, advice: str) -> InputError:
-    """Return the ArgumentError for a cluster that cannot be used; ``place``: address of its scheduler."""
+    """Return the ArgumentError for a cluster that cannot be used; ``place``: address of its scheduler, or description."""
     return ArgumentError("scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
 
 
 def _lost_cluster_error(reason: str) -> InputError:
-    """Return the ArgumentError for a cluster whose scheduler or workers were lost while jobs ran."""
+    """Return the ArgumentError for a cluster whose scheduler or workers were lost while jobs ran; ``reason``: why."""
     return ArgumentError("scheduler", reason, "a scheduler with workers", AGAIN)
 
 
@@ -299,7 +302,10 @@ def use_tls(ca: str | None, cert: str | None, key: str | None) -> None:
 
 @contextmanager
 def _connect_to_cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
-    """Yield a Dask client of the scheduler, or of a cluster started on this machine; InputError if that fails."""
+    """Yield a Dask client that is connected to a scheduler; InputError if that fails.
+
+    ``scheduler``: its address; None: a cluster with ``workers`` workers is started on this machine (0: with one).
+    """
     try:
         from distributed import Client, LocalCluster
     except ImportError:
@@ -333,7 +339,10 @@ def _connect_to_cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
 
 
 def _version_mismatch_error(value: str, version: str) -> InputError:
-    """Return the ArgumentError for cluster workers with another rollbench version; ``version``: the required version."""
+    """Return the ArgumentError for cluster workers with another version of rollbench than ``version``.
+
+    ``value``: description of these workers with their version.
+    """
     advice = f"install version {version} where the workers run"
     return ArgumentError("scheduler", value, f"workers of rollbench {version}", advice)
 

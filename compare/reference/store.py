@@ -31,7 +31,8 @@ from rollbench.meshes.parts import GateLimits, Operation, Scene
 from rollbench.meshes.record_keys import RecordFields, canonical_text, digest_of_values
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
-#: Largest size of a run's file [bytes], and deepest nesting of its brackets (largest shipped file: a tenth of it, and 4).
+#: Largest size of a run's file [bytes] and deepest nesting of its brackets, beyond which a file is not read. The files that
+#: are included with rollbench have at most a tenth of this size and a nesting of 4.
 LARGEST, DEEPEST = 8_000_000, 8
 
 
@@ -144,13 +145,14 @@ def most_frequent_conditions(conditions: Iterable[Measured]) -> Measured | None:
 #: are then no longer used.
 SCHEMA = 8
 
-#: Further versions in content keys: of condensed bodies, and of runs with several nuts or bearing rows on one shaft.
+#: Further versions of the mechanics in content keys: of condensed bodies, and of runs with several nuts or bearing rows on
+#: one shaft.
 BODIES, SETS = 4, 1
 
-#: Further version in the keys of runs with a load or support inside the 3D part of the screw: how a section carries it.
+#: Further text in the keys of runs with a load or support inside the 3D part of the screw: how a cross-section carries it.
 SECTIONS = "mean of a slice"
 
-#: Further version in the keys of runs whose shaft is hollow beyond its 3D part: its shear compliance.
+#: Further text in the keys of runs whose shaft is hollow outside its 3D part: how its shear compliance is computed.
 HOLLOW = "shear of a hollow section"
 
 #: Programs on whose results runs depend.
@@ -162,7 +164,7 @@ KEY = 16 * "[0-9a-f]"
 #: Fields of a run that are arrays.
 ARRAYS = ("load", "angle", "frozen", "centreline")
 
-#: For content keys: values that replace the scene's fields without effect on static loads.
+#: For content keys: fixed values that replace those fields of the scene that have no effect on static contact loads.
 UNSAID: dict[str, Any] = {
     "name": "",
     "title": "",
@@ -180,12 +182,12 @@ UNSAID: dict[str, Any] = {
 class Run:
     """Stored result of the 3D reference for one scene on one mesh level.
 
-    If the scene has several nuts or bearing rows on one shaft, the balls of the first are listed first, and so on.
+    If the scene has several nuts or bearing rows on one shaft, the balls are listed nut by nut, in the order of the scene.
     """
 
     #: Name of the scene.
     scene: str
-    #: Mesh level.
+    #: Mesh level, from 1 (coarsest); 0: the mesh of Lin's thesis, or loads from a file.
     level: int
     #: Name of the modelling variant; empty: none.
     variant: str
@@ -199,15 +201,15 @@ class Run:
     frozen: Array
     #: Displacement of the screw's axis, rows of z, ux, uy, uz [m].
     centreline: Array
-    #: Contact loads without one ingredient of the model, by its name.
+    #: Contact loads (n, 4) [N] of the model without one of its parts, by the name of this part.
     without: dict[str, Array]
     #: Computing times of the solutions in ``without`` [s].
     without_seconds: dict[str, float]
-    #: Flanks that were meshed.
+    #: Numbers of the flanks that were meshed: 0 to 3 for SL, SR, NL, NR.
     sides: tuple[int, ...]
     #: Number of unknowns of the equivalent single mesh.
     unknowns: int
-    #: Time of each stage of the set-up [s].
+    #: Time of each stage of the set-up (meshing, condensing and so on) [s], by its name.
     stages: dict[str, float]
     #: Computing time of the load case on the finished set-up [s].
     solve_seconds: float
@@ -219,13 +221,13 @@ class Run:
     along_groove: float
     #: Unbalanced force on shaft and housings in their free directions, divided by the largest load.
     screw_balance: float
-    #: Bounds on truncation errors, for example of neglected modes.
+    #: Bounds on truncation errors, for example of neglected modes, by name.
     quality: dict[str, float]
-    #: Mesh settings.
+    #: Mesh settings by name.
     settings: dict[str, Any]
-    #: Assumptions of scene and model.
+    #: Assumptions of scene and 3D model, as sentences.
     assumed: tuple[str, ...]
-    #: Versions of the programs that affect the result.
+    #: Versions of the programs that affect the result, by name.
     versions: dict[str, str]
     #: Date of the run.
     date: str
@@ -243,7 +245,7 @@ class Run:
 
     @property
     def answers(self) -> bool:
-        """Whether the contact loads can be used: the run converged, or the remaining change of its loads is known."""
+        """Whether the contact loads can be used: the run converged, or the change that remains in its loads is known."""
         return self.status == "converged" or self.moving > 0.0
 
     @property
@@ -284,7 +286,7 @@ def content_key_of_run(
     scene
         Scene with one nut or bearing row, or with several on one shaft.
     variant
-        Modelling variant.
+        Name of the modelling variant; empty: none.
     settings
         Mesh settings by name, as stored with the run.
     sides
@@ -313,8 +315,8 @@ def content_key_of_bodies(
 ) -> str:
     """Return the content key of condensed screw and nut: a hash of everything that affects their stiffness.
 
-    These are the geometry of the parts, the mesh settings, the numbers of the meshed flanks (``sides``), the versions of
-    gmsh and scikit-fem (``programs``; None: those installed), `SCHEMA` and `BODIES`.
+    These are the geometry of the parts, the mesh ``settings``, the numbers of the meshed flanks (``sides``), the versions
+    of gmsh and scikit-fem (``programs``; None: those installed), `SCHEMA` and `BODIES`.
     """
     return digest_of_values(
         SCHEMA, BODIES, digest_of_geometry(scene), *_mesh_parts_of_key(scene, settings, sides, programs)
@@ -326,7 +328,8 @@ def _mesh_parts_of_key(
 ) -> tuple[object, ...]:
     """Return the parts of a content key that describe a mesh: dimensions, settings, flanks, program versions.
 
-    ``sides``: numbers of the meshed flanks; ``programs``: versions of gmsh and scikit-fem; None: those installed.
+    ``settings``: mesh settings by name; ``sides``: numbers of the meshed flanks; ``programs``: versions of gmsh and
+    scikit-fem; None: those installed.
     """
     made_by = program_versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
     dims = dimensions_of_3d_parts(scene)
@@ -346,15 +349,15 @@ def _mesh_parts_of_key(
 def path_of_run(store: Path, scene: Solvable, run: Run) -> Path:
     """Return the path of the file of a scene's run in the folder ``store``.
 
-    The file's name has the name of the scene at the time of the run, and the key of the program versions of the run, which
-    may differ from the installed versions.
+    The file's name contains the name that the scene had when the run was computed, and a content key with the program
+    versions of the run, which may differ from the installed versions.
     """
     key = content_key_of_run(scene, run.variant, run.settings, run.sides, run.versions)
     return store / f"{_file_name_start(run.scene, run.level, run.variant)}{key}.json"
 
 
 def path_of_bodies(store: Path, scene: Scene, run: Run) -> Path:
-    """Return the path of the file with a run's condensed screw and nut in the folder ``store``."""
+    """Return the path of the file with the condensed screw and nut of a scene's ``run`` in the folder ``store``."""
     key = content_key_of_bodies(scene, run.settings, run.sides, run.versions)
     return store / f"bodies-{digest_of_geometry(scene)}-level{run.level}-{key}.npz"
 
@@ -391,9 +394,10 @@ def shipped_store() -> Path:
 def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
     """Return the stored run of the 3D reference for a scene; None if no folder has one.
 
-    The run is identified by its content key, even if the scene had another name at the time of the run. If several runs
-    fit, because the scene was meshed together with different other scenes, those by the installed versions of gmsh and
-    scikit-fem are preferred, then the finest contact cells, then the largest contact patches. Damaged files are ignored.
+    The run is identified by its content key, even if the scene had another name when the run was computed. Several runs may
+    fit, because the mesh of a scene depends on the other scenes that were meshed together with it. Then runs with the
+    installed versions of gmsh and scikit-fem are preferred, then those with the finest contact cells, then those with the
+    largest contact patches. Damaged files are ignored.
 
     Parameters
     ----------
@@ -402,9 +406,9 @@ def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Pa
     level
         Mesh level.
     variant
-        Modelling variant.
+        Name of the modelling variant; empty: none.
     stores
-        Folders in order of search; None: that of the package.
+        Folders in order of search; None: that included with rollbench.
 
     Returns
     -------
@@ -426,7 +430,7 @@ def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Pa
 def run_files_of_scene(store: Path, scene: Solvable, level: int, variant: str = "") -> list[Path]:
     """Return the files of stored runs in the folder ``store`` whose content key fits a scene, mesh level and variant.
 
-    Files with the scene's name come first.
+    Files with the scene's name come first. ``variant``: name of the modelling variant; empty: none.
     """
     own, pattern = (_file_name_start(name, level, variant) for name in (scene.name, "*"))
     paths = sorted(store.glob(f"{pattern}{KEY}.json"), key=lambda path: (not path.name.startswith(own), path.name))
@@ -442,17 +446,20 @@ class _Mesh(NamedTuple):
 
     #: Number of balls of the run.
     balls: int
-    #: Mesh settings.
+    #: Mesh settings by name.
     settings: dict[str, Any]
-    #: Flanks that were meshed.
+    #: Numbers of the flanks that were meshed: 0 to 3 for SL, SR, NL, NR.
     sides: tuple[int, ...]
-    #: Versions of programs.
+    #: Versions of programs by name.
     programs: dict[str, str]
-    #: Settings, flanks and versions as text.
+    #: Settings, flanks and versions as text, which identifies equal meshes.
     text: str
 
     def key(self, scene: Solvable, variant: str) -> str | None:
-        """Return the content key of a run of ``scene`` on this mesh; None if the mesh is of another kind of scene."""
+        """Return the content key of a run of ``scene`` on this mesh; None if the mesh does not fit the scene.
+
+        ``variant``: name of the modelling variant; empty: none.
+        """
         try:
             return content_key_of_run(scene, variant, self.settings, self.sides, self.programs)
         except (ValueError, KeyError, TypeError):
@@ -483,7 +490,7 @@ def _cached_mesh(path: Path, _changed: int) -> _Mesh | None:
 
 
 def _preference_key(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
-    """Return the key that sorts stored runs: installed program versions first, then fine contact cells, large patches.
+    """Return a key that sorts stored runs: installed program versions first, then finest contact cells, largest patches.
 
     ``installed``: installed versions of gmsh and scikit-fem by name.
     """

@@ -39,7 +39,7 @@ class SetUp:
     sides: tuple[int, ...]
     #: Mesh settings.
     settings: Settings
-    #: Numbers of the equal rows in the assembly.
+    #: Numbers (from 0) of the equal nuts or rows on the shaft that share what is meshed.
     sets: tuple[int, ...] = (0,)
 
 
@@ -49,7 +49,7 @@ def node_stations(*cases: Solvable) -> tuple[float, ...]:
 
 
 def ball_slices_by_set(described: Solvable) -> list[slice]:
-    """Return for each set of balls the slice of its balls in an array with the balls of all sets on the shaft."""
+    """Return for each nut or bearing the slice of its balls in an array with the balls of all of them, in their order."""
     sets = [described] if isinstance(described, Scene) else [s.parts for s in described.sets if isinstance(s.parts, Scene)]
     ends = np.cumsum([0, *(scene.ball_count for scene in sets)])
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]
@@ -74,10 +74,10 @@ def _bodies_to_mesh(case: Solvable) -> list[Scene]:
 
 
 def _expected_contacts(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts, ...]:
-    """Return the expected contact loads and angles of each set of balls, from which mesh sizes are chosen.
+    """Return the expected contact loads and angles of each nut or bearing, from which mesh sizes are chosen.
 
-    ``case``: load case; ``bodies``: nut or bearing rows to be meshed, as scenes.     For a set without load, a tenth of the
-    mean contact load of the other sets is assumed. Refusal if the loads cannot be estimated.
+    ``case``: load case; ``bodies``: nut or bearing rows to be meshed, as scenes. For a nut or bearing without load, a tenth
+    of the mean contact load of the others is assumed. Refusal if the loads cannot be estimated.
     """
     from rollbench.hifi.meshing.settings import (
         estimate_contacts_of_each_set,
@@ -102,7 +102,7 @@ def _expected_contacts(case: Solvable, bodies: Sequence[Scene]) -> tuple[Expecte
 def _flanks_under_load(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
     """Return the sorted numbers of all flanks that may carry load, and of the flanks on the opposite side of the ball.
 
-    Flanks 0 to 3 are SL, SR, NL, NR; ``expected``: expected contacts of every load case.
+    ``expected``: expected contacts of every load case. Flanks 0 to 3 are SL, SR, NL, NR.
     """
     return tuple(sorted({side for e in expected for touching in e.sides() for side in (touching, 3 - touching)}))
 
@@ -110,9 +110,7 @@ def _flanks_under_load(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
 def flanks_to_mesh(scene: Scene) -> tuple[int, ...]:
     """Return the numbers of a scene's flanks that must be meshed: those that may carry load, and the opposite ones.
 
-    Flanks 0 to 3 are SL, SR, NL, NR.
-
-    Refusal if the low-order estimate of the contact loads finds no equilibrium.
+    Flanks 0 to 3 are SL, SR, NL, NR. Refusal if the low-order estimate of the contact loads finds no equilibrium.
     """
     return _flanks_under_load(_expected_contacts(scene, ()))
 
@@ -162,9 +160,9 @@ def setups_to_mesh(cases: Sequence[Solvable], level: int, variant: str = "") -> 
 
 
 def mesh_settings(scenes: Sequence[Scene], level: int, variant: str = "") -> Settings:
-    """Return the mesh settings for scenes of one geometry on a mesh level, with a variant ("": none).
+    """Return the mesh settings for scenes of one geometry, each with one nut or bearing row, on a mesh level.
 
-    See `setups_to_mesh`.
+    ``variant``: name of the modelling variant; empty: none. See `setups_to_mesh`.
     """
     return setups_to_mesh(scenes, level, variant)[0].settings
 
@@ -172,18 +170,19 @@ def mesh_settings(scenes: Sequence[Scene], level: int, variant: str = "") -> Set
 def settings_to_store(ups: Sequence[SetUp]) -> dict[str, Any]:
     """Return the mesh settings to store with a run of several nuts or bearing rows on one shaft.
 
-    ``ups``: bodies, flanks and settings of what was meshed. Returned are ``b_over_h``: cells per semi-axis of a contact;
-    ``sets``: mesh settings and meshed flanks of each row.
+    ``ups``: bodies, flanks and settings of what was meshed. The returned dictionary has the keys "b_over_h" (number of
+    cells per semi-axis of a contact) and "sets" (mesh settings and meshed flanks of each row).
     """
     by_set = {k: asdict(up.settings) | {"sides": up.sides} for up in ups for k in up.sets}
     return {"b_over_h": ups[0].settings.b_over_h, "sets": tuple(by_set[k] for k in sorted(by_set))}
 
 
 def is_mesh_suitable(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
-    """Return whether the meshes of a stored run are fine and large enough for a scene on a mesh level and variant.
+    """Return whether the meshes of a stored run can be used for a scene on a mesh level.
 
-    ``settings``: mesh settings of the stored run; ``sides``: numbers of its meshed flanks. The meshes suit the scene if
-    cells are fine enough, patches large enough, and all flanks that may carry load are meshed.
+    ``variant``: name of the modelling variant; empty: none; ``settings``: mesh settings of the stored run; ``sides``:
+    numbers of its meshed flanks. The meshes can be used if cells are fine enough, patches large enough, and all flanks that
+    may carry load are meshed.
     """
     changed = VARIANTS[variant].change(scene) if variant and isinstance(scene, Scene) else scene
     try:
@@ -197,9 +196,10 @@ def is_mesh_suitable(scene: Solvable, level: int, variant: str, settings: Mappin
 
 
 def _mesh_covers(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
-    """Return whether a stored mesh can replace a required one, by the mesh settings of both.
+    """Return whether a stored mesh can replace a required one.
 
-    Its contact cells must be at least as fine, its patches as large, all required flanks meshed, and all other settings
+    ``meshed``, ``wanted``: mesh settings and meshed flanks of the stored and of the required mesh. The contact cells of the
+    stored mesh must be at least as fine, its patches as large, all required flanks meshed, and all other settings
     equal.
     """
     from rollbench.hifi.meshing.settings import Settings
@@ -219,7 +219,7 @@ def _mesh_covers(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
 def reset_nonstatic_fields(assembly: Assembly, reset_values: Mapping[str, Any]) -> Assembly:
     """Return a copy of the assembly in which all fields without effect on static loads are reset.
 
-    ``reset_values``: values of these fields for the nuts and rows.
+    ``reset_values``: new values of these fields in the nuts and rows with balls, by name of the field.
     """
     bare = [
         replace(s, name="", parts=replace(s.parts, **reset_values)) if isinstance(s.parts, Scene) else s
@@ -269,13 +269,13 @@ class Task:
     level: int
     #: Modelling variant; empty: none.
     variant: str = ""
-    #: Whether scenes are also solved without each ingredient of the model in turn.
+    #: Whether scenes are also solved without each ingredient of the 3D model in turn.
     ablate: bool = False
     #: Folder of the mesh cache; None: no cache.
     cache: Path | None = None
-    #: Number of processes for one set-up.
+    #: Number of processes that mesh and condense the parts.
     processes: int = 1
-    #: Cell size for the cut ends of the shaft, over that of the level.
+    #: Cell size for the cut ends of the shaft, over the cell size of the mesh level.
     cut_cells: float = 1.0
 
     @property

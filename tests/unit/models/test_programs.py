@@ -178,7 +178,7 @@ def test_what_a_late_program_started_ends_with_it(program, tmp_path):
         ("mine {scene.json}", "{loads.csv} once"),
         ("mine {loads.csv} {loads.csv} {scene.json}", "{loads.csv} once"),
         ("mine '{scene.json} {loads.csv}", "No closing quotation"),
-        ("{scene.json} {loads.csv}", "a program before its files"),
+        ("{scene.json} {loads.csv}", "a command that begins with a program"),
         ("mine {scene.json} {loads.csv} {seconds=0}", "above 0 and up to 1e\\+06"),
         ("mine {scene.json} {loads.csv} {seconds=x}", "above 0 and up to 1e\\+06"),
     ],
