@@ -61,7 +61,7 @@ def contact_force(approach: Array | float, C: Array | float) -> Array:
     --------
     >>> [round(float(x), 12) for x in (contact_force(4e-6, 1e-6), 1e6 * contact_approach(8.0, 1e-6))]
     [8.0, 4.0]
-    >>> float(contact_slope(4e-6, 1e-6)), float(contact_stiffness(8.0, 1e-6))
+    >>> float(contact_stiffness_at_approach(4e-6, 1e-6)), float(contact_stiffness_under_force(8.0, 1e-6))
     (3000000.0, 3000000.0)
     """
     return np.asarray((np.maximum(approach, 0.0) / C) ** 1.5)
@@ -208,7 +208,7 @@ def complete_elliptic_integrals(k: Array) -> tuple[Array, Array, Array]:
 
     Examples
     --------
-    >>> [round(float(x), 12) for x in complete_integrals(np.array(1.0))]
+    >>> [round(float(x), 12) for x in complete_elliptic_integrals(np.array(1.0))]
     [1.570796326795, 2.356194490192, 2.356194490192]
     """
     a, g, term, total = np.ones_like(k), k, np.full_like(k, 0.5), np.zeros_like(k)
@@ -285,9 +285,9 @@ class PrintedHertz:
     R_2: float
     #: Equivalent radius sqrt(R_1 R_2) [m].
     rho_eq: float
-    #: Eccentricity of the contact ellipse.
+    #: Eccentricity of the contact ellipse, sqrt(1 - b^2/a^2).
     e: float
-    #: Correction factor in eq. B.11 of Lin's thesis; the table uses 1.
+    #: Correction factor of the approach in eq. B.11 of Lin's thesis; the table uses 1.
     F_1: float
     #: Constant of the approach [m/N^(2/3)].
     C: float

@@ -35,7 +35,7 @@ class Warned(str):
     Examples
     --------
     >>> found = Warned("rotation", "a section turns by 60 mrad: ...", "rotations up to 60 mrad")
-    >>> found.kind, found.prefixed("nut 1"), found.prefixed("nut 1").brief
+    >>> found.kind, found.with_part_name("nut 1"), found.with_part_name("nut 1").brief
     ('rotation', 'nut 1: a section turns by 60 mrad: ...', 'nut 1: rotations up to 60 mrad')
     """
 
@@ -65,7 +65,7 @@ def join_brief_warnings(warnings: Iterable[Warned]) -> str:
     Parameters
     ----------
     warnings
-        Warnings of a result.
+        Warnings of a result; those without a short form are left out of the line.
     """
     shown = [w for w in warnings if w.brief]
     outside = " outside what the models mean" * any(w.kind not in ("play", "coefficient", "held load") for w in shown)
