@@ -50,8 +50,9 @@ from .rollers import roller_forces
 def add_block(values: Array, axis: AxisArrays, a: int, b: int, block: Array) -> None:
     """Add a block (6, 6), which couples the motions of bodies or nodes a and b, to the symmetric stiffness matrix.
 
-    Only the lower triangle of the matrix is stored, as an envelope in ``values`` (`kernel.matrices`); ``axis`` holds the
-    positions of its rows. For a = b only the lower half of the block is added.
+    Only the lower triangle of the matrix is stored, as an envelope in ``values``: for each row the coefficients from the
+    first one that can differ from zero to the diagonal (`kernel.matrices`). ``axis`` holds the positions of the rows. For
+    a = b only the lower half of the block is added.
     """
     if axis.place[a] >= axis.place[b]:
         rows, columns = 6 * axis.place[a], 6 * axis.place[b]
@@ -144,7 +145,7 @@ def write_coupling_block(left: Array, h: Array, right: Array, block: Array) -> N
 def add_rollers(values: Array, axis: AxisArrays, rollers: AxisRollers, slices: Array) -> None:
     """Add the contact stiffness of all roller slices to the stiffness matrix ``values``, stored as an envelope.
 
-    slices (M, 2): force [N] and stiffness [N/m] of each slice.
+    rollers: coefficients of the slices' approaches; slices (M, 2): force [N] and stiffness [N/m] of each slice.
     """
     block = np.empty((6, 6))
     for i in range(slices.shape[0]):
@@ -339,7 +340,8 @@ def find_step(
 ) -> bool:
     """Write Newton's step of the motions of nodes and bodies to the workspace; return False if it cannot be solved.
 
-    shift [N/m]: stiffness added to the diagonal, multiplied by arm^2 for rotations.
+    shift [N/m]: stiffness added to the diagonal, multiplied by the square of ``options.arm`` for rotations. ``fresh`` is
+    not used: the stiffness is factored in every step.
     """
     diagonal = np.full(6, shift)
     diagonal[3:] *= options.arm * options.arm
@@ -351,7 +353,7 @@ def find_step(
 
 @kernel
 def reach_of(given: AxisSystem, workspace: MotionWorkspace) -> float:
-    """Return the largest relative displacement [m] of two opposite flanks of a ball in the whole Newton step."""
+    """Return the largest relative displacement [m] of two opposite flanks of a ball in the full Newton step."""
     balls, largest, shift = given.balls, 0.0, np.zeros((4, 2))
     for i in range(balls.row.shape[0]):
         ball_shift(balls, workspace.step, i, shift)

@@ -123,8 +123,8 @@ ROUND_OFF = 1e-17
 def write_screw_flank_motions(contacts: BeamContacts, motion: Array, i: int, m: int, shift: Array) -> None:
     """Compute the motions of the screw's two groove flanks at ball i from the nodal motions (6 n,) of the beam.
 
-    m: number of nodal motions on which a flank depends, 6 or 12. Writes the motions along x3 and z3 [m] to ``shift`` (4,
-    2).
+    m: number of nodal motions on which a flank depends, 6 or 12. Writes the motions [m] in the ball's section plane
+    (radial, and along the helix's binormal) to the first two rows of ``shift`` (4, 2).
     """
     B = contacts.B
     for s in range(2):
@@ -328,8 +328,8 @@ def find_step(
 ) -> bool:
     """Write Newton's step of the nodal motions to the workspace; return False if the stiffness is not positive definite.
 
-    With ``fresh`` the stiffness is assembled and factored, with ``shift`` [N/m] added to its diagonal; otherwise the last
-    factor is used.
+    With ``fresh`` the stiffness is assembled and factored, with ``shift`` [N/m] added to its diagonal (times the square of
+    ``options.arm`` for rotations); otherwise the last factor is used.
     """
     beam, band = given.shaft, workspace.matrix
     if fresh:
@@ -379,7 +379,7 @@ def slope_along(given: Rows, state: MotionState, workspace: MotionWorkspace) -> 
 
 @kernel
 def reach_of(given: BeamSystem, workspace: MotionWorkspace) -> float:
-    """Return the largest displacement [m] of a groove flank in the whole Newton step."""
+    """Return the largest displacement [m] of a groove flank of the screw in the full Newton step (step length 1)."""
     contacts, motion = given.contacts, workspace.step.ravel()
     m, largest, shift = contacts.B.shape[3], 0.0, np.zeros((4, 2))
     for i in range(contacts.node.shape[0]):
@@ -471,7 +471,7 @@ def start_from_linear_springs(given: BeamSystem, state: MotionState, options: Op
 def shorten_first_step(given: Rows, state: MotionState, options: Options, workspace: MotionWorkspace, reach: float) -> None:
     """Take the first step, shortened such that no flank moves further than ``options.furthest`` [m].
 
-    reach [m]: largest displacement of a flank in the whole step.
+    reach [m]: largest displacement of a flank in the full step.
     """
     save_start(state, workspace)
     move(given, state, workspace, 1.0 if reach <= options.furthest else options.furthest / reach)

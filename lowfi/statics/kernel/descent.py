@@ -51,8 +51,9 @@ def search_along_step(
 ) -> tuple[float, float, int]:
     """Search the energy minimum along the Newton step in the workspace; leave the state at the accepted point.
 
-    energy, slope: energy [J] and its derivative by the step length [J] at the start; limit: largest step length. Returns
-    the energy [J], the largest force [N] and the number of step lengths tried.
+    energy, slope: energy [J] and its derivative by the step length [J] at the start; limit: largest step length, as a
+    fraction of the Newton step. Returns the energy [J] and the largest force [N] at the accepted point, and the number of
+    step lengths tried.
     """
     trial, go_on = first_trial(energy, slope, limit), True
     new, scale = energy, 0.0
