@@ -35,8 +35,8 @@ ACCEPTED = 1e-10
 LOST = 1e-6
 #: Relative round-off error of the motions from which a contact force is computed, about eight operations.
 ROUND_OFF = 8.0 * float(np.finfo(float).eps)
-#: Largest number of updates of Hertz constants and of lever arms, and the change (relative, or [m]) below which they count
-#: as settled.
+#: Largest number of updates of Hertz constants and of lever arms, and the change of Hertz constants (relative) or lever
+#: arms [m] below which no further update follows.
 HERTZ_RUNS, ARM_RUNS, SETTLED = 12, 6, 1e-13
 
 
@@ -69,7 +69,8 @@ def solver_options(scale: Scale, arm: float, furthest: float, tolerance: float =
     arm
         Length [m] by which moments are divided where they are compared with forces.
     furthest
-        Largest motion of a flank in one step [m]: the radius of the largest ball.
+        Largest motion of a flank that one Newton step may cause [m]; longer steps are shortened. Callers pass the radius of
+        the largest ball.
     tolerance
         Relative residual at which the iteration ends.
     """
@@ -125,7 +126,7 @@ class StaticEquations(ABC):
     state: Any
     #: Parameters of the iteration.
     options: Options
-    #: Largest contact force in the last solve [N].
+    #: Force by which the residual of the last solve was divided [N]: the largest force in the model, or a lower limit.
     scale: float = 0.0
 
     def iterate(self, from_linear: bool = True) -> Outcome:
@@ -168,7 +169,7 @@ class StaticEquations(ABC):
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
 
     def copy_state_from(self, of: StaticEquations) -> Self:
-        """Copy the state of the equations ``of``, which have the same size, into these equations; return these."""
+        """Copy the unknowns of the equations ``of``, which have the same size, into these equations; return the latter."""
         for mine, known in zip(self.state, of.state, strict=True):
             mine[:] = known
         return self
@@ -223,7 +224,7 @@ def least_residual(motions: float, stiffness: float, scale: float, problems: Ite
     stiffness
         Stiffness of the stiffest contact or node [N/m].
     scale
-        Largest contact force [N].
+        Force [N] to which the residual is relative; with 0 the result is 0.
     problems
         Contact problems of the bearings and nuts.
     """
@@ -305,7 +306,7 @@ def solver_report(
 def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Outcome:
     """Update the Hertz constants to the actual contact angles and solve again, until they no longer change.
 
-    Returns the outcome of the last solve, with the iterations of all. ``system`` is left at the last state.
+    Returns the outcome of the last solve, with the iterations of all solves added up. ``system`` holds the last state.
 
     Parameters
     ----------

@@ -533,8 +533,8 @@ def runaway_status(problem: Problem) -> Status:
 def with_discretisation_error(scene: Scene, result: StaticResult, solve: Callable[..., StaticResult]) -> StaticResult:
     """Return the result with an estimate of the beam's discretisation error: the largest change of a contact load [N].
 
-    If the scene's ``partition`` is "nodal" (contact forces act on the nearest node), the result is compared with a solution
-    on beam elements of half the length. With any other partition it is compared with the solution of the nodal partition.
+    If the scene's ``partition`` is "nodal" (a beam node at every contact), the result is compared with a solution on
+    elements of half the length. With any other partition it is compared with the solution of the nodal partition.
     A rigid screw has the error zero.
 
     Parameters

@@ -39,12 +39,12 @@ SETTLING, HALVINGS = 60, 30
 def guess_ball_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int:
     """Write a first guess of the ball's centre p (2,) [m] for Newton's method; return the number of flank pairs used.
 
-    p is relative to the nominal position. A diagonal pair is two opposite flanks a, b of screw and nut. The guess is the mean of the two-contact solutions of all
-    pairs with interference, or the mean motion of the flanks if there is none. A pair that is the only one is used even
-    with clearance. With D from the groove centre of b to that of a, and the motions v_a, v_b of both flanks, the
-    interference is its nominal value in ``closure`` (2,) [m] plus |D + v_a - v_b| - |D|. The contacts share it in the ratio
-    of their Hertz constants, which is exact for circular flanks. shift (4, 2): motions of the flanks [m]; geometry (4, 9):
-    contact data, see the module.
+    p is relative to the nominal position. A diagonal pair is two opposite flanks a, b of screw and nut. The guess is the
+    mean of the two-contact solutions of all pairs with interference, or the mean motion of the flanks if there is none. A
+    pair that is the only one is used even with clearance. With D from the groove centre of b to that of a, and the motions
+    v_a, v_b of both flanks, the interference is its nominal value in ``closure`` (2,) [m] plus |D + v_a - v_b| - |D|. The
+    contacts share it in the ratio of their Hertz constants, which is exact for circular flanks. shift (4, 2): motions of
+    the flanks [m]; geometry (4, 9): contact data, see the module.
     """
     count = 0
     x, z = 0.0, 0.0
