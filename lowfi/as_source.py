@@ -442,7 +442,7 @@ def _relative_residual(system: System, phi: Array, forces: Array, load: Array) -
 
     It is the larger of two ratios: the largest unbalanced force over the largest of the contact ``forces`` and of the
     ``load`` on the nodes; and the largest contact condition (scalar product of a contact's normal and tangent) over the
-    groove radius. Moments are divided by the pitch radius.
+    groove radius. Moments are divided by the pitch radius. ``system``: constants of the equations.
     """
     count = forces.shape[0]
     arm = system.problem.scene.track.pitch_radius

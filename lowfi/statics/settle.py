@@ -179,12 +179,18 @@ P = TypeVar("P", bound=StaticEquations)
 
 
 def contact_angles(normal: Array) -> Array:
-    """Return the contact angles ``(..., 4)`` [rad] from the unit normals ``(..., 4, 2)`` from ball to groove."""
+    """Return the contact angles ``(..., 4)`` [rad] from the unit normals ``(..., 4, 2)`` from ball to groove.
+
+    The angle counts from the radial direction at the groove's bottom towards the flank, for the flanks SL, SR, NL, NR.
+    """
     return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
 
 
 def no_state_found(outcome: Outcome) -> bool:
-    """Return whether a solve failed, so that Hertz constants and lever arms cannot be updated from its state."""
+    """Return whether a solve failed, so that Hertz constants and lever arms cannot be updated from its state.
+
+    ``outcome``: status and relative residual of the solve.
+    """
     return outcome.status in NO_LOADS or outcome.residual > LOST
 
 
@@ -382,5 +388,8 @@ def centre_shift(s: ContactState) -> Array:
 
 
 def add_iteration_counts(first: Outcome, then: Outcome) -> Outcome:
-    """Return the outcome ``then`` of a later solve, with the iterations and evaluations of both solves added up."""
+    """Return the outcome ``then`` of a later solve, with the iterations and evaluations of both solves added up.
+
+    ``first``: outcome of the solve before it.
+    """
     return then._replace(iterations=first.iterations + then.iterations, evaluations=first.evaluations + then.evaluations)

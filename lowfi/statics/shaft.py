@@ -123,7 +123,8 @@ def unsupported_motions(problem: Problem) -> Array:
 def metres_to_motions(problem: Problem) -> Array:
     """Return the factors ``(6,)`` that convert amplitudes in metres to motions of the screw.
 
-    They are 1 for the three displacements and 1/pitch radius [rad/m] for the three rotations.
+    They are 1 for the three displacements and 1/pitch radius [rad/m] for the three rotations. A rotation's amplitude is the
+    angle times the pitch radius.
     """
     return np.repeat([1.0, 1.0 / problem.scene.track.pitch_radius], 3)
 
@@ -162,7 +163,7 @@ def build_shaft(problem: Problem) -> Shaft:
 def _work_of_external_loads(problem: Problem, motions: Array, pin: int) -> Array:
     """Return the work of the external loads on the k free rigid motions, per metre of amplitude ``(k,)`` [N].
 
-    ``motions`` ``(6, k)``: the motions at the node with the number ``pin``.
+    ``motions`` ``(6, k)``: the motions at the node with the number ``pin``. ``problem``: static problem with the loads.
     """
     if problem.basis is not None:
         return np.asarray(problem.load[0] @ motions)

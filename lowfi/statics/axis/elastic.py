@@ -296,7 +296,8 @@ def combined_problem(system: AssemblyArrays, rollers: RollerElements) -> Problem
     """Return all balls, then all rollers of an assembly as one contact problem on the shaft's beam.
 
     It serves to compute the response of the beam to contact forces. Its scene and manufacturing errors are those of the
-    first ball bearing or nut and are not valid for the others.
+    first ball bearing or nut and are not valid for the others. ``system``: arrays of the assembly; ``rollers``: its rollers
+    as elements between rigid rings.
     """
     s, problems = system.structure, [problem_moved_by_shaft_only(b) for b in system.balls]
     first = problems[0]
@@ -359,7 +360,7 @@ def flank_motions_by_housings(system: AssemblyArrays, rollers: RollerElements) -
 
     The first matrix ``(4 N, 6 m)`` holds the motions of the outer flanks, the second those of inner flanks that a housing
     carries. The rows are two flanks with two components for each of N rolling elements: balls come first, then rollers,
-    whose outer flank is the cup.
+    whose outer flank is the cup. ``system``: arrays of the assembly.
     """
     n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
     outer, inner = np.zeros((2, balls + rollers.count, 2, 2, 6 * m))
@@ -487,7 +488,7 @@ def square_root_stiffness_of_balls(elastic: ElasticAssemblyEquations) -> list[Ar
     """Return for each ball or roller i a matrix S_i such that S_i^T S_i is its stiffness [N/m] for motions of its flanks.
 
     S_i ``(rows, 8)`` has at most six rows. The eight columns are the flanks SL, SR, NL, NR with two components in the
-    ball's section plane each; for a roller see `kernel.rollers`.
+    ball's section plane each; for a roller see `kernel.rollers`. ``elastic``: solved assembly.
     """
     N = elastic.state.contact.shape[0]
     S, counts = np.zeros((N, 6, 8)), np.zeros(N, dtype=np.int64)

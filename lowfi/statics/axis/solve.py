@@ -131,7 +131,8 @@ def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: S
 def clear_of_left_out_flanks(system: AssemblyArrays, state: MotionState) -> bool:
     """Return whether no ball of the solved assembly touches a flank that was left out of its equations.
 
-    Only flanks that the direction of thrust of a ball nut or bearing can load are examined.
+    Only flanks that the direction of thrust of a ball nut or bearing can load are examined. ``system``: arrays of the
+    assembly; ``state``: solved motions, ball centres and contacts.
     """
     return all(
         _set_clear_of_left_out_flanks(system, b, state) for b in system.balls if np.any(USE[b.of.thrust] & ~b.problem.use)
@@ -139,7 +140,10 @@ def clear_of_left_out_flanks(system: AssemblyArrays, state: MotionState) -> bool
 
 
 def _set_clear_of_left_out_flanks(system: AssemblyArrays, b: BallSet, state: MotionState) -> bool:
-    """Return whether no ball of the ball nut or bearing ``b`` touches a flank that was left out of the equations."""
+    """Return whether no ball of the ball nut or bearing ``b`` touches a flank that was left out of the equations.
+
+    ``system``: arrays of the assembly; ``state``: solved motions, ball centres and contacts.
+    """
     contact = state.contact[b.balls]
     shift = flank_motions_of_set(b, state.q)
     for s in range(2):
@@ -152,7 +156,8 @@ def _set_clear_of_left_out_flanks(system: AssemblyArrays, b: BallSet, state: Mot
 def _left_out_flank_motion(system: AssemblyArrays, b: BallSet, flank: int, q: Array) -> Array:
     """Return the motion ``(N, 2)`` [m] of screw flank ``flank`` (0: SL, 1: SR), which was left out, at each of N balls.
 
-    ``q`` ``(r, 6)``: solved motions of shaft nodes and housings [m, rad], between which the motion is interpolated.
+    ``q`` ``(r, 6)``: solved motions of shaft nodes and housings [m, rad], between which the motion is interpolated. ``b``:
+    the ball nut or bearing.
     """
     stations = contact_force_positions(b.problem.scene, b.problem.layout)[:, flank]
     j, m = interpolate_shaft_motions(system.structure, stations)

@@ -417,7 +417,8 @@ def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first
     ``rolling``: the bearing with its position and housing; ``row``: dimensions of its rollers and raceways;
     ``first_slice``: index of its first slice among the slices of all bearings. The slices lie along the raceway of the cup.
     Cone and cup approach each other along the normal of the cup's raceway. The forces of cone raceway and rib on a roller
-    add up to a force on the same line of action (`lowfi.rollers`).
+    add up to a force on the same line of action (`lowfi.rollers`). ``structure``: shaft and housings, whose motions move
+    cone and cup.
     """
     n, bearing = structure.nodes.size, tapered_bearing(row)
     inner = int(np.abs(structure.nodes - rolling.position).argmin())
@@ -599,7 +600,10 @@ class RollerElements:
 
 
 def roller_elements(sets: list[RollerSet]) -> RollerElements:
-    """Return the rollers of all roller bearings as elements between their rigid rings, one bearing after the other."""
+    """Return the rollers of all roller bearings as elements between their rigid rings, one bearing after the other.
+
+    ``sets``: the roller bearings.
+    """
     M, K = sum(r.row.count for r in sets), max((r.row.slices for r in sets), default=0)
     node, outer = np.zeros(M, dtype=np.int64), np.full(M, -1, dtype=np.int64)
     B, law = np.zeros((M, 2, 2, 6)), np.zeros((2, M))

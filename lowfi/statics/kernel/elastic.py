@@ -243,7 +243,8 @@ def solve_balls_of_four_flanks(
 
     v (N, 8): motions of the flanks [m] of N balls and rollers; the rollers come after the balls. Writes the forces f (N, 8)
     [N] on the flanks, the ball centres [m] and deformation amplitudes ``inner`` (N, 3), and ``contact`` (N, 4, 5): force,
-    unit normal and stiffnesses of each contact. Returns the energy [J] and the largest contact force [N].
+    unit normal and stiffnesses of each contact. Returns the energy [J] and the largest contact force [N]. ``contacts``:
+    contact data of all balls and rollers.
     """
     geometry, closure, local, r_ball, profile = contacts[:5]
     energy, scale, tiny = 0.0, 0.0, contacts.tiny
@@ -299,7 +300,8 @@ def evaluate_balls(v: Array, contacts: BallContacts, state: ForceState, f: Array
     """Write the forces f [N] of all rolling elements for flank motions v [m]; return energy [J] and largest force [N].
 
     Uses the closed form `solve_balls_of_flank_pair` where v has two columns (one pair of flanks per ball), otherwise
-    `solve_balls_of_four_flanks`.
+    `solve_balls_of_four_flanks`. ``contacts``: contact data of balls and rollers. Ball centres and contacts are written to
+    ``state``.
     """
     if v.shape[1] == 2:
         return solve_balls_of_flank_pair(v, contacts, state.contact[:, 0], f)
@@ -310,7 +312,8 @@ def evaluate_balls(v: Array, contacts: BallContacts, state: ForceState, f: Array
 def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -> int:
     """Write the stiffness of each ball and roller as rows S (N, 6 or 2, d), where S^T S is its stiffness matrix.
 
-    Writes the number of rows of each element to ``counts`` (N,) and returns their sum.
+    Writes the number of rows of each element to ``counts`` (N,) and returns their sum. ``contacts``: data of balls and
+    rollers; ``contact``: their forces, normals and stiffnesses, from `evaluate_balls`.
     """
     total = 0
     d = S.shape[2]
@@ -404,7 +407,8 @@ def largest_relative_flank_motion(v: Array) -> float:
 def unbalanced(state: ForceState, scale: float) -> float:
     """Return the largest net force on a ball as a fraction of ``scale`` [N].
 
-    Zero for balls in the closed form with two opposite flanks, which are always in equilibrium.
+    Zero for balls in the closed form with two opposite flanks, which are always in equilibrium. ``state``: forces and
+    normals of all contacts.
     """
     return 0.0 if state.contact.shape[1] == 1 else ball_mismatch(state.contact, scale)
 
@@ -413,8 +417,8 @@ def unbalanced(state: ForceState, scale: float) -> float:
 def energy_at(given: BodySystem, state: ForceState, workspace: BodyWorkspace) -> tuple[float, float]:
     """Return the energy of bodies and balls [J] and the largest contact force [N] at the state.
 
-    Writes the forces of the balls on the flanks, and the contacts, to ``workspace.f`` and ``state``. The flank motions in
-    the workspace must be those of the state.
+    Writes the forces of the balls on the flanks to ``workspace.f``, and ball centres and contacts to ``state``. The flank
+    motions in the workspace must be those of the state. ``given``: arrays of bodies, balls and rollers.
     """
     energy, scale = evaluate_balls(workspace.v, given.contacts, state, workspace.f)
     return energy + energy_of_bodies(given.bodies, state, workspace.g), scale
@@ -428,6 +432,7 @@ def find_step(
 
     Free motions are rigid motions of a body that only the contacts resist. shift [N/m]: stiffness added to them, which
     limits them where no contact resists. ``options`` and ``fresh`` are not used: the stiffness is factored in every step.
+    ``given``: arrays of bodies, balls and rollers; ``state``: present forces and contacts.
     """
     bodies, rows, f = given.bodies, workspace.rows, workspace.f
     R, counts, starts = bodies.R, rows.counts, rows.starts
@@ -454,7 +459,8 @@ def residual_at(given: BodySystem, state: ForceState, options: Options, workspac
     """Return the largest unbalanced force as a fraction of ``scale`` [N].
 
     It is the larger of two values: the largest difference between a flank force of the state and the force that the ball
-    exerts there, and the largest net load on a free motion of the bodies. In newtons if ``scale`` is zero.
+    exerts there, and the largest net load on a free motion of the bodies. In newtons if ``scale`` is zero. The
+    ``workspace`` holds the forces that the balls exert. ``options`` is not used.
     """
     bodies = given.bodies
     worst = float(np.max(np.abs(workspace.f - state.phi)))
@@ -465,7 +471,10 @@ def residual_at(given: BodySystem, state: ForceState, options: Options, workspac
 
 @kernel
 def slope_along(given: BodySystem, state: ForceState, workspace: BodyWorkspace) -> float:
-    """Return the derivative [J] of the energy by the step length, along the Newton step in the workspace."""
+    """Return the derivative [J] of the energy by the step length, along the Newton step in the workspace.
+
+    The ``workspace`` also holds the present flank motions and forces.
+    """
     step = workspace.step
     return float(np.sum(step.dphi * workspace.g) - np.sum(workspace.f * step.dv) - np.sum(given.bodies.work * step.da))
 
@@ -478,7 +487,10 @@ def reach_of(given: BodySystem, workspace: BodyWorkspace) -> float:
 
 @kernel
 def save_start(state: ForceState, workspace: BodyWorkspace) -> None:
-    """Store the current forces and motions in the workspace as the start of the line search."""
+    """Store the current forces and motions in the workspace as the start of the line search.
+
+    ``state``: contact forces and free motions of the bodies.
+    """
     workspace.begin.phi[:], workspace.begin.a[:], workspace.begin.g[:], workspace.begin.v[:] = (
         state.phi,
         state.a,
@@ -489,7 +501,10 @@ def save_start(state: ForceState, workspace: BodyWorkspace) -> None:
 
 @kernel
 def move(given: BodySystem, state: ForceState, workspace: BodyWorkspace, t: float) -> None:
-    """Set forces and motions to the start of the line search plus ``t`` times the Newton step."""
+    """Set forces and motions to the start of the line search plus ``t`` times the Newton step.
+
+    The results are written to ``state``, and the flank motions to the ``workspace``, which holds start and step.
+    """
     begin, step = workspace.begin, workspace.step
     state.phi[:], state.a[:] = begin.phi + t * step.dphi, begin.a + t * step.da
     workspace.v[:], workspace.g[:] = begin.v + t * step.dv, begin.g + t * step.dv
@@ -502,7 +517,7 @@ def finish(given: BodySystem, state: ForceState, options: Options, workspace: Bo
 
     The motions are known in two ways: summed over all Newton steps, and computed anew from the contact forces as G phi. The
     second has more round-off where the bodies bend much under contact forces that almost cancel. The motions that give the
-    smaller residual are used.
+    smaller residual are used. The contacts are written to ``state``.
     """
     v, residual = workspace.v.copy(), residual_at(given, state, options, workspace, 1.0)
     write_flank_motions(given.bodies, state, workspace.g, workspace.v)
@@ -514,13 +529,19 @@ def finish(given: BodySystem, state: ForceState, options: Options, workspace: Bo
 
 @kernel
 def least_force(given: BodySystem, state: ForceState, options: Options) -> float:
-    """Return the smallest force [N] that relative residuals may be divided by."""
+    """Return the smallest force [N] that relative residuals may be divided by.
+
+    It is ``options.floor``; ``given`` and ``state`` are not used.
+    """
     return options.floor
 
 
 @kernel
 def furthest(given: BodySystem, state: ForceState) -> float:
-    """Return the largest amplitude [m] of a free motion of the bodies, which only the contacts resist; 0 without any."""
+    """Return the largest amplitude [m] of a free motion of the bodies, which only the contacts resist; 0 without any.
+
+    ``state``: amplitudes of the free motions; ``given`` is not used.
+    """
     return float(np.max(np.abs(state.a))) if state.a.size else 0.0
 
 
@@ -532,7 +553,8 @@ def solve_forces(given: BodySystem, state: ForceState, options: Options, start: 
     """Find the equilibrium of elastic bodies and rolling elements: minimise the energy over the contact forces.
 
     With ``start`` the iteration begins at the solution with linear springs as contacts, otherwise at the forces in
-    ``state``, which holds the solution on return.
+    ``state``, which holds the solution on return. ``given``: arrays of bodies, balls and rollers; ``options``: tolerance
+    and limits of the iteration.
     """
     balls, d = state.phi.shape
     width, shape = 2 if d == 2 else 6, state.phi.shape
@@ -553,7 +575,8 @@ def start_from_linear_springs(given: BodySystem, state: ForceState, options: Opt
 
     Leaves the state unchanged if the equations cannot be solved. The solution is scaled down such that no flank moves
     further from the opposite one than ``options.furthest`` [m]. It is not scaled if the loads without contact forces
-    already move flanks further than that, as they do for a shaft that only the contacts support.
+    already move flanks further than that, as they do for a shaft that only the contacts support. ``given``: arrays of
+    bodies, balls and rollers, with the springs; ``workspace``: work arrays, changed.
     """
     bodies, springs, v = given.bodies, given.springs, workspace.v
     balls, width = springs.shape[0], springs.shape[1]

@@ -72,10 +72,11 @@ def next_trial(trial: LineSearchTrial, new: float, ahead: float) -> tuple[LineSe
 def record_progress(
     progress: Progress, residual: float, unbalanced: float, energy: float, tried: int
 ) -> tuple[Progress, bool]:
-    """Update the record of a Newton iteration's progress; return it and whether the iteration ends here.
+    """Update the record of a Newton iteration's progress; return it and whether the iteration ends for lack of progress.
 
-    residual: unbalanced force relative to the largest force; unbalanced: relative to the applied loads; energy: energy [J]
-    after the step; tried: number of step lengths that the last line search tried.
+    residual: largest unbalanced force relative to the largest force; unbalanced: the same force relative to the applied
+    loads; energy: energy [J] after the step; tried: number of step lengths that the last line search tried. The iteration
+    ends after several steps that neither halved the residual nor lowered the energy, or after two exhausted line searches.
     """
     falls = progress.lowest - energy > FALLS * abs(energy)
     stalled = 0 if residual < 0.5 * progress.best or falls else progress.stalled + 1
