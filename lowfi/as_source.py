@@ -117,7 +117,7 @@ def beam_stiffness_of_screw(problem: Problem) -> Array:
 
 @dataclass
 class System:
-    """Constants of the equilibrium equations of one scene with N balls, and the motion of the screw's flanks."""
+    """Constants of Lin's equilibrium equations of one scene with N balls, and functions for the motion of its flanks."""
 
     #: Arrays of the scene.
     problem: Problem
@@ -167,7 +167,10 @@ class System:
             return np.cross((r * flat)[:, None, :], self.axes)
 
         def motion(n: Array, lever: Array | None) -> Array:
-            """Return the matrix of one derivative of the flank's motion: translation and rotation with its lever arm."""
+            """Return the flank's motion matrix from shape functions n: by translation, and by rotation if ``lever`` is given.
+
+            ``lever``: lever arm vectors, from ``arm``; None: without rotation.
+            """
             if lever is None:
                 return self.axes @ n[:, :3]
             return self.axes @ n[:, :3] + lever @ n[:, 3:]

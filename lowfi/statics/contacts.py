@@ -217,7 +217,8 @@ def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzCo
 def own_hertz(scene: Scene, drawn: Specimen) -> HertzConstants:
     """Return the Hertz constants ``(N, 4)`` of every contact with its actual radii, at the nominal contact angle.
 
-    They are those of `drawn_hertz`, computed only once if all balls are alike. The arrays must not be changed.
+    The values are the same as from `drawn_hertz`, but computed only once if all balls are alike. The arrays must not be
+    changed.
 
     Parameters
     ----------

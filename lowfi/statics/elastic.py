@@ -86,7 +86,7 @@ class ElasticEquations(OneSetEquations):
     SOLVER = "solve_forces"
     #: Arrays of bodies and balls for the kernels.
     given: BodySystem
-    #: Contact forces, free motions of the bodies, and contacts: the unknowns of the iteration.
+    #: Unknowns of the iteration: contact forces, free rigid motions of the bodies (which only contacts resist), contacts.
     state: ForceState
     #: The screw's beam with its supports.
     shaft: Shaft
@@ -145,7 +145,10 @@ class ElasticEquations(OneSetEquations):
         return out
 
     def shifts(self) -> Array:
-        """Return the motions of all flanks in use ``(N, 4, 2)`` [m] in the present state, zero for the others."""
+        """Return the motions of all flanks in use ``(N, 4, 2)`` [m] in the present state, zero for the others.
+
+        The last axis holds two components in the ball's section plane.
+        """
         screw, nut, v0, R = self.bodies.kept
         forces = self.forces()
         N, out = len(forces), np.zeros(forces.shape)
@@ -223,7 +226,7 @@ class ElasticInput(StaticInput):
     backend: Backend = REFINED
     #: Compliance of the bodies condensed from a 3D model, in place of a computed one; None: computed.
     condensed: Condensed | None = None
-    #: Function that computes the compliance of a screw or nut as a whole, see `body_compliance`.
+    #: Function that computes the compliance of one complete screw or nut, see `body_compliance`.
     whole: WholeBody = compliance_between_contacts
 
     @property

@@ -42,7 +42,7 @@ class Mechanism:
 
 
 def _motions_free_of_supports(problem: Problem) -> tuple[Array, Array, Array]:
-    """Return the k rigid motions of the screw that the supports leave free.
+    """Return the k rigid motions of the screw that the supports of a problem leave free.
 
     The screw's motion is taken at each ball's centre, where a screw motion along the helix is exactly free. At the contact
     points, the planar sections of the model would seem to resist it. This artefact is proportional to the sine of the lead
@@ -87,7 +87,7 @@ def loads_do_work_on(work: Array, load: Array, arm: float) -> bool:
 
 
 def free_motions(problem: Problem) -> Mechanism:
-    """Return the motions of the screw that no contact and no support resists, and whether the loads drive them.
+    """Return the rigid motions of the screw that no contact and no support resists, and whether the loads drive them.
 
     Parameters
     ----------

@@ -266,11 +266,11 @@ class Bodies(NamedTuple):
     first: Array
     #: Compliance matrix G [m/N] of the flanks of the nut (4 N, 4 N); empty if ``first`` contains both.
     second: Array
-    #: Motions of the flanks (N, d, k) per metre of each free motion; a rotation counts as angle times a lever arm.
+    #: Motions of the flanks (N, d, k) per metre of each free rigid motion; a rotation's amplitude is angle times a length.
     R: Array
     #: Motions of the flanks (N, d) by external loads and prescribed displacements [m].
     v0: Array
-    #: Work of the external loads on the free motions, per metre of amplitude (k,) [N].
+    #: Work of the external loads on the free rigid motions, per metre of amplitude (k,) [N].
     work: Array
 
 
@@ -322,7 +322,11 @@ NO_ROLLERS = RollerContacts(np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
 
 
 class ForceState(NamedTuple):
-    """State of the iteration that has the contact forces as unknowns: forces, free motions of the bodies, and contacts."""
+    """State of the iteration that has the contact forces as unknowns.
+
+    It consists of the contact forces, the free rigid motions of the bodies (which only the contacts resist), ball centres,
+    and contacts.
+    """
 
     #: Forces on the flanks (N, d) [N].
     phi: Array

@@ -189,7 +189,10 @@ def round_off_approach(problem: Problem) -> float:
 
 
 def _vector_length(x: Array, z: Array) -> Array:
-    """Return the length of vectors (x, z), rounded alike wherever they lie in memory, unlike numpy's hypot."""
+    """Return the lengths of vectors (x, z).
+
+    Unlike numpy's hypot, the rounding does not depend on where the arrays lie in memory.
+    """
     return np.asarray(np.sqrt(x * x + z * z))
 
 
@@ -497,7 +500,9 @@ def describe_prescribed_value(held: PrescribedMotion) -> str:
 
 
 def support_constraints(scene: Scene) -> tuple[Array, Array, list[PrescribedMotion]]:
-    """Return the supports of a rigid screw as k linear constraints on its six motions at the nut's centre.
+    """Return the supports of a rigid screw as k linear constraints on its six motions, taken at the nut's centre.
+
+    ``scene``: screw with supports, which fix k degrees of freedom.
 
     Returns
     -------

@@ -221,7 +221,8 @@ def typical_axes(problem: Problem, force: float) -> tuple[float, float]:
 def only_flank_pair(problem: Problem) -> tuple[int, int] | None:
     """Return the numbers of the two flanks of the only diagonal pair in use, the screw's flank first.
 
-    None if all four flanks are in use or the flanks are not circular arcs.
+    Flanks are numbered SL 0, SR 1, NL 2, NR 3: the result is (0, 3) or (1, 2). None if all four flanks are in use or the
+    flanks are not circular arcs.
     """
     if problem.drawn.profile.shape[1] or np.all(problem.use):
         return None
@@ -397,7 +398,10 @@ class FlankCompliance:
 
 
 def contact_compliance(problem: Problem, force: float) -> float:
-    """Return the tangent compliance of a contact [m/N] under a force [N], by Hertz's law with the mean constant."""
+    """Return the tangent compliance of a contact [m/N] under a force [N]: the derivative of its approach by the force.
+
+    It follows from Hertz's law with the mean Hertz constant of all contacts of the ``problem``.
+    """
     return float(1.0 / contact_stiffness_under_force(force, float(np.mean(problem.C))))
 
 

@@ -68,9 +68,10 @@ class Equilibrium:
     """Check of equilibrium: sums of the forces [N] and of the moments about the origin [N m] on the screw or shaft.
 
     Contact forces are summed at their contact points, and reactions are computed from the beam, so that the sums check the
-    solution independently of the solved equations. A free motion that no load drives is prevented by a pin, a degree of
-    freedom that is fixed although no support fixes it. Since the model keeps balls in their section planes, the pin may
-    carry a small load, which is not a reaction of a support. The residuals include it.
+    solution independently of the solved equations. A rigid motion that neither support nor contact resists and no load
+    drives is prevented by a pin, a degree of freedom that is fixed although no support fixes it. Since the model keeps
+    balls in their section planes, the pin may carry a small load, which is not a reaction of a support. The residuals
+    include it.
     """
 
     #: Sum of the external loads ``(3,)`` [N].

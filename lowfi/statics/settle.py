@@ -369,7 +369,9 @@ def has_profile_errors(problem: Problem) -> bool:
 
 
 def centre_shift(s: ContactState) -> Array:
-    """Return the vector from the nominal arc's centre to the profile's centre of curvature at each loaded contact.
+    """Return the shift of a flank's centre of curvature by its profile errors, at each loaded contact.
+
+    It is the vector from the nominal arc's centre to the profile's centre of curvature, in the ball's section plane.
 
     ``s``: contacts, ball centres and flank motions of one bearing or nut with N balls.
 

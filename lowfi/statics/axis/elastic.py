@@ -131,7 +131,7 @@ class ElasticAssemblyEquations(AssemblyEquations):
     SOLVER = "solve_forces"
     #: Arrays of bodies and rolling elements for the kernels.
     given: BodySystem
-    #: Contact forces, free motions of the bodies, and contacts: the unknowns of the iteration.
+    #: Unknowns of the iteration: contact forces, free rigid motions of the bodies (which only contacts resist), contacts.
     state: ForceState
     #: Method by which the compliance of screws, nuts and balls is computed.
     backend: Backend
@@ -186,7 +186,11 @@ class ElasticAssemblyEquations(AssemblyEquations):
         return self.state.phi.reshape(-1, 4, 2)
 
     def shifts(self) -> Array:
-        """Return the motions of all flanks ``(N, 4, 2)`` [m] by body deformation, free motions and prescribed offsets."""
+        """Return the motions of all flanks ``(N, 4, 2)`` [m] in the present state, in the balls' section planes.
+
+        They consist of deformations of the bodies, their free rigid motions (which only contacts resist), and the
+        prescribed offsets of nuts and outer rings.
+        """
         bodies, forces = self.given.bodies, self.forces()
         N = len(forces)
         out = (bodies.v0 + bodies.R @ self.state.a).reshape(N, 4, 2)
@@ -234,14 +238,15 @@ class ElasticAssemblyEquations(AssemblyEquations):
 
 
 def housings_of(structure: Structure, arm: float) -> Housings:
-    """Return the moving housings with the springs between them and to the frame.
+    """Return the moving housings, and the springs between them and to the fixed frame, as one linear elastic system.
 
     Parameters
     ----------
     structure
         Shaft, housings and springs.
     arm
-        Length [m] by which rotations are scaled to translations in the search for loose motions.
+        Length [m] by which rotations are multiplied to be comparable with translations, in the search for motions that no
+        spring resists.
     """
     n, m = structure.nodes.size, structure.at.size
     K = np.zeros((6 * m, 6 * m))

@@ -165,7 +165,7 @@ def add_rollers(values: Array, axis: AxisArrays, rollers: AxisRollers, slices: A
 
 @kernel
 def fix_prescribed_motions(values: Array, axis: AxisArrays, shift: Array) -> None:
-    """Apply the boundary conditions: give the rows and columns of fixed motions in ``values`` those of a unit matrix.
+    """Apply the boundary conditions: replace rows and columns of fixed motions in ``values`` by those of a unit matrix.
 
     Before that, ``shift`` (6,) [N/m, N m] is added to the diagonal of the stiffness matrix for every node and body.
     ``axis``: which motions are fixed, and the positions of the rows in ``values``, which stores the matrix as an envelope.
