@@ -163,11 +163,11 @@ class System:
         flat = np.array([1.0, 1.0, 0.0])
 
         def arm(r: Array) -> Array:
-            """Return the rows r x axes of the lever arms, r without its axial component."""
+            """Return the cross products of r, without its axial component, and both axes of each section: rows of lever arms."""
             return np.cross((r * flat)[:, None, :], self.axes)
 
         def motion(n: Array, lever: Array | None) -> Array:
-            """Return the flank's motion matrix from shape functions n: by translation, and by rotation if ``lever`` is given.
+            """Return the flank's motion matrix from shape functions n: by translation, and by rotation with ``lever``.
 
             ``lever``: lever arm vectors, from ``arm``; None: without rotation.
             """
