@@ -163,7 +163,7 @@ class System:
         flat = np.array([1.0, 1.0, 0.0])
 
         def arm(r: Array) -> Array:
-            """Return the cross products of r, without its axial component, and both axes of each section: rows of lever arms."""
+            """Return the cross products of r (without its axial component) with both axes of each ball's section."""
             return np.cross((r * flat)[:, None, :], self.axes)
 
         def motion(n: Array, lever: Array | None) -> Array:

@@ -175,7 +175,10 @@ def centre_distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, 
 
 
 def largest_interference(problem: Problem) -> float:
-    """Return the interference of the tightest ball [m]; zero if it is within the round-off of the coordinates."""
+    """Return the largest nominal interference of a ball with a diagonal pair of flanks [m].
+
+    Zero if all balls have clearance, or if the interference is within the round-off of the coordinates.
+    """
     closed = float(problem.closure.max(initial=0.0))
     return closed if closed > round_off_approach(problem) else 0.0
 

@@ -53,7 +53,10 @@ class Status(str):
     cause: Cause
 
     def __new__(cls, kind: Ended, reason: str = "", cause: Cause = "") -> Status:
-        """Make a status with the text "kind: reason", or the kind alone if there is no reason."""
+        """Make a status with the text "kind: reason", or the kind alone if there is no reason.
+
+        ``cause``: known cause of the failure; empty if it is unknown.
+        """
         status = super().__new__(cls, f"{kind}: {reason}" if reason else kind)
         status.kind, status.reason, status.cause = kind, reason, cause
         return status

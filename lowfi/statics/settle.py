@@ -364,7 +364,11 @@ def update_lever_arms(system: P, outcome: Outcome) -> tuple[P, Outcome]:
 
 
 def has_profile_errors(problem: Problem) -> bool:
-    """Return whether the lever arms of a bearing or nut depend on profile errors of its flanks."""
+    """Return whether the lever arms of a bearing or nut depend on profile errors of its flanks.
+
+    They do if flanks are not circular arcs, unless the scene's ``arm`` is "nominal" (lever arms to the nominal contact
+    points).
+    """
     return problem.drawn.profile.shape[1] > 0 and problem.scene.ingredients.arm != "nominal"
 
 

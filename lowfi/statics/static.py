@@ -281,7 +281,7 @@ class StaticInput:
         return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])
 
     def with_supports_of(self, pinned: Problem) -> Self:
-        """Return a copy of this input with the fixed degrees of freedom of the problem ``pinned``."""
+        """Return a copy of this input with the fixed degrees of freedom of the problem ``pinned``, its pins included."""
         return replace(self, held=(pinned.fixed, pinned.prescribed, pinned.pins))
 
     def ready(self, problem: Problem) -> OneSetEquations:

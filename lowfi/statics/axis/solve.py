@@ -464,7 +464,7 @@ def solve_assembly_by_model(
     start = perf_counter()
 
     def failed(status: Status) -> AxisResult:
-        """Return the result of an assembly without equilibrium."""
+        """Return the result of an assembly without equilibrium, with the ``status`` that gives the reason."""
         return failed_axis(assembly, model.name, status, perf_counter() - start, model.assumed)
 
     mounted, notes, unmet = replace_preload_forces(assembly, solve_same_model)

@@ -533,7 +533,10 @@ def preload_approach(b: BallSet) -> float:
 
 
 def mean_load_per_element(system: AssemblyArrays) -> float:
-    """Return the sum of all loads divided by the number of rolling elements [N]."""
+    """Return the sum of the magnitudes of all loads, divided by the number of balls and rollers [N].
+
+    Moments count as moment divided by the largest pitch radius (`sum_of_applied_loads`).
+    """
     return sum_of_applied_loads(system) / max(1, system.contacts.r_ball.size + sum(r.row.count for r in system.rollers))
 
 

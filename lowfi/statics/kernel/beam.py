@@ -291,7 +291,10 @@ def assemble_stiffness(
 
 @kernel
 def fix_nodal_motion(band: Array, i: int) -> None:
-    """Fix the nodal motion with index i: make its row and column in the lower band those of a unit matrix."""
+    """Fix the nodal motion with index i: replace its row and column of a stiffness matrix by those of a unit matrix.
+
+    ``band``: lower band of the matrix, changed in place.
+    """
     width = band.shape[1]
     for w in range(width):
         band[i, w] = 0.0
@@ -447,7 +450,10 @@ def least_force(given: Rows, state: MotionState, options: Options) -> float:
 
 @kernel
 def furthest(given: Rows, state: MotionState) -> float:
-    """Return the largest displacement [m] of a node of the shaft, or of another body that the state contains."""
+    """Return the largest displacement [m] of a node of the shaft, or of another body that the state contains.
+
+    Rotations do not count. ``given`` is not used.
+    """
     q, moved = state.q, 0.0
     for i in range(q.shape[0]):
         moved = max(moved, q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2)

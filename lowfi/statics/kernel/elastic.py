@@ -366,7 +366,10 @@ def solve_newton_equations(
 
 @kernel
 def add_free(R: Array, a: Array, out: Array) -> None:
-    """Add to ``out`` (N, d) [m] the flank motions R a caused by free motions of the bodies with the amplitudes a (k,)."""
+    """Add to ``out`` (N, d) [m] the flank motions R a by free rigid motions of the bodies, which only the contacts resist.
+
+    R (N, d, k): motions of the flanks per metre of each free motion; a (k,): amplitudes [m].
+    """
     for c in range(a.shape[0]):
         out += a[c] * R[:, :, c]
 
