@@ -39,7 +39,7 @@ MOST = 60
 
 @dataclass(frozen=True)
 class SourceSolution:
-    """Outcome of Lin's Newton iteration for N balls and n nodes."""
+    """Solution of Lin's equations for N balls and n nodes, or the last iterate if Newton's method failed."""
 
     #: ``"converged"``, or the reason of the failure.
     status: str
@@ -47,7 +47,7 @@ class SourceSolution:
     load: Array
     #: Contact angles ``(N, 4)`` [rad].
     contact_angle: Array
-    #: Shifts of the balls from their nominal positions, radial and binormal ``(N, 2)`` [m].
+    #: Displacements of the ball centres from their nominal positions, radial and binormal ``(N, 2)`` [m].
     centre: Array
     #: Motion of the nodes ``(n, 6)`` [m, rad].
     motion: Array
@@ -55,7 +55,8 @@ class SourceSolution:
     reactions: Array
     #: Number of Newton steps.
     iterations: int
-    #: Largest residual of the equations over its scale, see `_relative_residual`.
+    #: Largest unbalanced force over the largest force, or largest contact condition over the groove radius, whichever is
+    #: larger.
     residual: float
     #: Time that the solution took [s].
     seconds: float
@@ -69,7 +70,9 @@ class SourceSolution:
 
 
 def element_stiffness(length: float, s: BeamSection) -> Array:
-    """Return the stiffness matrix ``(12, 12)`` of a Timoshenko beam element along z.
+    """Return the stiffness matrix ``(12, 12)`` [N/m, N, N m] of a Timoshenko beam element along z.
+
+    Rows and columns are ux, uy, uz, rx, ry, rz of the first node, then of the second.
 
     Parameters
     ----------
@@ -114,15 +117,16 @@ def beam_stiffness_of_screw(problem: Problem) -> Array:
 
 @dataclass
 class System:
-    """Constants of the equilibrium equations of one scene with N balls, and the motion of the screw's flanks."""
+    """Constants of Lin's equilibrium equations of one scene with N balls, and functions for the motion of its flanks."""
 
     #: Arrays of the scene.
     problem: Problem
-    #: Whether the lever arms of contacts depend on the contact angle (``"source"``) or not (``"arc"``).
+    #: Lever arms of the contacts: ``"source"``, dependent on the contact angle as in Lin's thesis; ``"arc"``, constant.
     kinematics: Kinematics
     #: Stiffness matrix of the screw ``(6 n, 6 n)``.
     K: Array
-    #: Indices of the free unknowns; the others are prescribed.
+    #: Indices of the free unknowns among all 6 N + 6 n (ball centres, contact angles, nodal motions); the others are
+    #: prescribed.
     free: NDArray[np.int64]
     #: Unit vectors of each ball's groove section, radial and binormal ``(N, 2, 3)``.
     axes: Array
@@ -159,11 +163,14 @@ class System:
         flat = np.array([1.0, 1.0, 0.0])
 
         def arm(r: Array) -> Array:
-            """Return the rows r x axes of the lever arms, r without its axial component."""
+            """Return the cross products of r (without its axial component) with both axes of each ball's section."""
             return np.cross((r * flat)[:, None, :], self.axes)
 
         def motion(n: Array, lever: Array | None) -> Array:
-            """Return the matrix of one derivative of the flank's motion: translation and rotation with its lever arm."""
+            """Return the flank's motion matrix from shape functions n: by translation, and by rotation with ``lever``.
+
+            ``lever``: lever arm vectors, from ``arm``; None: without rotation.
+            """
             if lever is None:
                 return self.axes @ n[:, :3]
             return self.axes @ n[:, :3] + lever @ n[:, 3:]
@@ -202,7 +209,8 @@ def _contact_geometry_and_forces(
     -------
     tuple
         Normal n, tangent t and dt/dgamma of each contact; distance of ball centre and flank; contact force [N] and its
-        derivative by the approach [N/m]; then the first three values of `System.flank_motion_matrices`.
+        derivative by the approach [N/m]; then the first three values of `System.flank_motion_matrices`: index of the first
+        nodal unknown, and the matrices from nodal motions to the flank's motion and their derivative by the contact angle.
     """
     problem = system.problem
     a, t, t1 = system.flank(side, gamma)
@@ -291,10 +299,10 @@ def equations_and_jacobian(
 
 
 def initial_state(system: System, start: Start, fraction: float) -> Array:
-    """Return starting values of the unknowns for Newton's method: those of the nominal state, or a designer's guess.
+    """Return starting values ``(6 N + 6 n,)`` of the unknowns for Newton's method: nominal state, or a designer's guess.
 
-    The guess (if ``start`` is not "nominal") shifts the screw along its axis as if all balls shared the part ``fraction``
-    of the axial load equally.
+    The guess (if ``start`` is not "nominal") displaces the screw along its axis as if all balls carried equal shares of the
+    axial load times ``fraction``. The order of the unknowns is that of `equations_and_jacobian`.
     """
     problem = system.problem
     scene = problem.scene
@@ -332,13 +340,14 @@ def solve_by_source_equations(
         ``"source"``: lever arm and axial position of a contact depend on its contact angle (Lin 2.18-2.21); ``"arc"``:
         flanks are rigid arcs as in the solver that minimises energy, with which the result then agrees to round-off.
     start
-        Starting values: the nominal state, a designer's guess (`initial_state`), or ten load steps from that guess.
+        Starting values: ``"nominal"``, the undeformed state; ``"guess"``, the screw displaced by the axial load
+        (`initial_state`); ``"load steps"``, ten load steps from that guess.
     everything
-        Whether parts of the shaft that do not influence the result are modelled too.
+        Whether to model also the ends of the shaft that carry no load.
     member
         Number of the specimen, for a scene with random errors.
     tolerance
-        Relative residual to reach.
+        Relative residual at which the iteration ends.
 
     Raises
     ------
@@ -391,7 +400,7 @@ def solve_source_as_static_result(scene: Scene, *, everything: bool = False, mem
     scene
         Scene with one nut.
     everything
-        Whether parts of the shaft that do not influence the result are modelled too.
+        Whether to model also the ends of the shaft that carry no load.
     member
         Number of the specimen of a scene with random errors.
     """
@@ -434,8 +443,9 @@ def solve_source_as_static_result(scene: Scene, *, everything: bool = False, mem
 def _relative_residual(system: System, phi: Array, forces: Array, load: Array) -> float:
     """Return the relative residual of the equilibrium equations, from their residuals ``phi``.
 
-    It is the largest unbalanced force over the largest of the contact ``forces`` and the ``load`` on the nodes, or the
-    largest contact condition over the groove radius, whichever is larger. Moments are divided by the pitch radius.
+    It is the larger of two ratios: the largest unbalanced force over the largest of the contact ``forces`` and of the
+    ``load`` on the nodes; and the largest contact condition (scalar product of a contact's normal and tangent) over the
+    groove radius. Moments are divided by the pitch radius. ``system``: constants of the equations.
     """
     count = forces.shape[0]
     arm = system.problem.scene.track.pitch_radius
@@ -452,8 +462,8 @@ def _relative_residual(system: System, phi: Array, forces: Array, load: Array) -
 def newton_iteration(system: System, x: Array, load: Array, tolerance: float) -> tuple[Array, int, float, str]:
     """Solve the equations by Newton's method (equation 2.26 of Lin's thesis).
 
-    ``x``: unknowns to start from; ``load``: loads on the nodes ``(6 n,)`` [N, N m]; ``tolerance``: relative residual to
-    reach.
+    ``system``: constants of the equations; ``x``: unknowns to start from, in the order of `equations_and_jacobian`;
+    ``load``: loads on the nodes ``(6 n,)`` [N, N m]; ``tolerance``: relative residual at which the iteration ends.
 
     Returns
     -------

@@ -285,9 +285,9 @@ class PrintedHertz:
     R_2: float
     #: Equivalent radius sqrt(R_1 R_2) [m].
     rho_eq: float
-    #: Eccentricity of the contact ellipse.
+    #: Eccentricity of the contact ellipse, sqrt(1 - b^2/a^2).
     e: float
-    #: Correction factor in eq. B.11 of Lin's thesis; the table uses 1.
+    #: Correction factor of the approach in eq. B.11 of Lin's thesis; the table uses 1.
     F_1: float
     #: Constant of the approach [m/N^(2/3)].
     C: float

@@ -56,7 +56,7 @@ _KEPT = 4
 
 
 def is_compiled(module_name: str) -> bool:
-    """Return whether the name of a module is that of a compiled copy of a kernel package, or of a module in it."""
+    """Return whether a module, given by its name, is a compiled copy of a kernel package or a module in such a copy."""
     return _MARK in module_name
 
 

@@ -102,7 +102,7 @@ def line_contact_pressure(line_load: Array | float, width: Array | float) -> Arr
 
 @dataclass(frozen=True)
 class LineLaw:
-    """Law delta = q (g - S ln q) of the approach delta [m] of two raceways with a roller between them.
+    """Force law delta = q (g - S ln q) of the approach delta [m] of two raceways with a roller between them.
 
     q: load per length [N/m]; S: constant of the material [m^2/N]; g: constant of material and radii [m^2/N]. The
     approach increases with q up to q = exp(g/S - 1). There the half-width b of the contact would exceed the size of the
@@ -120,7 +120,9 @@ class LineLaw:
         return np.where(q > 0.0, q * (self.g - self.s * np.log(np.where(q > 0.0, q, 1.0))), 0.0)
 
     def line_load(self, approach: Array | float) -> Array:
-        """Return the load per length [N/m] at an approach [m], by Lambert's function W_-1; zero for a gap.
+        """Return the load per length [N/m] at an approach of the raceways [m], by Lambert's function W_-1.
+
+        Zero for an approach that is negative (a gap) or zero.
 
         Raises
         ------
@@ -137,14 +139,17 @@ class LineLaw:
         return np.where(inside, delta / (-self.s * lambertw(argument, k=-1).real), 0.0)
 
     def slope(self, line_load: Array | float) -> Array:
-        """Return the stiffness per length dq/d(delta) [N/m^2] under a load per length [N/m]; zero without load."""
+        """Return the stiffness per length dq/d(delta) [N/m^2] under a load per length ``line_load`` q [N/m].
+
+        delta is the approach of the raceways. Zero without load.
+        """
         q = np.asarray(line_load, dtype=float)
         return np.where(q > 0.0, 1.0 / (self.g - self.s * (1.0 + np.log(np.where(q > 0.0, q, 1.0)))), 0.0)
 
     def energy(self, line_load: Array | float) -> Array:
-        """Return the strain energy per length [J/m], the integral of q over the approach.
+        """Return the strain energy per length [J/m] under a load per length ``line_load`` [N/m].
 
-        ``line_load``: load per length q at the end of the integral [N/m].
+        It is the integral of the load per length over the approach, from zero to this load.
         """
         q = np.asarray(line_load, dtype=float)
         safe = np.where(q > 0.0, q, 1.0)
@@ -246,12 +251,12 @@ class TaperedBearing:
         return float(self.diameter * np.sin(self.cup_angle - self.roller_angle) / np.tan(self.roller_angle))
 
     def radii(self, along: Array | float = 0.0) -> tuple[Array, Array, Array]:
-        """Return the radii of curvature of roller, cone and cup [m], normal to the contact line.
+        """Return the radii of curvature of roller, cone and cup [m], normal to the contact line; all are positive.
 
         Parameters
         ----------
         along
-            Distance along the roller from its middle [m], positive towards the large end.
+            Distance along the roller from its middle [m], positive towards the large end; any shape.
         """
         reach = self.apex_distance + np.asarray(along, dtype=float)
         roller, cone, cup = (reach * np.tan(a) for a in (self.roller_angle, self.cone_angle, self.cup_angle))
@@ -265,7 +270,7 @@ class TaperedBearing:
 
 @dataclass(frozen=True)
 class RollerContacts:
-    """Line contacts of one roller without tilt and crown; arrays in the order inner race, outer race."""
+    """Line contacts of one roller without tilt and crown; the arrays ``(2,)`` hold inner race, then outer race."""
 
     #: Half-widths b [m].
     half_widths: Array
@@ -302,19 +307,22 @@ def roller_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
 
 @dataclass(frozen=True)
 class TaperedRow:
-    """Tapered roller bearing under pure thrust: an axial deflection u compresses every roller by u sin(alpha)."""
+    """Tapered roller bearing under pure thrust, with straight rollers.
+
+    An axial deflection u of one ring compresses every roller by u sin(alpha); alpha is half the included angle of the cup.
+    """
 
     #: The bearing.
     bearing: TaperedBearing
 
     def thrust(self, deflection: float) -> float:
-        """Return the thrust [N] at an axial deflection [m]; zero where the rollers are loose."""
+        """Return the thrust [N] at an axial deflection [m]; zero if this is negative, so that the rollers are loose."""
         b = self.bearing
         q = float(b.law().line_load(deflection * np.sin(b.cup_angle)))
         return float(b.rollers * b.length * q * np.sin(b.cup_angle))
 
     def stiffness(self, deflection: float) -> float:
-        """Return the axial stiffness [N/m] at an axial deflection [m]; zero where the rollers are loose."""
+        """Return the axial stiffness [N/m] at an axial deflection [m]; zero if the rollers are loose."""
         b, law = self.bearing, self.bearing.law()
         slope = float(law.slope(law.line_load(deflection * np.sin(b.cup_angle))))
         return float(b.rollers * b.length * slope * np.sin(b.cup_angle) ** 2)
@@ -359,17 +367,18 @@ class SlicedRoller:
 
     #: Approach law of every slice.
     law: LineLaw
-    #: Middles x_k of the slices ``(n,)`` [m], from the roller's middle.
+    #: Positions of the middles of the slices along the roller ``(n,)`` [m], from the roller's middle.
     places: Array
     #: Effective length of the roller [m].
     length: float
-    #: Drop of the profile at each slice, the sum for both contacts ``(n,)`` [m]; it reduces the slice's approach.
+    #: Drop of the crowned profile below a straight one at each slice, the sum for both contacts ``(n,)`` [m]; the approach
+    #: of the slice is smaller by it.
     drop: Array
 
 
 @dataclass(frozen=True)
 class SliceState:
-    """Loads of a sliced roller at one approach of its raceways."""
+    """Force, stiffness and line loads of a sliced roller at one approach of its raceways."""
 
     #: Force of either race on the roller [N].
     force: float
@@ -458,7 +467,8 @@ def half_widths_and_pressures_of_slices(bearing: TaperedBearing, line_loads: Arr
 def sliced_roller_state_at_approach(roller: SlicedRoller, approach: float) -> SliceState:
     """Return force, stiffness and line loads of a sliced roller at a given approach of its raceways.
 
-    ``approach``: approach of the raceways in the roller's middle, without crown [m].
+    ``approach``: approach of the raceways in the roller's middle [m], from which the drop of the profile is subtracted at
+    each slice.
     """
     q = roller.law.line_load(approach - roller.drop)
     width = roller.length / roller.places.size
@@ -490,7 +500,8 @@ class SlicedRow:
     bearing: TaperedBearing
     #: Number of equal slices of a roller.
     slices: int = 31
-    #: Drop [m], the sum for both contacts, as a function of the distance from the roller's middle [m]; None: straight.
+    #: Drop of the profile [m], the sum for both contacts, as a function of the distance from the roller's middle [m]; None:
+    #: straight rollers.
     profile: Callable[[Array], Array] | None = None
     #: The sliced roller, computed from the fields above.
     roller: SlicedRoller = field(init=False)
@@ -500,12 +511,12 @@ class SlicedRow:
         object.__setattr__(self, "roller", slice_roller(self.bearing, self.slices, self.profile))
 
     def thrust(self, deflection: float) -> float:
-        """Return the thrust [N] at an axial deflection [m]."""
+        """Return the thrust [N] at an axial deflection [m]; zero where the rollers are loose."""
         sin = np.sin(self.bearing.cup_angle)
         return float(self.bearing.rollers * sin * sliced_roller_state_at_approach(self.roller, deflection * sin).force)
 
     def stiffness(self, deflection: float) -> float:
-        """Return the axial stiffness [N/m] at an axial deflection [m]."""
+        """Return the axial stiffness [N/m] at an axial deflection [m]; zero where the rollers are loose."""
         sin = np.sin(self.bearing.cup_angle)
         return float(
             self.bearing.rollers * sin**2 * sliced_roller_state_at_approach(self.roller, deflection * sin).stiffness

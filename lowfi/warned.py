@@ -65,7 +65,7 @@ def join_brief_warnings(warnings: Iterable[Warned]) -> str:
     Parameters
     ----------
     warnings
-        Warnings of a result.
+        Warnings of a result; those without a short form are left out of the line.
     """
     shown = [w for w in warnings if w.brief]
     outside = " outside what the models mean" * any(w.kind not in ("play", "coefficient", "held load") for w in shown)

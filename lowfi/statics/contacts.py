@@ -86,9 +86,10 @@ def _curvature(radius: Array, slope: Array, bend: Array) -> Array:
 
 
 def oblique_term(constants: HertzConstants, ball_radius: float) -> Array:
-    """Return h [m/N^(4/3)] of each flank: pressure oblique to the contact's normal adds h F^(4/3) to the approach.
+    """Return the coefficient h [m/N^(4/3)] of the term h F^(4/3) that oblique pressure adds to a contact's approach.
 
-    Equation (2) of the module. F is the contact force [N].
+    F is the contact force [N]. The pressure at the edge of the contact ellipse acts at an angle to the contact's normal,
+    which Hertz's theory neglects; equation (2) of the module.
 
     Parameters
     ----------
@@ -100,8 +101,8 @@ def oblique_term(constants: HertzConstants, ball_radius: float) -> Array:
     return np.asarray(7.0 / 30.0 * constants.C * (constants.C_a**2 + constants.C_b**2) / ball_radius**2)
 
 
-#: For many specimens, `hertz_C` interpolates between this number of ball radii; polynomial coefficients smaller than the
-#: second number, relative to the first coefficient, are round-off and dropped.
+#: Number of ball radii between which `hertz_C` interpolates for many specimens; and size of a polynomial coefficient,
+#: relative to the first one, below which it is round-off and left out.
 NODES, ROUND_OFF = 12, 1e-15
 
 
@@ -135,7 +136,7 @@ def nominal_curvatures(scene: Scene) -> Array:
 
 @lru_cache(maxsize=64)
 def _scene_of_parts_only(scene: Scene) -> Scene:
-    """Return the scene without loads, supports, errors and nut position, as key of caches of geometric quantities."""
+    """Return the scene without loads, supports, errors and nut position, as the key of caches of geometric quantities."""
     return replace(reduce_to_compliance_geometry(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0))
 
 
@@ -193,7 +194,7 @@ def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None)
 
 
 def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzConstants:
-    """Return the constants of `drawn_hertz` for N balls, as a single row if all balls are alike.
+    """Return the Hertz constants of `drawn_hertz` for N balls ``(N, 4)``; ``(4,)`` or ``(1, 4)`` if all balls are alike.
 
     Parameters
     ----------
@@ -216,7 +217,8 @@ def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzCo
 def own_hertz(scene: Scene, drawn: Specimen) -> HertzConstants:
     """Return the Hertz constants ``(N, 4)`` of every contact with its actual radii, at the nominal contact angle.
 
-    They are those of `drawn_hertz`, computed only once if all balls are alike. The arrays must not be changed.
+    The values are the same as from `drawn_hertz`, but computed only once if all balls are alike. The arrays must not be
+    changed.
 
     Parameters
     ----------
@@ -340,8 +342,8 @@ def with_error_free_hertz(scene: Scene) -> Scene:
 def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> Array:
     """Return the Hertz constant C of each ball and flank ``(..., N, 4)`` [m/N^(2/3)] in approach = C Q^(2/3).
 
-    The scene's ``hertz`` decides whether errors count. Constants are taken at the nominal contact angle, before any update
-    to the solved one.
+    The scene's ``hertz`` decides which: "error-free", those of nominal dimensions; "as printed", those of Lin's Table B.1
+    with its mistakes; otherwise those of the actual radii. The contact angle is the nominal one.
 
     Parameters
     ----------
@@ -372,7 +374,10 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
 
 
 def _repeat_flank_values(row: Array, shape: tuple[int, ...]) -> Array:
-    """Return values of the four flanks ``(4,)``, or of every ball ``(*shape, 4)``, as a new array ``(*shape, 4)``."""
+    """Return a new array ``(*shape, 4)`` filled with values of the four flanks.
+
+    ``row``: values ``(4,)`` that all balls share, or one row for every ball ``(*shape, 4)``.
+    """
     values = np.empty((*shape, 4))
     values[...] = row
     return values

@@ -86,7 +86,7 @@ class ElasticEquations(OneSetEquations):
     SOLVER = "solve_forces"
     #: Arrays of bodies and balls for the kernels.
     given: BodySystem
-    #: Contact forces, free motions of the bodies, and contacts: the unknowns of the iteration.
+    #: Unknowns of the iteration: contact forces, free rigid motions of the bodies (which only contacts resist), contacts.
     state: ForceState
     #: The screw's beam with its supports.
     shaft: Shaft
@@ -145,7 +145,10 @@ class ElasticEquations(OneSetEquations):
         return out
 
     def shifts(self) -> Array:
-        """Return the motions of all flanks in use ``(N, 4, 2)`` [m] in the present state, zero for the others."""
+        """Return the motions of all flanks in use ``(N, 4, 2)`` [m] in the present state, zero for the others.
+
+        The last axis holds two components in the ball's section plane.
+        """
         screw, nut, v0, R = self.bodies.kept
         forces = self.forces()
         N, out = len(forces), np.zeros(forces.shape)
@@ -223,12 +226,15 @@ class ElasticInput(StaticInput):
     backend: Backend = REFINED
     #: Compliance of the bodies condensed from a 3D model, in place of a computed one; None: computed.
     condensed: Condensed | None = None
-    #: Function that computes the compliance of a screw or nut as a whole, see `body_compliance`.
+    #: Function that computes the compliance of one complete screw or nut, see `body_compliance`.
     whole: WholeBody = compliance_between_contacts
 
     @property
     def section(self) -> BeamSection | None:
-        """Return the screw's cross-section with its groove, if the backend computes one; None: from nominal dimensions."""
+        """Return the screw's cross-section with its groove, if the ``backend`` computes one.
+
+        None: the cross-section follows from the scene's dimensions.
+        """
         return grooved_section(reduce_to_compliance_geometry(self.scene), True) if self.backend.section == "cell" else None
 
     def ready(self, problem: Problem) -> ElasticEquations:
@@ -323,9 +329,9 @@ def solve_elastic(
 
 
 class ElasticMembers:
-    """Specimens of a scene that differ only in the random radii of their balls, solved with one set of equations.
+    """Specimens of a scene that differ only in the random radii of their balls, solved with the same equations.
 
-    The function `shared` tells whether a scene is of this kind.
+    The function `shared` returns whether the specimens of a scene differ in nothing else.
     """
 
     def __init__(self, scene: Scene, backend: Backend, engine: ModuleType, like: ElasticMembers | None = None) -> None:
@@ -340,7 +346,8 @@ class ElasticMembers:
         engine
             Module of the numerical kernels.
         like
-            The same specimens under nearly the same loads, solved before. Their solutions are the starts of the iteration.
+            The same specimens under nearly the same loads, solved before; their solutions are the starts of the iteration.
+            None: each specimen starts from the solution of specimen 0.
         """
         self.scene, self.backend, self.engine, self.like = scene, backend, engine, like
         self.layout = ball_layout(scene)
@@ -360,8 +367,9 @@ class ElasticMembers:
         Returns
         -------
         tuple[Array, Array, Array]
-            Contact loads ``(count, N, 4)`` [N]; relative residuals ``(count,)``; and works ``(count,)`` [J] of the external
-            loads on the motions where they act. All are nan for a specimen that needs equations built for it alone.
+            Contact loads ``(count, N, 4)`` [N]; relative residuals ``(count,)``; and work ``(count,)`` [J] of the external
+            loads on the motions of their points of action. All are nan for a specimen that these equations do not solve; it
+            needs `solve_elastic`.
         """
         drawn = draw_specimens(self.scene, self.layout, first, count)
         offset, closure = centre_distances(self.scene, drawn)
@@ -391,8 +399,8 @@ class ElasticMembers:
         use
             Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
         dims
-            Ball radii, distances of ball and groove centres, interference and Hertz constants as for `_System.solve`, which
-            also defines the result.
+            Ball radii, distances of ball and groove centres, interference and Hertz constants, as for
+            `_SharedEquations.solve`, which also describes the result.
         """
         system, key = self._equations_for_flanks(use), (number, use.tobytes())
         if system is None:
@@ -423,7 +431,7 @@ class ElasticMembers:
 
 
 def shared(scene: Scene) -> bool:
-    """Return whether all specimens of a scene can be solved with one set of equations (`ElasticMembers`).
+    """Return whether all specimens of a scene can be solved with the same equations (`ElasticMembers`).
 
     This requires that they differ only in the radii of their balls, that Hertz constants are not updated in the iteration,
     and that the screw is not rigid.
@@ -438,10 +446,13 @@ def shared(scene: Scene) -> bool:
 
 
 class _SharedEquations:
-    """Equations of one solved specimen with elastic bodies, in which the ball radii of other specimens are put."""
+    """Equations of one solved specimen with elastic bodies, into which the ball radii of other specimens are written."""
 
     def __init__(self, elastic: ElasticEquations) -> None:
-        """Store the solution of ``elastic`` as start for other specimens, and terms that depend on the contact force."""
+        """Store the solution of ``elastic`` as the start of the iteration for other specimens.
+
+        Also stored are the contact law's coefficients, which depend on the typical contact force, and those of the work.
+        """
         self.elastic = elastic
         self.start = [array.copy() for array in elastic.state]
         self.local = elastic.given.contacts.local.copy()
@@ -458,11 +469,12 @@ class _SharedEquations:
         radii
             Radii of its balls ``(N,)`` [m].
         offset, closure
-            Result of `centre_distances` for the specimen.
+            Distances ``(N, 4, 4)`` [m] of ball and groove centres, and interferences ``(N, 2)`` [m], from
+            `centre_distances`.
         C
             Hertz constants ``(N, 4)`` [m/N^(2/3)].
         start
-            State from which to iterate; None: the solution of the first specimen.
+            Arrays of the state from which to iterate; None: the solution of specimen 0.
 
         Returns
         -------
@@ -511,10 +523,11 @@ class _SharedEquations:
 
 
 def _external_work_coefficients(elastic: ElasticEquations) -> tuple[Array, Array, float]:
-    """Return coefficients of the work [J] that the external loads do on the motions of the points where they act.
+    """Return coefficients of the work [J] that the external loads do on the motions of their points of action.
 
-    The work is a linear function. Entries: its derivative by the forces of the balls on the c screw flanks ``(2 c,)``
-    [J/N], its derivative by the amplitudes of the free motions ``(k,)`` [N], and its constant part [J].
+    The work is a linear function of contact forces and free rigid motions (which no support prevents). Entries: its
+    derivative by the forces of the balls on the c screw flanks ``(2 c,)`` [J/N], its derivative by the amplitudes of the k
+    free motions ``(k,)`` [N], and its constant part [J].
     """
     problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.bodies.squeeze
     load = problem.load.ravel()

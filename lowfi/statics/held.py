@@ -30,9 +30,10 @@ class Mechanism:
 
     #: Whether the loads drive such a motion, so that there is no equilibrium.
     driven: bool
-    #: Description of the motion for the user.
+    #: Description of the motion in words, for the user; empty if there is none.
     text: str
-    #: Degrees of freedom of the first node to fix ("pins").
+    #: Numbers (0 to 5) of the degrees of freedom of the first node to fix ("pins"); for a rigid screw, of its coordinates
+    #: (columns of `Problem.basis`).
     pins: tuple[int, ...] = ()
     #: Whether nothing can twist the shaft: its grooves have no lead, and no moment about the axis acts.
     no_torsion: bool = False
@@ -41,10 +42,11 @@ class Mechanism:
 
 
 def _motions_free_of_supports(problem: Problem) -> tuple[Array, Array, Array]:
-    """Return the k rigid motions of the screw that the supports leave free.
+    """Return the k rigid motions of the screw that the supports of a problem leave free.
 
     The screw's motion is taken at each ball's centre, where a screw motion along the helix is exactly free. At the contact
-    points, the planar sections of the model would resist it by an artefact of size sin(alpha) (R_p - R_contact).
+    points, the planar sections of the model would seem to resist it. This artefact is proportional to the sine of the lead
+    angle and to the difference in radius between the ball's centre and the contact point.
 
     Returns
     -------
@@ -85,7 +87,7 @@ def loads_do_work_on(work: Array, load: Array, arm: float) -> bool:
 
 
 def free_motions(problem: Problem) -> Mechanism:
-    """Return the motions of the screw that no contact and no support resists, and whether the loads drive them.
+    """Return the rigid motions of the screw that no contact and no support resists, and whether the loads drive them.
 
     Parameters
     ----------
@@ -192,8 +194,8 @@ def approach_change_by_motions(side: int, angle: float, flank_motions: Array, fi
     angle
         Contact angle [rad].
     flank_motions
-        Motions of the flank along the axes x3, z3 of each ball's section, per unit of k motions of the bodies
-        ``(N, 2, k)``.
+        Motions of the flank in each ball's section plane (radial, and along the helix's binormal), per unit of k motions of
+        the bodies ``(N, 2, k)``.
     first_ball
         Index of the first of these balls among all balls.
     ball_count
@@ -202,7 +204,7 @@ def approach_change_by_motions(side: int, angle: float, flank_motions: Array, fi
     Returns
     -------
     Array
-        ``(N, k + 2 balls)``: columns for the motions of the bodies, then for both coordinates of every ball's centre.
+        ``(N, k + 2 ball_count)``: columns for the k motions of the bodies, then for both coordinates of each ball's centre.
     """
     N, direction = len(flank_motions), SIGNS[side] * np.array([np.cos(angle), np.sin(angle)])
     centres = np.zeros((N, ball_count, 2))
@@ -218,7 +220,8 @@ def solve_opening_program(work: Array, approach_rows: Any, fixed_motion_rows: Ar
     work
         Work of the loads on unit motions of the bodies ``(k,)``.
     approach_rows
-        Change of every contact's approach per unit motion of the bodies and ball centres: a matrix, dense or sparse.
+        Change of every contact's approach per unit motion of the bodies (first k columns) and of the ball centres (further
+        columns): a matrix, dense or sparse, with one row for each contact.
     fixed_motion_rows
         Motions of the h fixed degrees of freedom per unit motion of the bodies ``(h, k)``.
 

@@ -34,8 +34,8 @@ class BeamContacts(NamedTuple):
 
     #: First node (N, 2) whose motion moves the screw's flanks SL, SR.
     node: Array
-    #: Motions of these flanks (N, 2, 2, m) along the axes x3, z3 of the ball's section, per unit motion of that node,
-    #: m = 6, or of it and the next one, m = 12.
+    #: Motions of these flanks, with two components in the ball's section plane (radial, and along the helix's binormal),
+    #: per unit of the six motions of that node (m = 6), or of that node and the next one (m = 12): (N, 2, 2, m).
     B: Array
     #: Geometry and Hertz constant of each contact (N, 4, 9), see `lowfi.statics.kernel.ball`.
     geometry: Array
@@ -166,17 +166,19 @@ class AxisArrays(NamedTuple):
     fixed: Array
     #: Loads on the bodies (r, 6) [N, N m].
     load: Array
-    #: Numbers of the two bodies that each spring joins (k, 2), -1 for the frame.
+    #: Numbers of the two bodies that each of k springs joins (k, 2), -1 for the fixed frame.
     ends: Array
-    #: Matrices from the motions of these bodies to those of the spring's ends (k, 2, 6, 6), the second with negative sign.
+    #: Matrices from the motions of these two bodies to those of the spring's ends (k, 2, 6, 6). The second has a negative
+    #: sign, so that the sum of both motions is the spring's deformation.
     reach: Array
     #: Stiffness matrices of the springs (k, 6, 6).
     springs: Array
-    #: Position (r,) of each body in the order of elimination.
+    #: Position (r,) of each body in the order in which the stiffness matrix is factored.
     place: Array
-    #: First column (6 r,) of each row of the stiffness matrix's envelope, in the order of elimination.
+    #: Column (6 r,) of the first stored coefficient in each row of the stiffness matrix, in the order of ``place``.
     first: Array
-    #: Offset (6 r + 1,) of each row in the array that stores the envelope.
+    #: Offset (6 r + 1,) of each row in the array of stored coefficients: row i, column j is at start[i] + j; the last value
+    #: is the number of coefficients.
     start: Array
 
 
@@ -185,8 +187,8 @@ class AxisBalls(NamedTuple):
 
     #: First body (N, 4) whose motion moves a flank, -1 if the flank is fixed.
     row: Array
-    #: Motions of the flanks (N, 4, 2, m) along the axes x3, z3 of the ball's section, per unit motion of that body, m = 6,
-    #: or of it and the next one, m = 12.
+    #: Motions of the flanks, with two components in the ball's section plane (radial, and along the helix's binormal), per
+    #: unit of the six motions of that body (m = 6), or of that body and the next one (m = 12): (N, 4, 2, m).
     B: Array
     #: Prescribed motion of the flanks (N, 4, 2) [m].
     v0: Array
@@ -205,8 +207,9 @@ class AxisBalls(NamedTuple):
 class AxisRollers(NamedTuple):
     """Arrays of M slices of rollers between the two raceways of their bearings.
 
-    The line contacts with both raceways are in series. The approach of a slice is B q - drop, with the motions q of the
-    rings; its force follows from `lowfi.rollers.LineLaw` with the constants g and S.
+    The line contacts of a slice with both raceways are in series. The approach of the raceways at a slice is B q - drop,
+    with the motions q of the bodies that carry the rings. The slice's force per width, p, follows from approach =
+    p (g - S ln p), see `lowfi.rollers.LineLaw`.
     """
 
     #: Bodies (M, 2) that move inner and outer ring, -1 if the ring is fixed.
@@ -217,9 +220,9 @@ class AxisRollers(NamedTuple):
     drop: Array
     #: Widths of the slices (M,) [m].
     width: Array
-    #: g (M,) of `lowfi.rollers.LineLaw` [m^2/N].
+    #: Constants g (M,) of the force law [m^2/N].
     g: Array
-    #: S (M,) of `lowfi.rollers.LineLaw` [m^2/N].
+    #: Constants S (M,) of the force law [m^2/N].
     s: Array
 
 
@@ -254,7 +257,8 @@ Rows = BeamSystem | AxisSystem
 class Bodies(NamedTuple):
     """Compliance of the bodies at the flanks of all balls.
 
-    Forces phi on the flanks and free rigid motions a give the motions of the flanks, v = v0 + G phi + R a.
+    The flanks move by v = v0 + G phi + R a, under the forces phi on the flanks and with the amplitudes a of the free rigid
+    motions of the bodies, which nothing but the contacts resists.
     """
 
     #: Compliance matrix G [m/N] of the flanks of the screw (4 N, 4 N), or of screw and nut together for one diagonal pair
@@ -262,18 +266,18 @@ class Bodies(NamedTuple):
     first: Array
     #: Compliance matrix G [m/N] of the flanks of the nut (4 N, 4 N); empty if ``first`` contains both.
     second: Array
-    #: Motions of the flanks (N, d, k) per metre of each free motion; a rotation counts as angle times a lever arm.
+    #: Motions of the flanks (N, d, k) per metre of each free rigid motion; a rotation's amplitude is angle times a length.
     R: Array
     #: Motions of the flanks (N, d) by external loads and prescribed displacements [m].
     v0: Array
-    #: Work of the external loads on the free motions, per metre of amplitude (k,) [N].
+    #: Work of the external loads on the free rigid motions, per metre of amplitude (k,) [N].
     work: Array
 
 
 class RollerContacts(NamedTuple):
     """Arrays of M rollers between rigid rings on an elastic shaft; at most K slices each.
 
-    The force of a roller is computed in `lowfi.statics.kernel.rollers`.
+    The force per width of a slice, p, follows from its approach: approach = p (g - S ln p), see `lowfi.rollers.LineLaw`.
     """
 
     #: Positions (M, K) of the slices along the roller, divided by the roller's length.
@@ -282,9 +286,9 @@ class RollerContacts(NamedTuple):
     width: Array
     #: Gap (M, K) [m] by the roller's crowning and the ring's offset, by which the approach is smaller.
     drop: Array
-    #: g (M,) of `lowfi.rollers.LineLaw` [m^2/N].
+    #: Constants g (M,) of the force law [m^2/N].
     g: Array
-    #: S (M,) of `lowfi.rollers.LineLaw` [m^2/N].
+    #: Constants S (M,) of the force law [m^2/N].
     s: Array
 
 
@@ -295,15 +299,15 @@ class BallContacts(NamedTuple):
     geometry: Array
     #: Nominal interference across the diagonal pairs of flanks (N, 2) [m].
     closure: Array
-    #: Terms of each contact besides Hertz (N, 4, 3): linear compliance e [m/N]; loss of approach [m] per unit amplitude of
-    #: the ball's deformation; factor h [m/N^(4/3)] of F^(4/3).
+    #: Terms in the approach of each contact besides Hertz's (N, 4, 3): e [m/N] of the term e F; decrease of the approach
+    #: per unit amplitude of the ball's deformation; h [m/N^(4/3)] of the term h F^(4/3).
     local: Array
     #: Radii of the balls (N,) [m].
     r_ball: Array
     #: Profile errors of the flanks (N, 4, d) [m]: coefficients of a polynomial of the contact angle, ascending powers.
     profile: Array
-    #: Contact data (N, 7) of balls between one diagonal pair of arcs, see
-    #: `lowfi.statics.kernel.elastic.solve_balls_of_flank_pair`.
+    #: Contact data (N, 7) of balls between one diagonal pair of circular flanks, see
+    #: `lowfi.statics.kernel.elastic.solve_balls_of_flank_pair`; zeros if four flanks are solved instead.
     pair: Array
     #: Rollers; in arrays over all rolling elements they come after the balls.
     rollers: RollerContacts
@@ -318,11 +322,15 @@ NO_ROLLERS = RollerContacts(np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
 
 
 class ForceState(NamedTuple):
-    """State of the iteration that has the contact forces as unknowns: forces, free motions of the bodies, and contacts."""
+    """State of the iteration that has the contact forces as unknowns.
+
+    It consists of the contact forces, the free rigid motions of the bodies (which only the contacts resist), ball centres,
+    and contacts.
+    """
 
     #: Forces on the flanks (N, d) [N].
     phi: Array
-    #: Amplitudes of the free motions (k,) [m].
+    #: Amplitudes of the bodies' free rigid motions, which only the contacts resist (k,) [m].
     a: Array
     #: Displacement of each ball's centre in its section plane [m] (two numbers) and amplitude of its deformation (N, 3).
     inner: Array
@@ -338,7 +346,7 @@ class ForceStep(NamedTuple):
     dphi: Array
     #: Step of the motions of the flanks (N, d) [m].
     dv: Array
-    #: Step of the free motions (k,) [m].
+    #: Step of the amplitudes of the bodies' free rigid motions (k,) [m].
     da: Array
 
 
@@ -347,7 +355,7 @@ class SearchStart(NamedTuple):
 
     #: Forces on the flanks (N, d) [N].
     phi: Array
-    #: Free motions (k,) [m].
+    #: Amplitudes of the bodies' free rigid motions (k,) [m].
     a: Array
     #: Motions of the flanks by the bodies, G phi (N, d) [m].
     g: Array
@@ -356,7 +364,7 @@ class SearchStart(NamedTuple):
 
 
 class BallRows(NamedTuple):
-    """Factors S of the balls' tangent stiffness: S^T S is the stiffness of a ball for motions of its flanks."""
+    """Factors S of the tangent stiffness S^T S [N/m] of balls and rollers against motions of their flanks or rings."""
 
     #: Rows of S for each ball (N, 6 or 2, d) [(N/m)^(1/2)].
     S: Array
@@ -391,7 +399,7 @@ class BodyWorkspace(NamedTuple):
     step: ForceStep
     #: State from which the line search starts.
     begin: SearchStart
-    #: Square roots of the balls' stiffness.
+    #: Factors S of the balls' stiffness S^T S.
     rows: BallRows
 
 
@@ -427,5 +435,5 @@ class Outcome(NamedTuple):
     residual: float
     #: Energy [J].
     energy: float
-    #: Largest contact force during the iteration [N].
+    #: Force by which the residual was divided [N]: the largest force in the model, or a lower limit if that is larger.
     scale: float

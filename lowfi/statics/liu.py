@@ -59,7 +59,7 @@ class SpringRow:
     at: float
     #: Axial position of the load [m].
     beyond: float
-    #: Share of the screw in the tensile compliance of a segment of screw and nut.
+    #: Tensile compliance of a screw segment, as a fraction of the sum for screw and nut segment.
     share: float
     #: Tensile stiffness E A of the screw [N].
     bar: float
@@ -82,8 +82,8 @@ class SpringRow:
         Parameters
         ----------
         step
-            Load increment [N] of Liu's secant stiffness, equations (19) to (22), by the approach of the first loaded ball.
-            With 0 the result is the tangent stiffness at the loaded end.
+            Load increment [N] of Liu's secant stiffness, equations (19) to (22): increment divided by the change of the
+            first loaded ball's displacement. With 0 the result is the tangent stiffness at the loaded end.
         """
         if self.force == 0.0:
             return None
@@ -104,7 +104,8 @@ def nut_as_spring_row(scene: Scene, *, member: int = 0, law: Law = "implicit") -
     member
         Number of the specimen, for a scene with random errors.
     law
-        How the contact angle follows from the approach, equation (10); Liu's law is ``"implicit"``.
+        How the contact angle depends on the approach: ``"implicit"``, Liu's equations (10) and (14); ``"constant"``, not at
+        all; ``"exact"``, from the geometry of groove centres that move along the axis only.
 
     Raises
     ------
@@ -201,7 +202,8 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
     member
         Number of the specimen, for a scene with random errors.
     law
-        How the contact angle follows from the approach, equation (10); Liu's law is ``"implicit"``.
+        How the contact angle depends on the approach: ``"implicit"``, Liu's equations (10) and (14); ``"constant"``, not at
+        all; ``"exact"``, from the geometry of groove centres that move along the axis only.
     compiled
         Whether to use compiled kernels.
 

@@ -50,9 +50,9 @@ class _AxialChain:
     fixed: NDArray[np.bool_]
     #: Prescribed values of the fixed unknowns [m].
     prescribed: Array
-    #: Unknown of the screw's motion at each ball ``(N,)``.
+    #: Index of the unknown that is the screw's motion at each ball ``(N,)``.
     screw: NDArray[np.int64]
-    #: Unknown of the nut's motion at each ball ``(N,)``; -1 for a rigid nut.
+    #: Index of the unknown that is the nut's motion at each ball ``(N,)``; -1 for a rigid nut.
     nut: NDArray[np.int64]
     #: Approach of a flank pair per axial motion: sine of the contact angle times cosine of the lead angle.
     slope: float
@@ -69,7 +69,7 @@ def nut_tensile_stiffness(scene: Scene) -> float:
 
 
 def _bars(band: Array, unknowns: NDArray[np.int64], stations: Array, stiffness: float) -> None:
-    """Add the stiffness of bars in series to a stiffness matrix.
+    """Add the stiffness of bars in series to a stiffness matrix, which is changed in place.
 
     Parameters
     ----------

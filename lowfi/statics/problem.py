@@ -39,10 +39,10 @@ class Problem:
     prescribed: Array
     #: Loads on the nodes ``(n, 6)`` [N, N m].
     load: Array
-    #: First node whose motion moves each screw flank at a ball ``(N, 2)``.
+    #: First node whose motion moves each screw flank (SL, SR) at a ball ``(N, 2)``.
     node: NDArray[np.int64]
-    #: Motions of these flanks in the plane of the ball's section ``(N, 2, 2, m)``, per unit motion of that node, or of the
-    #: two nodes of its element.
+    #: Motions of the screw's two flanks at each ball, with two components in the ball's section plane, per unit of the m
+    #: motions of this node (m = 6), or of this node and the next one (m = 12): ``(N, 2, 2, m)``.
     B: Array
     #: Geometry and Hertz constant of each contact for the kernels ``(N, 4, 9)``, see ``kernel.ball``.
     geometry: Array
@@ -52,7 +52,8 @@ class Problem:
     use: NDArray[np.bool_]
     #: Number of beam elements left out because they carry no load.
     left_out_elements: int
-    #: For a rigid screw, the matrix ``(6, 6)`` from its free and fixed coordinates to its motions; None for a beam.
+    #: For a rigid screw, the matrix ``(6, 6)`` from its six coordinates (the free ones first, then those that supports fix)
+    #: to its three displacements and three rotations; None for a beam.
     basis: Array | None = None
     #: Degrees of freedom of the first node (for a rigid screw, columns of the basis) that are fixed although no support
     #: fixes them, because no load drives and nothing resists them.
@@ -101,7 +102,7 @@ class SolvedState:
     reactions: Array
     #: Motions of the flanks in the plane of the ball's section ``(N, 4, 2)`` [m]; None if all flanks are circular arcs.
     shifts: Array | None
-    #: Largest contact force during the iteration [N].
+    #: Force by which the solver divided its residual [N]: the largest force in the model.
     scale: float
 
 
@@ -156,8 +157,9 @@ def centre_distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, 
     Returns
     -------
     tuple[Array, Array]
-        Vectors from groove to ball centre, their length and the nominal approach ``(..., N, 4, 4)`` [m], and pair closures
-        ``(..., N, 2)`` [m], positive for interference.
+        For each ball and flank the vector from groove centre to ball centre, its length and the nominal approach
+        ``(..., N, 4, 4)`` [m]; and for each ball the interference across its two diagonal pairs of flanks
+        ``(..., N, 2)`` [m], negative for clearance.
     """
     x, z, radii = drawn.centre[..., 0], drawn.centre[..., 1], nominal_groove_radii(scene)
     size, nominal = _vector_length(x, z), _vector_length(*nominal_groove_centres(scene).T)
@@ -173,18 +175,27 @@ def centre_distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, 
 
 
 def largest_interference(problem: Problem) -> float:
-    """Return the interference of the tightest ball [m]; zero if it is within the round-off of the coordinates."""
+    """Return the largest nominal interference of a ball with a diagonal pair of flanks [m].
+
+    Zero if all balls have clearance, or if the interference is within the round-off of the coordinates.
+    """
     closed = float(problem.closure.max(initial=0.0))
     return closed if closed > round_off_approach(problem) else 0.0
 
 
 def round_off_approach(problem: Problem) -> float:
-    """Return the contact approach [m] that round-off of the coordinates can feign: 16 machine epsilons of a ball radius."""
+    """Return the contact approach [m] that round-off of the coordinates can cause: 16 machine epsilons times a ball radius.
+
+    A computed approach up to this size counts as no contact.
+    """
     return 16.0 * float(np.finfo(float).eps) * problem.scene.balls.radius
 
 
 def _vector_length(x: Array, z: Array) -> Array:
-    """Return the length of vectors (x, z), rounded alike wherever they lie in memory, unlike numpy's hypot."""
+    """Return the lengths of vectors (x, z).
+
+    Unlike numpy's hypot, the rounding does not depend on where the arrays lie in memory.
+    """
     return np.asarray(np.sqrt(x * x + z * z))
 
 
@@ -293,7 +304,8 @@ def _nodal_supports_and_loads(scene: Scene, nodes: Array) -> tuple[NDArray[np.bo
             if fixed[j, FREEDOMS.index(name)]:
                 where = f"at {1e3 * support.at:g} mm"
                 raise ValueError(
-                    f"got two supports that fix {name} {where}; allowed: one within {1e6 * MERGE:g} um; remove one"
+                    f"got two supports that fix {name} {where}; allowed: one support of a degree of freedom within "
+                    f"{1e6 * MERGE:g} um; remove one of them"
                 )
             fixed[j, FREEDOMS.index(name)] = True
             prescribed[j, FREEDOMS.index(name)] = value
@@ -443,7 +455,7 @@ class PrescribedMotion:
 
     #: Number of the support in the scene, from 0.
     support: int
-    #: Name of the degree of freedom.
+    #: Name of the degree of freedom: "ux", "uy", "uz", "rx", "ry" or "rz".
     freedom: str
     #: Prescribed value [m or rad].
     value: float
@@ -461,7 +473,10 @@ class Contradiction:
     by: tuple[PrescribedMotion, ...]
 
     def message(self, scene: Scene) -> str:
-        """Return the contradiction as one sentence for the user, with the supports' axial positions in mm."""
+        """Return the contradiction as one sentence for the user, with the supports' axial positions in mm.
+
+        ``scene``: screw with the contradicting supports.
+        """
         names = ", ".join(f"{x.freedom} at {_describe_support_position(scene, x)}" for x in self.by)
         contradicted = f"{self.held.freedom} at {_describe_support_position(scene, self.held)}"
         return (
@@ -488,11 +503,13 @@ def describe_prescribed_value(held: PrescribedMotion) -> str:
 
 
 def support_constraints(scene: Scene) -> tuple[Array, Array, list[PrescribedMotion]]:
-    """Return the supports of a rigid screw as k linear constraints on its six motions at the nut's centre.
+    """Return the supports of a rigid screw as k linear constraints on its six motions, taken at the nut's centre.
+
+    ``scene``: screw with supports, which fix k degrees of freedom.
 
     Returns
     -------
-    tuple[Array, Array, list[Held]]
+    tuple[Array, Array, list[PrescribedMotion]]
         Matrix ``(k, 6)`` and right-hand side ``(k,)`` [m] of the constraints, and the k fixed degrees of freedom. Rotations
         are multiplied by the pitch radius.
     """

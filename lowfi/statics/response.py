@@ -45,15 +45,17 @@ if TYPE_CHECKING:
 
 #: Largest number of balls up to which compliance is cached.
 KEPT = 250
-#: Largest share of a contact's tangent compliance that is moved from Hertz's law to the bodies. The tangent compliance
-#: falls with the cube root of the force; with this share the remaining part is positive up to 64 times the typical force.
+#: Largest share of a contact's tangent compliance (derivative of the approach by the force) that is moved from Hertz's law
+#: to the bodies. The tangent compliance falls with the cube root of the force; with this share the rest stays positive up
+#: to 64 times the typical force.
 LENT = 0.25
 
 
 def order_ball_by_ball(N: int, flank_count: int) -> NDArray[np.int64]:
-    """Return the permutation ``(N * sides * 2,)`` from the order (flank, ball, axis) to the order (ball, flank, axis).
+    """Return the permutation from the order (flank, ball, axis) to the order (ball, flank, axis).
 
-    ``N``: number of balls; ``flank_count``: number of flanks; axis: one of two components in the ball's section plane.
+    The array ``(2 N flank_count,)`` holds for each place in the new order the index in the old one. ``N``: number of balls;
+    ``flank_count``: number of flanks per ball; axis: one of two components in the ball's section plane.
     """
     return np.arange(flank_count * N * 2).reshape(flank_count, N, 2).swapaxes(0, 1).ravel()
 
@@ -64,7 +66,7 @@ def compliance_of_both_flanks(G: Array, used: NDArray[np.bool_], N: int) -> Arra
     Parameters
     ----------
     G
-        Compliance matrix of the flanks in use [m/N].
+        Compliance matrix of the flanks in use [m/N], ordered by ball, flank and component in the ball's section plane.
     used
         Which of the two flanks are in use ``(2,)``.
     N
@@ -115,9 +117,9 @@ class Compliance:
 
     @cached_property
     def lacks(self) -> Array:
-        """Return the compliances along the normals ``(n,)`` [m/N] that the matrix lacks to be positive semidefinite.
+        """Return the compliance ``(n,)`` [m/N] to add along each contact's normal to make the matrix positive semidefinite.
 
-        They are upper bounds: the matrix's negative part (that of its negative eigenvalues) is projected on the
+        The values are upper bounds: the matrix's negative part (that of its negative eigenvalues) is projected on the
         normals, and the magnitudes in each row of this projection are summed up.
         """
         negative = negative_part(self.G)[0].reshape(len(self.normals), 2, -1, 2)
@@ -126,14 +128,18 @@ class Compliance:
 
     @cached_property
     def mended(self) -> tuple[Compliance, float]:
-        """Return the matrix with all missing compliance added, and the eigenvalue that was set to zero."""
+        """Return the compliance with ``lacks`` added along the normals, and the largest eigenvalue that was set to zero.
+
+        The second entry is the magnitude [m/N] of the largest negative eigenvalue that remained; zero if there was none.
+        """
         return self.with_added_compliance(self.lacks)
 
     def with_added_compliance(self, lent: Array) -> tuple[Compliance, float]:
         """Return a copy with compliance added along the normals, in which remaining negative eigenvalues are set to zero.
 
-        Rollers have no normal here; they move with the beam alone, whose compliance must not change. The negative
-        eigenvalues are therefore those of the other contacts while the rollers do not move (`condensed_compliance`).
+        The normals of rollers are zero vectors: rollers move with the beam alone, whose compliance must not change. The
+        negative eigenvalues are therefore those of the other contacts while the rollers do not move
+        (`condensed_compliance`).
 
         Parameters
         ----------
@@ -171,8 +177,8 @@ class Compliance:
 def condensed_compliance(G: Array, kept: NDArray[np.bool_]) -> Array:
     """Return the compliance of the ``kept`` degrees of freedom while all others are fixed (Schur complement).
 
-    ``G`` ``(m, m)``: compliance matrix of all degrees of freedom [m/N]; ``kept`` ``(m,)``: truth values. The compliance of
-    the others may be singular, since rollers on one node move together.
+    ``G`` ``(m, m)``: compliance matrix of all degrees of freedom [m/N]; ``kept`` ``(m,)``: True for each degree of freedom
+    of the result. The compliance of the others may be singular, since rollers on one node move together.
     """
     if kept.all():
         return G
@@ -183,7 +189,10 @@ def condensed_compliance(G: Array, kept: NDArray[np.bool_]) -> Array:
 
 
 def _is_positive(G: Array) -> bool:
-    """Return whether a symmetric matrix is positive semidefinite, by a Cholesky factor with a slightly raised diagonal."""
+    """Return whether the symmetric matrix ``G`` is positive semidefinite.
+
+    It is, if a Cholesky factor exists after a small addition to the diagonal (1e-10 of its mean).
+    """
     if G.size == 0:
         return True
     raised, diagonal = G.copy(), np.arange(len(G))
@@ -212,7 +221,8 @@ def typical_axes(problem: Problem, force: float) -> tuple[float, float]:
 def only_flank_pair(problem: Problem) -> tuple[int, int] | None:
     """Return the numbers of the two flanks of the only diagonal pair in use, the screw's flank first.
 
-    None if all four flanks are in use or the flanks are not circular arcs.
+    Flanks are numbered SL 0, SR 1, NL 2, NR 3: the result is (0, 3) or (1, 2). None if all four flanks are in use or the
+    flanks are not circular arcs.
     """
     if problem.drawn.profile.shape[1] or np.all(problem.use):
         return None
@@ -228,15 +238,15 @@ NOTHING = Compliance(np.zeros((0, 0)), np.zeros((0, 2)))
 class BodyCompliance:
     """Compliance of shaft, screw and nut at the contacts of N balls; independent of loads and ball radii.
 
-    In addition to Hertz's law, the approach of a contact has a linear term e F and a term h F^(4/3) of its force F.
+    The approach of a contact under the force F is C F^(2/3) (Hertz) + e F + h F^(4/3).
     """
 
     #: Beam of the screw with k free rigid motions, under the loads of the first problem that used this compliance.
     shaft: Shaft
     #: Compliance matrices of screw and nut between their flanks in use, ordered ball by ball [m/N].
     bodies: tuple[Array, Array]
-    #: Compliance that the kernels use: the sum of screw and nut if one diagonal pair of flanks is in use, else each of them
-    #: with all its flanks.
+    #: Compliance in the form that the kernels use: if one diagonal pair of flanks is in use, the sum of screw and nut (one
+    #: element); else screw and nut separately, each with both of its flanks (two elements).
     solved: tuple[Compliance, ...]
     #: Motions of the screw's flanks per metre of the free rigid motions ``(N, 2, 2, k)``.
     R: Array
@@ -388,12 +398,15 @@ class FlankCompliance:
 
 
 def contact_compliance(problem: Problem, force: float) -> float:
-    """Return the tangent compliance of a contact [m/N] under a force [N], by Hertz's law with the mean constant."""
+    """Return the tangent compliance of a contact [m/N] under a force [N]: the derivative of its approach by the force.
+
+    It follows from Hertz's law with the mean Hertz constant of all contacts of the ``problem``.
+    """
     return float(1.0 / contact_stiffness_under_force(force, float(np.mean(problem.C))))
 
 
 def flanks_of(problem: Problem, force: float, shaft: Shaft, response: BodyCompliance) -> FlankCompliance:
-    """Return the compliance of all flanks, and the terms of the contact law besides Hertz, under the loads of a problem.
+    """Return the compliance of all flanks, and the terms that the contact law has besides Hertz's, at a typical force.
 
     Parameters
     ----------
@@ -437,7 +450,11 @@ def flanks_of(problem: Problem, force: float, shaft: Shaft, response: BodyCompli
 
 
 def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Array:
-    """Return the contact data of N balls between one diagonal pair of flanks ``(N, 7)`` (`solve_balls_of_flank_pair`).
+    """Return the contact data ``(N, 7)`` of N balls between one diagonal pair of flanks a and b.
+
+    The columns are the vector D (two components) [m] from the nominal groove centre of b to that of a, its length |D| [m],
+    the nominal interference [m], and the coefficients C, e, h of both contacts in series: approach = C F^(2/3) + e F +
+    h F^(4/3). They are the input of `kernel.elastic.solve_balls_of_flank_pair`.
 
     Parameters
     ----------
@@ -471,7 +488,9 @@ def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float
     Returns
     -------
     Array
-        Square root of the stiffness times direction, ``(N, 1, 2)`` for one pair, ``(N, 2, 8)`` for all flanks.
+        Factors S ``(N, 1, 2)`` for one pair, or ``(N, 2, 8)`` for all flanks: square root of the stiffness times the
+        direction of each spring, so that S^T S [N/m] is the stiffness against motions of a ball's flanks. Zero where there
+        is no spring.
     """
     w = contact_normals(problem.geometry)
     root = np.sqrt(stiffness)

@@ -53,7 +53,10 @@ class Status(str):
     cause: Cause
 
     def __new__(cls, kind: Ended, reason: str = "", cause: Cause = "") -> Status:
-        """Make a status with the text "kind: reason", or the kind alone if there is no reason."""
+        """Make a status with the text "kind: reason", or the kind alone if there is no reason.
+
+        ``cause``: known cause of the failure; empty if it is unknown.
+        """
         status = super().__new__(cls, f"{kind}: {reason}" if reason else kind)
         status.kind, status.reason, status.cause = kind, reason, cause
         return status
@@ -68,9 +71,10 @@ class Equilibrium:
     """Check of equilibrium: sums of the forces [N] and of the moments about the origin [N m] on the screw or shaft.
 
     Contact forces are summed at their contact points, and reactions are computed from the beam, so that the sums check the
-    solution independently of the solved equations. A free motion that no load drives is prevented by a pin, a degree of
-    freedom that is fixed although no support fixes it. Since the model keeps balls in their section planes, the pin may
-    carry a small load, which is not a reaction of a support. The residuals include it.
+    solution independently of the solved equations. A rigid motion that neither support nor contact resists and no load
+    drives is prevented by a pin, a degree of freedom that is fixed although no support fixes it. Since the model keeps
+    balls in their section planes, the pin may carry a small load, which is not a reaction of a support. The residuals
+    include it.
     """
 
     #: Sum of the external loads ``(3,)`` [N].
@@ -134,7 +138,7 @@ class SolverReport:
     iterations: int = quantity_field("iterations", "Newton steps")
     #: Evaluations of the equations.
     evaluations: int = quantity_field("evaluations", "evaluations of the equations")
-    #: Largest unbalanced force over the largest force.
+    #: Largest unbalanced force of the solved equations, divided by the largest force.
     residual: float = quantity_field("residual", "largest unbalanced force of the solved equations over the largest force")
     #: Time of the solve [s].
     seconds: float = quantity_field("seconds", "time of the solve")
@@ -148,7 +152,8 @@ class SolverReport:
     formulation: str = quantity_field("formulation")
     #: Relative residual that rounding errors in double precision can leave.
     round_off_bound: float = quantity_field("round_off_bound", "bound of the residual due to rounding only", default=0.0)
-    #: Largest change of a contact load [N] if every beam element is halved; None if it was not computed.
+    #: Estimated error by the beam's discretisation: largest change of a contact load [N] on halved elements, or (if the
+    #: beam's nodes are not at the contacts) with a node at every contact; None if it was not computed.
     discretisation: float | None = quantity_field(
         "discretisation_percent",
         "change of the loads when every beam element is halved, in per cent of the mean load",
@@ -163,19 +168,19 @@ class SolverReport:
 
 @dataclass(frozen=True)
 class Answering:
-    """Record some of whose fields are replaced by nan if the solution did not converge."""
+    """Base class of results: fields that are valid only for a converged solution can be replaced by nan."""
 
     #: Names of the fields that are replaced.
     ANSWERS: ClassVar[tuple[str, ...]] = ()
 
     def without_answers(self) -> Self:
-        """Return a copy in which the fields named in ``ANSWERS`` are nan, also in nested records."""
+        """Return a copy in which the fields named in ``ANSWERS`` are nan, also in nested records; `Equilibrium` is None."""
         return replace(self, **{name: placeholder_without_solution(getattr(self, name)) for name in self.ANSWERS})
 
 
 @dataclass(frozen=True, kw_only=True)
 class Solved(Answering):
-    """Static solution of a shaft by any model: the part that results of single screws and of assemblies have in common."""
+    """Static solution of a shaft by any model: fields that results of single screws and of assemblies have in common."""
 
     #: Name of the model.
     model: str

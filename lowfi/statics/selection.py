@@ -160,7 +160,7 @@ def solutions_clear_of_left_out_flanks(
 ) -> NDArray[np.bool_]:
     """Return for each of k solutions whether all balls are clear of the flanks that were left out ``(k,)``.
 
-    An unloaded ball is clear if it has room at its present position or in the middle between its flanks.
+    An unloaded ball is clear if it touches no flank at its present position or at the mean displacement of its flanks.
 
     Parameters
     ----------

@@ -35,8 +35,8 @@ ACCEPTED = 1e-10
 LOST = 1e-6
 #: Relative round-off error of the motions from which a contact force is computed, about eight operations.
 ROUND_OFF = 8.0 * float(np.finfo(float).eps)
-#: Largest number of updates of Hertz constants and of lever arms, and the change (relative, or [m]) below which they count
-#: as settled.
+#: Largest number of updates of Hertz constants and of lever arms, and the change of Hertz constants (relative) or lever
+#: arms [m] below which no further update follows.
 HERTZ_RUNS, ARM_RUNS, SETTLED = 12, 6, 1e-13
 
 
@@ -69,7 +69,8 @@ def solver_options(scale: Scale, arm: float, furthest: float, tolerance: float =
     arm
         Length [m] by which moments are divided where they are compared with forces.
     furthest
-        Largest motion of a flank in one step [m]: the radius of the largest ball.
+        Largest motion of a flank that one Newton step may cause [m]; longer steps are shortened. Callers pass the radius of
+        the largest ball.
     tolerance
         Relative residual at which the iteration ends.
     """
@@ -125,7 +126,7 @@ class StaticEquations(ABC):
     state: Any
     #: Parameters of the iteration.
     options: Options
-    #: Largest contact force in the last solve [N].
+    #: Force by which the residual of the last solve was divided [N]: the largest force in the model, or a lower limit.
     scale: float = 0.0
 
     def iterate(self, from_linear: bool = True) -> Outcome:
@@ -168,7 +169,7 @@ class StaticEquations(ABC):
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
 
     def copy_state_from(self, of: StaticEquations) -> Self:
-        """Copy the state of the equations ``of``, which have the same size, into these equations; return these."""
+        """Copy the unknowns of the equations ``of``, which have the same size, into these equations; return the latter."""
         for mine, known in zip(self.state, of.state, strict=True):
             mine[:] = known
         return self
@@ -178,12 +179,18 @@ P = TypeVar("P", bound=StaticEquations)
 
 
 def contact_angles(normal: Array) -> Array:
-    """Return the contact angles ``(..., 4)`` [rad] from the unit normals ``(..., 4, 2)`` from ball to groove."""
+    """Return the contact angles ``(..., 4)`` [rad] from the unit normals ``(..., 4, 2)`` from ball to groove.
+
+    The angle counts from the radial direction at the groove's bottom towards the flank, for the flanks SL, SR, NL, NR.
+    """
     return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
 
 
 def no_state_found(outcome: Outcome) -> bool:
-    """Return whether a solve failed, so that Hertz constants and lever arms cannot be updated from its state."""
+    """Return whether a solve failed, so that Hertz constants and lever arms cannot be updated from its state.
+
+    ``outcome``: status and relative residual of the solve.
+    """
     return outcome.status in NO_LOADS or outcome.residual > LOST
 
 
@@ -223,7 +230,7 @@ def least_residual(motions: float, stiffness: float, scale: float, problems: Ite
     stiffness
         Stiffness of the stiffest contact or node [N/m].
     scale
-        Largest contact force [N].
+        Force [N] to which the residual is relative; with 0 the result is 0.
     problems
         Contact problems of the bearings and nuts.
     """
@@ -305,7 +312,7 @@ def solver_report(
 def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Outcome:
     """Update the Hertz constants to the actual contact angles and solve again, until they no longer change.
 
-    Returns the outcome of the last solve, with the iterations of all. ``system`` is left at the last state.
+    Returns the outcome of the last solve, with the iterations of all solves added up. ``system`` holds the last state.
 
     Parameters
     ----------
@@ -357,12 +364,18 @@ def update_lever_arms(system: P, outcome: Outcome) -> tuple[P, Outcome]:
 
 
 def has_profile_errors(problem: Problem) -> bool:
-    """Return whether the lever arms of a bearing or nut depend on profile errors of its flanks."""
+    """Return whether the lever arms of a bearing or nut depend on profile errors of its flanks.
+
+    They do if flanks are not circular arcs, unless the scene's ``arm`` is "nominal" (lever arms to the nominal contact
+    points).
+    """
     return problem.drawn.profile.shape[1] > 0 and problem.scene.ingredients.arm != "nominal"
 
 
 def centre_shift(s: ContactState) -> Array:
-    """Return the vector from the nominal arc's centre to the profile's centre of curvature at each loaded contact.
+    """Return the shift of a flank's centre of curvature by its profile errors, at each loaded contact.
+
+    It is the vector from the nominal arc's centre to the profile's centre of curvature, in the ball's section plane.
 
     ``s``: contacts, ball centres and flank motions of one bearing or nut with N balls.
 
@@ -381,5 +394,8 @@ def centre_shift(s: ContactState) -> Array:
 
 
 def add_iteration_counts(first: Outcome, then: Outcome) -> Outcome:
-    """Return the outcome ``then`` of a later solve, with the iterations and evaluations of both solves added up."""
+    """Return the outcome ``then`` of a later solve, with the iterations and evaluations of both solves added up.
+
+    ``first``: outcome of the solve before it.
+    """
     return then._replace(iterations=first.iterations + then.iterations, evaluations=first.evaluations + then.evaluations)

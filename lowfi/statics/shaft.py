@@ -51,7 +51,11 @@ CHUNK = 512
 
 @dataclass
 class Shaft:
-    """Beam model of a screw on its supports; if these leave k rigid motions free, one node is pinned against them."""
+    """Beam model of a screw with n nodes on its supports.
+
+    If the supports leave k rigid motions of the screw free, one node is held against them ("pinned") in the stiffness
+    matrix, and the rigid motions are unknowns of their own.
+    """
 
     #: Arrays of the static problem.
     problem: Problem
@@ -64,7 +68,7 @@ class Shaft:
     pin: int
     #: Degrees of freedom that are neither fixed nor pinned ``(6 n,)``.
     free: NDArray[np.bool_]
-    #: Factor of the stiffness matrix.
+    #: Cholesky factor of the stiffness matrix, with inverted diagonal blocks (`kernel.matrices.inverse_blocks`).
     factor: tuple[Array, Array] = field(repr=False)
     #: Lower band of the stiffness matrix ``(12, 6 n)``.
     band: Array = field(repr=False)
@@ -85,9 +89,9 @@ class Shaft:
 
     @cached_property
     def by_loads(self) -> tuple[Array, Array]:
-        """Return the nodal motions by external loads and prescribed displacements, see `motions_by_external_loads`.
+        """Return the nodal motions by external loads and prescribed displacements: a rigid part and the rest.
 
-        Computed once.
+        The result of `motions_by_external_loads`, two arrays ``(6 n,)`` [m, rad]; computed once.
         """
         return motions_by_external_loads(self)
 
@@ -101,7 +105,11 @@ class Shaft:
 
 
 def unsupported_motions(problem: Problem) -> Array:
-    """Return the k rigid motions of the screw that no support prevents ``(6, k)``, at the node nearest to the nut."""
+    """Return the k rigid motions of the screw that no support prevents ``(6, k)``.
+
+    Each column is the motion of the node nearest to the nut, per metre of amplitude: displacements [m/m] and rotations
+    [rad/m]. A rotation's amplitude is the angle times the pitch radius.
+    """
     scale, z = metres_to_motions(problem), problem.nodes
     origin = z[pin_node(problem)]
     rows = rigid_transport(z - origin)[problem.fixed] * scale
@@ -115,7 +123,8 @@ def unsupported_motions(problem: Problem) -> Array:
 def metres_to_motions(problem: Problem) -> Array:
     """Return the factors ``(6,)`` that convert amplitudes in metres to motions of the screw.
 
-    They are 1 for the three displacements and 1/pitch radius [rad/m] for the three rotations.
+    They are 1 for the three displacements and 1/pitch radius [rad/m] for the three rotations. A rotation's amplitude is the
+    angle times the pitch radius.
     """
     return np.repeat([1.0, 1.0 / problem.scene.track.pitch_radius], 3)
 
@@ -154,7 +163,7 @@ def build_shaft(problem: Problem) -> Shaft:
 def _work_of_external_loads(problem: Problem, motions: Array, pin: int) -> Array:
     """Return the work of the external loads on the k free rigid motions, per metre of amplitude ``(k,)`` [N].
 
-    ``motions`` ``(6, k)``: the motions at the node with the number ``pin``.
+    ``motions`` ``(6, k)``: the motions at the node with the number ``pin``. ``problem``: static problem with the loads.
     """
     if problem.basis is not None:
         return np.asarray(problem.load[0] @ motions)
@@ -163,7 +172,7 @@ def _work_of_external_loads(problem: Problem, motions: Array, pin: int) -> Array
 
 
 def _factor_beam_stiffness(band: Array, free: NDArray[np.bool_]) -> Array:
-    """Return the factor of a beam's stiffness matrix, see `kernel.matrices`.
+    """Return the Cholesky factor of a beam's stiffness matrix as lower band ``(6 n, 12)``, see `kernel.matrices`.
 
     ``band`` ``(6 n, 12)``: lower band of the matrix; ``free`` ``(6 n,)``: whether a degree of freedom is free. The others
     are decoupled and get a unit diagonal.
@@ -178,15 +187,21 @@ def _factor_beam_stiffness(band: Array, free: NDArray[np.bool_]) -> Array:
 
 
 def flank_motion_coefficients(problem: Problem, screw_flanks: list[int]) -> tuple[NDArray[np.int64], Array]:
-    """Return which nodal motions move each screw flank, and by how much: indices ``(c, m)``, coefficients ``(c, 2, m)``.
+    """Return which m nodal motions move each screw flank at a ball, and by how much.
 
     Parameters
     ----------
     problem
         Static problem of N balls.
     screw_flanks
-        Numbers of the screw flanks in use, 0 for SL and 1 for SR. The c = N len(used) flanks at the balls are ordered: all
-        balls of the first of these numbers, then all balls of the second.
+        Numbers of the screw flanks in use, 0 for SL and 1 for SR. The result has a row for each of these flanks at each
+        ball, c = N len(screw_flanks) rows: first all balls of the first flank, then all balls of the second.
+
+    Returns
+    -------
+    tuple[NDArray[np.int64], Array]
+        Indices of the m motions among the 6 n motions of all nodes ``(c, m)``, and the motions of the flank per unit of
+        them ``(c, 2, m)``: two components in the ball's section plane.
     """
     m = problem.B.shape[3]
     dof = [6 * problem.node[:, s, None] + np.arange(m) for s in screw_flanks]
@@ -201,12 +216,13 @@ def flank_response(shaft: Shaft, screw_flanks: list[int]) -> tuple[Array, Array]
     shaft
         The beam with k free rigid motions.
     screw_flanks
-        Numbers of the screw flanks in use, 0 for SL and 1 for SR; with all balls there are c flanks.
+        Numbers of the screw flanks in use, 0 for SL and 1 for SR. Each counts once per ball, which gives c flanks.
 
     Returns
     -------
     tuple[Array, Array]
-        Compliance ``(2 c, 2 c)`` [m/N] of the flanks, and their motions per metre of each free rigid motion ``(2 c, k)``.
+        Compliance ``(2 c, 2 c)`` [m/N] of the flanks by the beam, and their motions per metre of each free rigid motion
+        ``(2 c, k)``; two components per flank, in the order of `flank_motion_coefficients`.
     """
     problem = shaft.problem
     dof, rows = flank_motion_coefficients(problem, screw_flanks)
@@ -228,8 +244,8 @@ def flank_response(shaft: Shaft, screw_flanks: list[int]) -> tuple[Array, Array]
 def flank_motions_by_loads(shaft: Shaft, screw_flanks: list[int]) -> Array:
     """Return the motions ``(2 c,)`` [m] of c screw flanks by external loads and prescribed displacements.
 
-    ``screw_flanks``: numbers of the screw flanks in use (0: SL, 1: SR). There are c = len(used) x number of balls flanks,
-    all balls of the first number first, with two components in the ball's section plane each.
+    ``screw_flanks``: numbers of the screw flanks in use (0: SL, 1: SR). Each counts once per ball, which gives c flanks:
+    first all balls of the first flank, then all balls of the second, each with two components in the ball's section plane.
     """
     problem = shaft.problem
     dof, rows = flank_motion_coefficients(problem, screw_flanks)
@@ -242,7 +258,7 @@ def motions_by_external_loads(shaft: Shaft) -> tuple[Array, Array]:
     """Return the nodal motions by external loads and prescribed displacements: a rigid part and the rest, ``(6 n,)`` each.
 
     If the prescribed displacements are a rigid motion of the shaft, this motion is the rigid part; otherwise it is zero.
-    It is kept apart because its round-off, multiplied with the stiffness, would appear as a strain of the beam.
+    It is separated because its round-off, multiplied by the stiffness, would appear as a strain of the beam.
     """
     problem, held = shaft.problem, shaft.problem.fixed
     prescribed = np.where(held, shaft.problem.prescribed, 0.0)
@@ -284,9 +300,10 @@ def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
 
 
 def node_forces(shaft: Shaft, loads: Array) -> Array:
-    """Return the forces and moments ``(n, 6)`` [N, N m] on the beam's nodes that keep the motions of `node_motions`.
+    """Return the forces and moments ``(n, 6)`` [N, N m] on the beam's nodes that belong to the motions of `node_motions`.
 
-    ``loads`` ``(6 n,)`` [N, N m]: nodal loads besides the external ones, as for `node_motions`.
+    They are the stiffness matrix times the nodal motions: the sum of external loads, ``loads`` and support reactions.
+    ``loads`` ``(6 n,)`` [N, N m]: nodal loads in addition to the external loads, as for `node_motions`.
     """
     return shaft.times(shaft.by_loads[1] + shaft.solve(loads[:, None])[:, 0]).reshape(-1, 6)
 
@@ -310,9 +327,9 @@ Ints = NDArray[np.int64]
 class Stretch:
     """Part of the shaft under one nut or bearing, whose cross-sections deform, unlike the rigid sections of a beam."""
 
-    #: Indices of its flanks' motions among those of all flanks ``(m,)``.
+    #: Indices of the m motions of its flanks (two per flank and ball) among the motions of all flanks ``(m,)``.
     flanks: Ints
-    #: Axial positions of the contacts ``(m,)`` [m].
+    #: Axial position of the contact to which each of these motions belongs ``(m,)`` [m].
     stations: Array
     #: D^T of equation (1) of the module: motions of the flanks per unit wrench at the upper cut ``(m, 6)``.
     feel: Array
@@ -320,8 +337,8 @@ class Stretch:
     at_cut: Array
     #: Number of the node at the upper cut, above all contacts.
     cut: int
-    #: For each loaded node below the cut, motions of the flanks per unit load ``(m, 6)``, without the part that follows
-    #: from the wrench in the shaft at a contact.
+    #: By the number of each loaded node below the cut: motions of the flanks per unit load on the node ``(m, 6)``, without
+    #: the part that follows from the wrench in the shaft at a contact.
     sections: dict[int, Array]
 
 
@@ -329,28 +346,33 @@ class Stretch:
 class JumpsInsideStretches:
     """Motions of the shaft's nodes between a contact and the upper cut, caused by the jump that the contact's force makes.
 
-    If the shaft carries no load beyond a cut, the nodes beyond this cut are included.
+    Contact, cut and jump are those of the module's description. If the shaft carries no load above a cut, the nodes above
+    this cut are included.
     """
 
     #: Arrays of the static problem.
     problem: Problem
     #: Parts of the shaft under nuts and bearings.
     stretches: Sequence[Stretch]
-    #: Number c of flanks at all balls.
+    #: Number c of screw flanks in use, counted once per ball.
     flanks: int
 
     def _motions_per_jump(self, x: Stretch) -> tuple[Array, Ints]:
-        """Return the motions of the first m nodes per unit jump at the cut of the stretch ``x``, and nodes of the flanks.
+        """Return the motions of nodes per unit jump at the cut of the stretch ``x``, and the first node above each flank.
 
-        The first array ``(m, 6, 6)`` has the axes node, motion of the node and component of the jump. The second array
-        holds for each flank of the stretch the number of the first node above it.
+        The first array ``(m, 6, 6)`` has the axes node, motion of the node and component of the jump; it covers the m nodes
+        up to the cut, or all nodes if the shaft carries no load above the cut. The second array holds for each flank motion
+        of the stretch the number of the first node above its contact.
         """
         nodes = self.problem.nodes
         z = nodes[: x.cut + 1] if is_loaded_above_node(self.problem, x.cut) else nodes
         return rigid_transport(z - nodes[x.cut]), np.searchsorted(z, x.stations - MERGE)
 
     def nodal_motions_by_flank_forces(self, pushes: Array) -> Array:
-        """Return the motions ``(6 n,)`` [m, rad] of the n nodes by the forces ``pushes`` ``(2 c,)`` [N] on the c flanks."""
+        """Return the motions ``(6 n,)`` [m, rad] of the n nodes by the jumps that the forces on the c flanks make.
+
+        ``pushes`` ``(2 c,)`` [N]: forces on the flanks, two components in the ball's section plane each.
+        """
         out = np.zeros((self.problem.nodes.size, 6))
         for x in self.stretches:
             moves, first = self._motions_per_jump(x)
@@ -364,7 +386,7 @@ class JumpsInsideStretches:
     def by_loads(self, loads: Array) -> Array:
         """Return the motions ``(2 c, k)`` [m] of the c flanks under k cases of nodal loads ``(6 n, k)`` [N, N m].
 
-        By Maxwell's reciprocity the coefficients are those of `nodal_motions_by_flank_forces`.
+        By Maxwell's reciprocity the matrix is the transpose of that of `nodal_motions_by_flank_forces`.
         """
         out, nodal = np.zeros((2 * self.flanks, loads.shape[1])), loads.reshape(-1, 6, loads.shape[1])
         for x in self.stretches:
@@ -382,7 +404,8 @@ class SectionForceCoupling:
     """Coupling between contact deformation and section forces of a shaft with n nodes and c flanks, equation (2).
 
     Section forces of the shaft deform the grooves and so move the flanks; contact forces in turn strain the shaft. Each cut
-    that carries load contributes 6 wrench components, W in all. Only ``moved`` and ``given`` depend on the external loads.
+    through which load passes contributes 6 wrench components, W in all. Cuts, wrenches and jumps are those of the module's
+    description. Only ``moved`` and ``given`` depend on the external loads.
     """
 
     #: Addition to the compliance matrix of the flanks ``(2 c, 2 c)`` [m/N].
@@ -413,7 +436,8 @@ class SectionForceCoupling:
         shaft
             The beam with its loads.
         thermal
-            Part of the wrenches at the cuts ``(W,)`` [N, N m] that stands for free thermal expansion and causes no stress.
+            Part of the wrenches at the cuts ``(W,)`` [N, N m] that represents free thermal expansion and causes no stress;
+            it is subtracted.
         """
         wrench = self.wrenches @ shaft.by_loads[1] - thermal
         moved = self.feel @ wrench + self.inside.by_loads(shaft.problem.load.reshape(-1, 1))[:, 0]
@@ -427,16 +451,16 @@ class SectionForceCoupling:
         return np.asarray(self.wrenches.T @ (self.jumps @ pushes + self.given))
 
     def add_jumps_inside_stretches(self, motion: Array, pushes: Array, fixed: NDArray[np.bool_]) -> Array:
-        """Add to nodal motions ``(n, 6)`` the jumps of all contacts between each contact and the upper cut.
+        """Return nodal motions ``(n, 6)`` with the motions added that the jumps cause between each contact and upper cut.
 
         Parameters
         ----------
         motion
-            Motions of the nodes ``(n, 6)`` [m, rad].
+            Motions of the nodes ``(n, 6)`` [m, rad] without these jumps; the array is not changed.
         pushes
             Forces on the flanks [N], 2 c components.
         fixed
-            Which degrees of freedom are fixed ``(n, 6)``; they stay unchanged.
+            Which degrees of freedom are fixed ``(n, 6)``; nothing is added to them.
         """
         return np.where(fixed, motion, motion + (self.inside.nodal_motions_by_flank_forces(pushes.ravel())).reshape(-1, 6))
 
@@ -448,7 +472,7 @@ class SectionForceCoupling:
         loads
             Nodal loads ``(6 n, k)`` [N, N m].
         motions
-            Motions of the beam's nodes ``(6 n, k)`` under these loads without the coupling.
+            Motions of the beam's nodes ``(6 n, k)`` [m, rad] under these loads without the coupling.
         """
         wrench = self.wrenches @ motions
         return np.asarray(self.feel @ wrench + self.inside.by_loads(loads)), np.asarray(self.nodes @ wrench)
@@ -498,21 +522,21 @@ def stretch_of(
 
 
 def is_loaded_above_node(problem: Problem, cut: int) -> bool:
-    """Return whether a support, load or contact acts on the beam above a node, so that a wrench passes the node's cut.
+    """Return whether a support, load or contact acts on the beam above a cut, so that a wrench passes through the cut.
 
     Parameters
     ----------
     problem
         Static problem.
     cut
-        Number of the node.
+        Number of the node at which the shaft is cut; nodes with larger numbers are above it.
     """
     beyond = slice(cut + 1, None)
     return bool(problem.fixed[beyond].any() or problem.load[beyond].any() or (problem.node > cut).any())
 
 
 def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
-    """Return the stiffness of the beam element above a cut, as the wrench on the shaft below the cut.
+    """Return the stiffness of the beam element above a cut, as force and moment ("wrench") on the shaft below the cut.
 
     Parameters
     ----------
@@ -549,9 +573,9 @@ def couple_section_forces(
     screw_flanks
         Numbers of the screw flanks in use, 0 for SL and 1 for SR.
     stretches
-        Parts of the shaft under nuts and bearings.
+        Parts of the shaft under nuts and bearings; empty: the coupling is not modelled.
     strain
-        Free thermal strain of the shaft.
+        Free thermal strain of the shaft, dimensionless; it causes no section forces.
     """
     if not stretches:
         return None

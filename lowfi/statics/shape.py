@@ -29,7 +29,8 @@ def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArr
     Returns
     -------
     tuple[NDArray[np.int64], Array]
-        First of the two nodes for each position ``(k,)``, and matrices ``(k, 6, 12)``.
+        Index of the first of the two nodes for each position ``(k,)``; and matrices ``(k, 6, 12)`` from the twelve motions
+        of both nodes to the six motions at the position.
     """
     last = nodes.size - 1
     j = np.clip(np.searchsorted(nodes, z, side="right") - 1, 0, last - 1).astype(np.int64)
@@ -49,7 +50,7 @@ def motions_at(z: Array, nodes: Array, section: BeamSection, motion: Array) -> A
     Parameters
     ----------
     z
-        Axial positions ``(k,)`` [m].
+        Axial positions ``(k,)`` [m]; beyond the nodes the shaft moves as a rigid body.
     nodes
         Axial positions of the nodes ``(n,)`` [m].
     section
@@ -196,7 +197,11 @@ def null_space_of_constraints(constraints: Array) -> Array:
 
 
 def independent_columns(matrix: Array) -> list[int]:
-    """Return the numbers of linearly independent columns of a matrix ``(k, m)``, by QR with column pivoting."""
+    """Return the indices of linearly independent columns of a matrix ``(k, m)``, at most min(k, m).
+
+    They are chosen by a QR decomposition with column pivoting: each is the column with the largest part normal to those
+    chosen before.
+    """
     remainder, chosen = matrix.copy(), []
     for _ in range(min(matrix.shape)):
         sizes = (remainder * remainder).sum(axis=0)

@@ -115,7 +115,7 @@ class OneSetEquations(StaticEquations):
 
     #: Arrays of the contact problem.
     problem: Problem
-    #: Input from which the problem is built again with other lever arms.
+    #: Input of the problem, from which it is built again if the lever arms of the contacts change.
     build: StaticInput
 
     @property
@@ -163,14 +163,17 @@ class BeamEquations(OneSetEquations):
         return (ContactState(self.problem, self.state.contact, self.state.p, moved),)
 
     def clears(self) -> bool:
-        """Return whether no ball touches a left-out flank, by solving every ball with four flanks at fixed screw motion."""
+        """Return whether no ball touches a flank that was left out of the solved problem.
+
+        Every ball is solved with all four flanks, while the screw keeps its motion of the solution.
+        """
         touched = touched_sides(self.engine, self.problem, self.state.q, self.state.p, self.force)
         return not np.any(touched & ~self.problem.use)
 
     def round_off(self) -> float:
-        """Return the relative residual that rounding errors leave.
+        """Return the smallest relative residual that rounding errors permit.
 
-        It follows from the largest motion, and the largest sum of contact stiffnesses on one node.
+        It follows from the largest motion of a node, and the largest sum of contact stiffnesses at one node.
         """
         problem, motion = self.problem, float(np.abs(self.state.q[:, :3]).max(initial=0.0))
         stiff = contact_stiffness_under_force(self.force[:, :2], problem.C[:, :2])
@@ -208,7 +211,7 @@ def beam_equations(
     tolerance
         Relative residual at which the iteration ends.
     build
-        Input from which the problem was built; None: taken from ``problem``.
+        Input from which the problem was built; None: assembled from the scene, errors, balls and flanks of ``problem``.
     """
     lengths, s = np.diff(problem.nodes), problem.section
     sections = np.tile([s.EA, s.EI, s.GJ, s.kGA], (lengths.size, 1))
@@ -250,8 +253,8 @@ class StaticInput:
     refine: int = 1
     #: Result of `centre_distances` for these parts; None: not computed yet.
     known: tuple[Array, Array] | None = None
-    #: Fixed degrees of freedom of the nodes ``(n, 6)``, their values ``(n, 6)``, and which of the first node's are pins;
-    #: None: the supports of the scene.
+    #: Which degrees of freedom of the n nodes are fixed ``(n, 6)``, their prescribed values ``(n, 6)`` [m, rad], and the
+    #: numbers of those that only a pin fixes at the first node; None: the supports of the scene, without pins.
     held: tuple[NDArray[np.bool_], Array, tuple[int, ...]] | None = None
 
     @property
@@ -278,7 +281,7 @@ class StaticInput:
         return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])
 
     def with_supports_of(self, pinned: Problem) -> Self:
-        """Return a copy of this input with the fixed degrees of freedom of the problem ``pinned``."""
+        """Return a copy of this input with the fixed degrees of freedom of the problem ``pinned``, its pins included."""
         return replace(self, held=(pinned.fixed, pinned.prescribed, pinned.pins))
 
     def ready(self, problem: Problem) -> OneSetEquations:
@@ -286,7 +289,7 @@ class StaticInput:
         return beam_equations(problem, self.engine, build=self)
 
     def touched(self) -> str:
-        """Return the sentence for the result that balls touched left-out flanks, so that all four flanks were solved."""
+        """Return a sentence for the result: balls touched flanks that were left out, so all four flanks were solved."""
         names = ", ".join(name for name, used in zip(SIDES, self.use, strict=True) if not used)
         return f"flanks {names} touch balls in the solution without these flanks: solved again with all four flanks"
 
@@ -333,7 +336,13 @@ def solve_with_chosen_flanks(build: StaticInput) -> Solution | UnrestrainedProbl
     Parameters
     ----------
     build
-        Input of the problem, with the chosen flanks.
+        Input of the problem; its ``use`` gives the chosen flanks.
+
+    Returns
+    -------
+    Solution | UnrestrainedProblem
+        The state where the solver ended, converged or not; `UnrestrainedProblem` if the load drives a motion that nothing
+        resists, so that nothing was solved.
     """
     notes: tuple[str, ...] = ()
     while True:
@@ -452,8 +461,8 @@ def solve_built(build: StaticInput, name: str, start: float) -> StaticResult:
 def with_note_on_pins(result: StaticResult, mechanism: Mechanism, other_loads: Callable[[], Array | None]) -> StaticResult:
     """Return the result with a note on how much the contact loads depend on the choice of pinned degrees of freedom.
 
-    A pin fixes a motion that neither load nor support determines. Without a noticeable reaction at the pin the result
-    is returned unchanged.
+    A pin fixes a motion that neither load nor support determines. The result is returned unchanged if the pins carry no
+    noticeable reaction, if there are no other degrees of freedom to pin, or if it has not converged.
 
     Parameters
     ----------
@@ -490,7 +499,8 @@ def pin_free_motions(problem: Problem, mechanism: Mechanism, other: bool = False
     mechanism
         Motions that nothing resists, and the degrees of freedom that can be pinned.
     other
-        Whether to pin the alternative degrees of freedom of the mechanism instead of the first choice.
+        Whether to pin the alternative degrees of freedom ``mechanism.others`` instead of the first choice
+        ``mechanism.pins``.
     """
     chosen = mechanism.others if other else mechanism.pins
     if not mechanism.pins and not mechanism.no_torsion:
@@ -510,7 +520,7 @@ def runaway_status(problem: Problem) -> Status:
     """Return the status of a screw that moved without limit in the iteration.
 
     The status is "not held" only if a linear program proves that contacts and supports cannot carry the load; otherwise it
-    is "not converged".
+    is "not converged". ``problem``: the static problem that was iterated.
     """
     from rollbench.lowfi.statics.held import describe_motion, opening_motion, status_of_runaway_body
 
@@ -523,8 +533,9 @@ def runaway_status(problem: Problem) -> Status:
 def with_discretisation_error(scene: Scene, result: StaticResult, solve: Callable[..., StaticResult]) -> StaticResult:
     """Return the result with an estimate of the beam's discretisation error: the largest change of a contact load [N].
 
-    With the partition "nodal" (a node at every contact) the result is compared with one of half the element length. With
-    any other partition it is compared with the nodal one.
+    If the scene's ``partition`` is "nodal" (a beam node at every contact), the result is compared with a solution on
+    elements of half the length. With any other partition it is compared with the solution of the nodal partition.
+    A rigid screw has the error zero.
 
     Parameters
     ----------
@@ -533,7 +544,8 @@ def with_discretisation_error(scene: Scene, result: StaticResult, solve: Callabl
     result
         Its result.
     solve
-        Function that computes the result of a scene; its argument ``refine`` splits the elements.
+        Function that computes the result of a scene; its keyword ``refine`` gives the number of elements that each beam
+        element is split into.
     """
     if scene.ingredients.screw == "rigid":
         return replace(result, solver=replace(result.solver, discretisation=0.0))

@@ -88,8 +88,9 @@ def _cached_motion_matrices(
 ) -> tuple[Array, NDArray[np.int64], Array]:
     """Return where a screw's centreline is reported, and how the motions there follow from those of the beam's nodes.
 
-    Entries: axial positions of `stations_of` ``(k,)`` [m]; first of the two nodes at each, and matrices, as
-    `motion_matrices` returns them. The last eight results are cached.
+    Entries: axial positions ``(k,)`` [m] as for `stations_of`; the first node ``(k,)`` of the beam element at each of them;
+    and the matrices ``(k, 6, 12)`` from the motions of the element's two nodes to the motions there (`motion_matrices`).
+    The last eight results are cached.
     """
     stations = stations_of(length, nodes)
     return stations, *motion_matrices(stations, np.array(nodes), section)
@@ -98,7 +99,8 @@ def _cached_motion_matrices(
 def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
     """Return the contact points on the undeformed flanks [m], and the unit vectors of the contact forces on the balls.
 
-    Both arrays have the shape ``(N, 4, 3)``: balls, flanks SL, SR, NL, NR, and coordinates of the scene.
+    ``solved``: solution with N balls. Both arrays have the shape ``(N, 4, 3)``: balls, flanks SL, SR, NL, NR, and the
+    coordinates x, y, z of the scene.
     """
     problem, normal = solved.problem, solved.normal
     layout = problem.layout
@@ -113,7 +115,7 @@ def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
 
 
 def check_screw_equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibrium:
-    """Return the sums of forces and moments on the screw, and the largest sum of forces on a ball.
+    """Return the check of equilibrium: the sums of forces and moments on the screw, and the largest net force on a ball.
 
     The screw is loaded by external loads, support reactions, contact forces at the contact points, and by pins: degrees of
     freedom that are fixed although no support fixes them.
@@ -281,7 +283,7 @@ def check_equilibrium(
 
 
 def round_off_forces(lengths: Array, sections: Array, motion: Array) -> tuple[float, float]:
-    """Return the force [N] and moment [N m] in a beam's stiffest elements by rounding errors of the node motions.
+    """Return the force [N] and moment [N m] that rounding errors of the node motions cause in a beam's stiffest elements.
 
     Parameters
     ----------
@@ -331,7 +333,8 @@ def status_after_equilibrium_check(
 def add_reason_not_unique(status: Status, warnings: Sequence[Warned]) -> Status:
     """Return the status, with an added reason if the solver did not converge and the contact pattern is not unique.
 
-    Uneven flanks can touch a ball at several places; a warning of the kind "profile" says so.
+    Flanks with profile errors can touch a ball at several places. Warnings of the kind "profile" report this; their texts
+    become part of the reason. Without such ``warnings``, ``status`` is returned unchanged.
     """
     places = [w for w in warnings if w.kind == "profile"]
     if status.kind != "not converged" or not places:
@@ -355,7 +358,8 @@ def contact_result(
     report
         Effort and accuracy of the solve.
     arc_on_both_sides
-        Whether each groove is one arc that extends to both sides of its bottom, as in a deep groove bearing.
+        Whether each groove is one arc that extends to both sides of its bottom, as in a deep groove bearing. Contact angles
+        are then checked by their magnitude.
     """
     problem, force = solved.problem, solved.force
     raw = contact_angles(solved.normal)

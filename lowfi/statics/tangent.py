@@ -79,9 +79,10 @@ class Tangent:
 def tangent_stiffness(
     scene: Scene, station: float, *, backend: Backend = REFINED, condensed: Condensed | None = None, member: int = 0
 ) -> Tangent:
-    """Return the tangent stiffness of a loaded ball screw between a section of the screw and the fixed nut, equation (1).
+    """Return the tangent stiffness of a loaded ball screw between a section of the screw and the fixed nut.
 
-    The change of Hertz constants with the contact angle, and of the lever arms on uneven profiles, is neglected.
+    It is the matrix K of equation (1) of the module. Changes of Hertz constants with the contact angle, and of lever arms
+    on flanks with profile errors, are neglected.
 
     Parameters
     ----------
@@ -119,7 +120,9 @@ def tangent_stiffness(
 
 
 def _stiffness_at_clamp(equations: Any, clamped_equations: Any, station: float) -> Array:
-    """Return the tangent stiffness K ``(6, 6)`` [N/m, N, N m] of equation (1) of this module.
+    """Return the tangent stiffness K ``(6, 6)`` [N/m, N, N m] between a section of the screw and the fixed nut.
+
+    It is given by equation (1) of the module.
 
     Parameters
     ----------
@@ -164,7 +167,8 @@ def flank_motions_by_clamp(problem: Problem, station: float) -> Array:
     Returns
     -------
     Array
-        R_z ``(4 N, 6)``, ball after ball: flank SL along x3 and z3, then SR along x3 and z3.
+        R_z ``(4 N, 6)`` of equation (1) of the module, ball after ball: flank SL, radial and along the helix's binormal,
+        then flank SR likewise.
     """
     dof, rows = flank_motion_coefficients(problem, [0, 1])
     nodes = np.concatenate([rigid_transport(float(z - station)) for z in problem.nodes])

@@ -68,8 +68,8 @@ def validity_warnings(solved: SolvedState, gamma: Array, z: Array, motion: Array
 def groove_range(scene: Scene) -> tuple[Array, Array]:
     """Return the smallest and the largest contact angle that each flank's arc allows, ``(4,)`` each [rad].
 
-    The arc of a Gothic groove reaches from the apex at the groove's bottom to the land. A groove of a single arc reaches
-    from one land to the other, with shoulders of equal height.
+    The arc of a Gothic groove reaches from the apex at the groove's bottom to the edge of the land, the cylindrical surface
+    beside the groove. A groove of a single arc reaches from one land to the other, with shoulders of equal height.
     """
     screw, nut = groove_section(scene), axial_range_of_nut_groove(scene)
     if has_single_arc_grooves(scene):
@@ -79,7 +79,10 @@ def groove_range(scene: Scene) -> tuple[Array, Array]:
 
 
 def arc_end_names(scene: Scene) -> str:
-    """Return the names of the ends of a groove's arc for messages: "land edge", or "apex or land edge"."""
+    """Return the names of the ends of a groove's arc for messages: "land edge", or "apex or land edge".
+
+    The land is the cylindrical surface beside the groove, the apex the line where the two arcs of a Gothic groove meet.
+    """
     return "land edge" if has_single_arc_grooves(scene) else "apex or land edge"
 
 
@@ -123,10 +126,10 @@ def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, shift: Arr
 
 
 def _overlapping_contact_warning(problem: Problem, force: Array, gamma: Array) -> list[Warned]:
-    """Return a warning of balls whose contacts with both flanks of a groove lie within one contact ellipse.
+    """Return a warning of balls whose contacts with both flanks of a groove lie within one contact ellipse, else none.
 
-    The groove is then a single arc, and the model represents one contact by two springs. Since contact angles count from
-    the groove's bottom to either side, the angle between both contacts is the sum of their contact angles.
+    The groove is a single arc there, and the model counts one contact twice. Since contact angles count from the groove's
+    bottom to either side, the angle between both contacts is the sum of their contact angles.
 
     Parameters
     ----------
@@ -167,7 +170,7 @@ def size_warnings(semi_axis: Array, radius: float, element: Element = "ball") ->
     radius
         Radius of the ball or roller [m].
     element
-        "ball" or "roller".
+        Rolling element that the warning is about: "ball" or "roller".
     """
     most = float(semi_axis.max(initial=0.0)) / radius
     if most <= LARGE:
@@ -189,7 +192,7 @@ def contact_warnings(pressure: Array, semi_axis: Array, radius: float, element: 
     radius
         Radius of the ball or roller [m].
     element
-        "ball" or "roller".
+        Rolling element that the warning is about: "ball" or "roller".
     """
     allow = DENT_PRESSURE if element == "ball" else ROLLER_DENT_PRESSURE
     notes, beyond = size_warnings(semi_axis, radius, element), pressure > allow
@@ -238,8 +241,9 @@ def _ball_overlap_warning(problem: Problem, shift: Array) -> list[Warned]:
 def profile_warning(solved: SolvedState) -> list[Warned]:
     """Return a warning if profile errors of a groove allow several contact points of one ball and flank, or none.
 
-    The centre of curvature of the profile lies off the groove's centre by the profile's slope rho' [m]. If this is not
-    small against the distance between groove centre and ball centre, there may be several contact points. The profile error
+    Profile errors shift the centre of curvature of the profile off the groove's centre, by the derivative of the groove's
+    radius with respect to the contact angle [m]. If this shift is not small against the distance between groove centre and
+    ball centre, there may be several contact points. ``solved``: solution with contact angles and forces. The profile error
     is a polynomial of the angle from -180 to 180 deg with a jump at its ends. A ball that is pressed onto the jump has no
     equilibrium on either side of it.
     """
@@ -309,7 +313,7 @@ def large_tilt_warning(tilt: float, radius: float, approach: float, element: Ele
     approach
         Largest contact approach [m].
     element
-        "ball" or "roller".
+        Rolling element that the warning is about: "ball" or "roller".
     """
     beyond = 0.5 * radius * tilt**2
     if approach == 0.0 or (tilt <= SMALL_TILT and beyond <= SECOND_ORDER * approach):

@@ -94,25 +94,29 @@ RIGID_INNER = "elastic inner ring: apart from its contacts it is rigid, like the
 
 @dataclass(frozen=True)
 class Housings:
-    """The m moving housings of an assembly and the springs between them, as one linear elastic system."""
+    """The m moving housings of an assembly and the springs between them, as one linear elastic system.
 
-    #: Indices of the free degrees of freedom, of which k are pinned and left out if springs leave k motions loose.
+    If no spring resists k rigid motions of the housings, k degrees of freedom are fixed in the stiffness matrix, and the
+    rigid motions are unknowns of their own.
+    """
+
+    #: Indices of the free degrees of freedom, without the k that are fixed against rigid motions.
     free: NDArray[np.int64]
     #: Cholesky factor of the stiffness matrix of these degrees of freedom; None: there are none.
     factor: tuple[Array, bool] | None
     #: Stiffness matrix of all degrees of freedom ``(6 m, 6 m)``.
     stiffness: Array
-    #: Rigid motions ``(6 m, k)`` that no spring resists.
+    #: Rigid motions ``(6 m, k)`` that no spring resists, per metre of amplitude.
     motions: Array
     #: Motions of the housings by external loads and prescribed displacements ``(6 m,)`` [m, rad].
     given: Array
-    #: Work of the external loads on the k loose motions ``(k,)``.
+    #: Work of the external loads on these rigid motions, per metre of amplitude ``(k,)`` [N].
     work: Array
 
     def solve(self, loads: Array) -> Array:
-        """Return the housings' motions ``(6 m, c)`` [m, rad] under c load cases ``(6 m, c)`` [N, N m].
+        """Return the housings' motions ``(6 m, c)`` [m, rad] under c load cases ``loads`` ``(6 m, c)`` [N, N m].
 
-        Motions that no spring resists are prevented by fixed degrees of freedom.
+        Prescribed displacements and rigid motions that no spring resists are taken as zero.
         """
         out = np.zeros_like(loads)
         if self.factor is not None:
@@ -127,7 +131,7 @@ class ElasticAssemblyEquations(AssemblyEquations):
     SOLVER = "solve_forces"
     #: Arrays of bodies and rolling elements for the kernels.
     given: BodySystem
-    #: Contact forces, free motions of the bodies, and contacts: the unknowns of the iteration.
+    #: Unknowns of the iteration: contact forces, free rigid motions of the bodies (which only contacts resist), contacts.
     state: ForceState
     #: Method by which the compliance of screws, nuts and balls is computed.
     backend: Backend
@@ -141,7 +145,8 @@ class ElasticAssemblyEquations(AssemblyEquations):
     on_housings: Array
     #: Motions ``(4 N, 6 m)`` of the flanks of inner rings that housings carry, per unit motion of the housings.
     carried: Array
-    #: Compliance matrices ``(4 N_s, 4 N_s)`` [m/N] of screw and nut, for each bearing or nut with N_s balls.
+    #: For each ball bearing or nut, the compliance matrices of its screw (or inner ring) and nut (or outer ring) under its
+    #: own contact forces, ``(4 n, 4 n)`` [m/N] for its n balls.
     own: list[tuple[Array, Array]]
     #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
@@ -181,7 +186,11 @@ class ElasticAssemblyEquations(AssemblyEquations):
         return self.state.phi.reshape(-1, 4, 2)
 
     def shifts(self) -> Array:
-        """Return the motions of all flanks ``(N, 4, 2)`` [m] by body deformation, free motions and prescribed offsets."""
+        """Return the motions of all flanks ``(N, 4, 2)`` [m] in the present state, in the balls' section planes.
+
+        They consist of deformations of the bodies, their free rigid motions (which only contacts resist), and the
+        prescribed offsets of nuts and outer rings.
+        """
         bodies, forces = self.given.bodies, self.forces()
         N = len(forces)
         out = (bodies.v0 + bodies.R @ self.state.a).reshape(N, 4, 2)
@@ -190,7 +199,7 @@ class ElasticAssemblyEquations(AssemblyEquations):
         return np.asarray(out)
 
     def row_states(self) -> tuple[MotionState, Array]:
-        """Return the motions of shaft nodes and housings with all contacts, and the reactions of the supports.
+        """Return the state (motions of shaft nodes and housings, ball centres, contacts), and the supports' reactions.
 
         The reactions ``(r, 6)`` [N, N m] act on the r nodes and housings and are zero at free degrees of freedom.
         """
@@ -229,14 +238,15 @@ class ElasticAssemblyEquations(AssemblyEquations):
 
 
 def housings_of(structure: Structure, arm: float) -> Housings:
-    """Return the moving housings with the springs between them and to the frame.
+    """Return the moving housings, and the springs between them and to the fixed frame, as one linear elastic system.
 
     Parameters
     ----------
     structure
         Shaft, housings and springs.
     arm
-        Length [m] by which rotations are scaled to translations in the search for loose motions.
+        Length [m] by which rotations are multiplied to be comparable with translations, in the search for motions that no
+        spring resists.
     """
     n, m = structure.nodes.size, structure.at.size
     K = np.zeros((6 * m, 6 * m))
@@ -264,9 +274,10 @@ def housings_of(structure: Structure, arm: float) -> Housings:
 
 
 def problem_moved_by_shaft_only(b: BallSet) -> Problem:
-    """Return the contact problem of a ball nut or bearing in which only the shaft moves the inner flanks.
+    """Return the contact problem of the ball nut or bearing ``b`` with the inner flanks' motions by the shaft only.
 
-    If a housing carries the inner ring, the inner flanks do not move with the shaft.
+    If a housing carries the inner ring, the shaft does not move the inner flanks, and the coefficients of their motions are
+    zero.
     """
     p = b.problem
     return p if b.of.carrier is None else replace(p, node=np.zeros_like(p.node), B=np.zeros_like(p.B))
@@ -289,8 +300,9 @@ def grooved_shaft_section(assembly: Assembly, backend: Backend) -> BeamSection |
 def combined_problem(system: AssemblyArrays, rollers: RollerElements) -> Problem:
     """Return all balls, then all rollers of an assembly as one contact problem on the shaft's beam.
 
-    It serves to compute the response of the beam to contact forces. Its scene and errors are those of the first bearing
-    or nut only.
+    It serves to compute the response of the beam to contact forces. Its scene and manufacturing errors are those of the
+    first ball bearing or nut and are not valid for the others. ``system``: arrays of the assembly; ``rollers``: its rollers
+    as elements between rigid rings.
     """
     s, problems = system.structure, [problem_moved_by_shaft_only(b) for b in system.balls]
     first = problems[0]
@@ -326,9 +338,9 @@ def compliance_of_screw_and_nut(
     Returns
     -------
     tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]
-        Compliance matrices ``(4 N, 4 N)`` of screw and nut [m/N]; coefficients e and h ``(N, 4)`` of the linear and the
-        size-dependent term of each contact's approach; coupling g ``(4,)`` of opposite contacts through the ball;
-        assumptions as sentences.
+        Compliance matrices ``(4 N, 4 N)`` of screw and nut [m/N]; coefficients e [m/N] and h [m/N^(4/3)] ``(N, 4)`` of the
+        terms e F and h F^(4/3) in the approach of each contact; decrease of the approach at each flank by a unit amplitude
+        of the ball's deformation ``(4,)``, which couples opposite contacts; assumptions as sentences.
     """
     problem, scene = b.problem, b.problem.scene
     N, layout = problem.layout.z.size, problem.layout
@@ -353,7 +365,7 @@ def flank_motions_by_housings(system: AssemblyArrays, rollers: RollerElements) -
 
     The first matrix ``(4 N, 6 m)`` holds the motions of the outer flanks, the second those of inner flanks that a housing
     carries. The rows are two flanks with two components for each of N rolling elements: balls come first, then rollers,
-    whose outer flank is the cup.
+    whose outer flank is the cup. ``system``: arrays of the assembly.
     """
     n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
     outer, inner = np.zeros((2, balls + rollers.count, 2, 2, 6 * m))
@@ -478,9 +490,10 @@ def elastic_assembly_equations(system: AssemblyArrays, backend: Backend, engine:
 
 
 def square_root_stiffness_of_balls(elastic: ElasticAssemblyEquations) -> list[Array]:
-    """Return for each ball i a matrix S_i ``(rows, 8)`` such that S_i^T S_i is its stiffness for motions of its flanks.
+    """Return for each ball or roller i a matrix S_i such that S_i^T S_i is its stiffness [N/m] for motions of its flanks.
 
-    The eight motions of the four flanks are in the order of `ForceState`.
+    S_i ``(rows, 8)`` has at most six rows. The eight columns are the flanks SL, SR, NL, NR with two components in the
+    ball's section plane each; for a roller see `kernel.rollers`. ``elastic``: solved assembly.
     """
     N = elastic.state.contact.shape[0]
     S, counts = np.zeros((N, 6, 8)), np.zeros(N, dtype=np.int64)
@@ -521,11 +534,11 @@ def own_stiffness(elastic: ElasticAssemblyEquations, i: int, b: BallSet, S: list
     elastic
         Solved assembly.
     i
-        Number of the ball nut or bearing.
+        Number of the ball nut or bearing among those with balls, from 0.
     b
         The ball nut or bearing.
     S
-        Square roots of the balls' stiffness from `square_root_stiffness_of_balls`.
+        Square roots of the stiffness of all balls and rollers, from `square_root_stiffness_of_balls`.
     """
     root = block_diagonal(S[b.balls])
     rows = np.zeros((b.problem.layout.z.size, 8, 6))
@@ -536,9 +549,10 @@ def own_stiffness(elastic: ElasticAssemblyEquations, i: int, b: BallSet, S: list
 
 
 def elastic_stiffness(elastic: ElasticAssemblyEquations, S: list[Array]) -> Array | None:
-    """Return the tangent stiffness ``(6, 6)`` of the whole assembly at the reported shaft node or housing.
+    """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of the whole assembly at the reported shaft node or housing.
 
-    None if that housing is fixed, or the assembly has no resistance to some motion. `stiffness_of_rigid_assembly` is the
+    None if that housing is fixed, or the assembly has no resistance to some motion. ``elastic``: solved assembly; ``S``:
+    square roots of the balls' stiffness, from `square_root_stiffness_of_balls`. `stiffness_of_rigid_assembly` is the
     counterpart for rigid bodies (model lin).
     """
     system, structure = elastic.system, elastic.system.structure

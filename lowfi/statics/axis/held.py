@@ -37,7 +37,7 @@ class UnrestrainedMotions:
 
     #: Whether the loads drive such a motion, so that there is no equilibrium.
     driven: bool
-    #: Description of the motions for the user.
+    #: Description of the motions in words, for the user; empty if there are none.
     text: str
     #: Each pin: number of the shaft node or housing, and of its degree of freedom to fix.
     pins: tuple[tuple[int, int], ...] = ()
@@ -109,7 +109,10 @@ def describe_motions(system: AssemblyArrays, free: Array) -> str:
 
 
 def pin_unrestrained_motions(system: AssemblyArrays, loose: UnrestrainedMotions) -> AssemblyArrays:
-    """Return the assembly's arrays with fixed degrees of freedom ("pins") against motions that nothing resists."""
+    """Return the assembly's arrays with fixed degrees of freedom ("pins") against motions that nothing resists.
+
+    ``loose``: these motions, with the degrees of freedom to fix; without any, ``system`` itself is returned.
+    """
     if not loose.pins:
         return system
     fixed = system.structure.fixed.copy()
@@ -156,10 +159,10 @@ def opening_motion(system: AssemblyArrays) -> Array | None:
 
 
 def _approach_change_of_balls(b: BallSet, system: AssemblyArrays, by_row: Array) -> Array:
-    """Return the change of the approach of every contact of one nut or bearing, per unit motion of bodies and balls.
+    """Return the change of the approach of every contact of one nut or bearing, per unit motion of bodies and ball centres.
 
-    In an opening motion no approach may grow. The single arc of a deep groove has contacts at its contact angle on both
-    sides.
+    The columns are the k rigid motions of shaft and housings, then two coordinates of every ball centre of the assembly.
+    The single arc of a deep groove has contacts at its contact angle on both sides.
 
     Parameters
     ----------

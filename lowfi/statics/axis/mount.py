@@ -35,7 +35,7 @@ TIED = diagonal_stiffness((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 class _PreloadTask:
     """Assembly without loads and thermal expansion, and the function that solves it.
 
-    Argument of the cached `_find_preload_shifts`.
+    It is the argument of the cached function `_find_preload_shifts`; equal assemblies and keys give the cached result.
     """
 
     #: Assembly without loads and without thermal expansion.
@@ -64,8 +64,8 @@ def replace_preload_forces(
     Returns
     -------
     tuple[Assembly, tuple[str, ...], Status | None]
-        The assembly with offsets; notes for the report; and a status that gives the reason if preloads are not reached,
-        else None.
+        The assembly with offsets in place of preload forces; notes for the report; and None, or a status with the reason if
+        the preloads are not reached. Without preload forces the assembly is returned unchanged, without notes.
     """
     numbers = _sets_with_preload_force(assembly)
     if not numbers:
@@ -104,7 +104,7 @@ def _find_preload_shifts(mounting: _PreloadTask) -> tuple[tuple[float, ...] | No
     goal = np.log([bare.sets[i].preload for i in numbers])
 
     def excess(shift: Array) -> Array:
-        """Return ln(preload force at given shifts [m] / required force) of each part; nan for a part without load."""
+        """Return the logarithm of preload force over required force, for each part at given shifts [m]; nan without load."""
         result = solve(_replace_preload_by_offsets(bare, numbers, shift))
         forces = np.array([abs(result.sets[i].force[2]) for i in numbers]) if result.converged else np.zeros(len(numbers))
         return np.asarray(np.log(np.where(forces > 0.0, forces, np.nan)) - goal)
@@ -184,7 +184,10 @@ def _shifts_of_sliding_parts(
 
 
 def preload_shift_of_rigid_parts(rolling: RollingSet) -> float:
-    """Return the axial shift [m] of the outer part that gives a bearing or nut its preload force, with rigid bodies."""
+    """Return the axial shift [m] of the outer ring or nut that gives a bearing or nut its preload force, with rigid bodies.
+
+    ``rolling``: bearing or nut whose preload is prescribed as a force.
+    """
     if isinstance(rolling.parts, RollerRow):
         bearing = tapered_bearing(rolling.parts)
         sin = float(np.sin(bearing.cup_angle))

@@ -112,11 +112,12 @@ def estimate_axial_displacement(assembly: Assembly, sets: Sequence[tuple[Rolling
 
 
 def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
-    """Return which flanks of one ball nut or bearing touch a ball when the shaft moves by ``shift`` [m] along z.
+    """Return which flanks SL, SR, NL, NR of one ball nut or bearing touch a ball, as truth values ``(4,)``.
 
-    ``scene``: dimensions of the ball nut or bearing; ``drawn``: these with random errors. A positive shift closes the flank
-    pair SL-NR and opens SR-NL by the shift times the sine of the contact angle. Returns truth values ``(4,)`` for SL, SR,
-    NL, NR.
+    ``shift``: displacement of the shaft along z [m] relative to the nut or outer ring; a positive one closes the flank pair
+    SL-NR and opens SR-NL by the shift times the sine of the contact angle. ``scene``: dimensions of the ball nut or
+    bearing; ``drawn``: dimensions with manufacturing errors. If one pair touches balls and the other does not, only the
+    first is returned; otherwise all flanks that the direction of thrust can load.
     """
     use = USE[rolling.thrust]
     if rolling.thrust != "both" or drawn.profile.shape[1]:
@@ -130,7 +131,8 @@ def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: S
 def clear_of_left_out_flanks(system: AssemblyArrays, state: MotionState) -> bool:
     """Return whether no ball of the solved assembly touches a flank that was left out of its equations.
 
-    Only flanks that the direction of thrust of a ball nut or bearing can load are examined.
+    Only flanks that the direction of thrust of a ball nut or bearing can load are examined. ``system``: arrays of the
+    assembly; ``state``: solved motions, ball centres and contacts.
     """
     return all(
         _set_clear_of_left_out_flanks(system, b, state) for b in system.balls if np.any(USE[b.of.thrust] & ~b.problem.use)
@@ -138,7 +140,10 @@ def clear_of_left_out_flanks(system: AssemblyArrays, state: MotionState) -> bool
 
 
 def _set_clear_of_left_out_flanks(system: AssemblyArrays, b: BallSet, state: MotionState) -> bool:
-    """Return whether no ball of the ball nut or bearing ``b`` touches a flank that was left out of the equations."""
+    """Return whether no ball of the ball nut or bearing ``b`` touches a flank that was left out of the equations.
+
+    ``system``: arrays of the assembly; ``state``: solved motions, ball centres and contacts.
+    """
     contact = state.contact[b.balls]
     shift = flank_motions_of_set(b, state.q)
     for s in range(2):
@@ -151,7 +156,8 @@ def _set_clear_of_left_out_flanks(system: AssemblyArrays, b: BallSet, state: Mot
 def _left_out_flank_motion(system: AssemblyArrays, b: BallSet, flank: int, q: Array) -> Array:
     """Return the motion ``(N, 2)`` [m] of screw flank ``flank`` (0: SL, 1: SR), which was left out, at each of N balls.
 
-    ``q`` ``(r, 6)``: solved motions of shaft nodes and housings [m, rad], between which the motion is interpolated.
+    ``q`` ``(r, 6)``: solved motions of shaft nodes and housings [m, rad], between which the motion is interpolated. ``b``:
+    the ball nut or bearing.
     """
     stations = contact_force_positions(b.problem.scene, b.problem.layout)[:, flank]
     j, m = interpolate_shaft_motions(system.structure, stations)
@@ -220,7 +226,7 @@ def stiffness_from_compliance(compliance: Array, free: NDArray[np.bool_], arm: f
     free
         Which degrees of freedom are free ``(6,)``.
     arm
-        Length [m] that scales rotations to displacements.
+        Length [m] by which rotations are multiplied to be comparable with displacements when the matrix is inverted.
     """
     rows = np.flatnonzero(free)
     out = np.full((6, 6), np.nan)
@@ -288,16 +294,16 @@ class AssemblyEquations(StaticEquations):
 
     @abstractmethod
     def row_states(self) -> tuple[MotionState, Array]:
-        """Return the motions of shaft nodes and housings with all contacts, and the reactions at fixed freedoms ``(r, 6)``.
+        """Return the state (motions of shaft nodes and housings, ball centres, contacts), and the supports' reactions.
 
-        Reactions are forces [N] and moments [N m], zero at free degrees of freedom.
+        The reactions ``(r, 6)`` [N, N m] act on the r shaft nodes and housings and are zero at free degrees of freedom.
         """
 
     @abstractmethod
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
-        """Return the tangent stiffness ``(6, 6)`` of each ball nut or bearing, and of the assembly where it is reported.
+        """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut or bearing, and of the assembly.
 
-        The second is None if the assembly has no stiffness there.
+        The second is taken at the reported shaft node or housing; None if the assembly has no stiffness there.
         """
 
 
@@ -353,7 +359,10 @@ class RigidAssemblyEquations(AssemblyEquations):
         return self.state, np.where(self.system.structure.fixed, self.slopes().gradient, 0.0)
 
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
-        """Return the tangent stiffness ``(6, 6)`` of each bearing or nut, and of the assembly, see `Sets.stiffness`."""
+        """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut or bearing, and of the assembly.
+
+        The second is taken at the reported shaft node or housing; None if the assembly has no stiffness there.
+        """
         system, hessians = self.system, self.slopes().hessians
         sets = [set_stiffness(b, system.structure.stations, hessians[b.balls, :4, :4]) for b in system.balls]
         return sets, stiffness_of_rigid_assembly(system, self.engine, self.given, self.state, hessians)
@@ -403,7 +412,7 @@ class AssemblyModel(NamedTuple):
     ready: Callable[[AssemblyArrays, ModuleType], AssemblyEquations]
     #: Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
     section: BeamSection | None
-    #: Whether flanks are left out that load and offsets lift off the balls.
+    #: Whether to leave out flanks that load and offsets lift off the balls (True: fewer equations to solve).
     fewer: bool
 
 
@@ -449,12 +458,13 @@ def solve_assembly_by_model(
     engine, member
         Kernels, and number of the specimen with random errors, as for `solve_assembly`.
     solve_same_model
-        Function that solves another assembly by the same model, to find the axial offsets that give the required preloads.
+        Function that solves another assembly by the same model. It serves to find the axial offsets that give the required
+        preloads, where preloads are prescribed as forces.
     """
     start = perf_counter()
 
     def failed(status: Status) -> AxisResult:
-        """Return the result of an assembly without equilibrium."""
+        """Return the result of an assembly without equilibrium, with the ``status`` that gives the reason."""
         return failed_axis(assembly, model.name, status, perf_counter() - start, model.assumed)
 
     mounted, notes, unmet = replace_preload_forces(assembly, solve_same_model)

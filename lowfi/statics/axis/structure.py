@@ -47,10 +47,10 @@ class Structure:
     prescribed: Array
     #: Loads ``(r, 6)`` [N, N m], those of thermal expansion included.
     load: Array
-    #: Numbers of the two bodies joined by each spring, -1 for the frame ``(k, 2)``.
+    #: Numbers of the two bodies joined by each of k springs, -1 for the fixed frame ``(k, 2)``.
     ends: Ints
-    #: Matrices from the motions of these bodies to those of the spring's ends, the second with negative sign
-    #: ``(k, 2, 6, 6)``.
+    #: Matrices from the motions of these two bodies to those of the spring's ends ``(k, 2, 6, 6)``; the second has a
+    #: negative sign, so that the sum of both motions is the spring's deformation.
     reach: Array
     #: Stiffness matrices of the springs ``(k, 6, 6)``.
     springs: Array
@@ -153,7 +153,8 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
             if fixed[j, k]:
                 where = f"at {1e3 * at:g} mm"
                 raise ValueError(
-                    f"got two supports that fix {name} {where}; allowed: one within {1e6 * MERGE:g} um; remove one"
+                    f"got two supports that fix {name} {where}; allowed: one support of a degree of freedom within "
+                    f"{1e6 * MERGE:g} um; remove one of them"
                 )
             fixed[j, k], prescribed[j, k] = True, value
     for x in assembly.loads:

@@ -69,9 +69,10 @@ class SolveRecord:
     loose: str
     #: Forces and moments at the fixed degrees of freedom of shaft nodes and moving housings ``(r, 6)`` [N, N m].
     held: Array
-    #: Tangent stiffness of each ball nut and ball bearing ``(6, 6)``.
+    #: Tangent stiffness of each ball nut and ball bearing ``(6, 6)`` [N/m, N, N m].
     sets: Sequence[Array]
-    #: Tangent stiffness of the whole assembly ``(6, 6)``; None if it is not defined.
+    #: Tangent stiffness of the whole assembly at the reported shaft node or housing ``(6, 6)`` [N/m, N, N m]; None if the
+    #: assembly has no stiffness there.
     whole: Array | None
     #: Name of the model.
     model: str
@@ -81,7 +82,7 @@ class SolveRecord:
     left_out: tuple[str, ...]
     #: Motions of the flanks of each ball nut and ball bearing ``(N, 4, 2)`` [m].
     shifts: Sequence[Array]
-    #: Largest contact force during the iteration [N].
+    #: Force by which the solver divided its residual [N]: the largest force in the model.
     scale: float
 
 
@@ -173,7 +174,7 @@ def status_of_reversed_bearing(system: AssemblyArrays, sets: Sequence[SetResult]
     sets
         Results of bearings and nuts.
     scale
-        Largest contact force of the solution [N].
+        Largest force in the model [N]; contact forces below 1e-9 of it count as zero.
     """
     for s in sets:
         if s.balls is not None and s.of.thrust in ("+z", "-z"):
@@ -300,7 +301,7 @@ def _housing_result(
     """Return the result of one housing: its motion, the forces of supports and springs on it, and its residual.
 
     The residual is the sum of external load, reactions, spring forces, and forces of the bearings and nuts that the housing
-    carries.
+    carries, divided by the largest force.
 
     Parameters
     ----------
@@ -376,7 +377,7 @@ def roller_warnings(s: SetResult, z: Array, motion: Array) -> tuple[Warned, ...]
     Parameters
     ----------
     s
-        Result of the bearing; for other bearings there are no warnings.
+        Result of the bearing; for a ball bearing or nut the returned tuple is empty.
     z
         Axial positions of the shaft's centreline ``(k,)`` [m].
     motion

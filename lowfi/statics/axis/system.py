@@ -55,7 +55,10 @@ USE = {
 
 @dataclass
 class BallSet:
-    """The N balls of one bearing row or ball nut of an assembly, with the motions of their four flanks."""
+    """The N balls of one bearing row or ball nut of an assembly, with the motions of their four flanks.
+
+    A motion row holds the six motions of one body: a shaft node or a moving housing (numbered in `Structure`).
+    """
 
     #: The bearing row or ball nut.
     of: RollingSet
@@ -65,9 +68,10 @@ class BallSet:
     balls: slice
     #: Motion row of the housing of the nut or outer ring; -1 if the housing is fixed.
     outer: int
-    #: First motion row that moves each flank ``(N, 4)``, as in `AxisBalls`.
+    #: First motion row that moves each flank ``(N, 4)``; -1 if the flank is fixed.
     row: Ints
-    #: Coefficients ``(N, 4, 2, m)`` of the flanks' motions by the m motions from that row on.
+    #: Motions of the flanks, with two components in the ball's section plane, per unit of the m motions of this row
+    #: (m = 6), or of this row and the next one (m = 12): ``(N, 4, 2, m)``.
     B: Array
     #: Prescribed motion of the flanks ``(N, 4, 2)`` [m].
     v0: Array
@@ -97,7 +101,7 @@ class BallSet:
 
 @dataclass(frozen=True)
 class RollerSet:
-    """Rollers of one tapered roller bearing of an assembly, cut into slices."""
+    """Rollers of one tapered roller bearing of an assembly, divided into slices across their axes."""
 
     #: The bearing as a rolling set of the assembly, with its position, housing and direction of thrust.
     of: RollingSet
@@ -226,9 +230,9 @@ def _ball_set(
     structure
         Shaft, housings and springs.
     use
-        Which of the four flanks get contacts ``(4,)``.
+        Which of the flanks SL, SR, NL, NR get contacts ``(4,)``.
     positions_and_errors
-        Positions of the balls and randomly drawn errors.
+        Positions of the balls, and dimensions with their random manufacturing errors.
     first_ball
         Index of the first ball among all balls of the assembly.
     arms
@@ -303,19 +307,19 @@ def pad_to_two_bodies(body: Ints, B: Array, width: int, body_count: int) -> tupl
     """Pad the coefficients of one body's six motions with zeros to the twelve motions of two consecutively numbered bodies.
 
     The kernels store for every flank the coefficients of the motions of two such bodies. Returns the number of the first
-    body of each pair, and the padded coefficients. The given body is the first of its pair; only the last body of all is
-    the second.
+    body of each pair, and the padded coefficients. The body is the first of its pair, unless it is the last of all bodies,
+    which becomes the second of its pair.
 
     Parameters
     ----------
     body
-        Number of the body (shaft node or housing) that moves each flank.
+        Number of the body (shaft node or housing) that moves each flank; -1 if the flank is fixed.
     B
-        Coefficients ``(..., 6)`` of its motions, returned unchanged if they have ``width`` columns.
+        Motion of each flank per unit of the body's six motions ``(..., 6)``. With ``width`` 6 both are returned unchanged.
     width
         Number of columns to return, 6 or 12.
     body_count
-        Number of all bodies.
+        Number of all bodies: shaft nodes and moving housings.
     """
     if B.shape[-1] == width:
         return body, B
@@ -413,7 +417,8 @@ def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first
     ``rolling``: the bearing with its position and housing; ``row``: dimensions of its rollers and raceways;
     ``first_slice``: index of its first slice among the slices of all bearings. The slices lie along the raceway of the cup.
     Cone and cup approach each other along the normal of the cup's raceway. The forces of cone raceway and rib on a roller
-    add up to a force on the same line of action (`lowfi.rollers`).
+    add up to a force on the same line of action (`lowfi.rollers`). ``structure``: shaft and housings, whose motions move
+    cone and cup.
     """
     n, bearing = structure.nodes.size, tapered_bearing(row)
     inner = int(np.abs(structure.nodes - rolling.position).argmin())
@@ -456,7 +461,7 @@ def _concatenate_rollers(sets: list[RollerSet]) -> AxisRollers:
 def _kernel_arrays_of_structure(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> AxisArrays:
     """Return the kernels' arrays of shaft, housings and springs, with the envelope of their stiffness matrix.
 
-    ``contacts`` and ``slices`` (balls and roller slices) determine which bodies are coupled. The envelope stores each row
+    ``contacts`` (balls) and ``slices`` (of rollers) determine which bodies are coupled. The envelope stores each row
     of the matrix from its first coefficient that can differ from zero to the diagonal. To keep it small, each housing is
     numbered right after the last shaft node with which it shares a contact.
     """
@@ -510,26 +515,33 @@ def sum_of_applied_loads(system: AssemblyArrays) -> float:
 
 
 def pair_compliance(b: BallSet) -> float:
-    """Return the mean Hertz compliance C of two opposite contacts of a ball in series [m/N^(2/3)]: approach = C Q^(2/3)."""
+    """Return the mean Hertz constant C [m/N^(2/3)] of two opposite contacts of a ball in series.
+
+    At a contact force Q, screw and nut (or the rings) approach each other by C Q^(2/3) across the ball.
+    """
     return float(np.mean(b.problem.C[:, 0] + b.problem.C[:, 3]))
 
 
 def preload_approach(b: BallSet) -> float:
-    """Return the contact approach [m] that preload alone causes while all bodies are fixed.
+    """Return the contact approach [m] that preload alone causes in a ball nut or bearing while all bodies are fixed.
 
-    Preload comes from oversized balls, or from an axial shift of the nut or outer ring.
+    Preload comes from oversized balls, or from the prescribed axial offset of the nut or outer ring. The approach is the
+    sum of both contacts of a ball.
     """
     shift = {"+z": -b.of.offset, "-z": b.of.offset}.get(b.of.thrust, abs(b.of.offset))
     return max(largest_interference(b.problem), shift * float(np.sin(b.problem.scene.track.contact_angle)))
 
 
 def mean_load_per_element(system: AssemblyArrays) -> float:
-    """Return the sum of all loads divided by the number of rolling elements [N]."""
+    """Return the sum of the magnitudes of all loads, divided by the number of balls and rollers [N].
+
+    Moments count as moment divided by the largest pitch radius (`sum_of_applied_loads`).
+    """
     return sum_of_applied_loads(system) / max(1, system.contacts.r_ball.size + sum(r.row.count for r in system.rollers))
 
 
 def typical_force(system: AssemblyArrays, b: BallSet) -> float:
-    """Return the force of a typical contact of a ball nut or bearing, at least 1e-6 N.
+    """Return the force [N] of a typical contact of the ball nut or bearing ``b``, at least 1e-6 N.
 
     This is the larger of the mean load of a rolling element and the preload of a contact. If there are neither loads nor
     preload but prescribed displacements, it is the force at an approach of 1 um.
@@ -542,11 +554,10 @@ def typical_force(system: AssemblyArrays, b: BallSet) -> float:
 
 
 def assembly_residual_scale(system: AssemblyArrays) -> Scale:
-    """Return the typical force and stiffness of the assembly's contacts, and the forces that count as zero.
+    """Return the typical force and stiffness of the assembly's contacts, and the force that counts as zero.
 
-    The solver divides residuals by these values. A contact counts as unloaded below the round-off of the typical force. If
-    neither loads nor preload press any contact, this limit is the force at an approach of the size of the coordinates'
-    round-off.
+    The solver scales residuals by these values. A contact counts as unloaded below 1e-14 of the typical force. If neither
+    loads nor preload press any contact, this limit is the force at an approach of the size of the coordinates' round-off.
     """
     load, share = system.structure.load, mean_load_per_element(system)
     stiffness, squeezed = 1.0, 0.0
@@ -578,9 +589,9 @@ class RollerElements:
     node: NDArray[np.int64]
     #: Motion row of the housing of each roller's cup ``(M,)``; -1 if the housing is fixed.
     outer: NDArray[np.int64]
-    #: Coefficients ``(M, 2, 2, 6)``: first axis after M is cone or cup; second is the motion normal to the raceway at the
-    #: roller's middle, or the slope of that motion along the roller times the roller's length; third the six motions of
-    #: the shaft node or housing.
+    #: Motions of cone and cup at each roller per unit motion of shaft node or housing ``(M, 2, 2, 6)``. The axes are:
+    #: roller; cone or cup; displacement along the contact normal at the roller's middle, or its slope along the roller
+    #: times the roller's length; the six motions of the shaft node (cone) or housing (cup).
     B: Array
     #: Slices of the rollers.
     contacts: RollerContacts
@@ -592,7 +603,10 @@ class RollerElements:
 
 
 def roller_elements(sets: list[RollerSet]) -> RollerElements:
-    """Return the rollers of all roller bearings as elements between their rigid rings, one bearing after the other."""
+    """Return the rollers of all roller bearings as elements between their rigid rings, one bearing after the other.
+
+    ``sets``: the roller bearings.
+    """
     M, K = sum(r.row.count for r in sets), max((r.row.slices for r in sets), default=0)
     node, outer = np.zeros(M, dtype=np.int64), np.full(M, -1, dtype=np.int64)
     B, law = np.zeros((M, 2, 2, 6)), np.zeros((2, M))

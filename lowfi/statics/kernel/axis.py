@@ -50,8 +50,9 @@ from .rollers import roller_forces
 def add_block(values: Array, axis: AxisArrays, a: int, b: int, block: Array) -> None:
     """Add a block (6, 6), which couples the motions of bodies or nodes a and b, to the symmetric stiffness matrix.
 
-    Only the lower triangle of the matrix is stored, as an envelope in ``values`` (`kernel.matrices`); ``axis`` holds the
-    positions of its rows. For a = b only the lower half of the block is added.
+    Only the lower triangle of the matrix is stored, as an envelope in ``values``: for each row the coefficients from the
+    first one that can differ from zero to the diagonal (`kernel.matrices`). ``axis`` holds the positions of the rows. For
+    a = b only the lower half of the block is added.
     """
     if axis.place[a] >= axis.place[b]:
         rows, columns = 6 * axis.place[a], 6 * axis.place[b]
@@ -71,7 +72,8 @@ def add_block(values: Array, axis: AxisArrays, a: int, b: int, block: Array) -> 
 def add_axis(values: Array, axis: AxisArrays) -> None:
     """Add the stiffness of the shaft's beam elements, and of the springs between bodies, to the matrix ``values``.
 
-    ``values``: stiffness matrix of the bodies' motions, stored as an envelope (`kernel.matrices`).
+    ``values``: stiffness matrix of the bodies' motions, stored as an envelope (`kernel.matrices`). ``axis``: arrays of
+    shaft and springs.
     """
     band, block = np.empty((12, 12)), np.empty((6, 6))
     for e in range(axis.lengths.shape[0]):
@@ -102,7 +104,8 @@ def add_ball_stiffness_in_loops(values: Array, axis: AxisArrays, balls: AxisBall
     """Add the contact stiffness of all balls to the stiffness matrix ``values``, stored as an envelope, ball by ball.
 
     Each ball adds B_s^T h B_t for its flanks s and t that can move. B gives the motion of a flank by the motions of the
-    nodes or bodies that carry it, and h (2, 2) is a block of the ball's stiffness ``hessians`` (N, 8, 8) [N/m].
+    nodes or bodies that carry it, and h (2, 2) is a block of the ball's stiffness ``hessians`` (N, 8, 8) [N/m]. ``axis``:
+    positions of the rows in the envelope.
     """
     spans, block = balls.B.shape[3] // 6, np.empty((6, 6))
     for i in range(balls.row.shape[0]):
@@ -144,7 +147,8 @@ def write_coupling_block(left: Array, h: Array, right: Array, block: Array) -> N
 def add_rollers(values: Array, axis: AxisArrays, rollers: AxisRollers, slices: Array) -> None:
     """Add the contact stiffness of all roller slices to the stiffness matrix ``values``, stored as an envelope.
 
-    slices (M, 2): force [N] and stiffness [N/m] of each slice.
+    rollers: coefficients of the slices' approaches; slices (M, 2): force [N] and stiffness [N/m] of each slice. ``axis``:
+    positions of the rows in the envelope.
     """
     block = np.empty((6, 6))
     for i in range(slices.shape[0]):
@@ -161,9 +165,10 @@ def add_rollers(values: Array, axis: AxisArrays, rollers: AxisRollers, slices: A
 
 @kernel
 def fix_prescribed_motions(values: Array, axis: AxisArrays, shift: Array) -> None:
-    """Apply the boundary conditions: give the rows and columns of fixed motions in ``values`` those of a unit matrix.
+    """Apply the boundary conditions: replace rows and columns of fixed motions in ``values`` by those of a unit matrix.
 
     Before that, ``shift`` (6,) [N/m, N m] is added to the diagonal of the stiffness matrix for every node and body.
+    ``axis``: which motions are fixed, and the positions of the rows in ``values``, which stores the matrix as an envelope.
     """
     n = axis.first.shape[0]
     for i in range(axis.fixed.shape[0]):
@@ -209,7 +214,7 @@ def evaluate_axis(given: AxisSystem, state: MotionState, out: EnergyDerivatives)
     """Return the energy [J] of shaft, bodies and rolling elements at the state, and the largest force in them [N].
 
     Writes the nodal motions, ball centres, contacts and roller slices to ``state``, and the gradient of the energy and the
-    stiffness of the balls to ``out``.
+    stiffness of the balls to ``out``. ``given``: arrays of shaft, bodies, springs, balls and rollers.
     """
     axis, balls, rollers = given
     q, _, p, contact, slices = state
@@ -237,7 +242,8 @@ def evaluate_axis(given: AxisSystem, state: MotionState, out: EnergyDerivatives)
 def evaluate_structure(axis: AxisArrays, state: MotionState, gradient: Array) -> tuple[float, float]:
     """Return the energy [J] of shaft, bodies and springs without rolling elements, and the largest force in them [N].
 
-    Writes the derivatives of this energy by the motions of nodes and bodies to ``gradient`` (r, 6).
+    Writes the derivatives of this energy by the motions of nodes and bodies to ``gradient`` (r, 6). ``axis``: arrays of
+    shaft, bodies, springs and loads; ``state``: motions q and element deformations d.
     """
     load, q = axis.load, state.q
     energy, scale = evaluate_beam(axis, q, state.d, gradient)
@@ -254,7 +260,7 @@ def evaluate_structure(axis: AxisArrays, state: MotionState, gradient: Array) ->
 def spring_forces(axis: AxisArrays, q: Array, gradient: Array) -> float:
     """Add the forces of the springs between bodies to the gradient (r, 6) of the energy; return the springs' energy [J].
 
-    q (r, 6): motions of the nodes and bodies [m, rad].
+    q (r, 6): motions of the nodes and bodies [m, rad]. ``axis``: ends, lever arms and stiffness of the springs.
     """
     energy = 0.0
     e, f = np.empty(6), np.empty(6)
@@ -282,7 +288,10 @@ def spring_forces(axis: AxisArrays, q: Array, gradient: Array) -> float:
 
 @kernel
 def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
-    """Write the motions ``shift`` (4, 2) [m] of the four flanks of ball i, by the motions q (r, 6) of nodes and bodies."""
+    """Write the motions ``shift`` (4, 2) [m] of the four flanks of ball i, by the motions q (r, 6) of nodes and bodies.
+
+    ``balls``: coefficients and prescribed offsets of the flanks' motions.
+    """
     flat = q.ravel()
     for s in range(4):
         row = balls.row[i, s]
@@ -300,7 +309,8 @@ def tangent(given: AxisSystem, state: MotionState, hessians: Array, base: Array,
 
     base: stiffness of shaft and springs, from `add_axis`; hessians (N, 8, 8): stiffness of the balls [N/m]; shift (6,)
     [N/m, N m]: stiffness added to the diagonal. Writes the factor to ``values``; returns False if the matrix is not
-    positive definite.
+    positive definite. ``given``: arrays of shaft, bodies, springs, balls and rollers; ``state``: stiffness of the roller
+    slices.
     """
     axis, balls, rollers = given
     values[:] = base
@@ -314,7 +324,8 @@ def tangent(given: AxisSystem, state: MotionState, hessians: Array, base: Array,
 def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> None:
     """Solve for the motions ``step`` (r, 6) [m, rad] of nodes and bodies under loads (r, 6) [N, N m].
 
-    values: factored stiffness matrix, from `tangent`. Fixed motions are zero.
+    values: factored stiffness matrix, from `tangent`. Fixed motions are zero. ``axis``: which motions are fixed, and the
+    positions of the rows in ``values``.
     """
     b = np.zeros(6 * loads.shape[0])
     for i in range(loads.shape[0]):
@@ -329,7 +340,10 @@ def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> N
 
 @kernel
 def energy_at(given: AxisSystem, state: MotionState, workspace: MotionWorkspace) -> tuple[float, float]:
-    """Return the energy [J] of shaft, bodies and rolling elements, and the largest force [N]; same as `evaluate_axis`."""
+    """Return the energy [J] of shaft, bodies and rolling elements, and the largest force [N]; same as `evaluate_axis`.
+
+    The derivatives are written to the ``workspace``.
+    """
     return evaluate_axis(given, state, workspace.slopes)
 
 
@@ -339,7 +353,9 @@ def find_step(
 ) -> bool:
     """Write Newton's step of the motions of nodes and bodies to the workspace; return False if it cannot be solved.
 
-    shift [N/m]: stiffness added to the diagonal, multiplied by arm^2 for rotations.
+    shift [N/m]: stiffness added to the diagonal, multiplied by the square of ``options.arm`` for rotations. ``fresh`` is
+    not used: the stiffness is factored in every step. The ``workspace`` holds the derivatives of the energy at the
+    ``state``.
     """
     diagonal = np.full(6, shift)
     diagonal[3:] *= options.arm * options.arm
@@ -351,7 +367,10 @@ def find_step(
 
 @kernel
 def reach_of(given: AxisSystem, workspace: MotionWorkspace) -> float:
-    """Return the largest relative displacement [m] of two opposite flanks of a ball in the whole Newton step."""
+    """Return the largest relative displacement [m] of two opposite flanks of a ball in the full Newton step.
+
+    The step is taken from the ``workspace``.
+    """
     balls, largest, shift = given.balls, 0.0, np.zeros((4, 2))
     for i in range(balls.row.shape[0]):
         ball_shift(balls, workspace.step, i, shift)
@@ -372,7 +391,8 @@ def start_from_linear_springs(given: AxisSystem, state: MotionState, options: Op
     """Set the state to the equilibrium with linear springs in place of balls and rollers, as a first guess.
 
     Leaves the state unchanged if that stiffness matrix is not positive definite. The step is shortened such that no flank
-    moves further than ``options.furthest`` [m].
+    moves further than ``options.furthest`` [m]. ``given``: arrays of shaft, bodies, springs, balls and rollers;
+    ``workspace``: work arrays, changed.
     """
     gradient, hessians = workspace.slopes
     hessians[:] = 0.0
@@ -411,7 +431,8 @@ def solve_axis(given: AxisSystem, state: MotionState, options: Options, start: b
     """Find the static equilibrium of a shaft with its bodies, springs, balls and rollers.
 
     With ``start`` the iteration begins at the solution with linear springs as rolling elements, otherwise at ``state``,
-    which holds the solution on return.
+    which holds the solution on return. ``given``: arrays of shaft, bodies, springs, balls and rollers; ``options``:
+    tolerance and limits of the iteration.
     """
     r, size = state.q.shape[0], given.shaft.start[-1]
     slopes, base = EnergyDerivatives(np.empty((r, 6)), np.zeros((given.balls.row.shape[0], 8, 8))), np.zeros(size)

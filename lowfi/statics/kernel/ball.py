@@ -37,13 +37,14 @@ SETTLING, HALVINGS = 60, 30
 
 @kernel
 def guess_ball_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int:
-    """Write a first guess of the ball's centre p (2,) [m], relative to its nominal position, for Newton's method.
+    """Write a first guess of the ball's centre p (2,) [m] for Newton's method; return the number of flank pairs used.
 
-    A diagonal pair is two opposite flanks a, b of screw and nut. The guess is the mean of the two-contact solutions of all
-    pairs with interference, or the mean motion of the flanks if there is none. A pair that is the only one is used even
-    with clearance. With D = o_a - o_b between opposite groove centres, the interference is its nominal value ``closure``
-    (2,) plus |D + v_a - v_b| - |D|. The two contacts share it as C_a : C_b, which is exact for circular flanks. Returns the
-    number of pairs used. shift (4, 2): motions of the flanks [m].
+    p is relative to the nominal position. A diagonal pair is two opposite flanks a, b of screw and nut. The guess is the
+    mean of the two-contact solutions of all pairs with interference, or the mean motion of the flanks if there is none. A
+    pair that is the only one is used even with clearance. With D from the groove centre of b to that of a, and the motions
+    v_a, v_b of both flanks, the interference is its nominal value in ``closure`` (2,) [m] plus |D + v_a - v_b| - |D|. The
+    contacts share it in the ratio of their Hertz constants, which is exact for circular flanks. shift (4, 2): motions of
+    the flanks [m]; geometry (4, 9): contact data, see the module.
     """
     count = 0
     x, z = 0.0, 0.0
@@ -88,8 +89,9 @@ def approach_to_flank(
 ) -> tuple[float, float, float, float]:
     """Return the approach [m], unit normal (x, z) and curvature term kt [1/m] of a ball and one groove flank.
 
-    (ux, uz): displacement of the ball's centre from its nominal position relative to the flank [m]; profile: coefficients
-    of the flank's deviation from a circular arc, empty for an exact arc.
+    (ux, uz): displacement of the ball's centre from its nominal position relative to the flank [m]; geometry (9,): contact
+    data of the flank, see the module; r_ball: ball radius [m]; profile: coefficients of the flank's deviation from a
+    circular arc, empty for an exact arc. A contact with the force F has the tangential stiffness F kt.
     """
     if profile.shape[0] == 0:
         return approach_to_arc(ux, uz, geometry[WX], geometry[WZ], geometry[SIZE], geometry[APPROACH])
@@ -105,7 +107,8 @@ def ball_contact_forces(
     """Compute contact forces and stiffnesses for the ball's centre at (x, z) [m] and the amplitude y of its deformation.
 
     Writes them to ``contact`` (4, 5) and returns the contact energy [J]: the integral of Hertz's law, equation 2.14 of
-    Lin's thesis. shift (4, 2): motions of the flanks [m].
+    Lin's thesis. shift (4, 2): motions of the flanks [m]; geometry (4, 9), local (4, 3): contact data and compliance terms,
+    see the module; r_ball: ball radius [m]; profile (4, d): deviations of the flanks from circular arcs.
     """
     if profile.shape[1] > 0 or local.shape[0] > 0:
         return general_ball_contact_forces(x, z, y, shift, geometry, local, r_ball, profile, contact)
@@ -131,8 +134,9 @@ def general_ball_contact_forces(
     """Compute contact forces and energy of a ball, also for non-circular flanks and for an elastic ball.
 
     (x, z): position of the ball's centre [m]; y: amplitude of its deformation; shift (4, 2): motions of the flanks [m];
-    local (4, 3): compliance terms of the contacts, empty for a rigid ball. Writes ``contact`` (4, 5), returns the energy
-    [J].
+    geometry (4, 9): contact data; local (4, 3): compliance terms of the contacts, empty for a rigid ball; r_ball: ball
+    radius [m]; profile (4, d): deviations of the flanks from circular arcs. Writes the contacts to ``contact`` (4, 5) and
+    returns the energy [J]. The arrays are described in the module.
     """
     energy = 0.5 * y * y  # energy of the ball's deformation; its amplitude is scaled to a stiffness of one
     for s in range(4):
@@ -170,7 +174,7 @@ def net_force(contact: Array) -> tuple[float, float]:
 
 @kernel
 def unbalanced_deformation_force(y: float, contact: Array, local: Array) -> float:
-    """Return the unbalanced force on the amplitude y of the ball's deformation, converted to a contact force [N].
+    """Return by how much the contact forces and the amplitude y of the ball's deformation are out of balance [N].
 
     contact (4, 5): forces and stiffnesses of the contacts; local (4, 3): compliance terms of the contacts.
     """
@@ -186,7 +190,8 @@ def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, f
     """Return the Newton step (x, z) of the ball's centre and y of its deformation, and the energy's slope along it [J].
 
     y: amplitude of the deformation before the step; contact (4, 5), local (4, 3): forces and compliance terms of the
-    contacts. For a rigid ball whose stiffness matrix is singular, the step follows the gradient.
+    contacts, see the module. For a rigid ball whose stiffness matrix is singular, the step follows the gradient; all four
+    values are zero if no contact carries load.
     """
     gx, gz, hxx, hxz, hzz = 0.0, 0.0, 0.0, 0.0, 0.0
     gy, hxy, hzy, hyy = y, 0.0, 0.0, 1.0
@@ -228,8 +233,8 @@ def newton_step_of_elastic_ball(
 ) -> tuple[float, float, float, float]:
     """Return the Newton step (x, z) of an elastic ball's centre and y of its deformation, and the energy's slope along it.
 
-    Solved by Cholesky's method from the gradient g and the Hessian h of the contact energy. Returns zeros if the Hessian is
-    not positive definite.
+    Solved by Cholesky's method from the gradient (gx, gz, gy) of the contact energy and the coefficients hxx, hxz, ... of
+    its Hessian. Returns zeros if the Hessian is not positive definite.
     """
     # L L^T of the Hessian in the order (x, z, y)
     if hxx <= 0.0:
@@ -258,8 +263,9 @@ def newton_step_of_elastic_ball(
 def interference(a: int, shift: Array, geometry: Array, closure: Array) -> float:
     """Return the interference [m] of a ball between two opposite flanks a and 3 - a; negative for clearance.
 
-    shift (4, 2): motions of the flanks [m]; closure (2,): nominal interference of the two pairs [m]. The result follows
-    from the distance of the groove centres. Returns -1 unless both flanks can carry load.
+    shift (4, 2): motions of the flanks [m]; geometry (4, 9): contact data, see the module; closure (2,): nominal
+    interference of the two pairs [m]. The result follows from the distance of the groove centres. Returns -1 if one of the
+    flanks cannot carry load.
     """
     b = 3 - a
     if geometry[a, USE] == 0.0 or geometry[b, USE] == 0.0:
@@ -279,9 +285,10 @@ def solve_opposite_flank_pair(
 ) -> float:
     """Solve a ball that touches only two opposite circular flanks, a and b = 3 - a, in closed form.
 
-    total_interference: interference of the ball between the two flanks [m]. The forces are equal and opposite, so the
-    contacts share the interference as C_a : C_b, and the ball's centre lies on the line through the groove centres. Writes
-    the centre p (2,) [m] and the contacts (4, 5). Returns the energy [J], or -1 if a third flank would touch the ball.
+    total_interference: interference of the ball between the two flanks [m]; shift (4, 2): motions of the flanks [m];
+    geometry (4, 9): contact data, see the module. The forces are equal and opposite, so the contacts share the interference
+    in the ratio of their Hertz constants, and the ball's centre lies on the line through the groove centres. Writes the
+    centre p (2,) [m] and the contacts (4, 5). Returns the energy [J], or -1 if a third flank would touch the ball.
     """
     b = 3 - a
     C_pair = geometry[a, HERTZ] + geometry[b, HERTZ]
@@ -341,9 +348,10 @@ def settle_ball(
     """Find the equilibrium of one ball at known motions of its flanks, by minimising its contact energy.
 
     shift (4, 2): motions of the flanks [m]; closure (2,): nominal interference of the two pairs of opposite flanks [m];
-    r_ball: ball radius [m]; profile (4, d): deviation of the flanks from a circular arc, see ``contact.flank``; tiny [N]:
-    smaller forces count as zero. Writes the position p of the centre [m], (2,), or (3,) with the amplitude of the ball's
-    deformation, and ``contact`` (4, 5). Returns the energy [J].
+    r_ball: ball radius [m]; profile (4, d): deviation of the flanks from a circular arc, see `contact.approach_to_profile`;
+    tiny [N]: smaller forces count as zero; geometry (4, 9), local (4, 3): contact data and compliance terms, see the
+    module. Writes the position p of the centre [m], (2,), or (3,) with the amplitude of the ball's deformation, and
+    ``contact`` (4, 5). Returns the energy [J].
 
     For circular flanks with groove radius >= ball radius the energy is convex, and the forces at the minimum are unique. If
     a flank is so uneven that no step lowers the energy, the iteration ends with a ball out of equilibrium; `net_force`
@@ -396,9 +404,10 @@ def settle_ball(
 
 @kernel
 def ball_mismatch(contact: Array, scale: float) -> float:
-    """Return the largest net force on any of N balls as a fraction of ``scale`` [N]; contact (N, 4, 5).
+    """Return the largest net contact force on any of N balls as a fraction of ``scale`` [N]; in newtons if that is zero.
 
-    It is a separate check: the equilibrium equations of the beam do not contain the equilibrium of the balls.
+    It is zero in equilibrium. The check is separate, because the equilibrium equations of the beam do not contain the
+    equilibrium of the balls. contact (N, 4, 5): forces and normals of the contacts.
     """
     worst = 0.0
     for i in range(contact.shape[0]):
@@ -410,8 +419,9 @@ def ball_mismatch(contact: Array, scale: float) -> float:
 def block(contact: Array, s: int) -> tuple[float, float, float]:
     """Return the stiffness matrix F' m m^T + F kt t t^T of contact s, as its entries (xx, xz, zz) [N/m].
 
-    m is the unit normal and t the tangent of the contact, F its force with the derivative F' by the approach, and kt the
-    curvature term [1/m]. Zeros if the contact carries no force.
+    contact (4, 5): contacts of a ball; s: number of the flank. m is the unit normal and t the tangent of the contact, F its
+    force with the derivative F' by the approach, and kt the curvature term [1/m] of `approach_to_flank`. Zeros if the
+    contact carries no force.
     """
     if contact[s, FORCE] <= 0.0:
         return 0.0, 0.0, 0.0
@@ -423,7 +433,8 @@ def block(contact: Array, s: int) -> tuple[float, float, float]:
 def flank_hessian(contact: Array, out: Array) -> None:
     """Write the stiffness matrix of a ball against motions of its groove flanks, with the ball's centre eliminated.
 
-    out: (4, 4) for the screw's flanks or (8, 8) for all flanks [N/m], in the order SL x, SL z, SR x, ... With the stiffness
+    contact (4, 5): contacts of the ball; out: (4, 4) for the screw's flanks or (8, 8) for all flanks [N/m], in the order
+    SL x, SL z, SR x, ... (x: radial, z: along the helix's binormal). With the stiffness
     h_s of each contact and the sum H of all, the blocks are -h_s H^-1 h_t off the diagonal and h_s H^-1 (H - h_s) on it.
     H - h_s is summed over the other contacts, which avoids cancellation.
     """

@@ -40,11 +40,13 @@ from .matrices import factor_band, substitute_band
 
 @kernel
 def element_constants(length: float, section: Array) -> tuple[float, float, float, float, float]:
-    """Return the stiffnesses of a Timoshenko element of this length [m]: k_uu, k_uu L/2, k_rr, axial, torsional.
+    """Return the five stiffness constants of a Timoshenko beam element: k_uu, k_uu L/2, k_rr, axial, torsional.
 
-    They relate the force and moment at node 2 to the deformation d = q_2 - T q_1. section (4,): EA [N], EI [N m^2],
-    GJ [N m^2], kappa G A [N]. k_uu = 1/(L (L^2/(12 EI) + 1/(kappa G A))), k_rr = k_uu L^2/3 + k_uu EI/(kappa G A).
-    Corrects equations D.1 and D.2 of Lin's thesis.
+    They relate the force and moment at the element's second node to its deformation, the motion of this node minus the
+    rigid-body motion of the first node transferred to it. k_uu [N/m] (lateral force by displacement) is
+    1/(L (L^2/(12 EI) + 1/(kappa G A))), k_rr [N m] (moment by rotation) is k_uu L^2/3 + k_uu EI/(kappa G A), and k_uu L/2
+    [N] couples both. L: ``length`` [m]; section (4,): EA [N], EI [N m^2], GJ [N m^2], kappa G A [N]. Corrects equations D.1
+    and D.2 of Lin's thesis.
     """
     kuu = 1.0 / (length * (length * length / (12.0 * section[1]) + 1.0 / section[3]))
     krr = kuu * (length * length / 3.0 + section[1] / section[3])
@@ -55,7 +57,7 @@ def element_constants(length: float, section: Array) -> tuple[float, float, floa
 def write_element_force(d: Array, constants: tuple[float, float, float, float, float], out: Array) -> None:
     """Write the force and moment (6,) [N, N m] at node 2 of a beam element that cause its deformation d (6,) [m, rad].
 
-    constants: stiffnesses of the element, see `element_constants`.
+    constants: stiffnesses of the element, see `element_constants`. The result is written to ``out``.
     """
     # plane x-z: u_x with r_y; plane y-z: u_y with r_x, of the other sign; then axial force and torque
     kuu, kur, krr, ka, kt = constants
@@ -71,7 +73,8 @@ def write_element_force(d: Array, constants: tuple[float, float, float, float, f
 def add_element(band: Array, node: int, length: float, section: Array) -> None:
     """Add the stiffness of the beam element from ``node`` to the next node to the global stiffness matrix.
 
-    band: lower band of the matrix, with A[i, j] = band[j, i - j] for i >= j.
+    band: lower band of the matrix, with A[i, j] = band[j, i - j] for i >= j. length [m]; section (4,): EA [N], EI [N m^2],
+    GJ [N m^2], kappa G A [N] of the element.
     """
     kuu, kur, krr, ka, kt = element_constants(length, section)
     off = length * kur - krr  # between the rotations of both nodes
@@ -101,9 +104,10 @@ def add_element(band: Array, node: int, length: float, section: Array) -> None:
 
 @kernel
 def assemble_beam(lengths: Array, sections: Array, constants: Array, band: Array) -> None:
-    """Compute the stiffness constants (n - 1, 5) of all beam elements and add their stiffness to the lower band.
+    """Compute the stiffness constants of all beam elements and add their stiffness to a stiffness matrix.
 
-    lengths (n - 1,) [m] and sections (n - 1, 4) are those of the elements; see `element_constants`.
+    lengths (n - 1,) [m]; sections (n - 1, 4): EA [N], EI [N m^2], GJ [N m^2], kappa G A [N] of each element. Writes the
+    constants of `element_constants` to ``constants`` (n - 1, 5), and adds to ``band``, the lower band of the matrix.
     """
     for e in range(lengths.shape[0]):
         kuu, kur, krr, ka, kt = element_constants(lengths[e], sections[e])
@@ -123,8 +127,9 @@ ROUND_OFF = 1e-17
 def write_screw_flank_motions(contacts: BeamContacts, motion: Array, i: int, m: int, shift: Array) -> None:
     """Compute the motions of the screw's two groove flanks at ball i from the nodal motions (6 n,) of the beam.
 
-    m: number of nodal motions on which a flank depends, 6 or 12. Writes the motions along x3 and z3 [m] to ``shift`` (4,
-    2).
+    m: number of nodal motions on which a flank depends, 6 or 12. Writes the motions [m] in the ball's section plane
+    (radial, and along the helix's binormal) to the first two rows of ``shift`` (4, 2). contacts: arrays of the balls;
+    motion: nodal motions [m, rad].
     """
     B = contacts.B
     for s in range(2):
@@ -150,10 +155,10 @@ def add_contact_force(gradient: Array, B: Array, i: int, s: int, m: int, start: 
 
 @kernel
 def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: Array) -> tuple[float, float]:
-    """Compute the energy [J] of a beam with its loads, and the largest force [N] in an element or of a load; return both.
+    """Return the energy [J] of a beam with its loads, and the largest force [N] among element forces and loads.
 
-    Writes the motions q (n, 6) of the nodes, which follow from q[0] and the element deformations d, and the gradient (n, 6)
-    of the energy by them. Rows beyond the nodes are left unchanged.
+    Writes the motions q (n, 6) [m, rad] of the nodes, which follow from q[0] and the element deformations d (n - 1, 6), and
+    the gradient (n, 6) of the energy by them. Further rows of q and gradient (other bodies) are left unchanged.
     """
     last, energy, scale = d.shape[0], 0.0, 0.0
     fx, fy, fz, mx, my, mz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -257,7 +262,8 @@ def assemble_stiffness(
     """Write the stiffness matrix of beam and balls to ``band``, its lower band A[i, j] = band[j, i - j].
 
     hessians (N, 4, 4): stiffness of the balls against motions of the screw's flanks [N/m]; shift [N/m]: stiffness added to
-    the diagonal, multiplied by arm^2 for rotations. Fixed nodal motions get the rows of a unit matrix.
+    the diagonal, multiplied by arm^2 for rotations. Fixed nodal motions get the rows of a unit matrix. beam, contacts:
+    arrays of the beam and of the balls.
     """
     fixed, node, B = beam.fixed, contacts.node, contacts.B
     band[:] = beam.band
@@ -285,7 +291,10 @@ def assemble_stiffness(
 
 @kernel
 def fix_nodal_motion(band: Array, i: int) -> None:
-    """Fix the nodal motion with index i: make its row and column in the lower band those of a unit matrix."""
+    """Fix the nodal motion with index i: replace its row and column of a stiffness matrix by those of a unit matrix.
+
+    ``band``: lower band of the matrix, changed in place.
+    """
     width = band.shape[1]
     for w in range(width):
         band[i, w] = 0.0
@@ -301,7 +310,8 @@ def advance_along_step(
     """Set nodal motions q and element deformations d to their start values (q0, d0) plus ``t`` times the step.
 
     step (r, 6): change of the motions of nodes and bodies [m, rad] for t = 1. The change of the element deformations is
-    computed from the step alone, not from the moved nodes, to avoid round-off.
+    computed from the step alone, not from the moved nodes, to avoid round-off. The new values are written to ``state``;
+    shaft: arrays with the lengths of the elements.
     """
     q, d, lengths = state.q, state.d, shaft.lengths
     for k in range(6):
@@ -318,7 +328,10 @@ def advance_along_step(
 
 @kernel
 def energy_at(given: BeamSystem, state: MotionState, workspace: MotionWorkspace) -> tuple[float, float]:
-    """Return the energy [J] of beam and balls at the state, and the largest force [N]; same as `evaluate`."""
+    """Return the energy [J] of beam and balls at the state, and the largest force [N]; same as `evaluate`.
+
+    ``given``: arrays of the screw as a beam and of its balls; the derivatives are written to the ``workspace``.
+    """
     return evaluate(given, state, workspace.slopes)
 
 
@@ -328,8 +341,9 @@ def find_step(
 ) -> bool:
     """Write Newton's step of the nodal motions to the workspace; return False if the stiffness is not positive definite.
 
-    With ``fresh`` the stiffness is assembled and factored, with ``shift`` [N/m] added to its diagonal; otherwise the last
-    factor is used.
+    With ``fresh`` the stiffness is assembled and factored, with ``shift`` [N/m] added to its diagonal (times the square of
+    ``options.arm`` for rotations); otherwise the last factor is used. ``given``: arrays of the screw as a beam and of its
+    balls; ``state`` is not used.
     """
     beam, band = given.shaft, workspace.matrix
     if fresh:
@@ -343,7 +357,10 @@ def find_step(
 
 @kernel
 def solve_newton_step(given: BeamSystem, workspace: MotionWorkspace) -> None:
-    """Solve for Newton's step of the nodal motions with the factored stiffness matrix, and write it to the workspace."""
+    """Solve for Newton's step of the nodal motions with the factored stiffness matrix, and write it to the workspace.
+
+    ``given``: arrays of the screw as a beam and of its balls; the ``workspace`` holds gradient and factor.
+    """
     fixed, gradient, step = given.shaft.fixed, workspace.slopes.gradient, workspace.step
     for i in range(step.shape[0]):
         for k in range(6):
@@ -356,7 +373,8 @@ def residual_at(given: Rows, state: MotionState, options: Options, workspace: Mo
     """Return the largest unbalanced force of the equilibrium equations as a fraction of ``scale`` [N].
 
     Moments are divided by the length ``options.arm``. Components of fixed motions do not count. In newtons if ``scale`` is
-    0.
+    0. ``given``: arrays of the screw as a beam and of its balls, or of a shaft with several nuts and bearings; the
+    ``workspace`` holds the gradient of the energy, which is the unbalanced force.
     """
     gradient, worst = workspace.slopes.gradient, 0.0
     for i in range(gradient.shape[0]):
@@ -368,7 +386,11 @@ def residual_at(given: Rows, state: MotionState, options: Options, workspace: Mo
 
 @kernel
 def slope_along(given: Rows, state: MotionState, workspace: MotionWorkspace) -> float:
-    """Return the derivative [J] of the energy by the step length, along the step in the workspace."""
+    """Return the derivative [J] of the energy by the step length, along the step in the workspace.
+
+    The ``workspace`` holds the gradient of the energy and the step; ``given`` tells which motions are fixed; ``state`` is
+    not used.
+    """
     gradient, step, total = workspace.slopes.gradient, workspace.step, 0.0
     for i in range(step.shape[0]):
         for k in range(6):
@@ -379,7 +401,7 @@ def slope_along(given: Rows, state: MotionState, workspace: MotionWorkspace) -> 
 
 @kernel
 def reach_of(given: BeamSystem, workspace: MotionWorkspace) -> float:
-    """Return the largest displacement [m] of a groove flank in the whole Newton step."""
+    """Return the largest displacement [m] of a groove flank of the screw in the full Newton step (step length 1)."""
     contacts, motion = given.contacts, workspace.step.ravel()
     m, largest, shift = contacts.B.shape[3], 0.0, np.zeros((4, 2))
     for i in range(contacts.node.shape[0]):
@@ -414,7 +436,8 @@ def least_force(given: Rows, state: MotionState, options: Options) -> float:
     """Return the smallest force [N] that relative residuals may be divided by.
 
     The larger of ``options.floor`` and the largest element moment divided by ``options.arm``. Without it, a screw that is
-    bent by moments only, or that has lost its last contact, would have no force to compare with.
+    bent by moments only, or that has lost its last contact, would have no force to compare with. ``given``: arrays of the
+    shaft; ``state``: deformations of its elements.
     """
     floor, f = options.floor, np.empty(6)
     for e in range(state.d.shape[0]):
@@ -427,7 +450,10 @@ def least_force(given: Rows, state: MotionState, options: Options) -> float:
 
 @kernel
 def furthest(given: Rows, state: MotionState) -> float:
-    """Return the largest displacement [m] of a node of the shaft, or of another body that the state contains."""
+    """Return the largest displacement [m] of a node of the shaft, or of another body that the state contains.
+
+    Rotations do not count. ``given`` is not used.
+    """
     q, moved = state.q, 0.0
     for i in range(q.shape[0]):
         moved = max(moved, q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2)
@@ -436,7 +462,10 @@ def furthest(given: Rows, state: MotionState) -> float:
 
 @kernel
 def unbalanced(state: MotionState, scale: float) -> float:
-    """Return the largest net force on a ball as a fraction of ``scale`` [N]; zero when all balls are in equilibrium."""
+    """Return the largest net force on a ball as a fraction of ``scale`` [N]; zero when all balls are in equilibrium.
+
+    ``state``: contact forces and normals of all balls.
+    """
     return ball_mismatch(state.contact, scale)
 
 
@@ -449,7 +478,8 @@ def start_from_linear_springs(given: BeamSystem, state: MotionState, options: Op
 
     Leaves the state unchanged if that stiffness cannot be factored. No flank moves further than ``options.furthest``, the
     radius of the largest ball: springs of fixed direction are wrong where the contact direction must turn first, for
-    example at a contact angle near zero under an axial load.
+    example at a contact angle near zero under an axial load. ``given``: arrays of the screw as a beam and of its balls;
+    ``workspace``: work arrays, changed.
     """
     geometry, hessians, stiffness = given.contacts.geometry, workspace.slopes.hessians, options.stiffness
     evaluate_beam(given.shaft, state.q, state.d, workspace.slopes.gradient)
@@ -471,7 +501,7 @@ def start_from_linear_springs(given: BeamSystem, state: MotionState, options: Op
 def shorten_first_step(given: Rows, state: MotionState, options: Options, workspace: MotionWorkspace, reach: float) -> None:
     """Take the first step, shortened such that no flank moves further than ``options.furthest`` [m].
 
-    reach [m]: largest displacement of a flank in the whole step.
+    reach [m]: largest displacement of a flank in the full step. The ``workspace`` holds the step; ``state`` is changed.
     """
     save_start(state, workspace)
     move(given, state, workspace, 1.0 if reach <= options.furthest else options.furthest / reach)
@@ -490,7 +520,8 @@ def solve_beam(given: BeamSystem, state: MotionState, options: Options, start: b
     """Find the static equilibrium of a screw (Timoshenko beam) and its balls in a fixed nut.
 
     With ``start`` the iteration begins at the solution with linear springs as contacts, otherwise at ``state``, which holds
-    the solution on return.
+    the solution on return. ``given``: arrays of the screw as a beam and of its balls; ``options``: tolerance and limits of
+    the iteration.
     """
     workspace = workspace_for(given, state)
     if start:

@@ -24,10 +24,10 @@ def hertz_law(delta: float, c: float) -> tuple[float, float, float]:
 def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, float, float]:
     """Return force F [N], stiffness dF/d delta [N/m] and energy [J] of a contact of approach delta > 0 [m].
 
-    The law delta = C F^(2/3) + e F + h F^(4/3) adds two terms of the elastic bodies to Hertz's. With negative e or h, the
-    approach would decrease with the force beyond the point where 2 C + 3 e x + 4 h x^2 = 0, x = F^(1/3). The law is
-    therefore continued as C F^(2/3)/2 plus a constant from the point where this expression is C. Force and stiffness are
-    continuous there, and the energy remains convex.
+    The law delta = c F^(2/3) + e F + h F^(4/3) adds two terms of the elastic bodies to Hertz's. With negative e or h, the
+    approach would decrease with the force above the point where 2 c + 3 e x + 4 h x^2 = 0, x = F^(1/3). The law is
+    therefore continued as c F^(2/3)/2 plus a constant from the point where this expression equals c. Force and stiffness
+    are continuous there, and the energy remains convex. Units: c [m/N^(2/3)], e [m/N], h [m/N^(4/3)].
     """
     if e == 0.0 and h == 0.0:
         return hertz_law(delta, c)
@@ -60,7 +60,8 @@ def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, floa
 def force_root_at_continuation(c: float, e: float, h: float) -> float:
     """Return the cube root of the force [N^(1/3)] above which `contact_law` is continued by another law; 0 if none.
 
-    It is the smallest x > 0 with 3 e x + 4 h x^2 = -C, where the law is delta = C x^2 + e x^3 + h x^4.
+    It is the smallest x > 0 with 3 e x + 4 h x^2 = -c, where the law is delta = c x^2 + e x^3 + h x^4 at the approach delta
+    and the force x^3.
     """
     root = 9.0 * e * e - 16.0 * h * c
     if root < 0.0 or (e >= 0.0 and h >= 0.0):
@@ -74,7 +75,8 @@ def force_root_at_continuation(c: float, e: float, h: float) -> float:
 def contact_energy(x: float, c: float, e: float, h: float) -> float:
     """Return the elastic energy [J] of a contact that follows `contact_law`, at the force x^3 [N].
 
-    It is force times approach, minus the integral of the approach over the force.
+    It is force times approach, minus the integral of the approach over the force. c, e, h: coefficients of the law approach
+    = c F^(2/3) + e F + h F^(4/3).
     """
     return x * x * x * x * x * (0.4 * c + x * (0.5 * e + 4.0 / 7.0 * h * x))
 
@@ -87,8 +89,8 @@ def approach_to_arc(
 
     (mx, mz): motion of the ball's centre relative to the flank [m]; (wx0, wz0): its nominal position from the groove's
     centre [m], of length size0; approach: nominal approach [m]. The result is the nominal approach plus its change. Its
-    round-off is then that of the motion (1e-22 m), not that of the radii (1e-18 m). See `approach_to_profile` for the
-    curvature term.
+    round-off is then that of the motion (1e-22 m), not that of the radii (1e-18 m). The curvature term times the contact
+    force is the tangential stiffness of the contact; here it is the inverse distance of groove centre and ball centre.
     """
     wx, wz = wx0 + mx, wz0 + mz
     size = sqrt(wx * wx + wz * wz)
@@ -109,9 +111,10 @@ def approach_to_profile(
     (mx, mz): motion of the ball's centre relative to the flank [m]; (wx0, wz0): its nominal position w from the groove's
     centre [m]; r_ball: ball radius [m]; sx, sz: signs of the contact direction.
 
-    The approach is delta = r_ball - d, with the signed distance d of the ball's centre from the flank. m is the outward
-    unit normal. The curvature term is kt = 1/(R_c - d), with the radius of curvature R_c of the flank. The derivatives of
-    delta by w are the gradient m and the Hessian kt t t^T, with the tangent t normal to m.
+    The approach is delta = r_ball - d, with the signed distance d of the ball's centre from the flank. m is the unit normal
+    from ball to groove. The curvature term is kt = 1/(R_c - d), with the radius of curvature R_c of the flank, or zero if
+    the centre lies beyond the centre of curvature. The derivatives of delta by w are the gradient m and the Hessian
+    kt t t^T, with the tangent t normal to m.
     """
     ux, uz = sx * (wx0 + mx), sz * (wz0 + mz)
     gamma = atan2(uz, ux)

@@ -51,8 +51,9 @@ def search_along_step(
 ) -> tuple[float, float, int]:
     """Search the energy minimum along the Newton step in the workspace; leave the state at the accepted point.
 
-    energy, slope: energy [J] and its derivative by the step length [J] at the start; limit: largest step length. Returns
-    the energy [J], the largest force [N] and the number of step lengths tried.
+    energy, slope: energy [J] and its derivative by the step length [J] at the start; limit: largest step length, as a
+    fraction of the Newton step. Returns the energy [J] and the largest force [N] at the accepted point, and the number of
+    step lengths tried. ``given``: constants of the model.
     """
     trial, go_on = first_trial(energy, slope, limit), True
     new, scale = energy, 0.0
@@ -82,8 +83,9 @@ def force_scale_and_residual(
 def minimise(given: Any, state: Any, options: Options, workspace: Any) -> Outcome:
     """Minimise the energy of the model, starting from ``state``, which holds the solution on return.
 
-    Iterates until the relative residual is at most ``options.tolerance`` and all balls are in equilibrium, or until
-    the iteration cannot improve the state. Returns how it ended, with iteration counts, residual, energy and largest force.
+    Iterates until the relative residual is at most ``options.tolerance`` and all balls are in equilibrium, or until the
+    iteration cannot improve the state. Returns how it ended, with iteration counts, residual, energy and largest force.
+    ``given``: constants of the model; ``workspace``: work arrays of its functions.
     """
     tolerance, begin = options.tolerance, least_force(given, state, options)
     energy, scale = energy_at(given, state, workspace)

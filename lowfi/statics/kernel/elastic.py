@@ -45,8 +45,9 @@ from .rollers import roller_elements, write_roller_stiffness_rows
 def flank_motions_by_forces(bodies: Bodies, phi: Array, out: Array) -> None:
     """Write the motions ``out`` (N, d) = G phi [m] of the flanks by the contact forces ``phi`` (N, d) [N] on the bodies.
 
-    With two bodies, the first half of a ball's columns belongs to the first body and the second half to the second one.
-    With one body, all columns belong to it.
+    Each ball has d motions of its flanks. With two bodies (screw and nut), the first half of these columns belongs to the
+    first body and the second half to the second one. With one body, all columns belong to it. G: compliance matrix of the
+    bodies.
     """
     first, second = bodies.first, bodies.second
     n, d = phi.shape
@@ -62,7 +63,8 @@ def flank_motions_by_forces(bodies: Bodies, phi: Array, out: Array) -> None:
 def assemble_newton_matrix(bodies: Bodies, rows: BallRows, M: Array) -> None:
     """Write the matrix M (q, q) = I + S G S^T, with which a Newton step for the contact forces is solved.
 
-    G is the compliance matrix of the elastic bodies. S are q rows of factors: S^T S is the stiffness matrix of the balls.
+    G is the compliance matrix of the elastic ``bodies``. S is the matrix of the q ``rows`` of factors with which S^T S is
+    the stiffness matrix of the balls.
     """
     half = rows.S.shape[2] // (2 if bodies.second.shape[0] else 1)
     M[:] = np.eye(M.shape[0])
@@ -75,8 +77,9 @@ def assemble_newton_matrix(bodies: Bodies, rows: BallRows, M: Array) -> None:
 def add_body(G: Array, rows: BallRows, first: int, width: int, M: Array) -> None:
     """Add S G S^T of one elastic body to the matrix M of the Newton step for the contact forces.
 
-    G [m/N] is the body's compliance matrix. S are the rows by which S^T S is the stiffness matrix of the balls. Of the
-    flank motions of each ball, those with the indices ``first`` to ``first + width - 1`` are motions of this body.
+    G [m/N] is the body's compliance matrix. S is the matrix of the ``rows`` of factors with which S^T S is the stiffness
+    matrix of the balls. Of the flank motions of each ball, those with the indices ``first`` to ``first + width - 1`` are
+    motions of this body.
     """
     S, counts, starts = rows
     moved = np.empty((M.shape[0], G.shape[0]))
@@ -131,7 +134,8 @@ def multiply_by_stiffness_rows(rows: BallRows, x: Array, out: Array) -> None:
 def subtract_flank_forces(rows: BallRows, u: Array, out: Array) -> None:
     """Subtract the flank forces S^T u [N] from ``out`` (N, d).
 
-    S are the q rows of factors in ``rows``, with the stiffness S^T S of the balls; u (q,): solution of a Newton step.
+    S is the matrix of the q ``rows`` of factors with which S^T S is the stiffness of the balls; u (q,): solution of a
+    Newton step, see `solve_newton_equations`.
     """
     S, counts, starts = rows
     for i in range(S.shape[0]):
@@ -145,10 +149,12 @@ def solve_free_motions(
 ) -> bool:
     """Solve for the amplitudes of the free motions of the bodies, which only the contacts resist, in a Newton step.
 
-    M is the matrix of the Newton step without free motions, and S are the rows of the balls' stiffness S^T S. Writes the
-    amplitudes a (k,) [m] of the free motions R (N, d, k) to ``out``, such that (S R)^T u = target (k,). On entry u is M^-1
-    b; on return it is M^-1 (b + S R a). L is the Cholesky factor of M, and ``added_stiffness`` [N/m] is a stiffness that is
-    added to the free motions. Returns False if some free motion meets no resistance.
+    M is the matrix of the Newton step without free motions, from `assemble_newton_matrix`; S is the matrix of the ``rows``
+    of factors of the balls' stiffness S^T S; R (N, d, k) are the motions of the flanks per metre of each free motion.
+    Writes the amplitudes a (k,) [m] of the free motions to ``out``, such that (S R)^T u + added_stiffness a = target (k,)
+    [N]. On entry u is M^-1 b, with the right-hand side b of `solve_newton_equations`; on return it is M^-1 (b + S R a). L
+    is the Cholesky factor of M; ``added_stiffness`` [N/m] limits the free motions. Returns False if some free motion meets
+    no resistance.
     """
     k, total = R.shape[2], u.shape[0]
     plain, Z = np.empty((k, total)), np.empty((k, total))
@@ -168,11 +174,12 @@ def solve_free_motions(
 
 @kernel
 def write_stiffness_rows(contact: Array, local: Array, rows: Array) -> int:
-    """Write the stiffness of a ball against motions of its four flanks as S^T S; return the number of rows of S (6, 8).
+    """Write the stiffness of a ball against motions of its four flanks as S^T S; return the number of rows of S used.
 
-    Each contact gives a row sqrt(k) d with its stiffness k and direction d. A Householder transformation makes the flank
-    columns of these rows orthogonal to the columns of ball centre and body deformation, which eliminates these unknowns
-    without subtracting large numbers. ``local`` (4, 3): compliance terms of the contacts.
+    S is written to ``rows`` (6, 8). Each contact gives rows sqrt(k) d, with its normal or tangential stiffness k and
+    direction d. A Householder transformation makes the flank columns of these rows orthogonal to the columns of ball centre
+    and body deformation, which eliminates these unknowns without subtracting large numbers. ``contact`` (4, 5): forces,
+    normals and stiffnesses; ``local`` (4, 3): compliance terms of the contacts, see `kernel.ball`.
     """
     A = np.zeros((9, 3))
     B = np.zeros((9, 8))
@@ -234,9 +241,10 @@ def solve_balls_of_four_flanks(
 ) -> tuple[float, float]:
     """Find the equilibrium of every ball between four flanks, and the forces of every roller, for given flank motions.
 
-    v (N, 8): motions of the flanks [m]. Writes the forces f (N, 8) [N] on the flanks, the ball centres [m] and deformation
-    amplitudes ``inner`` (N, 3), and ``contact`` (N, 4, 5): force, unit normal and stiffnesses of each contact. Rollers come
-    after the balls. Returns the energy [J] and the largest contact force [N].
+    v (N, 8): motions of the flanks [m] of N balls and rollers; the rollers come after the balls. Writes the forces f (N, 8)
+    [N] on the flanks, the ball centres [m] and deformation amplitudes ``inner`` (N, 3), and ``contact`` (N, 4, 5): force,
+    unit normal and stiffnesses of each contact. Returns the energy [J] and the largest contact force [N]. ``contacts``:
+    contact data of all balls and rollers.
     """
     geometry, closure, local, r_ball, profile = contacts[:5]
     energy, scale, tiny = 0.0, 0.0, contacts.tiny
@@ -257,11 +265,12 @@ def solve_balls_of_four_flanks(
 def solve_balls_of_flank_pair(v: Array, contacts: BallContacts, contact: Array, f: Array) -> tuple[float, float]:
     """Compute forces and energy of balls between two opposite circular flanks a and b, in closed form.
 
-    v (N, 2): motion of flank a minus that of flank b [m]. The vector between the arc centres is D + v, and the centre of
-    the ball lies on its line. The interference is the nominal value plus |D + v| - |D|; the two contacts act in series as
-    one contact law. The rows of ``contacts.pair`` (N, 7) hold D, |D|, the nominal interference, and C, e, h of both
-    contacts together. Writes the forces f (N, 2) [N] and ``contact`` (N, 5) as one contact on flank a. Returns the energy
-    [J] and the largest contact force [N].
+    v (N, 2): motion of flank a minus that of flank b [m]. The vector from the centre of arc b to that of arc a is D
+    nominally and D + v in the deformed state; the centre of the ball lies on its line. The interference is the nominal
+    value plus |D + v| - |D|. The two contacts act in series: their approaches add up to C F^(2/3) + e F + h F^(4/3) under
+    the force F. The rows of ``contacts.pair`` (N, 7) hold D (two components), |D|, the nominal interference, C, e and h.
+    Writes the forces f (N, 2) [N] on flank a, and ``contact`` (N, 5) as one contact on flank a. Returns the energy [J] and
+    the largest contact force [N].
     """
     pair = contacts.pair
     energy, scale = 0.0, 0.0
@@ -291,7 +300,8 @@ def evaluate_balls(v: Array, contacts: BallContacts, state: ForceState, f: Array
     """Write the forces f [N] of all rolling elements for flank motions v [m]; return energy [J] and largest force [N].
 
     Uses the closed form `solve_balls_of_flank_pair` where v has two columns (one pair of flanks per ball), otherwise
-    `solve_balls_of_four_flanks`.
+    `solve_balls_of_four_flanks`. ``contacts``: contact data of balls and rollers. Ball centres and contacts are written to
+    ``state``.
     """
     if v.shape[1] == 2:
         return solve_balls_of_flank_pair(v, contacts, state.contact[:, 0], f)
@@ -302,7 +312,8 @@ def evaluate_balls(v: Array, contacts: BallContacts, state: ForceState, f: Array
 def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -> int:
     """Write the stiffness of each ball and roller as rows S (N, 6 or 2, d), where S^T S is its stiffness matrix.
 
-    Writes the number of rows of each element to ``counts`` (N,) and returns their sum.
+    Writes the number of rows of each element to ``counts`` (N,) and returns their sum. ``contacts``: data of balls and
+    rollers; ``contact``: their forces, normals and stiffnesses, from `evaluate_balls`.
     """
     total = 0
     d = S.shape[2]
@@ -335,14 +346,15 @@ def solve_newton_equations(
 ) -> bool:
     """Solve the equations of a Newton step for the contact forces and the free motions of the elastic bodies.
 
-    G is the compliance matrix of the bodies, S are the rows of the balls' stiffness S^T S, and R are the free motions with
-    the amplitudes a (k,). The equations are
+    G is the compliance matrix of the ``bodies``; S is the matrix of the ``rows`` of factors of the balls' stiffness S^T S;
+    R are the flank motions per metre of the free motions (which only the contacts resist), and a (k,) [m] their amplitudes.
+    The equations are
 
-        (I + S G S^T) u - S R a = b,    (S R)^T u + hold a = target.
+        (I + S G S^T) u - S R a = b,    (S R)^T u + added_stiffness a = target.
 
     The new contact forces are f - S^T u, where f are the forces of the balls before the step. ``u`` holds b on entry and
-    the solution on return; hold [N/m]: stiffness added to the free motions. Returns False if the matrix is not positive
-    definite.
+    the solution on return; ``a`` gets the amplitudes; ``added_stiffness`` [N/m] limits the free motions; ``target`` (k,)
+    [N]: net load on each free motion before the step. Returns False if the matrix is not positive definite.
     """
     M = np.empty((u.shape[0], u.shape[0]))
     assemble_newton_matrix(bodies, rows, M)
@@ -354,23 +366,31 @@ def solve_newton_equations(
 
 @kernel
 def add_free(R: Array, a: Array, out: Array) -> None:
-    """Add to ``out`` (N, d) [m] the flank motions R a caused by free motions of the bodies with the amplitudes a (k,)."""
+    """Add to ``out`` (N, d) [m] the flank motions R a by free rigid motions of the bodies, which only the contacts resist.
+
+    R (N, d, k): motions of the flanks per metre of each free motion; a (k,): amplitudes [m].
+    """
     for c in range(a.shape[0]):
         out += a[c] * R[:, :, c]
 
 
 @kernel
 def energy_of_bodies(bodies: Bodies, state: ForceState, g: Array) -> float:
-    """Return the elastic energy phi G phi/2 of the bodies minus the work of the loads on the free motions [J].
+    """Return the elastic energy phi G phi/2 of the bodies minus the work of the loads on their free motions [J].
 
-    g (N, d): motions G phi of the flanks [m] by the contact forces phi of the state.
+    phi: contact forces of the state; G: compliance matrix of the bodies; g (N, d): motions G phi of the flanks [m]. Free
+    motions are rigid motions of a body that only the contacts resist.
     """
     return float(0.5 * np.sum(state.phi * g) - np.sum(bodies.work * state.a))
 
 
 @kernel
 def write_flank_motions(bodies: Bodies, state: ForceState, g: Array, v: Array) -> None:
-    """Write the elastic motions g = G phi and the total motions v = v0 + g + R a of the flanks [m] from the state."""
+    """Write the elastic motions g = G phi and the total motions v = v0 + g + R a of the flanks (N, d) [m] from the state.
+
+    phi: contact forces of the state; G: compliance matrix of the bodies; v0: motions by external loads; R a: motions by the
+    bodies' free motions, which only the contacts resist.
+    """
     flank_motions_by_forces(bodies, state.phi, g)
     v[:] = bodies.v0 + g
     add_free(bodies.R, state.a, v)
@@ -390,7 +410,8 @@ def largest_relative_flank_motion(v: Array) -> float:
 def unbalanced(state: ForceState, scale: float) -> float:
     """Return the largest net force on a ball as a fraction of ``scale`` [N].
 
-    Zero for balls in the closed form with two opposite flanks, which are always in equilibrium.
+    Zero for balls in the closed form with two opposite flanks, which are always in equilibrium. ``state``: forces and
+    normals of all contacts.
     """
     return 0.0 if state.contact.shape[1] == 1 else ball_mismatch(state.contact, scale)
 
@@ -399,8 +420,8 @@ def unbalanced(state: ForceState, scale: float) -> float:
 def energy_at(given: BodySystem, state: ForceState, workspace: BodyWorkspace) -> tuple[float, float]:
     """Return the energy of bodies and balls [J] and the largest contact force [N] at the state.
 
-    Writes the forces of the balls on the flanks, and the contacts, to ``workspace.f`` and ``state``. The flank motions in
-    the workspace must be those of the state.
+    Writes the forces of the balls on the flanks to ``workspace.f``, and ball centres and contacts to ``state``. The flank
+    motions in the workspace must be those of the state. ``given``: arrays of bodies, balls and rollers.
     """
     energy, scale = evaluate_balls(workspace.v, given.contacts, state, workspace.f)
     return energy + energy_of_bodies(given.bodies, state, workspace.g), scale
@@ -412,7 +433,9 @@ def find_step(
 ) -> bool:
     """Write Newton's step of contact forces and free motions to the workspace; return False if it cannot be solved.
 
-    shift [N/m]: stiffness added to the free motions, which limits them where no contact resists them.
+    Free motions are rigid motions of a body that only the contacts resist. shift [N/m]: stiffness added to them, which
+    limits them where no contact resists. ``options`` and ``fresh`` are not used: the stiffness is factored in every step.
+    ``given``: arrays of bodies, balls and rollers; ``state``: present forces and contacts.
     """
     bodies, rows, f = given.bodies, workspace.rows, workspace.f
     R, counts, starts = bodies.R, rows.counts, rows.starts
@@ -438,8 +461,9 @@ def find_step(
 def residual_at(given: BodySystem, state: ForceState, options: Options, workspace: BodyWorkspace, scale: float) -> float:
     """Return the largest unbalanced force as a fraction of ``scale`` [N].
 
-    The largest of: the differences between the assumed flank forces and those that the balls exert, and the net loads on
-    the free motions of the bodies. In newtons if ``scale`` is zero.
+    It is the larger of two values: the largest difference between a flank force of the state and the force that the ball
+    exerts there, and the largest net load on a free motion of the bodies. In newtons if ``scale`` is zero. The
+    ``workspace`` holds the forces that the balls exert. ``options`` is not used.
     """
     bodies = given.bodies
     worst = float(np.max(np.abs(workspace.f - state.phi)))
@@ -450,20 +474,26 @@ def residual_at(given: BodySystem, state: ForceState, options: Options, workspac
 
 @kernel
 def slope_along(given: BodySystem, state: ForceState, workspace: BodyWorkspace) -> float:
-    """Return the derivative [J] of the energy by the step length, along the Newton step in the workspace."""
+    """Return the derivative [J] of the energy by the step length, along the Newton step in the workspace.
+
+    The ``workspace`` also holds the present flank motions and forces.
+    """
     step = workspace.step
     return float(np.sum(step.dphi * workspace.g) - np.sum(workspace.f * step.dv) - np.sum(given.bodies.work * step.da))
 
 
 @kernel
 def reach_of(given: BodySystem, workspace: BodyWorkspace) -> float:
-    """Return the largest relative motion [m] of two opposite flanks in the whole Newton step."""
+    """Return the largest relative motion [m] of two opposite flanks of a ball in the full Newton step (step length 1)."""
     return largest_relative_flank_motion(workspace.step.dv)
 
 
 @kernel
 def save_start(state: ForceState, workspace: BodyWorkspace) -> None:
-    """Store the current forces and motions in the workspace as the start of the line search."""
+    """Store the current forces and motions in the workspace as the start of the line search.
+
+    ``state``: contact forces and free motions of the bodies.
+    """
     workspace.begin.phi[:], workspace.begin.a[:], workspace.begin.g[:], workspace.begin.v[:] = (
         state.phi,
         state.a,
@@ -474,7 +504,10 @@ def save_start(state: ForceState, workspace: BodyWorkspace) -> None:
 
 @kernel
 def move(given: BodySystem, state: ForceState, workspace: BodyWorkspace, t: float) -> None:
-    """Set forces and motions to the start of the line search plus ``t`` times the Newton step."""
+    """Set forces and motions to the start of the line search plus ``t`` times the Newton step.
+
+    The results are written to ``state``, and the flank motions to the ``workspace``, which holds start and step.
+    """
     begin, step = workspace.begin, workspace.step
     state.phi[:], state.a[:] = begin.phi + t * step.dphi, begin.a + t * step.da
     workspace.v[:], workspace.g[:] = begin.v + t * step.dv, begin.g + t * step.dv
@@ -487,7 +520,7 @@ def finish(given: BodySystem, state: ForceState, options: Options, workspace: Bo
 
     The motions are known in two ways: summed over all Newton steps, and computed anew from the contact forces as G phi. The
     second has more round-off where the bodies bend much under contact forces that almost cancel. The motions that give the
-    smaller residual are used.
+    smaller residual are used. The contacts are written to ``state``.
     """
     v, residual = workspace.v.copy(), residual_at(given, state, options, workspace, 1.0)
     write_flank_motions(given.bodies, state, workspace.g, workspace.v)
@@ -499,13 +532,19 @@ def finish(given: BodySystem, state: ForceState, options: Options, workspace: Bo
 
 @kernel
 def least_force(given: BodySystem, state: ForceState, options: Options) -> float:
-    """Return the smallest force [N] that relative residuals may be divided by."""
+    """Return the smallest force [N] that relative residuals may be divided by.
+
+    It is ``options.floor``; ``given`` and ``state`` are not used.
+    """
     return options.floor
 
 
 @kernel
 def furthest(given: BodySystem, state: ForceState) -> float:
-    """Return the largest amplitude [m] of a free motion of the bodies, which only the contacts resist; 0 without any."""
+    """Return the largest amplitude [m] of a free motion of the bodies, which only the contacts resist; 0 without any.
+
+    ``state``: amplitudes of the free motions; ``given`` is not used.
+    """
     return float(np.max(np.abs(state.a))) if state.a.size else 0.0
 
 
@@ -517,7 +556,8 @@ def solve_forces(given: BodySystem, state: ForceState, options: Options, start: 
     """Find the equilibrium of elastic bodies and rolling elements: minimise the energy over the contact forces.
 
     With ``start`` the iteration begins at the solution with linear springs as contacts, otherwise at the forces in
-    ``state``.
+    ``state``, which holds the solution on return. ``given``: arrays of bodies, balls and rollers; ``options``: tolerance
+    and limits of the iteration.
     """
     balls, d = state.phi.shape
     width, shape = 2 if d == 2 else 6, state.phi.shape
@@ -538,7 +578,8 @@ def start_from_linear_springs(given: BodySystem, state: ForceState, options: Opt
 
     Leaves the state unchanged if the equations cannot be solved. The solution is scaled down such that no flank moves
     further from the opposite one than ``options.furthest`` [m]. It is not scaled if the loads without contact forces
-    already move flanks further than that, as they do for a shaft that only the contacts support.
+    already move flanks further than that, as they do for a shaft that only the contacts support. ``given``: arrays of
+    bodies, balls and rollers, with the springs; ``workspace``: work arrays, changed.
     """
     bodies, springs, v = given.bodies, given.springs, workspace.v
     balls, width = springs.shape[0], springs.shape[1]

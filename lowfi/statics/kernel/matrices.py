@@ -59,7 +59,10 @@ def ldl_substitute(band: Array, b: Array) -> None:
 
 
 def _filled(band: Array) -> Array:
-    """Return a lower band matrix (n, w) extended by rows of a unit matrix until n is a multiple of the block size w - 1."""
+    """Return a lower band (n, w) extended by rows of a unit matrix until their number is a multiple of w - 1.
+
+    w - 1 is the size of the blocks into which `_block_factor` divides the matrix.
+    """
     n, width = band.shape
     size = max(width - 1, 1)
     filled = np.zeros((-(-n // size) * size, size + 1))
@@ -71,11 +74,11 @@ def _filled(band: Array) -> Array:
 
 
 def _block_views(filled: Array) -> tuple[Array, Array]:
-    """Return views of the diagonal blocks (m, b, b) of an extended band matrix, and of the blocks below them.
+    """Return views of the m diagonal blocks (m, b, b) of a band matrix A, and of the blocks below them.
 
-    Only the lower triangles of the diagonal blocks and the upper triangles of the blocks below belong to the matrix; the
-    other triangle of a view shows entries of other blocks. The views work because A[i, j] is stored at the flat index
-    j (b + 1) + i - j = j b + i.
+    ``filled`` (m b, b + 1): lower band of A from `_filled`. Only the lower triangles of the diagonal blocks and the upper
+    triangles of the blocks below belong to the matrix; the other triangle of a view shows coefficients of other blocks. The
+    views work because A[i, j] is stored at the flat index j (b + 1) + i - j = j b + i.
     """
     size = filled.shape[1] - 1
     flat = filled.reshape(-1, size * (size + 1))
@@ -106,9 +109,9 @@ def _block_factor(band: Array) -> bool:
 
 
 def inverse_blocks(band: Array) -> tuple[Array, Array]:
-    """Return the inverted diagonal blocks of a band matrix factored by blocks, and the blocks below them.
+    """Return the inverted diagonal blocks (m, b, b) of a band matrix factored by blocks, and the blocks below them.
 
-    They are the input of `substitute_blocks`.
+    ``band``: factor from `_block_factor`. The result is the input of `substitute_blocks`.
     """
     on, below = _block_views(_filled(band))
     return np.tril(on), np.triu(below)
@@ -142,9 +145,10 @@ substitute_band = ldl_substitute if is_compiled(__name__) else _block_substitute
 
 @kernel
 def envelope_factor(values: Array, first_column: Array, row_start: Array) -> bool:
-    """Replace a symmetric matrix stored as an envelope by its Cholesky factor; return False if not positive definite.
+    """Replace a symmetric matrix A stored as an envelope by its Cholesky factor; return False if not positive definite.
 
-    values: stored entries, A[i, j] at start[i] + j for first[i] <= j <= i.
+    ``values``: stored coefficients of the lower triangle, A[i, j] at row_start[i] + j for first_column[i] <= j <= i.
+    ``first_column`` (n,): column of the first stored coefficient of each row; ``row_start``: offsets of the rows.
     """
     for i in range(first_column.shape[0]):
         row = row_start[i]
@@ -167,8 +171,8 @@ def envelope_factor(values: Array, first_column: Array, row_start: Array) -> boo
 def envelope_substitute(values: Array, first_column: Array, row_start: Array, b: Array) -> None:
     """Solve A x = b and write x over b (n,).
 
-    values: Cholesky factor of A from `envelope_factor`, stored as an envelope: entry [i, j] at start[i] + j for first[i] <=
-    j <= i.
+    ``values``: Cholesky factor of A from `envelope_factor`, stored as an envelope: coefficient [i, j] at row_start[i] + j
+    for first_column[i] <= j <= i. ``first_column`` (n,) and ``row_start`` are those of `envelope_factor`.
     """
     n = first_column.shape[0]
     for i in range(n):
@@ -187,7 +191,8 @@ def envelope_substitute(values: Array, first_column: Array, row_start: Array, b:
 def _lapack_factor(values: Array, first_column: Array, row_start: Array) -> bool:
     """Replace a symmetric matrix by its Cholesky factor, with LAPACK; return False if it is not positive definite.
 
-    values: entries stored as an envelope, [i, j] at start[i] + j for first[i] <= j <= i.
+    ``values``: coefficients of the lower triangle stored as an envelope, [i, j] at row_start[i] + j for first_column[i] <=
+    j <= i.
     """
     n = first_column.shape[0]
     full = np.zeros((n, n))
@@ -205,7 +210,8 @@ def _lapack_factor(values: Array, first_column: Array, row_start: Array) -> bool
 def _lapack_solve(values: Array, first_column: Array, row_start: Array, b: Array) -> None:
     """Solve A x = b with LAPACK and write x over b (n,).
 
-    values: Cholesky factor of A from `_lapack_factor`, stored as an envelope with the indices first and start.
+    ``values``: Cholesky factor of A from `_lapack_factor`, stored as an envelope: coefficient [i, j] at row_start[i] + j
+    for first_column[i] <= j <= i.
     """
     from scipy.linalg import solve_triangular
 

@@ -25,9 +25,9 @@ ROUND_OFF = 2.0**-52
 def line_contact_law(delta: float, g: float, s: float) -> tuple[float, float, float]:
     """Return line load q [N/m], stiffness dq/d delta [N/m^2] and energy [J/m] of a line contact of approach delta > 0 [m].
 
-    The law is delta = q (g - S ln q), with constants g and s [m^2/N] of the roller and its raceways. It has a maximum of
-    delta; above exp(-3) of the load there, which is far above any real load, the law is continued along its tangent, so
-    that the energy remains convex.
+    The law is delta = q (g - s ln q), with constants g and s [m^2/N] of the roller and its raceways. delta has a maximum as
+    a function of q. Above exp(-3) times the load at this maximum, which is far above any real load, the law is continued
+    along its tangent, so that the energy remains convex.
     """
     edge = exp(g / s - 4.0)
     limit = edge * (g - s * log(edge))
@@ -55,7 +55,8 @@ def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array
     """Compute forces and stiffness of all roller slices between rigid rings; return energy [J] and largest slice force [N].
 
     q (r, 6): motions of the bodies that carry the rings [m, rad]. Writes force [N] and stiffness [N/m] of each slice to
-    ``slices`` (M, 2) and adds the forces to the gradient (r, 6) of the energy.
+    ``slices`` (M, 2) and adds the forces and moments on the bodies to the gradient (r, 6) of the energy [N, N m]. rollers:
+    coefficients of the slices' approaches, their gaps, widths and force law.
     """
     energy, scale = 0.0, 0.0
     for i in range(rollers.drop.shape[0]):
@@ -86,10 +87,11 @@ def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array
 def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array, tiny: float) -> tuple[float, float]:
     """Compute the forces of rollers on elastic rings; return energy [J] and the largest roller force [N].
 
-    v (M, 8): motions of the rings at each roller [m]; f (M, 8): forces on the rings [N]. Writes force and direction of each
-    roller to ``contact`` (M, 4, 5), in the columns of a ball's contacts. The stiffness matrix of the two relative motions
-    has three entries: force by displacement (column KN of the cone), their coupling (KT of the cone), and moment by tilt
-    (KN of the cup).
+    v (M, 8): motions of the rings at each roller [m], see the module. Writes the forces on the rings to f (M, 8) [N], and
+    force and direction of each roller to ``contact`` (M, 4, 5), in the columns of a ball's contacts. The symmetric
+    stiffness matrix of displacement and slope of one ring against the other has three different coefficients: force by
+    displacement (column KN of the cone), force by slope (KT of the cone), and moment by slope (KN of the cup). A roller
+    whose force is at most ``tiny`` [N] counts as unloaded.
     """
     energy, scale = 0.0, 0.0
     for i in range(v.shape[0]):

@@ -35,9 +35,9 @@ FALLS = 1e-6
 def first_trial(energy: float, slope: float, limit: float) -> LineSearchTrial:
     """Return the first trial of a line search: the whole Newton step, or the longest step that ``limit`` allows.
 
-    energy, slope: energy [J] at the start of the search, and its derivative by the step length there [J], which is
-    negative. limit: largest step length; a longer step would carry flanks past their balls and give no information on the
-    contacts.
+    The step length is a fraction of the Newton step. energy, slope: energy [J] at the start of the search, and its
+    derivative by the step length there [J], which is negative. limit: largest step length; a longer step would carry flanks
+    past their balls and give no information on the contacts.
     """
     return LineSearchTrial(energy, slope, limit, 0.0, 0.0, min(1.0, limit), 0)
 
@@ -46,9 +46,9 @@ def first_trial(energy: float, slope: float, limit: float) -> LineSearchTrial:
 def next_trial(trial: LineSearchTrial, new: float, ahead: float) -> tuple[LineSearchTrial, bool]:
     """Return the next step length to try in a line search, and whether the search continues.
 
-    trial: bracket and last step length tried; new, ahead: energy [J] and its derivative by the step length [J], found
-    there. The search ends where the magnitude of the derivative is sufficiently smaller than at the start, or at the
-    largest step length.
+    trial: last step length tried, with the largest one known to be too short and the smallest one known to be too long;
+    new, ahead: energy [J] and its derivative by the step length [J] at the last step length. The search ends where the
+    magnitude of the derivative is sufficiently smaller than at the start, or at the largest step length.
     """
     energy, slope, limit, low, high, t, tried = trial
     tried += 1
@@ -72,10 +72,11 @@ def next_trial(trial: LineSearchTrial, new: float, ahead: float) -> tuple[LineSe
 def record_progress(
     progress: Progress, residual: float, unbalanced: float, energy: float, tried: int
 ) -> tuple[Progress, bool]:
-    """Update the record of a Newton iteration's progress; return it and whether the iteration ends here.
+    """Update the record of a Newton iteration's progress; return it and whether the iteration ends for lack of progress.
 
-    residual: unbalanced force relative to the largest force; unbalanced: relative to the applied loads; energy: energy [J]
-    after the step; tried: number of step lengths that the last line search tried.
+    residual: largest unbalanced force relative to the largest force; unbalanced: the same force relative to the applied
+    loads; energy: energy [J] after the step; tried: number of step lengths that the last line search tried. The iteration
+    ends after several steps that neither halved the residual nor lowered the energy, or after two exhausted line searches.
     """
     falls = progress.lowest - energy > FALLS * abs(energy)
     stalled = 0 if residual < 0.5 * progress.best or falls else progress.stalled + 1
