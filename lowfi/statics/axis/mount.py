@@ -104,7 +104,7 @@ def _find_preload_shifts(mounting: _PreloadTask) -> tuple[tuple[float, ...] | No
     goal = np.log([bare.sets[i].preload for i in numbers])
 
     def excess(shift: Array) -> Array:
-        """Return the logarithm of preload force over required force, for each part at given shifts [m]; nan without load."""
+        """Return the logarithm of preload force over required force, for each part at shifts [m]; nan without load."""
         result = solve(_replace_preload_by_offsets(bare, numbers, shift))
         forces = np.array([abs(result.sets[i].force[2]) for i in numbers]) if result.converged else np.zeros(len(numbers))
         return np.asarray(np.log(np.where(forces > 0.0, forces, np.nan)) - goal)
