@@ -215,7 +215,7 @@ def test_what_a_deck_cannot_say_is_refused(tmp_path):
     halved = (
         (other, DeckOptions(half=True), "half: got a scene that is not symmetric to y = 0") for other in (cut, aside, loose)
     )
-    stations = r"a support or load at 0 mm; allowed: the ends of the 3D stretch, 381\.375 mm"
+    stations = r"a support or load at 0 mm; allowed: the ends of the piece of the screw in 3D, 381\.375 mm"
     for bad, options, words in (
         (catalogue.scene("lin-case1"), COARSE, r"1 to 4 balls.*balls=3:5"),
         (replace(scene, errors=displaced), COARSE, "a displaced groove"),

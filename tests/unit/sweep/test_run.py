@@ -38,7 +38,7 @@ from rollbench.compare.studies.sweep import run as sweeping, sample
 from rollbench.compare.studies.sweep.keys import read_vary
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 sweeping.LARGEST_BATCH, sweeping.BATCHES = 4, 1  # workers are in the midst of theirs when their run is killed
-text, vary = catalogue.scene_text({scene!r}), read_vary({vary!r})
+text, vary = catalogue.shipped_scene_text({scene!r}), read_vary({vary!r})
 what = sweeping.Sweep(text, "{scene}.toml", vary, {samples}, "lhs", 1, "lin")
 random.seed(5)
 before = 0
