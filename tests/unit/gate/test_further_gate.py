@@ -161,7 +161,7 @@ def test_faulty_limits() -> None:
     for text in ("rigidity", "rigidity=x", "rigidity=-1", "rigidity=nan", "load=3", "=1"):
         with pytest.raises(InputError, match="limits: got"):
             judging.parse_error_limits([text])
-    with pytest.raises(InputError, match="each once"):
+    with pytest.raises(InputError, match="each NAME once"):
         judging.parse_error_limits(["life=1", "life=2"])
 
 
