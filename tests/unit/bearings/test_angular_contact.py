@@ -119,7 +119,7 @@ def test_energy_of_the_deflection_is_that_of_the_contacts():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"balls": 0}, "positive"),
+        ({"balls": 0}, "must be > 0"),
         ({"poisson": 0.5}, "Poisson"),
         ({"inner_groove": 4e-3}, "groove radii"),
         ({"outer_raceway": 64e-3}, "clearance"),
