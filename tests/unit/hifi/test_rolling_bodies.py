@@ -222,5 +222,5 @@ def test_steps_from_rest_stay_within_the_zone_of_finite_bodies():
     assert short[0].converged
     assert short[0].loss == pytest.approx(short[1].loss, rel=0.03)
     assert short[0].loss != pytest.approx(short[1].loss, rel=1e-5)
-    with pytest.raises(ValueError, match="beyond the zone"):
+    with pytest.raises(ValueError, match="outside the zone"):
         compute_motion_from_rest(scene, 0.1, 10, 0.0, finite)
