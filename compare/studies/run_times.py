@@ -370,11 +370,13 @@ class StoredRunTimes:
 
     def __str__(self) -> str:
         """Return a sentence on machine, version and date of the measurement."""
-        older = (
-            ""
-            if self.measured == measuring_conditions()
-            else f", not with the {measuring_conditions().version} of this report"
-        )
+        now = measuring_conditions()
+        if self.measured.version != now.version:
+            older = f", not with the {now.version} of this report"
+        elif self.measured.machine != now.machine:
+            older = ", not on the machine that made this report"
+        else:
+            older = "" if self.measured.sources == now.sources else ", before the last changes to the solvers"
         return f"Run times are of one measuring run: measured with {self.measured}, {self.date}{older}."
 
 

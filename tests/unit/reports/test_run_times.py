@@ -45,7 +45,10 @@ def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
     (tmp_path / kept_times.RUN_TIMES).write_text('{"times": 3}')
     assert kept_times.load_times([tmp_path]) is None
     assert "measured with 0.7.0 on a machine, 2026-01-02, not with the" in str(KEPT)
-    assert "not with" not in str(replace(KEPT, measured=measuring_conditions()))
+    now = measuring_conditions()
+    assert str(replace(KEPT, measured=now)).endswith("2026-01-02.")
+    assert "not on the machine" in str(replace(KEPT, measured=replace(now, machine="another")))
+    assert "before the last changes to the solvers" in str(replace(KEPT, measured=replace(now, sources="another")))
 
 
 def test_a_ratio_compares_the_same_work():

@@ -526,6 +526,8 @@ def run_times_note(study: Study) -> str:
     kept = study.compute_once(run_times_for_page, "lin")
     return (
         f"Printed: {MACHINE}. Ours, cold: a new process with empty caches, imports included; further: the next load case "
-        "there; ANSYS rows: 3D, ours. Empty: not measured. Of another measuring run: its time, with its version; no "
-        f"ratio is made of it. {'No run times are kept.' if kept is None else kept} Again by: rollbench bench --source lin."
+        "there, with kernels compiled; ANSYS rows: 3D, ours. A cold start of the friction model of a screw is nearly all "
+        "compiling. Empty: not measured. A time of an earlier measuring run stands in another column, without a ratio. "
+        f"{'No run times are stored.' if kept is None else kept} To measure them again: "
+        "`rollbench bench --source lin`."
     )
