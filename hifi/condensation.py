@@ -551,7 +551,7 @@ def expansion_of_free_screw_freedoms(mesh: GroovedBody, dims: Dimensions, high: 
     return expansion_with_rigid_high_end(mesh.mesh, high)
 
 
-def points_in_bolt_circles(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array:
+def points_clamped_by_bolts(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array:
     """Find the points of a flange's face that lie in the circles fixed by its bolts.
 
     Parameters
@@ -570,7 +570,7 @@ def points_in_bolt_circles(x: Array, y: Array, seat: tuple[float, float], count:
 
     Examples
     --------
-    >>> points_in_bolt_circles(np.array([40e-3, 0.0]), np.array([0.0, 40e-3]), (35e-3, 45e-3), 2).tolist()
+    >>> points_clamped_by_bolts(np.array([40e-3, 0.0]), np.array([0.0, 40e-3]), (35e-3, 45e-3), 2).tolist()
     [True, False]
     """
     middles = 0.5 * sum(seat) * np.exp(2j * np.pi / count * np.arange(count))
@@ -589,7 +589,7 @@ def expansion_of_free_nut_freedoms(mesh: GroovedBody, dims: Dimensions) -> sp.cs
     x, y = mesh.points[nodes, 0], mesh.points[nodes, 1]
     on = (np.hypot(x, y) >= low - 1e-7) & (np.hypot(x, y) <= high + 1e-7)
     if bolts:
-        on &= points_in_bolt_circles(x, y, (low, high), int(bolts.split()[0]))
+        on &= points_clamped_by_bolts(x, y, (low, high), int(bolts.split()[0]))
     held = freedoms_of_nodes(np.union1d(nodes[on], nodes_on_boundaries(mesh.mesh, "centring")) if fit else nodes[on])
     return expansion_of_free_freedoms(mesh.mesh, held)
 

@@ -231,7 +231,7 @@ class TaperedBearing:
     def __post_init__(self) -> None:
         """Check that the values describe a tapered roller bearing; raise ValueError otherwise."""
         if self.rollers < 1 or min(self.diameter, self.length, self.depth, self.young) <= 0.0:
-            raise ValueError("rollers, diameter, length, depth and Young's modulus must be positive")
+            raise ValueError("number, diameter and length of the rollers, body depth and Young's modulus must be positive")
         if not 0.0 < 2.0 * self.roller_angle < self.cup_angle < 0.5 * np.pi or not 0.0 <= self.poisson < 0.5:
             raise ValueError("angles must satisfy 0 < 2 gamma < alpha < 90 degrees; Poisson's ratio must be in [0, 0.5)")
 

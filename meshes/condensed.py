@@ -78,7 +78,7 @@ class CondensedBodies:
     #: Hertz constants C of the flanks, with the approach C F^(2/3) under the force F ``(k,)`` [m/N^(2/3)].
     hertz: Array
 
-    def fit_local_law(self, side: int) -> tuple[float, float]:
+    def fit_local_approach_over_load(self, side: int) -> tuple[float, float]:
         """Fit e F + h F^(4/3) to the part of the approach of a flank's contacts that neither Hertz nor the matrices give.
 
         F is the contact force. The first term is the linear elasticity of the bodies. The next term for a smooth contact is
@@ -97,18 +97,18 @@ class CondensedBodies:
         h : float
             Coefficient of F^(4/3) [m/N^(4/3)].
         """
-        e, h = self._fit_approach(list(self.sides).index(side))[0]
+        e, h = self._fit_local_approach_of_flank(list(self.sides).index(side))[0]
         return float(e), float(h)
 
     def scatter(self, side: int) -> float:
-        """Return the RMS deviation of the samples in ``local`` from `fit_local_law`, divided by the whole approach.
+        """Return the RMS deviation of the samples from `fit_local_approach_over_load`, divided by the whole approach.
 
         It is the error due to the finite contact grid of the 3D model. ``side``: flank 0 to 3 (SL, SR, NL, NR).
         """
-        return self._fit_approach(list(self.sides).index(side))[1]
+        return self._fit_local_approach_of_flank(list(self.sides).index(side))[1]
 
-    def _fit_approach(self, k: int) -> tuple[Array, float]:
-        """Fit the coefficients of `fit_local_law` to the samples of a flank.
+    def _fit_local_approach_of_flank(self, k: int) -> tuple[Array, float]:
+        """Fit the coefficients of `fit_local_approach_over_load` to the samples of a flank.
 
         ``k``: index of the flank in ``sides``. Returns the coefficients e [m/N] and h [m/N^(4/3)] ``(2,)``, and the RMS
         deviation of the samples from the fit, divided by the whole approach.

@@ -35,7 +35,7 @@ from rollbench.hifi.contact.block import (
     SOURCE_FINE,
     SOURCE_RADIUS,
     HertzRun,
-    solve_hertz_contact_like_lin,
+    solve_hertz_contact_on_lin_mesh,
 )
 from rollbench.hifi.contact.block import solve_hertz_contact as solve_block
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
@@ -105,7 +105,7 @@ def compute_hertz_contacts(step: Callable[[str], None], wanted: Mapping[str, Seq
         for element, refinements in wanted.items():
             step(f"job {job.name}, {NAMES[element]}")
             out += [errors_of_hertz_run(NAMES[element], solve_block(job, element, float(n))) for n in refinements]
-        out.append(errors_of_hertz_run(SOURCE, solve_hertz_contact_like_lin(job)))
+        out.append(errors_of_hertz_run(SOURCE, solve_hertz_contact_on_lin_mesh(job)))
     return out
 
 

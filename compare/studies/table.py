@@ -58,7 +58,7 @@ LOAD = "load"
 
 
 @dataclass(frozen=True)
-class TableRequest:
+class SceneTableOptions:
     """Checked request for a table of a scene over values of its keys: scene, varied keys, model and quantities."""
 
     #: Text of the scene file.
@@ -84,7 +84,7 @@ class TableRequest:
 
 def check_request(
     scene: str, over: Sequence[str], quantities: Sequence[str], model: str = "", stiffness_at: str | float | None = None
-) -> TableRequest:
+) -> SceneTableOptions:
     """Check a request for a table, before anything is solved.
 
     Parameters
@@ -102,7 +102,7 @@ def check_request(
 
     Returns
     -------
-    TableRequest
+    SceneTableOptions
         The request.
 
     Raises
@@ -129,7 +129,7 @@ def check_request(
     if math.prod(len(x.choices) for x in keys) > MOST:
         raise ArgumentError("over", f"more than {MOST} combinations", f"up to {MOST} combinations", "give fewer values")
     columns = tuple(_column_of_varied_key(x) for x in typed)
-    return TableRequest(
+    return SceneTableOptions(
         text,
         origin,
         described.name,
@@ -209,7 +209,7 @@ def _column_of_varied_key(vary: VariedKey) -> Over:
     return Over(vary.key, f"{vary.key}_{unit}" if unit else vary.key, tuple(float(x[0]) for x in split if x is not None))
 
 
-def solve_row(request: TableRequest, values: Sequence[Any], engine: str) -> TableRow:
+def solve_row(request: SceneTableOptions, values: Sequence[Any], engine: str) -> TableRow:
     """Solve one combination of the keys' values and return its table row; if it is refused, the status says why.
 
     ``request``: checked request; ``values``: a value for each key; ``engine``: whether numerical kernels run as plain
@@ -225,7 +225,7 @@ def solve_row(request: TableRequest, values: Sequence[Any], engine: str) -> Tabl
         return TableRow(f"refused: {error}")
 
 
-def _solve_scene_for_row(scene: Scene | Assembly, request: TableRequest, engine: str) -> TableRow:
+def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableOptions, engine: str) -> TableRow:
     """Solve a scene and return the table row with the requested quantities.
 
     ``request``: checked request; ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine
@@ -300,7 +300,7 @@ def _expected_errors(scene: Scene, result: StaticResult) -> dict[str, Any]:
     }
 
 
-def solve_table(request: TableRequest, engine: Engine, step: Callable[[str], None]) -> Table:
+def solve_table(request: SceneTableOptions, engine: Engine, step: Callable[[str], None]) -> Table:
     """Solve all rows of a table.
 
     Parameters
@@ -336,7 +336,7 @@ def solve_table(request: TableRequest, engine: Engine, step: Callable[[str], Non
     return table_from_json(_table_as_json(request, [rows[k] for k in range(len(places))]))
 
 
-def _table_as_json(request: TableRequest, rows: Sequence[TableRow]) -> dict[str, Any]:
+def _table_as_json(request: SceneTableOptions, rows: Sequence[TableRow]) -> dict[str, Any]:
     """Return the JSON values of ``rollbench table``; quantities that were not requested have no key.
 
     ``request``: checked request; ``rows``: rows in the order of the combinations of the keys' values.

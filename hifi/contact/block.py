@@ -317,7 +317,7 @@ def solve_hertz_contact(
     return solve_hertz_contact_on_mesh(job, mesh, b_over_h, perf_counter() - start, far_field=far_field)
 
 
-def solve_hertz_contact_like_lin(job: HertzJob) -> HertzRun:
+def solve_hertz_contact_on_lin_mesh(job: HertzJob) -> HertzRun:
     """Solve a Hertz contact on first-order tetrahedra as in Lin's thesis: 0.08 mm near the contact, 5 mm elsewhere.
 
     Parameters

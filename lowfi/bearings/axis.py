@@ -418,7 +418,9 @@ class BearingSet:
         """Check that the fields have the same length and directions are +1 or -1; raise ValueError otherwise."""
         if not self.rows or not len(self.rows) == len(self.directions) == len(self.offsets):
             counts = f"{len(self.rows)} rows, {len(self.directions)} directions and {len(self.offsets)} offsets"
-            raise ValueError(f"a set of bearing rows got {counts}; allowed: equal numbers, at least 1")
+            raise ValueError(
+                f"ball bearing: got {counts}; allowed: a direction and an offset for each row, at least one row"
+            )
         if any(s not in (1, -1) for s in self.directions):
             raise ValueError(f"directions of bearing rows got {list(self.directions)}; allowed: +1 and -1")
 

@@ -346,7 +346,7 @@ def _compute_compliance(
             R[:, [s % 2 for s in sides]] = rigid[order].reshape(N, len(sides), 2, -1)
         if condensed is not None:
             for s in condensed.flanks_covered_by_file(sides):
-                (e[s], h[s]), slope[s] = condensed.bodies.fit_local_law(s), 0.0
+                (e[s], h[s]), slope[s] = condensed.bodies.fit_local_approach_over_load(s), 0.0
                 e[s] += of_file.e
             compliance = condensed.replace_normal_compliance(scene, layout, sides, compliance, backend)
         G.append(compliance)

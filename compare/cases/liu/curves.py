@@ -41,7 +41,7 @@ DRAWN = "Liu et al. print neither the drawn errors nor the curves: ours are of a
 
 SPREAD = f"Band and median: {CURVES} drawn screws."
 
-NO_VALUES = "The text prints no value of this figure: ours alone."
+NO_VALUES = "The text prints no value of this figure; the curves are computed here."
 
 
 def _random_ball_errors(half_range: int, number: int = 0) -> Array:

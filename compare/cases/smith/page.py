@@ -84,7 +84,10 @@ def hertz_parameters_figure() -> Figure:
         Panel("Table 2-1 and exact integrals", "F(p)", "δ*, b*", curves, zero=True),
         Panel("error against exact integrals", "F(p)", "error / %", off),
     )
-    caption = "The last b* of the table has a digit too many: 3.5 % off. The fit 2.26 of b* is some 40 % off and not shown."
+    caption = (
+        "The last b* of the table is printed with a digit too many, 3.5 % off. The printed fit of b*, with the coefficient "
+        "2.26, is some 40 % off and not shown."
+    )
     return Figure(
         "smith-figure-2-8",
         "Smith (1994), Figure 2-8: Hertz contact parameters over the curvature difference F(p), printed and exact",

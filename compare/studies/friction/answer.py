@@ -213,7 +213,7 @@ def motion_json(ball_speeds: Array) -> dict[str, Any]:
     return {"orbit_rad_s": json_number(ball_speeds[0]), "rotation_rad_s": [json_number(w) for w in ball_speeds[1:]]}
 
 
-def rubbing_json(
+def sliding_and_friction_json(
     sides: Sequence[str], motion: Array, force: Array, moment: Array, loss: Array, rest: Mask
 ) -> dict[str, Any]:
     """Return sliding and friction at a ball's contacts as JSON.
@@ -399,7 +399,7 @@ def json_rows_of_balls(result: StaticResult, state: FrictionState) -> list[dict[
         | load_json(SIDES, at.force[i], at.angle[i])
         | motion_json(q[i])
         | {"closing_mm_s": json_number(1e3 * state.closing[i])}
-        | rubbing_json(SIDES, f.motion[i], f.force[i], f.moment[i], f.loss[i].sum(axis=1), f.rest[i])
+        | sliding_and_friction_json(SIDES, f.motion[i], f.force[i], f.moment[i], f.loss[i].sum(axis=1), f.rest[i])
         | {"status": f.status[i]}
         for i in range(at.force.shape[0])
     ]

@@ -349,7 +349,7 @@ def json_row_of_bearing_ball(load: ContactLoadSolution, at: Contacts, motion: Ba
             "semi_axis_along_um": answer.values_by_contact(bearing.SIDES, 1e6 * at.b),
         }
         | answer.motion_json(np.append(motion.q, 0.0))
-        | answer.rubbing_json(bearing.SIDES, motion.motion, f.force, f.moment, f.loss, motion.rest)
+        | answer.sliding_and_friction_json(bearing.SIDES, motion.motion, f.force, f.moment, f.loss, motion.rest)
     )
 
 

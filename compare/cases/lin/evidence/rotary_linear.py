@@ -215,11 +215,11 @@ def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
         "yaw": abs(SIDE) * VERTICAL * 2e3 * b.ball_radius,
     }
     findings.numbers(values)
-    _compute_worst_loss_ratio(findings)
+    _record_largest_friction_loss_increase(findings)
     _check_map_claims(findings, force_and_loss_maps())
 
 
-def _compute_worst_loss_ratio(findings: Findings) -> None:
+def _record_largest_friction_loss_increase(findings: Findings) -> None:
     """Compute the largest increase of friction loss in Lin's section 3.3.4.1; ``findings`` receives the results.
 
     It is the friction loss between two touching balls over the loss of both balls without ball-to-ball contact.

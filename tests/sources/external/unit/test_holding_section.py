@@ -14,7 +14,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.reference import estimate
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.condensation import points_in_bolt_circles
+from rollbench.hifi.condensation import points_clamped_by_bolts
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
 from rollbench.meshes.solid import dimensions_of_3d_parts
 from rollbench.reports.content import Table
@@ -146,7 +146,7 @@ def test_six_bolts_hold_six_circles_of_the_annulus() -> None:
     scene = holding.scenes_by_nut_fixation(catalogue.scene(scene_name_of_catalogue_size(holding.SIZES[0])))[holding.BOLTED]
     low, high = dimensions_of_3d_parts(scene).held_radii
     x, y = np.meshgrid(*2 * [np.linspace(-high, high, 801)])
-    held = points_in_bolt_circles(x.ravel(), y.ravel(), (low, high), holding.BOLTS)
+    held = points_clamped_by_bolts(x.ravel(), y.ravel(), (low, high), holding.BOLTS)
     width = high - low
     assert held.mean() * (2.0 * high) ** 2 == pytest.approx(6 * np.pi * width**2 / 4.0, rel=0.01)
     azimuth = np.arctan2(y.ravel()[held], x.ravel()[held])
