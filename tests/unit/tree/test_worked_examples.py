@@ -1,5 +1,4 @@
-"""What a newcomer adds (a key of the scene, a model, a paper), in the places that CONTRIBUTING says: tried end to end in a
-copy of the tree."""
+"""What a newcomer adds (a key, a quantity, a model, a paper) in the places that CONTRIBUTING names, tried in a copy."""
 
 import json
 import re
@@ -63,6 +62,25 @@ def test_a_key_of_the_scene_takes_two_places(tree, tmp_path):
     assert rollbench(tree, "check", "lin-case1", "--no-compute", cwd=tmp_path).returncode == 0
 
 
+def test_a_quantity_takes_its_field_and_its_value(tree, tmp_path):
+    """Mean pressure of the worst contact: JSON, table and the list of definitions follow."""
+    field = (
+        '    mean_pressure: float = quantity_field("mean_pressure_MPa", "its mean pressure, 2/3 of the highest", '
+        'heading="mean pressure")\n'
+    )
+    change(tree, "lowfi/rating/contacts.py", r"(class Contact:(?:.|\n)*?)(\n\n@)", rf"\1{field}\2")
+    change(
+        tree,
+        "lowfi/rating/contacts.py",
+        r"(return Contact\((?:.|\n)*?)(\n    \))",
+        r"\1\n        float(pressure[i, s]) / 1.5,\2",
+    )
+    words = ("solve", "lin-case1", "--model", "lin")
+    contact = found(rollbench(tree, *words, "--json", cwd=tmp_path))["summary"]["worst_contact"]
+    assert contact["mean_pressure_MPa"] == pytest.approx(contact["pressure_MPa"] / 1.5, rel=1e-12)
+    assert "mean pressure" in rollbench(tree, *words, cwd=tmp_path).stdout
+
+
 def test_a_model_takes_one_place(tree, tmp_path):
     """Its record: list, solve and compare know it, and its answer is another than that of the model it is a variant of."""
     change(tree, "compare/models/registry.py", r"_ALL = \(\n", "_ALL = (" + MODEL)
@@ -122,6 +140,7 @@ def test_contributing_names_the_places_that_these_change():
     rows = dict(re.findall(r"(?m)^\| (a [^|]+?) \| ([^|]+) \|$", text))
     places = {
         "a key of the scene": ("meshes/parts.py", "compare/template.toml", "compare/scenes/schema.py"),
+        "a number of the output": ("compare/models/answers.py", "compare/quantities.py", "compare/results/rows.py"),
         "a model": ("compare/models/registry.py", "rollbench.models", "docs/examples/mei_model"),
         "a paper": ("compare/cases", "compare/case.py", "CASES", "rollbench.cases", "tests/sources"),
     }
