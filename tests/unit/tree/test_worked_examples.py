@@ -63,7 +63,7 @@ def test_a_key_of_the_scene_takes_two_places(tree, tmp_path):
 
 
 def test_a_quantity_takes_its_field_and_its_value(tree, tmp_path):
-    """Mean pressure of the worst contact: JSON, table and the list of definitions follow."""
+    """Mean pressure of the worst contact: JSON and table follow."""
     field = (
         '    mean_pressure: float = quantity_field("mean_pressure_MPa", "its mean pressure, 2/3 of the highest", '
         'heading="mean pressure")\n'
