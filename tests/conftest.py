@@ -151,3 +151,12 @@ class Command:
 def command(capsys: pytest.CaptureFixture[str]) -> Command:
     """Runs a command with its words."""
     return Command(capsys)
+
+
+@pytest.fixture
+def friction_of_solve(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let `solve` sum friction over contacts in plain Python where no kernel is compiled; it leaves the sums out otherwise,
+    and what it answers would depend on the tests that ran before."""
+    from rollbench.compare.models import friction_sums
+
+    monkeypatch.setattr(friction_sums, "is_machine_code_cached", lambda package: True)

@@ -91,7 +91,7 @@ def marked(command):
 
 
 @pytest.mark.parametrize("command", [marked(command) for command in ANSWERS])
-def test_no_number_of_an_answer_moves(command):
+def test_no_number_of_an_answer_moves(command, friction_of_solve):
     expected = json.loads(RECORD.read_text(encoding="utf-8"))[command]
     same(kept(command), expected)
 

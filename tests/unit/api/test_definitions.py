@@ -53,7 +53,9 @@ COMMANDS = (
 AXIS = '[lubricant]\nviscosity = "50 mm2/s"\n[drive]\nmass = "200 kg"\ntime = "0.1 s"\n[motion]'
 
 
-def test_every_number_is_defined_and_every_definition_is_of_something_printed(command, tmp_path):
+def test_every_number_is_defined_and_every_definition_is_of_something_printed(
+    command, friction_of_solve, tmp_path
+):
     one, two = (shipped_scene_text(name) for name in ("lin-case1", "double-nut"))
     scenes = {
         "lin": f'{one}\n[[cases]]\nname = "case1"\nshare = 1\n',  # its only case has the stored runs of lin-case1

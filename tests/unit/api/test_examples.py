@@ -27,9 +27,10 @@ def shown(value) -> str:
     return str(value._repr_html_()) if hasattr(value, "_repr_html_") else repr(value)
 
 
-def test_the_notebook_is_shipped_with_the_outputs_that_it_gives(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
+def test_the_notebook_is_shipped_with_the_outputs_that_it_gives(
+    monkeypatch: pytest.MonkeyPatch, friction_of_solve, tmp_path
+) -> None:
     monkeypatch.chdir(tmp_path)
-    rollbench.friction("lin-case1")  # compiles what a result's sums of friction need; without, they are not shown
     text = resources.files("rollbench.compare").joinpath("examples", "notebook.ipynb").read_text(encoding="utf-8")
     names = {}
     for cell in json.loads(text)["cells"]:
