@@ -159,4 +159,4 @@ def friction_of_solve(monkeypatch: pytest.MonkeyPatch) -> None:
     and what it answers would depend on the tests that ran before."""
     from rollbench.compare.models import friction_sums
 
-    monkeypatch.setattr(friction_sums, "is_machine_code_cached", lambda package: True)
+    monkeypatch.setattr(friction_sums, "is_machine_code_cached", lambda _: True)

@@ -90,8 +90,9 @@ def marked(command):
     return pytest.param(command, marks=pytest.mark.further if command.startswith("friction") else ())
 
 
+@pytest.mark.usefixtures("friction_of_solve")
 @pytest.mark.parametrize("command", [marked(command) for command in ANSWERS])
-def test_no_number_of_an_answer_moves(command, friction_of_solve):
+def test_no_number_of_an_answer_moves(command):
     expected = json.loads(RECORD.read_text(encoding="utf-8"))[command]
     same(kept(command), expected)
 

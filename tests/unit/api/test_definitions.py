@@ -2,6 +2,7 @@
 
 from itertools import chain
 
+import pytest
 from tests.shipped_texts import own_text
 
 from rollbench.compare.results.definitions import _definitions_by_path_pattern, definition
@@ -53,9 +54,8 @@ COMMANDS = (
 AXIS = '[lubricant]\nviscosity = "50 mm2/s"\n[drive]\nmass = "200 kg"\ntime = "0.1 s"\n[motion]'
 
 
-def test_every_number_is_defined_and_every_definition_is_of_something_printed(
-    command, friction_of_solve, tmp_path
-):
+@pytest.mark.usefixtures("friction_of_solve")
+def test_every_number_is_defined_and_every_definition_is_of_something_printed(command, tmp_path):
     one, two = (shipped_scene_text(name) for name in ("lin-case1", "double-nut"))
     scenes = {
         "lin": f'{one}\n[[cases]]\nname = "case1"\nshare = 1\n',  # its only case has the stored runs of lin-case1

@@ -6,7 +6,6 @@ from importlib import resources
 
 import pytest
 
-import rollbench
 from rollbench.compare.examples import catalogue_page, judge_a_spreadsheet
 
 
@@ -27,9 +26,8 @@ def shown(value) -> str:
     return str(value._repr_html_()) if hasattr(value, "_repr_html_") else repr(value)
 
 
-def test_the_notebook_is_shipped_with_the_outputs_that_it_gives(
-    monkeypatch: pytest.MonkeyPatch, friction_of_solve, tmp_path
-) -> None:
+@pytest.mark.usefixtures("friction_of_solve")
+def test_the_notebook_is_shipped_with_the_outputs_that_it_gives(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
     monkeypatch.chdir(tmp_path)
     text = resources.files("rollbench.compare").joinpath("examples", "notebook.ipynb").read_text(encoding="utf-8")
     names = {}
