@@ -1,1 +1,1 @@
-"""Several rolling sets on one shaft: one energy, one equilibrium."""
+"""Static equilibrium of one shaft with several bearings and ball nuts."""

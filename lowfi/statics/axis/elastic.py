@@ -100,17 +100,18 @@ class Housings:
     rigid motions are unknowns of their own.
     """
 
-    #: Indices of the free degrees of freedom, without the k that are fixed against rigid motions.
+    #: Indices of the degrees of freedom that are free in the stiffness matrix: neither supported nor fixed against a rigid
+    #: motion.
     free: NDArray[np.int64]
-    #: Cholesky factor of the stiffness matrix of these degrees of freedom; None: there are none.
+    #: Cholesky factor of the stiffness matrix of the free degrees of freedom; None: there are none.
     factor: tuple[Array, bool] | None
     #: Stiffness matrix of all degrees of freedom ``(6 m, 6 m)``.
     stiffness: Array
     #: Rigid motions ``(6 m, k)`` that no spring resists, per metre of amplitude.
     motions: Array
-    #: Motions of the housings by external loads and prescribed displacements ``(6 m,)`` [m, rad].
+    #: Motions ``(6 m,)`` [m, rad] of the housings that external loads and prescribed displacements cause.
     given: Array
-    #: Work of the external loads on these rigid motions, per metre of amplitude ``(k,)`` [N].
+    #: Work of the external loads on the k rigid motions that no spring resists, per metre of amplitude ``(k,)`` [N].
     work: Array
 
     def solve(self, loads: Array) -> Array:
@@ -126,7 +127,7 @@ class Housings:
 
 @dataclass(kw_only=True)
 class ElasticAssemblyEquations(AssemblyEquations):
-    """Equations of an assembly with elastic bodies, N balls and rollers, and m moving housings, for the kernels."""
+    """Equations of an assembly (shaft, bearings, nuts, m moving housings) with elastic bodies, and N balls and rollers."""
 
     SOLVER = "solve_forces"
     #: Arrays of bodies and rolling elements for the kernels.
@@ -158,9 +159,10 @@ class ElasticAssemblyEquations(AssemblyEquations):
         return contact_states_of_sets(self.system, self.row_states()[0], self.shifts())
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """Return equations with changed lever arms of the contacts, which start from the present state.
+        """Return equations with new lever arms of the contact forces, which start from the present state.
 
-        ``arms``: for each bearing or nut with N balls, the lengths ``(N, 4, 2)`` [m] added to the lever arms.
+        ``arms``: for each bearing or nut with N balls, the shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by
+        profile errors; contact forces act through these centres.
         """
         longer: Any = elastic_assembly_equations(
             with_lever_arms(self.system, arms), self.backend, self.engine
@@ -178,10 +180,10 @@ class ElasticAssemblyEquations(AssemblyEquations):
         return ModelDescription(CONDENSED, self.state.phi.size + self.state.a.size, self.assumed)
 
     def forces(self) -> Array:
-        """Return the forces of the balls on their flanks ``(N, 4, 2)`` [N] with which the bodies are in equilibrium.
+        """Return the ball forces on the flanks ``(N, 4, 2)`` [N] with which the elastic bodies are in equilibrium.
 
-        They differ from the forces that the contact law gives by the residual of the iteration, which must not be used in
-        their place: even a small difference moves a long, compliant shaft noticeably.
+        They differ by the residual of the iteration from the forces that the contact law gives. The latter must not be used
+        in their place: even a small difference moves a long, compliant shaft noticeably.
         """
         return self.state.phi.reshape(-1, 4, 2)
 
@@ -199,9 +201,9 @@ class ElasticAssemblyEquations(AssemblyEquations):
         return np.asarray(out)
 
     def row_states(self) -> tuple[MotionState, Array]:
-        """Return the state (motions of shaft nodes and housings, ball centres, contacts), and the supports' reactions.
+        """Return the present state (motions of shaft nodes and housings, ball centres, contacts), and support reactions.
 
-        The reactions ``(r, 6)`` [N, N m] act on the r nodes and housings and are zero at free degrees of freedom.
+        The reactions ``(r, 6)`` [N, N m] act on the r shaft nodes and housings and are zero at free degrees of freedom.
         """
         system, shaft = self.system, self.shaft
         structure, forces = system.structure, self.forces()
@@ -231,7 +233,8 @@ class ElasticAssemblyEquations(AssemblyEquations):
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
         """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each bearing or nut, and of the assembly.
 
-        The second entry is taken at the reported shaft node or housing; None if it does not exist (`elastic_stiffness`).
+        The second entry is taken at the reported shaft node or housing; None if nothing resists some motion there
+        (`elastic_stiffness`).
         """
         S = square_root_stiffness_of_balls(self)
         return [own_stiffness(self, i, b, S) for i, b in enumerate(self.system.balls)], elastic_stiffness(self, S)
@@ -274,10 +277,9 @@ def housings_of(structure: Structure, arm: float) -> Housings:
 
 
 def problem_moved_by_shaft_only(b: BallSet) -> Problem:
-    """Return the contact problem of the ball nut or bearing ``b`` with the inner flanks' motions by the shaft only.
+    """Return the contact problem of the ball nut or bearing ``b``, in which only the shaft moves the flanks SL and SR.
 
-    If a housing carries the inner ring, the shaft does not move the inner flanks, and the coefficients of their motions are
-    zero.
+    If a housing in place of the shaft carries the inner ring, the coefficients of the motions of SL and SR are zero.
     """
     p = b.problem
     return p if b.of.carrier is None else replace(p, node=np.zeros_like(p.node), B=np.zeros_like(p.B))
@@ -324,7 +326,9 @@ def combined_problem(system: AssemblyArrays, rollers: RollerElements) -> Problem
 def compliance_of_screw_and_nut(
     b: BallSet, backend: Backend, force: float
 ) -> tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]:
-    """Return the compliance of screw and nut of one ball nut or bearing, and the terms of its contacts besides Hertz.
+    """Return the compliance of screw and nut of one ball nut, or of the rings of one bearing, and further contact terms.
+
+    These terms are added to Hertz's approach of a contact.
 
     Parameters
     ----------
@@ -361,11 +365,11 @@ def compliance_of_screw_and_nut(
 
 
 def flank_motions_by_housings(system: AssemblyArrays, rollers: RollerElements) -> tuple[Array, Array]:
-    """Return the motions of the flanks per unit motion of the m moving housings.
+    """Return the motions of the flanks of outer and of inner rings per unit motion of the m moving housings.
 
-    The first matrix ``(4 N, 6 m)`` holds the motions of the outer flanks, the second those of inner flanks that a housing
-    carries. The rows are two flanks with two components for each of N rolling elements: balls come first, then rollers,
-    whose outer flank is the cup. ``system``: arrays of the assembly.
+    The first matrix ``(4 N, 6 m)`` holds the motions of the flanks of nuts and outer rings, the second those of inner rings
+    that a housing carries. The rows are two flanks with two components for each of N rolling elements: balls come first,
+    then ``rollers``, whose outer flank is the cup. ``system``: arrays of the assembly.
     """
     n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
     outer, inner = np.zeros((2, balls + rollers.count, 2, 2, 6 * m))
@@ -502,7 +506,7 @@ def square_root_stiffness_of_balls(elastic: ElasticAssemblyEquations) -> list[Ar
 
 
 def block_diagonal(S: list[Array]) -> Array:
-    """Return the matrices ``(rows_i, 8)`` of N balls as diagonal blocks of one matrix ``(rows, 8 N)``."""
+    """Return one matrix ``(rows, 8 N)`` whose diagonal blocks are the matrices ``S`` ``(rows_i, 8)`` of N balls."""
     out = np.zeros((sum(len(s) for s in S), 8 * len(S)))
     row = 0
     for i, s in enumerate(S):
@@ -527,7 +531,10 @@ def compliance_of_inner_and_outer(first: Array, second: Array) -> Array:
 
 
 def own_stiffness(elastic: ElasticAssemblyEquations, i: int, b: BallSet, S: list[Array]) -> Array:
-    """Return the stiffness ``(6, 6)`` of one ball nut or bearing: inner part moved rigidly, outer part fixed.
+    """Return the stiffness ``(6, 6)`` [N/m, N, N m] of one ball nut or bearing with elastic screw and nut, or rings.
+
+    It acts against a rigid motion of screw or inner ring, to which the deformation of both bodies is added, while nut or
+    outer ring are fixed where they are mounted.
 
     Parameters
     ----------
@@ -636,6 +643,6 @@ def solve_refined(
 
 
 def rigid_rings(assembly: Assembly) -> tuple[str, ...]:
-    """Return sentences that name the roller bearings and inner rings whose elasticity the model neglects."""
+    """Return a sentence for each roller bearing and each inner ring in a housing whose elasticity the model neglects."""
     rollers = tuple(f"{s.name}: {RIGID_RINGS}" for s in assembly.sets if isinstance(s.parts, RollerRow))
     return rollers + tuple(f"{s.name}: {RIGID_INNER}" for s in assembly.sets if s.carrier is not None)

@@ -33,9 +33,12 @@ from rollbench.meshes.parts import FREEDOMS
 
 @dataclass(frozen=True)
 class UnrestrainedMotions:
-    """Rigid motions of shaft and housings that no support, spring or contact resists, and pins that prevent them."""
+    """Rigid motions of shaft and housings that no support, spring or contact resists, and pins that prevent them.
 
-    #: Whether the loads drive such a motion, so that there is no equilibrium.
+    A pin is a degree of freedom that the model fixes although no support does.
+    """
+
+    #: Whether the loads do work on such a motion, so that there is no equilibrium.
     driven: bool
     #: Description of the motions in words, for the user; empty if there are none.
     text: str
@@ -159,10 +162,10 @@ def opening_motion(system: AssemblyArrays) -> Array | None:
 
 
 def _approach_change_of_balls(b: BallSet, system: AssemblyArrays, by_row: Array) -> Array:
-    """Return the change of the approach of every contact of one nut or bearing, per unit motion of bodies and ball centres.
+    """Return the change of approach of each contact of one nut or bearing, per unit motion of bodies and ball centres.
 
-    The columns are the k rigid motions of shaft and housings, then two coordinates of every ball centre of the assembly.
-    The single arc of a deep groove has contacts at its contact angle on both sides.
+    A row is a contact. The columns are the k rigid motions of shaft and housings, then two coordinates of every ball centre
+    of the assembly. The single arc of a deep groove has contacts at its contact angle on both sides.
 
     Parameters
     ----------
@@ -181,7 +184,7 @@ def _approach_change_of_balls(b: BallSet, system: AssemblyArrays, by_row: Array)
 
 
 def _approach_change_of_rollers(system: AssemblyArrays, by_row: Array) -> list[Array]:
-    """Return the change of the approach of all roller slices per unit of the k rigid motions, for each roller bearing.
+    """Return for each roller bearing the change of the approach of its slices per unit of k rigid motions ``(slices, k)``.
 
     Parameters
     ----------
@@ -212,7 +215,7 @@ def status_of_runaway_assembly(system: AssemblyArrays) -> Status:
 
 
 def reversed_status(system: AssemblyArrays, name: str, thrust: str, angle: float, load: float) -> Status:
-    """Return the status "not held" for a bearing whose balls carry load on the side of the groove for the reverse thrust.
+    """Return the status "not held" of an assembly in which a bearing for one direction of thrust is loaded in the other.
 
     The bearing carries thrust in one direction only, but the model continues its groove arcs beyond the bottom. The proof
     holds even if forces at the nominal contacts could balance the loads: with continued arcs the energy is convex, so that

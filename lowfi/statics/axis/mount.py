@@ -33,9 +33,9 @@ TIED = diagonal_stiffness((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 
 @dataclass(frozen=True)
 class _PreloadTask:
-    """Assembly without loads and thermal expansion, and the function that solves it.
+    """Input of the search for preload offsets: an assembly without loads, and the function that solves it.
 
-    It is the argument of the cached function `_find_preload_shifts`; equal assemblies and keys give the cached result.
+    It is the argument of the cached function `_find_preload_shifts`; an equal assembly and ``key`` give the cached result.
     """
 
     #: Assembly without loads and without thermal expansion.
@@ -87,11 +87,11 @@ def _sets_with_preload_force(assembly: Assembly) -> list[int]:
 def _find_preload_shifts(mounting: _PreloadTask) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
     """Find the axial shifts [m] of outer rings and nuts that press them onto their balls with the prescribed preloads.
 
-    First the outer parts are free to slide along the axis and are pushed by their preload forces. As the energy is convex
-    also in their positions, they come to rest where the preloads are reached, or the solution proves that there is no
-    equilibrium. If a part sits on a moving housing, the springs that join it are not quite rigid, and Newton's method on
-    the logarithms of the forces corrects the shifts. If all parts can be shifted together without change of the forces, the
-    mean shift is set to zero. The result is cached, since all load cases of an assembly have the same mounting.
+    First the outer rings and nuts are free to slide along the axis and are pushed by their preload forces. As the energy is
+    convex also in their positions, they come to rest where the preloads are reached, or the solution proves that there is
+    no equilibrium. A ring or nut on a moving housing is joined to it by springs that are not quite rigid; Newton's method
+    on the logarithms of the forces then corrects the shifts. If all rings and nuts can be shifted together without change
+    of the forces, the mean shift is set to zero. The result is cached, since all load cases of an assembly share it.
 
     Returns
     -------
@@ -104,7 +104,10 @@ def _find_preload_shifts(mounting: _PreloadTask) -> tuple[tuple[float, ...] | No
     goal = np.log([bare.sets[i].preload for i in numbers])
 
     def excess(shift: Array) -> Array:
-        """Return the logarithm of preload force over required force, for each part at shifts [m]; nan without load."""
+        """Return the logarithm of preload force over required force for each outer ring or nut; nan without load.
+
+        ``shift``: axial shifts of the outer rings and nuts [m].
+        """
         result = solve(_replace_preload_by_offsets(bare, numbers, shift))
         forces = np.array([abs(result.sets[i].force[2]) for i in numbers]) if result.converged else np.zeros(len(numbers))
         return np.asarray(np.log(np.where(forces > 0.0, forces, np.nan)) - goal)

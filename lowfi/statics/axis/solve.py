@@ -65,7 +65,7 @@ from rollbench.meshes.section import BeamSection, contact_force_positions
 
 
 def guess_loaded_flanks(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:
-    """Guess which flanks of each ball nut or ball bearing can be loaded; the guess is tested at the solution.
+    """Guess which groove flanks of each ball nut or ball bearing carry load; the guess is tested at the solution.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def estimate_axial_displacement(assembly: Assembly, sets: Sequence[tuple[Rolling
 
 
 def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
-    """Return which flanks SL, SR, NL, NR of one ball nut or bearing touch a ball, as truth values ``(4,)``.
+    """Return which flanks SL, SR, NL, NR of one ball nut or bearing touch a ball at an axial shift, as booleans ``(4,)``.
 
     ``shift``: displacement of the shaft along z [m] relative to the nut or outer ring; a positive one closes the flank pair
     SL-NR and opens SR-NL by the shift times the sine of the contact angle. ``scene``: dimensions of the ball nut or
@@ -140,9 +140,9 @@ def clear_of_left_out_flanks(system: AssemblyArrays, state: MotionState) -> bool
 
 
 def _set_clear_of_left_out_flanks(system: AssemblyArrays, b: BallSet, state: MotionState) -> bool:
-    """Return whether no ball of the ball nut or bearing ``b`` touches a flank that was left out of the equations.
+    """Return whether no ball of one nut or bearing touches a flank that was left out of the solved equations.
 
-    ``system``: arrays of the assembly; ``state``: solved motions, ball centres and contacts.
+    ``b``: the ball nut or bearing; ``system``: arrays of the assembly; ``state``: solved motions and ball centres.
     """
     contact = state.contact[b.balls]
     shift = flank_motions_of_set(b, state.q)
@@ -166,12 +166,15 @@ def _left_out_flank_motion(system: AssemblyArrays, b: BallSet, flank: int, q: Ar
 
 
 def flanks_by_thrust_direction(assembly: Assembly) -> list[Mask]:
-    """Return for each ball nut or ball bearing which of SL, SR, NL, NR its direction of thrust can load ``(4,)``."""
+    """Return for each ball nut or ball bearing which of its flanks SL, SR, NL, NR its direction of thrust can load."""
     return [USE[s.thrust] for s in assembly.sets if isinstance(s.parts, Scene)]
 
 
 def uses_all_flanks(uses: Sequence[Mask], assembly: Assembly) -> bool:
-    """Return whether the chosen flanks ``uses`` are all flanks that the directions of thrust can load."""
+    """Return whether the equations contain all flanks that the directions of thrust can load.
+
+    ``uses``: for each ball nut or ball bearing, which of its four flanks the equations contain.
+    """
     return all(np.array_equal(a, b) for a, b in zip(uses, flanks_by_thrust_direction(assembly), strict=True))
 
 
@@ -180,8 +183,9 @@ def stiffness_of_rigid_assembly(
 ) -> Array | None:
     """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of the assembly at the reported shaft node or housing.
 
-    It is the wrench per unit motion there while all other bodies follow freely. Rows and columns of fixed degrees of
-    freedom are nan. None if the housing is fixed, or the contacts carry too little load to resist.
+    It is the force and moment per unit motion of this node or housing while all other bodies follow freely. Rows and
+    columns of fixed degrees of freedom are nan. None if the housing is fixed, or the contacts carry too little load to
+    resist. Nuts, rings and housings are rigid.
 
     Parameters
     ----------
@@ -194,7 +198,7 @@ def stiffness_of_rigid_assembly(
     state
         Solution.
     hessians
-        Second derivatives of each ball's energy by the motions of its flanks [N/m].
+        Second derivatives of each ball's energy by the motions of its four flanks ``(N, 8, 8)`` [N/m].
     """
     row = reported_body_number(system)
     if row < 0:
@@ -245,9 +249,10 @@ def stiffness_from_compliance(compliance: Array, free: NDArray[np.bool_], arm: f
 
 
 def inner_flank_motions_by_set(b: BallSet, stations: Array) -> Array:
-    """Return the motions ``(N, 4, 6)`` of the two inner flanks, two axes each, per unit motion of the rigid inner part.
+    """Return the motions ``(N, 4, 6)`` of the screw's flanks at N balls per unit of the screw's six rigid motions.
 
-    The motion of the inner part is taken at the axial position of the nut or bearing.
+    The four rows of a ball are flank SL, radial and along the helix's binormal, then flank SR likewise. In a bearing, the
+    inner ring takes the screw's place. The rigid motion is taken at the axial position of the nut or bearing.
 
     Parameters
     ----------
@@ -260,7 +265,9 @@ def inner_flank_motions_by_set(b: BallSet, stations: Array) -> Array:
 
 
 def set_stiffness(b: BallSet, stations: Array, hessians: Array) -> Array:
-    """Return the stiffness ``(6, 6)`` of one ball nut or bearing against motions of its inner part, the outer part fixed.
+    """Return the stiffness ``(6, 6)`` [N/m, N, N m] between screw and nut, or between the rings of a bearing.
+
+    Screw or inner ring move as a rigid body, while nut or outer ring are fixed.
 
     Parameters
     ----------
@@ -275,8 +282,8 @@ def set_stiffness(b: BallSet, stations: Array, hessians: Array) -> Array:
     return np.asarray(np.einsum("nai,nab,nbj->ij", rows, hessians, rows))
 
 
-#: If a body moves by more than this times the largest pitch radius, or rotates by more than this [rad], a linear program
-#: decides whether the contacts can carry the loads.
+#: Ratio of a body's displacement to the largest pitch radius, or rotation [rad], above which a linear program decides
+#: whether the contacts can carry the loads.
 FAR = 0.1
 
 
@@ -294,7 +301,7 @@ class AssemblyEquations(StaticEquations):
 
     @abstractmethod
     def row_states(self) -> tuple[MotionState, Array]:
-        """Return the state (motions of shaft nodes and housings, ball centres, contacts), and the supports' reactions.
+        """Return the present state (motions of shaft nodes and housings, ball centres, contacts), and support reactions.
 
         The reactions ``(r, 6)`` [N, N m] act on the r shaft nodes and housings and are zero at free degrees of freedom.
         """
@@ -322,17 +329,18 @@ class RigidAssemblyEquations(AssemblyEquations):
         return contact_states_of_sets(self.system, self.state)
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """Return equations with changed lever arms of the contacts, which start from the present state.
+        """Return equations with new lever arms of the contact forces, which start from the present state.
 
-        ``arms``: for each bearing or nut with N balls, the lengths ``(N, 4, 2)`` [m] added to the lever arms.
+        ``arms``: for each bearing or nut with N balls, the shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by
+        profile errors; contact forces act through these centres.
         """
         system = with_lever_arms(self.system, arms)
         return replace(self, system=system, given=self.given._replace(balls=system.contacts))
 
     def round_off(self) -> float:
-        """Return the relative residual that rounding errors leave.
+        """Return the relative residual that rounding errors leave at the solution.
 
-        It is the larger of two bounds: one from the largest motion and the stiffest contact, one from the springs.
+        It is the larger of two bounds: from the largest motion and the stiffest contact, and from the springs of housings.
         """
         state, v0 = self.state, self.given.balls.v0
         motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(v0).max(initial=0.0))
@@ -342,9 +350,9 @@ class RigidAssemblyEquations(AssemblyEquations):
         return max(contacts, least_residual(springs, 1.0, self.scale, ()))
 
     def description(self) -> ModelDescription:
-        """Return the formulation and the number of unknowns for the record.
+        """Return the formulation and the number of unknowns for the record of the solution.
 
-        The assumptions are those of `AssemblyModel`.
+        Its list of assumptions is empty; `AssemblyModel` states those of the model.
         """
         return ModelDescription("convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ())
 
@@ -355,7 +363,7 @@ class RigidAssemblyEquations(AssemblyEquations):
         return out
 
     def row_states(self) -> tuple[MotionState, Array]:
-        """Return the present state, and the reactions: the gradient of the energy at the fixed degrees of freedom."""
+        """Return the present state, and support reactions ``(r, 6)``: the energy's gradient at fixed degrees of freedom."""
         return self.state, np.where(self.system.structure.fixed, self.slopes().gradient, 0.0)
 
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
@@ -412,7 +420,7 @@ class AssemblyModel(NamedTuple):
     ready: Callable[[AssemblyArrays, ModuleType], AssemblyEquations]
     #: Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
     section: BeamSection | None
-    #: Whether to leave out flanks that load and offsets lift off the balls (True: fewer equations to solve).
+    #: Whether the equations leave out flanks that loads and axial offsets lift off the balls.
     fewer: bool
 
 

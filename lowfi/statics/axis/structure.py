@@ -49,8 +49,8 @@ class Structure:
     load: Array
     #: Numbers of the two bodies joined by each of k springs, -1 for the fixed frame ``(k, 2)``.
     ends: Ints
-    #: Matrices from the motions of these two bodies to those of the spring's ends ``(k, 2, 6, 6)``; the second has a
-    #: negative sign, so that the sum of both motions is the spring's deformation.
+    #: Matrices ``(k, 2, 6, 6)`` from the motions of these two bodies to the motions of the spring's ends. The second matrix
+    #: has a negative sign, so that the sum of both motions is the spring's deformation.
     reach: Array
     #: Stiffness matrices of the springs ``(k, 6, 6)``.
     springs: Array
@@ -59,16 +59,16 @@ class Structure:
 
     @property
     def stations(self) -> Array:
-        """Return the axial positions ``(r,)`` [m] at which the motions of shaft nodes and moving housings are taken."""
+        """Return the axial positions ``(r,)`` [m] of the shaft nodes, then those of the moving housings."""
         return np.concatenate([self.nodes, self.at])
 
 
 def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
     """Return the axial positions of the shaft's nodes [m].
 
-    Nodes lie at supports, loads, changes of cross-section and the position of the requested stiffness. They also lie at
-    contacts or at fixed distances, depending on the scene's ``partition``. The shaft beyond the outermost support, load or
-    contact carries no load and is left out.
+    Nodes lie at supports, loads, changes of cross-section and the position at which the stiffness is reported. They also
+    lie at contacts or at fixed distances, depending on the scene's ``partition``. The shaft beyond the outermost support,
+    load or contact carries no load and is left out.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def first_ball_nut(assembly: Assembly) -> Scene | None:
 
 
 def element_sections(assembly: Assembly, nodes: Array, section: BeamSection | None = None) -> tuple[BeamSection, ...]:
-    """Return the cross-section of each beam element of the shaft: of its plain segment, else of the threaded shaft.
+    """Return the cross-section of each beam element of the shaft, which is a plain segment or threaded.
 
     Parameters
     ----------
@@ -173,7 +173,9 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
 
 
 def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> tuple[Ints, Array, Array]:
-    """Return ends, lever arms and stiffness of the springs between housings, and between housings and frame.
+    """Return which bodies the springs of the housings join, the lever arms of the springs' ends, and their stiffness.
+
+    Springs join two housings, or a housing and the fixed frame.
 
     Parameters
     ----------
@@ -204,9 +206,10 @@ def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> 
 
 
 def largest_spring_force_term(structure: Structure, q: Array, arm: float) -> float:
-    """Return the largest term [N] in the sums that give the spring forces; their round-off error follows from it.
+    """Return the largest spring force [N] that results if all its terms, stiffness times motion, had the same sign.
 
-    If two housings joined by a stiff spring move far together, the spring force is a small difference of large terms.
+    The round-off error of the spring forces is proportional to it. If two housings joined by a stiff spring move far
+    together, the spring force itself is a small difference of large terms.
 
     Parameters
     ----------
@@ -250,9 +253,9 @@ def rigid_motions(structure: Structure, arm: float) -> Array:
 
 
 def restraints_on_rigid_motions(structure: Structure, motions: Array) -> Array:
-    """Return the constraints that supports and springs impose on rigid motions, one normalised row for each constraint.
+    """Return how supports and springs restrain rigid motions of shaft and housings: a normalised row for each restraint.
 
-    The product of the result with a combination of the motions is zero if no support or spring resists this combination.
+    The product of the result with the amplitudes of the motions is zero if no support or spring resists their combination.
 
     Parameters
     ----------

@@ -69,7 +69,7 @@ class SolveRecord:
     loose: str
     #: Forces and moments at the fixed degrees of freedom of shaft nodes and moving housings ``(r, 6)`` [N, N m].
     held: Array
-    #: Tangent stiffness of each ball nut and ball bearing ``(6, 6)`` [N/m, N, N m].
+    #: Tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut and ball bearing by itself.
     sets: Sequence[Array]
     #: Tangent stiffness of the whole assembly at the reported shaft node or housing ``(6, 6)`` [N/m, N, N m]; None if the
     #: assembly has no stiffness there.
@@ -187,7 +187,7 @@ def status_of_reversed_bearing(system: AssemblyArrays, sets: Sequence[SetResult]
 
 
 def ball_result(system: AssemblyArrays, i: int, state: MotionState, end: SolveRecord) -> SetResult:
-    """Return the result of one ball nut or ball bearing: its contacts, and force and moment on shaft and outer part.
+    """Return the result of one ball nut or ball bearing: contacts, and force and moment on the shaft and on nut or ring.
 
     Parameters
     ----------
@@ -257,7 +257,7 @@ def _outer_part_motion(x: BallSet | RollerSet, state: MotionState, stations: Arr
 
 
 def _sum_at(points: Array, forces: Array, station: float) -> tuple[Array, Array]:
-    """Return the resultant force [N] of contact forces, and their moment [N m] about a point of the axis.
+    """Return the resultant force [N] of contact forces, and their moment [N m] about a point of the shaft's axis.
 
     Parameters
     ----------
@@ -298,10 +298,10 @@ def _shaft_equilibrium(
 def _housing_result(
     system: AssemblyArrays, i: int, sets: tuple[SetResult, ...], q: Array, end: SolveRecord
 ) -> HousingResult:
-    """Return the result of one housing: its motion, the forces of supports and springs on it, and its residual.
+    """Return the result of one housing: its motion, the forces of supports and springs on it, and the unbalanced force.
 
-    The residual is the sum of external load, reactions, spring forces, and forces of the bearings and nuts that the housing
-    carries, divided by the largest force.
+    The unbalanced force is the sum of external load, reactions, spring forces, and forces of the bearings and nuts that the
+    housing carries, divided by the largest force.
 
     Parameters
     ----------

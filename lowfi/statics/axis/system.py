@@ -40,7 +40,7 @@ from rollbench.meshes.parts import SIDES, Load, Scene
 from rollbench.meshes.section import BeamSection, contact_force_positions
 
 Ints = NDArray[np.int64]
-#: Positions of the balls of one bearing row or ball nut, and its randomly drawn manufacturing errors.
+#: Positions of the balls of one bearing row or ball nut, and its dimensions with random manufacturing errors.
 Placed = tuple[BallLayout, Specimen]
 
 #: Which of the flanks SL, SR, NL, NR can be loaded, by the direction of the thrust on the shaft that a bearing row or ball
@@ -68,12 +68,12 @@ class BallSet:
     balls: slice
     #: Motion row of the housing of the nut or outer ring; -1 if the housing is fixed.
     outer: int
-    #: First motion row that moves each flank ``(N, 4)``; -1 if the flank is fixed.
+    #: Number of the first body (shaft node or moving housing) that moves each flank ``(N, 4)``; -1 if the flank is fixed.
     row: Ints
-    #: Motions of the flanks, with two components in the ball's section plane, per unit of the m motions of this row
-    #: (m = 6), or of this row and the next one (m = 12): ``(N, 4, 2, m)``.
+    #: Motions of the flanks, radial and along the helix's binormal, per unit of the six motions of this body (m = 6), or of
+    #: the motions of this body and the next one (m = 12): ``(N, 4, 2, m)``.
     B: Array
-    #: Prescribed motion of the flanks ``(N, 4, 2)`` [m].
+    #: Prescribed motion of the flanks ``(N, 4, 2)`` [m], by the axial offset of the nut or outer ring.
     v0: Array
 
     def flank_motions(self, motions: Array) -> Array:
@@ -81,8 +81,8 @@ class BallSet:
 
         ``motions`` ``(r, 6, ...)``: three displacements and three rotations of the r bodies, which are the shaft's nodes
         and the moving housings; further axes are load cases. Returns ``(N, 4, 2, ...)``: for each ball the flanks SL, SR,
-        NL, NR, and two components in the ball's section plane. Flanks of a fixed housing do not move; prescribed offsets
-        are not included.
+        NL, NR, and two components in the ball's section plane, radial and along the helix's binormal. Flanks of a fixed
+        housing do not move; prescribed offsets are not included.
         """
         flat = motions.reshape(-1, *motions.shape[2:])
         found = np.einsum("nsak,nsk...->nsa...", self.B, flat[6 * self.row[..., None] + np.arange(self.B.shape[3])])
@@ -127,7 +127,7 @@ class AssemblyArrays:
     balls: list[BallSet]
     #: Tapered roller bearings.
     rollers: list[RollerSet]
-    #: Largest pitch radius [m]; moments are divided by it where they are compared with forces.
+    #: Largest pitch radius of the bearings and nuts [m]; moments are divided by it where they are compared with forces.
     arm: float
     #: Arrays of shaft, housings and springs for the kernels.
     axis: AxisArrays = field(repr=False)
@@ -138,7 +138,7 @@ class AssemblyArrays:
 
 
 def ball_positions(assembly: Assembly, member: int = 0) -> list[Placed]:
-    """Return the ball positions and the randomly drawn errors of each ball nut and ball bearing of an assembly.
+    """Return the ball positions, and the dimensions with manufacturing errors, of each ball nut and ball bearing.
 
     Parameters
     ----------
@@ -236,7 +236,7 @@ def _ball_set(
     first_ball
         Index of the first ball among all balls of the assembly.
     arms
-        Extra lever arms of the contacts ``(N, 4, 2)`` [m]; None: none.
+        Shifts of the flanks' centres of curvature by profile errors ``(N, 4, 2)`` [m]; None: zero.
     """
     layout, drawn = positions_and_errors
     parts = (scene, drawn, layout, arms)
@@ -329,14 +329,15 @@ def pad_to_two_bodies(body: Ints, B: Array, width: int, body_count: int) -> tupl
 
 
 def with_lever_arms(system: AssemblyArrays, arms: Sequence[Array]) -> AssemblyArrays:
-    """Return the arrays of an assembly with changed lever arms of the contacts and unchanged Hertz constants.
+    """Return the arrays of an assembly with new lever arms of the contact forces and unchanged Hertz constants.
 
     Parameters
     ----------
     system
         Arrays of the assembly.
     arms
-        Lengths ``(N, 4, 2)`` [m] added to the lever arms, for each ball nut or ball bearing.
+        For each ball nut or ball bearing, the shifts ``(N, 4, 2)`` [m] of its flanks' centres of curvature by profile
+        errors; contact forces act through these centres.
     """
     balls = []
     for b, m in zip(system.balls, arms, strict=True):
@@ -515,7 +516,7 @@ def sum_of_applied_loads(system: AssemblyArrays) -> float:
 
 
 def pair_compliance(b: BallSet) -> float:
-    """Return the mean Hertz constant C [m/N^(2/3)] of two opposite contacts of a ball in series.
+    """Return the Hertz constant C [m/N^(2/3)] of a ball's contacts with two opposite flanks in series, mean of all balls.
 
     At a contact force Q, screw and nut (or the rings) approach each other by C Q^(2/3) across the ball.
     """
@@ -628,11 +629,10 @@ def roller_elements(sets: list[RollerSet]) -> RollerElements:
 
 
 def roller_springs(count: int, stiffness: float) -> Array:
-    """Return linear springs between cone and cup at the middle of each roller, as factors S ``(count, 2, 8)``.
+    """Return factors S ``(count, 2, 8)`` of the stiffness of linear springs that replace the rollers in the first solve.
 
-    S^T S [N/m] is the stiffness of a spring against the eight motions of the roller's two rings. The springs replace the
-    nonlinear slices in the first, linear solve. `lowfi.statics.response.spring_rows` returns the springs of balls in the
-    same layout.
+    S^T S [N/m] is the stiffness of a spring between cone and cup, at the middle of a roller, against the eight motions of
+    these two rings. `lowfi.statics.response.spring_rows` returns the springs of balls in the same layout.
 
     Parameters
     ----------
@@ -647,7 +647,7 @@ def roller_springs(count: int, stiffness: float) -> Array:
 
 
 def reported_location(assembly: Assembly) -> float | str:
-    """Return where motion and stiffness are reported: an axial position on the shaft [m], or the name of a housing.
+    """Return where an assembly's stiffness is reported: an axial position on the shaft [m], or the name of a housing.
 
     This is the location that the user asked for. Without one, it is the first loaded housing, else the position of the
     first load, else the position of the first bearing or nut.
@@ -672,7 +672,7 @@ def reported_body_number(system: AssemblyArrays) -> int:
 
 
 def describe_left_out_flanks(system: AssemblyArrays) -> tuple[str, ...]:
-    """Return a sentence for each ball nut or bearing of which some flanks were left out because no ball touches them."""
+    """Return, for each nut or bearing with flanks that the equations leave out, a sentence that names these flanks."""
     notes = []
     for b in system.balls:
         idle = [SIDES[k] for k in np.flatnonzero(USE[b.of.thrust] & ~b.problem.use)]
