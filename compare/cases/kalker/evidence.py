@@ -70,8 +70,8 @@ def _compute_coefficients() -> Iterator[Coefficient]:
 def table_e3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the creep coefficients of Kalker's Table E3, for semi-axes ratios of 0.2, 1 and 5 and three Poisson's ratios.
 
-    ``findings``: receives each coefficient, with its values on several grids as a remark. Poisson's ratios are 0, 0.25
-    and 0.5. ``study``: not used here.
+    Poisson's ratios are 0, 0.25 and 0.5. ``findings``: receives each computed coefficient to compare with the printed one,
+    with its values on several grids as a remark. ``study``: not used here.
     """
     for one in coefficients():
         grids = ", ".join(f"{v:.4g}" for v in one.values)
@@ -176,10 +176,10 @@ def verifications(*, meshing: bool = True) -> tuple[Verification, ...]:
 
 
 def contact_by_static_reference(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
-    """Return the quantities `AT_REST` of a screw's most loaded contact by the static 3D reference.
+    """Return approach, semi-axes and peak pressure of a screw's most loaded contact by the static 3D reference.
 
-    These are approach [um], semi-axes along and across the rolling direction [um], and peak pressure [MPa]. ``cells``:
-    number of cells of the contact zone along and across.
+    In this order: approach [um], semi-axes along and across the rolling direction [um], peak pressure [MPa]. ``cells``:
+    numbers of cells of the contact zone along and across the rolling direction.
     """
     at, load, material = _most_loaded_contact()
     return _approach_semi_axes_and_peak(verification.solve_normal_contact_by_patches(at, load, *material, cells))
@@ -322,7 +322,7 @@ def _rolling_force_and_moment(patch: Patch, creep: verification.Creep, complianc
 def _force_and_moment_as_in_stored_runs(
     patch: Patch, creep: verification.Creep, rigid_limits: list[tuple[float, float]]
 ) -> tuple[float, float]:
-    """Return friction force [N] and moment [N mm] as the stored 3D results of rolling contacts are evaluated.
+    """Return friction force [N] and moment [N mm] with the correction of the grid error that the stored 3D results have.
 
     They are the rigid limit, plus the difference between elastic and nearly rigid bodies on the same grid. ``patch``:
     contact ellipse divided into cells; ``creep``: creepages and spin; ``rigid_limits``: force [N] and moment [N mm] of the

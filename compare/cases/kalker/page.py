@@ -76,7 +76,7 @@ class PatchField:
 
 @lru_cache(maxsize=1)
 def patch_fields() -> tuple[PatchField, ...]:
-    """Return slip and traction of the contacts `SHOWN`, for touching balls and bodies as elastic half spaces."""
+    """Return slip and traction over the rolling contacts `SHOWN` that the report draws, on elastic half spaces."""
     choices, out = Choices(SHAPE), []
     for name in dict.fromkeys(shown[0] for shown in SHOWN):
         scene = shipped_case(name, KindScene)
@@ -130,47 +130,54 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         Text(_introduction(found, proof)),
         Table.of(
             "rolling-verification",
-            "Rolling contacts with a closed-form answer: error on three grids",
+            "3D model of rolling contact: error on three grids for contacts whose solution is known",
             [_verification_row(p) for p in proof],
-            "No order is given where the error grows on a finer grid: it then depends on where the cells lie.",
+            "No order of convergence is given where the error grows on a finer grid: it then depends on where cells lie.",
         ),
         Table.of(
             "rolling-pairs",
-            "Force between two touching balls (Lin's Tables 3.5 and 3.7): low-order and 3D model",
+            "Force between two touching balls (Lin's Tables 3.5 and 3.7): low-order model against 3D model",
             [_low_order_against_3d_row(row) for name in PAIRS for row in found[name]],
             (
-                "3D: elastic half spaces, with the scatter of three grids as uncertainty. Table 3.7 does not "
-                "print its load state: the plain and the inferred reading are separate scenes, and the "
-                "uncertainty of either does not include what that reading leaves open."
+                "3D: elastic half spaces; uncertainty: scatter of three grids. Table 3.7 does not print the contact "
+                "loads. Two scenes assume them: balls of nominal size as in the text (plain), and balls with an "
+                "oversize inferred from the results (inferred). The uncertainty does not cover this choice."
             )
             + (f" No stored runs: {', '.join(missing)}." if missing else ""),
         ),
         Table.of(
             "rolling-ring",
-            "Friction of one ball of a rotary bearing: low-order and 3D model",
+            "Friction losses and torque of one ball of a rotary bearing: low-order model against 3D model",
             [_low_order_against_3d_row(row) for name in RINGS for row in found[name]],
         ),
         *_finite_body_text_and_tables(stores, sizes, proof),
         *_slip_and_traction_maps(patches),
-        Table.of("rolling-grids", "Change of the rolling contacts' forces with the grid", _grid_dependence_rows(stores)),
+        Table.of(
+            "rolling-grids", "3D model of rolling contact: force or torque on each grid", _grid_dependence_rows(stores)
+        ),
         Table.of(
             "rolling-from-rest",
-            "Two balls of a linear bearing (Lin 3.3.2, case (a)) started from rest: final force against steady rolling",
+            "Two balls of a linear bearing started from rest: final ball-to-ball force against steady rolling",
             [_from_rest_row(s) for s in series],
         ),
         _from_rest_figure(series),
         Table.of(
             "rolling-choices",
-            "Change of the ball-to-ball force with grid, time step and other numerical choices",
+            "3D model of rolling contact: change of the ball-to-ball force with grid, time step and other choices",
             [_numerical_choice_row(c) for c in changed],
-            "The uncertainty comes from coarser grids than this one; for finite bodies it includes their "
-            "own choices. Runs from rest are compared with steady rolling on the same grid.",
+            "Stated uncertainty: by coarser grids than the compared one; for finite bodies also by their mesh and size. "
+            "Runs from rest are compared with steady rolling on the same grid.",
         ),
     ]
     times = _error_over_time_figure(stores)
     if times is not None:
         items.append(times)
-    return Section("rolling", "Rolling in 3D: balls that touch", items, conclusion=_ball_force_conclusion(found))
+    return Section(
+        "rolling",
+        "3D model of rolling contact: verification, and forces between touching balls",
+        items,
+        conclusion=_ball_force_conclusion(found),
+    )
 
 
 def _finite_body_text_and_tables(
@@ -210,17 +217,17 @@ def _finite_body_text_and_tables(
         ),
         Table.of(
             "rolling-bodies",
-            "Change of the rolling contacts' forces by bodies of finite size instead of half-spaces",
+            "3D model of rolling contact: forces with bodies of finite size instead of elastic half spaces",
             [_finite_body_row(row) for row in shown],
-            "Uncertainty: scatter of three grids, and the largest change of a force or loss by a choice in the next table."
+            "±: scatter of three grids, and largest change of a force or loss over the sizes and meshes in the next table."
             + (f" No stored runs: {', '.join(missing)}." if missing else ""),
         ),
         Table(
             "rolling-body-sizes",
-            "Two touching balls: results for several sizes and meshes of the finite bodies",
+            "Two touching balls in 3D: results for several sizes and meshes of the bodies of finite size",
             SIZES,
             [{"choice": v.choice, **v.values} for v in sizes.variants],
-            f"All on one grid of the contacts. {sizes.words}",
+            f"The grid of the contacts is the same in all rows. {sizes.words}",
         ),
     ]
 
@@ -280,8 +287,8 @@ def _slip_and_traction_maps(patches: Sequence[PatchField]) -> list[Text | Table 
             ],
             *axes,
             "slip over the contact's largest",
-            caption="Two contacts of the first ball of the linear pair, and the ball of a ring in two-point contact. "
-            "Material flows downwards.",
+            caption="Above each drawing: scene and contact of a ball (B bottom, T top; I inner ring, O outer ring; L left, "
+            "R right). The material moves downwards through the contact.",
         ),
         PressureMap(
             "rolling-traction",
@@ -290,7 +297,7 @@ def _slip_and_traction_maps(patches: Sequence[PatchField]) -> list[Text | Table 
             *axes,
             "tangential traction on the ball [MPa]",
             marked_label="sticks",
-            caption="Where traction is below mu p, ball and groove stick.",
+            caption="Ball and groove stick where the traction is below mu p (mu: coefficient of friction, p: pressure).",
         ),
     ]
 
@@ -307,10 +314,10 @@ def _ball_force_conclusion(found: dict[str, list[RollingComparisonRow]]) -> str:
 
 
 def _introduction(found: dict[str, list[RollingComparisonRow]], proof: Sequence[Verification]) -> list[str]:
-    """Return the introductory paragraphs: the 3D model, verifications passed, quantities with errors above the limit.
+    """Return the introductory paragraphs: 3D model, verifications passed, low-order results with errors above the limit.
 
     ``found``: comparisons of the low-order friction models with the 3D model, by scene; ``proof``: verifications of the 3D
-    model. The quantities are ball-to-ball forces and torques.
+    model. The results are ball-to-ball forces and torques.
     """
     reached = sum(p.within_permitted_error for p in proof)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
@@ -334,7 +341,7 @@ def _introduction(found: dict[str, list[RollingComparisonRow]], proof: Sequence[
 
 
 def _spin_pole_sentence(proof: Sequence[Verification]) -> str:
-    """Return the sentence on the error by the grid if the spin pole of a slipping contact lies in a cell; empty if unknown.
+    """Return the sentence on the grid error of a slipping contact whose spin pole lies inside a cell; empty if unknown.
 
     ``proof``: verifications of the 3D rolling model.
     """
@@ -361,9 +368,9 @@ def _verification_row(p: Verification) -> Row:
         Quantity("middle", "middle grid", "", "g5"): p.values[1],
         Quantity("fine", "fine grid", "", "g5"): p.values[2],
         Quantity("exact", "exact or printed", "", "g5"): p.exact,
-        Quantity("error", "error of the answer", "%", ".2f"): p.error,
-        Quantity("order", "order", "", ".1f"): p.order,
-        Quantity("reach", "to reach", "%", "g3"): p.reach,
+        Quantity("error", "error", "%", ".2f"): p.error,
+        Quantity("order", "order of convergence", "", ".1f"): p.order,
+        Quantity("reach", "permitted error", "%", "g3"): p.reach,
         "verdict": "reached" if p.within_permitted_error else "not reached",
     }
 
@@ -384,7 +391,7 @@ def _low_order_against_3d_row(row: RollingComparisonRow) -> Row:
         Quantity("printed", "printed low-order", "", "g4"): row.printed,
         Quantity("ansys", "printed ANSYS", "", "g4"): row.printed_ansys,
         Quantity("flat", "3D, flat contacts", "", "g5"): row.flat,
-        Quantity("rigid", "rigid limit", "", "g5"): row.rigid,
+        Quantity("rigid", "rigid bodies", "", "g5"): row.rigid,
         "verdict": f"within {LIMIT:g} %" if low_order_error_is_within_limit(row) else f"beyond {LIMIT:g} %",
     }
 
@@ -417,9 +424,9 @@ def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
                 "level": "source's size" if run.level == SOURCE_LEVEL else str(run.level),
                 "cells": f"{run.shape[0]} x {run.shape[1]}",
                 Quantity("value", "force or torque", "", "g5"): run.values[key],
-                Quantity("alone", "by the grid alone", "", "g5"): run.elastic[key],
+                Quantity("alone", "without grid correction", "", "g5"): run.elastic[key],
                 Quantity("elasticity", "change by elasticity", "", "g3"): run.elastic[key] - run.near_rigid[key],
-                Quantity("lost", "power lost by differences", "%", ".3f"): 100.0 * run.upwind,
+                Quantity("lost", "power lost by finite differences", "%", ".3f"): 100.0 * run.upwind,
                 Quantity("stick", "cells that stick", "", "d"): run.sticking,
                 Quantity("seconds", "processor time", "s", "g3"): run.seconds if run.measured == common else None,
             }
@@ -431,9 +438,9 @@ def _from_rest_row(s: RunFromRest) -> Row:
     """Return the table row of two balls started from rest: final force, force of steady rolling, time of first contact."""
     meet = next((t for t, f in zip(s.time, s.force, strict=True) if f > 0.0), None)
     return {
-        Quantity("steps", "steps", "", "d"): s.steps,
+        Quantity("steps", "time steps", "", "d"): s.steps,
         Quantity("force", "force at the end", "N", "g5"): s.force[-1],
-        Quantity("steady", "steady", "N", "g5"): s.steady,
+        Quantity("steady", "force in steady rolling", "N", "g5"): s.steady,
         Quantity("error", "error", "%", ".2f"): float(error_percent(s.force[-1], s.steady)),
         Quantity("meet", "balls meet at", "ms", ".1f"): None if meet is None else 1e3 * meet,
         Quantity("seconds", "processor time", "s", "g3"): s.seconds,
@@ -463,7 +470,7 @@ def _from_rest_figure(series: Sequence[RunFromRest]) -> Figure:
     speeds = [Curve(f"ball {k + 1}", time, [1e3 * v[k] for v in last.speed], "line") for k in range(2)]
     return Figure(
         "rolling-from-rest",
-        f"Two balls of a linear bearing that start from rest {1e6 * GAP:g} um apart: force and speeds over time",
+        f"Two balls of a linear bearing started from rest {1e6 * GAP:g} um apart: ball-to-ball force and speeds over time",
         [
             Panel("ball-to-ball force", "time [ms]", "force [N]", forces, zero=True),
             Panel(f"speed of the balls, {last.steps} steps", "time [ms]", "speed [mm/s]", speeds),
@@ -473,7 +480,7 @@ def _from_rest_figure(series: Sequence[RunFromRest]) -> Figure:
 
 
 def _error_over_time_figure(stores: Sequence[Path]) -> Figure | None:
-    """Draw the error of the ball-to-ball force against the finest grid over processor time.
+    """Draw the error of the ball-to-ball force in 3D over processor time; the error is taken against the finest grid.
 
     Returns None if no scene has stored 3D results on every grid. ``stores``: folders of the results.
     """
@@ -491,5 +498,8 @@ def _error_over_time_figure(stores: Sequence[Path]) -> Figure | None:
         return None
     draw_patch = Panel("ball-to-ball force", "processor time [s]", "difference from the finest grid [%]", curves, log="xy")
     return Figure(
-        "rolling-times", "Error of the 3D rolling model over its run time", [draw_patch], f"Measured with {common}."
+        "rolling-times",
+        "3D model of rolling contact: error of the ball-to-ball force over processor time",
+        [draw_patch],
+        f"Measured with {common}.",
     )

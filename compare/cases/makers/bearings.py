@@ -75,8 +75,8 @@ SET_QUANTITIES = (
 def compare_nsk_bearing_sets() -> Iterator[PublishedValue]:
     """Yield printed preload, rigidity and starting torque of NSK's bearing sets, with values from back-to-back pairs.
 
-    A computed value is the printed value of a pair times the computed ratio of the set to the pair, or the ratio by a
-    higher preload class.
+    The computed value of a set is the printed value of the pair times the computed ratio of set to pair. That of a pair of
+    preload class C9 is the printed value of the pair of class C10, converted to the preload of C9.
     """
     for source in read_maker_tables("nsk-tac"):
         named = dict(entry.split("=") for entry in source.head["sets"].split("; "))
@@ -275,7 +275,7 @@ def _compare_factor_f0(source: MakerTable, row: Mapping[str, str], factor: float
 
 
 def compare_snfa_pair_rigidities() -> Iterator[PublishedValue]:
-    """Yield SNFA's printed rigidity of preloaded bearing pairs, with values for contact angles that change under load.
+    """Yield SNFA's printed rigidities of preloaded bearing pairs, with values for contact angles that change under load.
 
     The printed values follow the catalogue's formula for a constant contact angle, so they are shown but not judged.
     """

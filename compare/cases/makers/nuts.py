@@ -230,7 +230,7 @@ def compare_nut_rigidity() -> Iterator[PublishedValue]:
             def secant_rigidity(
                 conformity: float, filling: float, nut: CatalogueNut = nut, load: float = load, held: float = preload
             ) -> float:
-                """Return ``load`` [N] over the nut's displacement from the load ``held`` [N] to ``load``, in N/m.
+                """Return the secant rigidity [N/m]: ``load`` [N] over the nut's displacement from ``held`` [N] to ``load``.
 
                 ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with
                 balls.
@@ -294,7 +294,7 @@ FEW = 8
 
 
 def _screw_with_few_balls(nut: CatalogueNut) -> Scene:
-    """Return the scene of a nut with one turn and only `FEW` balls, on a screw that is supported at both ends."""
+    """Return the scene of a nut with one turn and only 8 balls (`FEW`), on a screw that is supported at both ends."""
     one = scene_of_one_turn(nut, CONFORMITY)
     ends = (("ux", "uy", "rx", "ry", "rz"), ("ux", "uy"))
     at = (0.0, one.screw.length)
@@ -372,12 +372,11 @@ FORMULAS = (
 
 @dataclass(frozen=True)
 class DragComparison:
-    """Drag torques computed and by makers' formulas, for nuts of one nominal diameter and lead.
+    """Drag torques divided by preload and nominal diameter, computed and by makers' formulas, for nuts of one lead.
 
-    Each torque is divided by preload times nominal diameter. ``diameter``: nominal diameter [m]; ``lead``: lead [m];
-    ``single``, ``double``: computed torque of a single and of a double nut at the default coefficient of friction;
-    ``least``: torque of a single and of a double nut at the smallest coefficient; ``formulas``: torques by the makers'
-    formulas, in the order of `FORMULAS`.
+    ``diameter``: nominal diameter [m]; ``lead``: lead [m]; ``single``, ``double``: computed torque of a single and of a
+    double nut at the default coefficient of friction; ``least``: torque of a single and of a double nut at the smallest
+    coefficient; ``formulas``: torques by the makers' formulas, in the order of `FORMULAS`.
     """
 
     diameter: float

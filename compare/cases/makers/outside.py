@@ -40,7 +40,7 @@ class MakerTable:
     rows: tuple[Mapping[str, str], ...]
 
     def number(self, text: str) -> float:
-        """Convert a printed text to a number; the table's head states its decimal and thousands separators."""
+        """Convert a printed text to a number, with the decimal and thousands separators that the table's head states."""
         plain = re.sub(r"[\s\u00a0]", "", text).replace(self.head.get("thousands", " "), "")
         return float(plain.replace(self.head.get("decimal", "."), "."))
 
@@ -234,7 +234,7 @@ BIAS = Quantity("bias", "bias", "%", "+.1f")
 
 SCATTER = Quantity("scatter", "scatter", "%", ".1f")
 
-NUMBER = Quantity("number", "outside values", "", ".0f")
+NUMBER = Quantity("number", "published values", "", ".0f")
 
 
 def statistics_cells_by_quantity(found: Sequence[PublishedValue]) -> dict[str, dict[Quantity, Cell]]:
@@ -268,20 +268,20 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
                 NUMBER: s.number,
                 BIAS: s.bias,
                 SCATTER: s.scatter,
-                Quantity("inside", "in their band", "", ".0f"): s.inside,
-                Quantity("width", "width of the band, median", "%", ".1f"): s.width,
-                Quantity("practice", "bias of 80 % of it", "%", "+.1f"): s.practice,
+                Quantity("inside", "in the computed band", "", ".0f"): s.inside,
+                Quantity("width", "median width of the band", "%", ".1f"): s.width,
+                Quantity("practice", "bias of 80 % of the computed value", "%", "+.1f"): s.practice,
                 "not judged": words,
             }
         )
     note = (
-        "Bias and scatter: mean and standard deviation of the errors of the computed value. Bands carry the rounding of "
-        "what is printed through, and the usual range of what is not. Errors of clearances are in per cent of the "
-        "displacement under the measuring load, those of contact loads by CalculiX of the mean load. 80 %: what makers "
-        f"advise to take of a computed rigidity of a nut. Not judged at all: {'; '.join(without)}."
+        "Bias, scatter: mean and standard deviation of the errors of the computed values. Band: range of a computed value "
+        "over the rounding of printed inputs and the usual range of unprinted ones. Errors of clearances are in per cent "
+        "of the displacement under the measuring load, those of contact loads by CalculiX of the mean load. 80 %: fraction "
+        f"of a computed nut rigidity that makers print. Not judged: {'; '.join(without)}."
     )
     return Table.of(
-        "outside-summary", "Difference between computed and published values, by quantity and publisher", rows, note
+        "outside-summary", "Bias and scatter of computed against published values, by quantity and publisher", rows, note
     )
 
 
@@ -312,7 +312,7 @@ def published_values_table(found: Sequence[PublishedValue]) -> Table:
         "Makers' tables stand in compare/cases/makers/tables; the first lines of each name repository, commit and file "
         "of its origin."
     )
-    return Table.of("outside", "Each value that others print or measure, with the computed one", rows, note)
+    return Table.of("outside", "All values published by makers, measured or by programs, and computed values", rows, note)
 
 
 #: Printed tables of the case `external` that are judged here: publisher and class. Tables of THK are judged with the nuts.
@@ -346,9 +346,10 @@ OTHERS = {("external-contact", "approach"): "displacement"}
 
 
 def compare_external_tables(study: Study) -> Iterator[PublishedValue]:
-    """Yield every number of the printed tables `PRINTED` that has a computed value, with this value.
+    """Yield every published number of the case ``external`` that has a computed value, together with this value.
 
-    Numbers of class "open", whose basis is not printed, are yielded but not judged. ``study``: gives the solved scenes.
+    Its printed tables are listed in `PRINTED`. Numbers of class "open", whose basis is not printed, are yielded but not
+    judged. ``study``: gives the solved scenes.
     """
     for name, (maker, cls) in PRINTED.items():
         if name not in computations_with_function():

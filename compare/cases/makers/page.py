@@ -47,7 +47,7 @@ def _compare_all(study: Study) -> tuple[outside.PublishedValue, ...]:
 
 
 def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
-    """Return the cells for the report's first page with number, bias [%] and scatter [%] of the errors, by quantity.
+    """Return table cells for the report's first page: number, bias [%] and scatter [%] of the errors, by quantity.
 
     The errors are those of computed against published values. ``study``: gives solved scenes and stored 3D references.
     """
@@ -57,10 +57,10 @@ def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
 def _error_statistics_of_quantity(
     found: Sequence[outside.PublishedValue], quantity: str, law: str = "", maker: str = ""
 ) -> outside.ErrorStatistics:
-    """Return the statistics of the errors of one quantity, of which at least one value must be judged.
+    """Return bias and scatter of the errors of one quantity, of which at least one value must be judged.
 
-    ``found``: published values with the computed ones; ``law``, ``maker``: only models and makers count whose names begin
-    so; empty: all.
+    ``found``: published values with the computed ones; ``quantity``: name of the quantity, such as "rigidity"; ``law``,
+    ``maker``: first characters of the names of the models and makers that count; empty: all.
     """
     values = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
     result = outside.error_statistics(values)
@@ -75,9 +75,10 @@ def _clearance_errors(found: Sequence[outside.PublishedValue]) -> Array:
 
 
 def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
-    """Return the page's conclusion: how many published values lie in their computed bands; errors without assumed inputs.
+    """Return the page's conclusion: number of published values in their computed ranges, errors without assumed inputs.
 
-    ``found``: all published values with the computed ones.
+    ``found``: all published values with the computed ones. The range (band) of a computed value covers rounded and
+    unprinted inputs.
     """
     judged = [x for x in found if not x.left]
     clear = _error_statistics_of_quantity(found, "displacement", "bearing whose angle turns")
@@ -206,7 +207,7 @@ def drag_torque_text(found: Sequence[outside.PublishedValue]) -> str:
 
 
 def drag_torque_table() -> Table:
-    """Return the table of drag torque over preload times nominal diameter, for several leads: computed and by formulas."""
+    """Return the table of drag torque divided by preload and nominal diameter, for several leads: computed, by formulas."""
     rows: list[dict[Quantity | str, Cell]] = []
     for one in nuts.compare_drag_over_lead():
         row: dict[Quantity | str, Cell] = {
@@ -223,7 +224,7 @@ def drag_torque_table() -> Table:
     note = f"{at}; coefficient {nuts.DEFAULT:g}, or as named."
     return Table.of(
         "outside-drag",
-        "Drag torque over preload times nominal diameter, for several leads: computed and by makers' formulas",
+        "Drag torque divided by preload and nominal diameter, for several leads: computed, and by makers' formulas",
         rows,
         note,
     )
@@ -244,9 +245,9 @@ def sorted_errors_figure(found: Sequence[outside.PublishedValue]) -> Figure:
     panel = Panel("", "share of the values", "error of the computed value / %", tuple(series))
     return Figure(
         "outside-errors",
-        "Difference between computed values and those that others print or measure",
+        "Errors of computed values against makers' tables, measurements and other programs, sorted by size",
         (panel,),
-        "Each quantity's values in rising order.",
+        "One curve for each quantity with more than 20 published values.",
         1,
     )
 
