@@ -1,8 +1,8 @@
 """Second, independent solver of a ball screw's statics: the equations of Lin's thesis, with its misprints corrected.
 
 The unknowns are ball centres, contact angles and all nodal motions of the screw (Lin 2.25, 2.26, Appendix E). The
-equilibrium equations are solved by Newton's method without line search, with an explicit dense Jacobian. The solver checks
-the one that minimises energy, and shows where Lin's iteration fails.
+equilibrium equations are solved by Newton's method without line search, with an explicit dense Jacobian. The results check
+those of the solver that minimises energy (`lowfi.statics.static`), and show where Lin's iteration fails.
 """
 
 from __future__ import annotations
@@ -39,24 +39,24 @@ MOST = 60
 
 @dataclass(frozen=True)
 class SourceSolution:
-    """Solution of Lin's equations for N balls and n nodes, or the last iterate if Newton's method failed."""
+    """Solution of Lin's equilibrium equations for N balls and n beam nodes; the last iterate if Newton's method failed."""
 
     #: ``"converged"``, or the reason of the failure.
     status: str
-    #: Contact forces ``(N, 4)`` [N].
+    #: Normal forces of the balls on the four groove flanks SL, SR, NL, NR ``(N, 4)`` [N].
     load: Array
-    #: Contact angles ``(N, 4)`` [rad].
+    #: Contact angles of the balls on the four groove flanks ``(N, 4)`` [rad].
     contact_angle: Array
     #: Displacements of the ball centres from their nominal positions, radial and binormal ``(N, 2)`` [m].
     centre: Array
-    #: Motion of the nodes ``(n, 6)`` [m, rad].
+    #: Displacements and rotations of the nodes of the screw's beam ``(n, 6)`` [m, rad].
     motion: Array
     #: Reactions of the supports ``(n, 6)`` [N, N m].
     reactions: Array
     #: Number of Newton steps.
     iterations: int
-    #: Largest unbalanced force over the largest force, or largest contact condition over the groove radius, whichever is
-    #: larger.
+    #: Relative residual: largest unbalanced force over the largest force, or largest contact condition over the groove
+    #: radius, whichever is larger.
     residual: float
     #: Time that the solution took [s].
     seconds: float
@@ -117,7 +117,7 @@ def beam_stiffness_of_screw(problem: Problem) -> Array:
 
 @dataclass
 class System:
-    """Constants of Lin's equilibrium equations of one scene with N balls, and functions for the motion of its flanks."""
+    """Lin's equilibrium equations of one ball screw with N balls: constants, and functions for the motion of the flanks."""
 
     #: Arrays of the scene.
     problem: Problem
@@ -128,7 +128,7 @@ class System:
     #: Indices of the free unknowns among all 6 N + 6 n (ball centres, contact angles, nodal motions); the others are
     #: prescribed.
     free: NDArray[np.int64]
-    #: Unit vectors of each ball's groove section, radial and binormal ``(N, 2, 3)``.
+    #: Radial and binormal unit vector of the groove's cross-section at each ball ``(N, 2, 3)``.
     axes: Array
 
     def flank_motion_matrices(self, side: int, gamma: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
@@ -182,10 +182,10 @@ class System:
         return 6 * j, m0, m1, m2
 
     def flank(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
-        """Return the point A(gamma) of a flank at given contact angles, and its first and second derivative by the angle.
+        """Return the contact point A(gamma) on a groove flank at given contact angles, and its first two angle derivatives.
 
-        ``side``: number of the flank; ``gamma``: contact angles (N,) [rad]. Each result is (N, 2). Coordinates are radial
-        and binormal [m], from the nominal ball centre (Lin 2.3 and 2.27).
+        ``side``: number of the flank, 0 or 1 on the screw, 2 or 3 on the nut; ``gamma``: contact angles of N balls (N,)
+        [rad]. Each result is (N, 2): radial and binormal coordinate [m], from the nominal ball centre (Lin 2.3 and 2.27).
         """
         drawn = self.problem.drawn
         r, r1, r2 = groove_radius_with_slopes(gamma, drawn.radius[side], drawn.profile[side])
@@ -200,10 +200,11 @@ class System:
 def _contact_geometry_and_forces(
     system: System, p: Array, gamma: Array, u: Array, side: int
 ) -> tuple[Array, Array, Array, Array, Array, Array, NDArray[np.int64], Array, Array]:
-    """Return geometry, forces and motion matrices of the contacts of N balls with one flank.
+    """Return geometry, forces and motion matrices of the contacts of all N balls with one groove flank.
 
     ``p``: positions of the ball centres, radial and binormal ``(N, 2)`` [m]; ``gamma``: contact angles ``(N,)`` [rad];
-    ``u``: motions of the nodes, one after the other ``(6 n,)`` [m, rad]; ``side``: number of the flank.
+    ``u``: motions of the beam's nodes, one after the other ``(6 n,)`` [m, rad]; ``side``: number of the flank, 0 or 1 on
+    the screw, 2 or 3 on the nut.
 
     Returns
     -------
@@ -299,7 +300,7 @@ def equations_and_jacobian(
 
 
 def initial_state(system: System, start: Start, fraction: float) -> Array:
-    """Return starting values ``(6 N + 6 n,)`` of the unknowns for Newton's method: nominal state, or a designer's guess.
+    """Return the unknowns ``(6 N + 6 n,)`` from which Newton's method starts: the nominal state, or a designer's guess.
 
     The guess (if ``start`` is not "nominal") displaces the screw along its axis as if all balls carried equal shares of the
     axial load times ``fraction``. The order of the unknowns is that of `equations_and_jacobian`.
@@ -356,7 +357,9 @@ def solve_by_source_equations(
     """
     begin = perf_counter()
     if scene.ingredients.screw == "rigid":
-        raise ValueError("Lin's equations got a rigid screw; allowed: a screw that is modelled as a beam")
+        raise ValueError(
+            "Lin's equations cannot be solved for a scene with a rigid screw; allowed: a screw that is modelled as a beam"
+        )
     layout = ball_layout(scene)
     problem = build_problem(
         scene, draw_specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything
@@ -391,9 +394,10 @@ def solve_by_source_equations(
 
 
 def solve_source_as_static_result(scene: Scene, *, everything: bool = False, member: int = 0) -> StaticResult:
-    """Solve a scene by Lin's equations from the designer's guess; return the result in the form of all static models.
+    """Solve a scene by Lin's equations from a designer's guess, and return a `StaticResult` as every static model does.
 
-    Hertz constants are those of error-free parts, as in Lin's thesis, even if the scene asks for the radii with errors.
+    Hertz constants are those of parts without manufacturing errors, as in Lin's thesis, even if the scene asks for radii
+    with errors.
 
     Parameters
     ----------
@@ -441,7 +445,7 @@ def solve_source_as_static_result(scene: Scene, *, everything: bool = False, mem
 
 
 def _relative_residual(system: System, phi: Array, forces: Array, load: Array) -> float:
-    """Return the relative residual of the equilibrium equations, from their residuals ``phi``.
+    """Return the relative residual of Lin's equilibrium equations, given their residuals ``phi``.
 
     It is the larger of two ratios: the largest unbalanced force over the largest of the contact ``forces`` and of the
     ``load`` on the nodes; and the largest contact condition (scalar product of a contact's normal and tangent) over the
@@ -460,7 +464,7 @@ def _relative_residual(system: System, phi: Array, forces: Array, load: Array) -
 
 
 def newton_iteration(system: System, x: Array, load: Array, tolerance: float) -> tuple[Array, int, float, str]:
-    """Solve the equations by Newton's method (equation 2.26 of Lin's thesis).
+    """Solve Lin's equilibrium equations by Newton's method without line search (equation 2.26 of Lin's thesis).
 
     ``system``: constants of the equations; ``x``: unknowns to start from, in the order of `equations_and_jacobian`;
     ``load``: loads on the nodes ``(6 n,)`` [N, N m]; ``tolerance``: relative residual at which the iteration ends.
@@ -501,14 +505,15 @@ def newton_iteration(system: System, x: Array, load: Array, tolerance: float) ->
 
 
 def solve_from_guess_or_load_steps(scene: Scene, kinematics: Literal["arc", "source"]) -> SourceSolution:
-    """Solve a scene by Lin's equations from the designer's guess or, if that fails, by load steps.
+    """Solve a scene by Lin's equations, starting from a designer's guess or, if that fails, in ten load steps.
 
     Parameters
     ----------
     scene
         Scene with one nut.
     kinematics
-        Motion of the flanks: rigid ``"arc"``, or as in Lin's thesis (``"source"``), see `solve_by_source_equations`.
+        Lever arms of the contacts: constant (``"arc"``), or dependent on the contact angle as in Lin's thesis
+        (``"source"``); see `solve_by_source_equations`.
     """
     solution = solve_by_source_equations(scene, kinematics=kinematics, start="guess")
     if solution.converged:

@@ -18,7 +18,7 @@ MEANS = 9
 
 @dataclass(frozen=True)
 class HertzConstants:
-    """Constants of elliptical contact, with which approach and semi-axes are powers of the normal force F.
+    """Constants of an elliptical Hertz contact, which give approach and semi-axes as powers of the normal force F.
 
     Each array has the shape of the relative curvatures from which `hertz_constants` computed it. The pressure is
     semi-ellipsoidal over the contact ellipse; its largest value, at the centre, is 3 F/(2 pi a b).
@@ -185,7 +185,7 @@ def axis_ratio(curvature_ratio: Array) -> Array:
 
 
 def _log_curvature_ratio(x: Array) -> Array:
-    """Return log(A/B), A/B the ratio of the relative curvatures, for x = log(b/a) of the semi-axes."""
+    """Return log(A/B) for x = log(b/a): A/B is the ratio of relative curvatures, b/a that of the ellipse's semi-axes."""
     _, along, across = complete_elliptic_integrals(np.exp(x))
     return np.asarray(np.log(along / across))
 
@@ -273,7 +273,7 @@ def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Arr
 
 @dataclass(frozen=True)
 class PrintedHertz:
-    """Hertz constants of one raceway as Table B.1 of Lin's thesis prints them, with its errors; lengths in m."""
+    """Hertz constants of a ball on one raceway as Table B.1 of Lin's thesis prints them, misprints included."""
 
     #: First eigenvalue of the second fundamental form, which Lin takes for a radius of curvature [m].
     rho_1: float
@@ -298,16 +298,16 @@ class PrintedHertz:
 
 
 def printed_hertz(ball_radius: float, radii: tuple[float, float], modulus: float) -> PrintedHertz:
-    """Compute Hertz constants by eqs. B.1 to B.11 of Lin's thesis with the errors of its Table B.1, to show their effect.
+    """Compute Hertz constants by eqs. B.1 to B.11 of Lin's thesis with the misprints of Table B.1, to show their effect.
 
-    The errors are: radii of curvature from the second fundamental form only, F_1 = 1, and the inverted ratio of B.8.
+    The misprints are: radii of curvature from the second fundamental form only, F_1 = 1, and the inverted ratio of B.8.
 
     Parameters
     ----------
     ball_radius
         Radius of the ball [m].
     radii
-        The two eigenvalues of the second fundamental form [m], in the order of the table's rows.
+        The two eigenvalues of the raceway's second fundamental form [m], in the order of the table's rows.
     modulus
         Contact modulus E* [Pa].
 

@@ -1,4 +1,4 @@
-"""Numerical kernels from one source file, run as plain Python or as machine code compiled by numba.
+"""Numerical kernels (functions with the loops of a solver), run as plain Python or as machine code compiled by numba.
 
 Plain Python has no start-up cost and suits one small solve; machine code suits many solves.
 
@@ -56,7 +56,7 @@ _KEPT = 4
 
 
 def is_compiled(module_name: str) -> bool:
-    """Return whether a module, given by its name, is a compiled copy of a kernel package or a module in such a copy."""
+    """Return whether a module, given by its name, belongs to a copy of a kernel package that numba compiles."""
     return _MARK in module_name
 
 
@@ -124,7 +124,7 @@ def _package_folder(package: str) -> Path:
 
 @cache
 def _load_compiled_copy(package: str) -> ModuleType:
-    """Load the source files of a kernel package a second time, as its compiled copy."""
+    """Load the source files of a kernel package a second time, as the copy whose functions numba compiles."""
     with _numba_writes_to(package):
         return _load_file_as(_compiled_name(package), _package_folder(package) / "__init__.py")
 
@@ -138,7 +138,7 @@ def _load_file_as(name: str, path: Path, **given: Any) -> ModuleType:
     inside = [str(path.parent)] if path.name == "__init__.py" else None
     spec = importlib.util.spec_from_file_location(name, path, submodule_search_locations=inside)
     if spec is None or spec.loader is None:
-        raise ImportError(f"cannot load kernels from {path}")
+        raise ImportError(f"the source file {path} of numerical kernels cannot be loaded as a Python module")
     module = importlib.util.module_from_spec(spec)
     vars(module).update(given)
     sys.modules[name] = module
@@ -147,7 +147,7 @@ def _load_file_as(name: str, path: Path, **given: Any) -> ModuleType:
 
 
 def load_driver(system: str, driver: str) -> ModuleType:
-    """Load a copy of a solver's source file for one system of equations, so that numba can cache its machine code.
+    """Load a separate copy of a solver's source file for one system of equations, so that numba can cache its machine code.
 
     ``system``: name of the module with the functions of the equations (energy, gradient, ...); ``driver``: name of the
     solver's file in the same folder, without its suffix. The copy gets the module as its global ``system``. Passing the
@@ -157,7 +157,7 @@ def load_driver(system: str, driver: str) -> ModuleType:
     return _load_file_as(f"{system}_{driver}", Path(str(of.__file__)).with_name(f"{driver}.py"), system=of)
 
 
-# One solve compiles nothing
+# A single solve compiles no kernel
 
 
 def is_copy_loaded(package: str) -> bool:
@@ -191,12 +191,12 @@ def register_compile_job(package: str, job: Callable[[], object]) -> None:
 
 
 def run_compile_jobs() -> None:
-    """Run the registered jobs, which compile kernels that this process ran as plain Python, for later processes."""
+    """Run the registered jobs; they compile, for later processes, the kernels that this one ran as plain Python."""
     while _afterwards:
         _afterwards.popitem()[1]()
 
 
-# Stale machine code is never used
+# Machine code of outdated sources is never used
 
 
 @cache
@@ -241,9 +241,9 @@ def machine_code_folder() -> Path | None:
 
 @contextmanager
 def _numba_writes_to(package: str) -> Iterator[None]:
-    """Set numba's cache folder to that of a kernel package during a ``with`` block, in which its kernels are declared.
+    """Set numba's cache folder to that of a kernel package during a ``with`` block.
 
-    Every kernel remembers its folder.
+    The kernels of the package are declared in the block; each remembers this folder.
     """
     import numba
 
@@ -286,9 +286,9 @@ def _delay_signals_while_compiling() -> None:
                     self.before = {number: signal.signal(number, self.note_signal) for number in handled}
 
         def note_signal(self, number: int, _: object) -> None:
-            """Record a signal instead of handling it, and tell the user when it takes effect."""
+            """Record a signal instead of handling it, and print when it will take effect."""
             self.came.append(number)
-            sys.stderr.write("rollbench: interrupted: ends when the current kernel is compiled\n")
+            sys.stderr.write("rollbench: interrupted: the program ends as soon as numba has compiled the current kernel\n")
 
         def on_end(self, event: Any) -> None:
             """Restore the signal handlers when numba releases its lock, and raise the first signal that arrived."""
@@ -309,7 +309,7 @@ def _delay_signals_while_compiling() -> None:
 
 @cache
 def _announce_compilation() -> None:
-    """Print, before the first kernel is compiled, why nothing else is printed for a while."""
+    """Print, before the first kernel is compiled, that this takes a while; only in the main process, on a terminal."""
     import multiprocessing
 
     if multiprocessing.parent_process() is None and sys.stderr.isatty():

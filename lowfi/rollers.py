@@ -102,10 +102,10 @@ def line_contact_pressure(line_load: Array | float, width: Array | float) -> Arr
 
 @dataclass(frozen=True)
 class LineLaw:
-    """Force law delta = q (g - S ln q) of the approach delta [m] of two raceways with a roller between them.
+    """Law delta = q (g - S ln q) between the approach delta [m] of two raceways and the line load q [N/m] of the roller.
 
-    q: load per length [N/m]; S: constant of the material [m^2/N]; g: constant of material and radii [m^2/N]. The
-    approach increases with q up to q = exp(g/S - 1). There the half-width b of the contact would exceed the size of the
+    The roller lies between the raceways. S: constant of the material [m^2/N]; g: constant of material and radii [m^2/N].
+    The approach increases with q up to q = exp(g/S - 1). There the half-width b of the contact would exceed the size of the
     bodies; steel rollers stay far below.
     """
 
@@ -135,7 +135,9 @@ class LineLaw:
         inside = delta > 0.0
         argument = -np.where(inside, delta, self.s) / self.s * np.exp(-self.g / self.s)
         if np.any(inside & (argument < -np.exp(-1.0))):
-            raise ValueError("the approach is too large for a line contact: its half-width would exceed the bodies")
+            raise ValueError(
+                "the approach of the raceways is too large for a line contact: its half-width would exceed roller and rings"
+            )
         return np.where(inside, delta / (-self.s * lambertw(argument, k=-1).real), 0.0)
 
     def slope(self, line_load: Array | float) -> Array:
@@ -231,9 +233,13 @@ class TaperedBearing:
     def __post_init__(self) -> None:
         """Check that the values describe a tapered roller bearing; raise ValueError otherwise."""
         if self.rollers < 1 or min(self.diameter, self.length, self.depth, self.young) <= 0.0:
-            raise ValueError("number, diameter and length of the rollers, body depth and Young's modulus must be positive")
+            raise ValueError(
+                "tapered bearing: number, diameter and length of the rollers, depth and Young's modulus must be positive"
+            )
         if not 0.0 < 2.0 * self.roller_angle < self.cup_angle < 0.5 * np.pi or not 0.0 <= self.poisson < 0.5:
-            raise ValueError("angles must satisfy 0 < 2 gamma < alpha < 90 degrees; Poisson's ratio must be in [0, 0.5)")
+            raise ValueError(
+                "half angles of roller (gamma) and cup (alpha): 0 < 2 gamma < alpha < 90 deg; Poisson's ratio in [0, 0.5)"
+            )
 
     @property
     def cone_angle(self) -> float:
@@ -251,7 +257,7 @@ class TaperedBearing:
         return float(self.diameter * np.sin(self.cup_angle - self.roller_angle) / np.tan(self.roller_angle))
 
     def radii(self, along: Array | float = 0.0) -> tuple[Array, Array, Array]:
-        """Return the radii of curvature of roller, cone and cup [m], normal to the contact line; all are positive.
+        """Return the radii of curvature of roller, cone and cup normal to the contact line [m], all of them positive.
 
         Parameters
         ----------
@@ -270,7 +276,7 @@ class TaperedBearing:
 
 @dataclass(frozen=True)
 class RollerContacts:
-    """Line contacts of one roller without tilt and crown; the arrays ``(2,)`` hold inner race, then outer race."""
+    """Line contacts of a straight, untilted roller with both races; the arrays ``(2,)`` hold inner, then outer race."""
 
     #: Half-widths b [m].
     half_widths: Array
@@ -283,7 +289,7 @@ class RollerContacts:
 
 
 def roller_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
-    """Return the line contacts of a roller with both races, without tilt and crown.
+    """Return the line contacts of a straight, untilted roller with both races under a given force.
 
     Parameters
     ----------
@@ -307,7 +313,7 @@ def roller_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
 
 @dataclass(frozen=True)
 class TaperedRow:
-    """Tapered roller bearing under pure thrust, with straight rollers.
+    """Load-deflection law of a tapered roller bearing with straight rollers under pure thrust.
 
     An axial deflection u of one ring compresses every roller by u sin(alpha); alpha is half the included angle of the cup.
     """
@@ -337,7 +343,7 @@ class TaperedRow:
         """
         if load < 0.0:
             raise ValueError(
-                f"a row of rollers, which carries thrust in one direction only, got {load:g} N; allowed: at least 0 N"
+                f"thrust on a row of tapered rollers: got {load:g} N; allowed: at least 0 N, it carries one direction only"
             )
         b = self.bearing
         sin = np.sin(b.cup_angle)
@@ -345,7 +351,7 @@ class TaperedRow:
 
 
 def tapered_bearing(row: RollerRow) -> TaperedBearing:
-    """Return the row of rollers of a scene as a `TaperedBearing`.
+    """Convert a row of rollers of a scene to a `TaperedBearing`.
 
     Parameters
     ----------
@@ -365,14 +371,14 @@ def tapered_bearing(row: RollerRow) -> TaperedBearing:
 class SlicedRoller:
     """Roller with a crowned profile, cut into n slices of equal width."""
 
-    #: Approach law of every slice.
+    #: Law of approach and line load, the same for every slice.
     law: LineLaw
     #: Positions of the middles of the slices along the roller ``(n,)`` [m], from the roller's middle.
     places: Array
     #: Effective length of the roller [m].
     length: float
-    #: Drop of the crowned profile below a straight one at each slice, the sum for both contacts ``(n,)`` [m]; the approach
-    #: of the slice is smaller by it.
+    #: Drop of the crowned profile below a straight one at each slice ``(n,)`` [m], the sum for both contacts; it is
+    #: subtracted from the approach of the slice.
     drop: Array
 
 
@@ -402,7 +408,7 @@ def slice_middles(length: float, slices: int) -> Array:
 
 
 def circular_crown(radius: float) -> Callable[[Array], Array]:
-    """Return the profile of a roller with a circular crown: the function x^2/R [m] of the distance x from the middle [m].
+    """Return the profile drop of a roller with a circular crown: the function x^2/R [m] of the distance x from the middle.
 
     It is the sum of the drops x^2/(2 R) at both contacts, valid for x small against the radius R of the crown.
 
@@ -484,7 +490,7 @@ def approach_under_force(roller: SlicedRoller, force: float) -> float:
         The force is not positive.
     """
     if force <= 0.0:
-        raise ValueError(f"the force on a roller got {force:g} N; allowed: above 0 N, compression")
+        raise ValueError(f"force of the races on a roller: got {force:g} N; allowed: above 0 N (compression)")
     low = float(roller.drop.min())
     high = float(roller.law.approach(force / roller.length).max() + roller.drop.max()) * (1.0 + 1e-9)
     return float(
@@ -494,7 +500,7 @@ def approach_under_force(roller: SlicedRoller, force: float) -> float:
 
 @dataclass(frozen=True)
 class SlicedRow:
-    """Tapered roller bearing with sliced rollers under pure thrust."""
+    """Load-deflection law of a tapered roller bearing under pure thrust, with rollers that are cut into slices."""
 
     #: The bearing.
     bearing: TaperedBearing

@@ -1,4 +1,4 @@
-"""Warnings attached to a result: each says where the result leaves the range of validity of its models."""
+"""Warnings attached to a result: each states why the result is outside the range of validity of its models."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Kind = Literal[
 
 
 class Warned(str):
-    """Text of a warning, with its subject and, if it is also printed above the results, a short form.
+    """Text of a warning about a result, with its subject and, if it is also printed above the results, a short form.
 
     Examples
     --------
@@ -39,7 +39,7 @@ class Warned(str):
     ('rotation', 'nut 1: a section turns by 60 mrad: ...', 'nut 1: rotations up to 60 mrad')
     """
 
-    #: Subject of the warning.
+    #: Keyword for the subject of the warning, such as "pressure".
     kind: Kind
     #: Short form for the line above the results; empty if the warning is not printed there.
     brief: str
@@ -60,7 +60,7 @@ class Warned(str):
 
 
 def join_brief_warnings(warnings: Iterable[Warned]) -> str:
-    """Return the line of warnings that is printed above the results; empty if no warning has a short form.
+    """Join the short forms of a result's warnings to the line that is printed above the results; empty if there are none.
 
     Parameters
     ----------

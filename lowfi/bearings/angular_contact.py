@@ -33,7 +33,8 @@ from rollbench.meshes.numerics import brentq
 
 #: Range of conformities (groove radius over ball diameter) in which `conformity_from_pair_rigidity` searches.
 CONFORMITIES = (0.503, 0.65)
-#: Iterations: largest number of steps, relative step at which they end, and first displacement over ball diameter.
+#: Iterations: largest number of steps, relative size of a step at which they end, and displacement over ball diameter from
+#: which they start.
 STEPS, ENOUGH, BEGINS = 40, 1e-10, 1e-4
 
 
@@ -67,14 +68,18 @@ class BallBearing:
     def __post_init__(self) -> None:
         """Check that the dimensions give a contact angle and a Hertz contact; raise ValueError otherwise."""
         if self.balls < 1 or self.ball_diameter <= 0.0 or self.young <= 0.0 or not 0.0 <= self.poisson < 0.5:
-            raise ValueError("number and diameter of balls and Young's modulus must be > 0, Poisson's ratio 0 to below 0.5")
+            raise ValueError(
+                "number of balls, ball diameter and Young's modulus must be above 0; Poisson's ratio 0 to below 0.5"
+            )
         if min(self.inner_groove, self.outer_groove) <= 0.5 * self.ball_diameter:
             radii = f"groove radii of {self.inner_groove:g} and {self.outer_groove:g} m"
             raise ValueError(
-                f"the bearing got {radii}; allowed: more than the ball's radius of {0.5 * self.ball_diameter:g} m"
+                f"ball bearing: got {radii}; allowed: more than the ball's radius of {0.5 * self.ball_diameter:g} m"
             )
         if not -1e-12 * self.ball_diameter <= self.clearance <= 2.0 * self.centre_distance:
-            raise ValueError("the diametral clearance must lie between 0 and twice the distance of the groove centres")
+            raise ValueError(
+                "the bearing's diametral clearance must lie between 0 and twice the distance of the groove centres"
+            )
 
     @property
     def pitch_diameter(self) -> float:
@@ -169,13 +174,16 @@ class CatalogueBearings:
         return np.asarray((2.0 * self.conformity - 1.0) * self.ball_diameter)
 
 
-#: One ball bearing, or many at once: the arrays must then broadcast with those of displacements or loads.
+#: One ball bearing, or many at once; with many, arrays of displacements or loads must broadcast with their fields.
 BallRows = BallBearing | CatalogueBearings
 
 
 @dataclass(frozen=True)
 class ThrustState:
-    """State of a ball bearing at axial displacements of its inner ring; each field has the shape of the displacements."""
+    """Contact angle, loads and stiffness of a ball bearing at axial displacements of its inner ring.
+
+    Each field has the shape of the displacements.
+    """
 
     #: Axial displacement u [m].
     displacement: Array
@@ -321,7 +329,7 @@ def dimensionless_hertz_parameters(difference: float) -> tuple[float, float, flo
     """
     if not 0.0 <= difference < 1.0:
         raise ValueError(
-            f"the ratio of curvature difference to curvature sum got {difference:g}; allowed: 0 to below 1, a line contact"
+            f"ratio of curvature difference to sum: got {difference:g}; allowed: 0 to below 1 (1 is a line contact)"
         )
     h = hertz_constants(np.array(1.0 - difference), np.array(1.0 + difference), 1.0)
     unit = float(np.cbrt(4.0 / 3.0))
@@ -330,7 +338,7 @@ def dimensionless_hertz_parameters(difference: float) -> tuple[float, float, flo
 
 @dataclass(frozen=True)
 class BallRow:
-    """Load-deflection behaviour of an angular-contact ball bearing that is one of several bearings on a shaft."""
+    """Load-deflection law of an angular-contact ball bearing, for the equilibrium of several bearings on one shaft."""
 
     #: The bearing.
     bearing: BallBearing
@@ -371,7 +379,7 @@ def displacement_under_thrust(bearing: BallBearing, load: float) -> float:
     36.0
     """
     if load < 0.0:
-        raise ValueError(f"a row of balls, which carries thrust in one direction, got {load:g} N; allowed: at least 0 N")
+        raise ValueError(f"thrust on a row of balls: got {load:g} N; allowed: at least 0 N, it carries one direction only")
     if load == 0.0:
         return 0.0
     high = 1e-9 * bearing.ball_diameter
@@ -449,7 +457,7 @@ def conformity_from_pair_rigidity(bearings: CatalogueBearings, preload: Array, r
     low, high = np.log(np.array(CONFORMITIES) - 0.5)
 
     def excess(x: Array) -> Array:
-        """Return the logarithm of the pairs' stiffness over the given one, for x = log(conformity - 1/2)."""
+        """Return the logarithm of computed over given stiffness of the bearing pairs, for x = log(conformity - 1/2)."""
         state = bearing_states_under_thrust(replace(bearings, conformity=0.5 + np.exp(x)), preload)
         return np.asarray(np.log(2.0 * state.stiffness / rigidity))
 

@@ -60,7 +60,7 @@ def curvature_difference(curvatures: Sequence[float]) -> float:
 
 
 def load_constant_of_race(curvature_sum: float, delta: float) -> float:
-    """Return the load constant K of one race [N/mm^1.5] by eq. 2.8 of Smith (1994).
+    """Return the constant K of the law Q = K delta^1.5 of a ball on one race [N/mm^1.5], by eq. 2.8 of Smith (1994).
 
     Parameters
     ----------
@@ -73,16 +73,16 @@ def load_constant_of_race(curvature_sum: float, delta: float) -> float:
 
 
 def load_constant_of_both_races(inner: float, outer: float) -> float:
-    """Return the load constant K_n of inner and outer race in series [N/mm^1.5] by eq. 2.7 of Smith (1994).
+    """Return the constant K_n of the law Q = K_n delta^1.5 of a ball between both races [N/mm^1.5] (Smith 1994, eq. 2.7).
 
-    The exponent is the 0.66666 of his spreadsheet.
+    ``inner``, ``outer``: constants K of both races [N/mm^1.5]. The exponent is the 0.66666 of his spreadsheet.
     """
     return float((inner**-SHEET_EXPONENT + outer**-SHEET_EXPONENT) ** -1.5)
 
 
 @dataclass(frozen=True)
 class Spreadsheet:
-    """Values in the cells of the spreadsheet of Smith's figure 2-10; pairs are for (inner, outer) race."""
+    """Cells of the spreadsheet for a ball bearing in Smith's figure 2-10; pairs are for (inner, outer) race."""
 
     #: Sums of curvatures [1/mm].
     sums: tuple[float, float]
@@ -123,14 +123,14 @@ def compute_spreadsheet(
     grooves, raceways
         Groove radii and raceway diameters (inner, outer) [mm].
     outer_difference
-        Curvature difference of the outer race as in the spreadsheet's cell, where it does not follow from the geometry;
+        Curvature difference of the outer race that the spreadsheet's cell states, which does not follow from the geometry;
         None: computed from the geometry.
     """
     d, dm, b = diameter, 0.5 * sum(raceways), sum(grooves) - diameter
     rest = float(np.arccos(1.0 - 0.5 * (raceways[1] - raceways[0] - 2.0 * d) / b))
 
     def cells(angle: float) -> Spreadsheet:
-        """Return the values of all cells for a contact angle [rad]."""
+        """Return the values of all cells of the spreadsheet for a contact angle [rad]."""
         path = dm / np.cos(angle)
         four = (
             (-1.0 / grooves[0], 2.0 / (path - d), 2.0 / d, 2.0 / d),
@@ -181,7 +181,7 @@ def row_loads_by_smith(loads: Sequence[float], directions: Sequence[int], force:
 
 
 def series_stiffness(supports: Sequence[float], screw: float, nut: float) -> float:
-    """Return the stiffness of an axis with supports, whole screw and nut in series, by eq. 4.6 of Smith (1994).
+    """Return the axial stiffness of a ball-screw axis with supports, whole screw and nut in series (Smith 1994, eq. 4.6).
 
     The result has the unit of the arguments.
 
@@ -234,7 +234,7 @@ class PrintedTaperContact:
 def taper_contact(
     axial: float, rollers: int, length: float, diameter: float, pitch: float, cone_angle: float
 ) -> PrintedTaperContact:
-    """Compute a roller's contact with the inner race by eqs. 3.23 to 3.28 of Smith (1994), with changes.
+    """Compute the contact of a tapered roller with the inner race by eqs. 3.23 to 3.28 of Smith (1994), errors included.
 
     Parameters
     ----------

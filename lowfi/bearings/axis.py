@@ -1,6 +1,7 @@
 """Closed formulas for a ball-screw axis, and the equilibrium of several bearings on one shaft.
 
-The formulas for the axis give tension by stretch and heat, loads of the supports, stiffness over nut position, and torque.
+The formulas for the axis give the shaft's tension by stretching and heating, the loads of the supports, the stiffness as a
+function of the nut's position, and the torque.
 
 A screw shaft of axial stiffness EA/L lies between two supports, the nut at the distance x from the left one. All springs
 are linear and all rings rigid. Results of models with beams and contacts are compared with these formulas; the formulas
@@ -43,7 +44,7 @@ from rollbench.meshes.section import grooved_volume_ratio
 
 @dataclass(frozen=True)
 class Axis:
-    """Screw shaft between two supports, modelled as linear axial springs.
+    """Screw shaft between two supports; shaft and supports are linear axial springs.
 
     Raises
     ------
@@ -66,10 +67,10 @@ class Axis:
         """Check that the axis can carry a load; raise ValueError otherwise."""
         if min(self.length, self.area, self.young) <= 0.0:
             given = f"a length of {self.length:g} m, an area of {self.area:g} m^2 and a modulus of {self.young:g} Pa"
-            raise ValueError(f"the axis got {given}; allowed: values above 0")
+            raise ValueError(f"screw shaft: got {given}; allowed: values above 0")
         if min(self.left, self.right) < 0.0 or max(self.left, self.right) == 0.0:
             given = f"stiffnesses of {self.left:g} and {self.right:g} N/m"
-            raise ValueError(f"the supports of the axis got {given}; allowed: none below 0, and at least one above 0")
+            raise ValueError(f"supports of the screw shaft: got {given}; allowed: none below 0, at least one above 0")
 
 
 def _series_stiffness(*stiffness: float | Array) -> Array:
@@ -98,7 +99,7 @@ def stiffness_of_both_sides(axis: Axis, position: Array | float) -> tuple[Array,
     x = np.asarray(position, dtype=float)
     if np.any(x < 0.0) or np.any(x > axis.length):
         given = f"positions from {float(x.min()):g} to {float(x.max()):g} m"
-        raise ValueError(f"the nut got {given}; allowed: 0 to {axis.length:g} m, between the supports")
+        raise ValueError(f"position of the nut: got {given}; allowed: 0 to {axis.length:g} m, between the supports")
     ea = axis.young * axis.area
     with np.errstate(divide="ignore"):
         return _series_stiffness(axis.left, ea / x), _series_stiffness(axis.right, ea / (axis.length - x))
@@ -321,7 +322,7 @@ def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> floa
 
 @dataclass(frozen=True)
 class TorqueBudget:
-    """Parts of the drive torque of a ball-screw axis [N m]."""
+    """Contributions to the drive torque of a ball-screw axis [N m]."""
 
     #: Torque that the axial load on the ball screw needs [N m].
     screw: float
@@ -363,7 +364,7 @@ def acceleration_torque(inertias: Sequence[float], speed: float, time: float) ->
 
 
 class Row(Protocol):
-    """Load-deflection law of one of several bearing rows on a shaft. A loose row has no thrust."""
+    """Load-deflection law of one bearing row out of several on a shaft; a row that has lost contact has no thrust."""
 
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]."""
@@ -377,9 +378,9 @@ class Row(Protocol):
 
 @dataclass(frozen=True)
 class PointRow:
-    """Bearing row with a constant contact angle, whose thrust follows Hertz's power law k u^(3/2)."""
+    """Bearing row with a constant contact angle: its thrust at the axial deflection u is k u^(3/2), by Hertz's law."""
 
-    #: Constant k of the thrust [N/m^(3/2)].
+    #: Constant k of the thrust k u^(3/2) [N/m^(3/2)].
     k: float = 1.0
 
     @property
@@ -419,10 +420,10 @@ class BearingSet:
         if not self.rows or not len(self.rows) == len(self.directions) == len(self.offsets):
             counts = f"{len(self.rows)} rows, {len(self.directions)} directions and {len(self.offsets)} offsets"
             raise ValueError(
-                f"ball bearing: got {counts}; allowed: a direction and an offset for each row, at least one row"
+                f"bearing rows on a shaft: got {counts}; allowed: at least one row, each with a direction and an offset"
             )
         if any(s not in (1, -1) for s in self.directions):
-            raise ValueError(f"directions of bearing rows got {list(self.directions)}; allowed: +1 and -1")
+            raise ValueError(f"directions of bearing rows: got {list(self.directions)}; allowed: +1 and -1")
 
 
 @dataclass(frozen=True)
@@ -443,7 +444,7 @@ class BearingSetState:
 
 
 def _evaluate_each_row(bearings: BearingSet, displacement: float, law: Callable[[Row, float], float]) -> Array:
-    """Evaluate the load [N] or the stiffness [N/m] of each bearing row at an axial displacement of the inner rings [m].
+    """Return the load [N] or the stiffness [N/m] of each bearing row at a common axial displacement of the inner rings [m].
 
     ``law``: method of `Row` that gives the load or the stiffness of a row at its deflection [m]. Equal rows with the same
     deflection are evaluated once.
@@ -458,7 +459,7 @@ def _evaluate_each_row(bearings: BearingSet, displacement: float, law: Callable[
 
 
 def _thrust_of_rows(bearings: BearingSet, displacement: float) -> Array:
-    """Return the thrust of each bearing row [N] at a displacement of the inner rings [m]."""
+    """Return the thrust of each bearing row [N] at a common axial displacement of the inner rings [m]."""
     return _evaluate_each_row(bearings, displacement, lambda row, d: row.thrust(d))
 
 
@@ -500,7 +501,7 @@ def solve_set_equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSe
     s = np.array(bearings.directions)
     if force != 0.0 and not np.any(s == np.sign(force)):
         raise ValueError(
-            f"the external thrust got {force:g} N, but no row takes thrust in that direction; allowed: the opposite sign"
+            f"external thrust: got {force:g} N, but no row takes thrust in that direction; allowed: the opposite sign"
         )
     if force == 0.0 and np.unique(s).size == 1:
         return bearing_set_state(bearings, -s[0] * max(bearings.offsets))
@@ -520,7 +521,7 @@ def solve_set_equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSe
 
 
 def equal_rows_with_gap(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
-    """Return equal bearing rows on a shaft, whose locknut closes the same gap between the rings of each row.
+    """Return equal bearing rows on a shaft that are preloaded because a locknut closes a gap between the rings of each row.
 
     Closing the gaps deflects two opposed rows together by twice the gap.
 
@@ -537,7 +538,7 @@ def equal_rows_with_gap(row: Row, directions: Sequence[int], gap: float) -> Bear
 
 
 def equal_rows_with_preload(row: Row, directions: Sequence[int], force: float) -> BearingSet:
-    """Return equal bearing rows on a shaft with a given preload; displacements count from the preloaded state.
+    """Return equal bearing rows on a shaft with a given preload; displacements are measured from the preloaded state.
 
     Parameters
     ----------
@@ -555,13 +556,15 @@ def equal_rows_with_preload(row: Row, directions: Sequence[int], force: float) -
     """
     forward, back = sum(s == 1 for s in directions), sum(s == -1 for s in directions)
     if not forward or not back:
-        raise ValueError(f"a preload got bearing rows of directions {list(directions)}; allowed: rows of both directions")
+        raise ValueError(
+            f"preload: got bearing rows of the directions {list(directions)}; allowed: rows of both directions"
+        )
     depth = {1: row.deflection(force / forward), -1: row.deflection(force / back)}
     return BearingSet((row,) * len(directions), tuple(directions), tuple(depth[s] for s in directions))
 
 
 def lift_off_force(bearings: BearingSet) -> float:
-    """Return the external thrust in the positive direction at which all rows of the opposite direction are loose [N].
+    """Return the external thrust in the positive direction at which all opposite bearing rows lose contact [N].
 
     For two equal opposed rows with load ~ deflection^n it is 2^n times the preload: 2.83 times for balls with a constant
     contact angle.
@@ -578,6 +581,6 @@ def lift_off_force(bearings: BearingSet) -> float:
     """
     others = [g for g, s in zip(bearings.offsets, bearings.directions, strict=True) if s == -1]
     if not others:
-        raise ValueError("lift-off got bearing rows of direction +1 only; allowed: at least one row of direction -1")
+        raise ValueError("lift-off force: got bearing rows of direction +1 only; allowed: at least one of direction -1")
     state = bearing_set_state(bearings, max(others))
     return float(np.array(bearings.directions) @ state.loads)

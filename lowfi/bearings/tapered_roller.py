@@ -80,7 +80,7 @@ class LoadZone:
 
 
 def load_zone_integrals(eps: float, exponent: float) -> LoadZone:
-    """Return Sjovall's load-zone integrals J_a and J_r for a load zone parameter.
+    """Return Sjovall's integrals J_a (thrust) and J_r (radial load) of a row of rolling elements for a load zone parameter.
 
     They hold for infinitely many rolling elements; the relative accuracy is 1e-12.
 
@@ -108,7 +108,9 @@ def load_zone_integrals(eps: float, exponent: float) -> LoadZone:
     4.3701
     """
     if not eps > 0.0:
-        raise ValueError(f"the load zone parameter got {eps:g}; allowed: above zero (1/2 for half of the circumference)")
+        raise ValueError(
+            f"load zone parameter: got {eps:g}; allowed: above zero (1/2 if half of the circumference is loaded)"
+        )
     w = 0.5 / eps
     end = np.pi if w <= 0.5 else float(np.arccos(1.0 - 1.0 / w))
     psi = end * _PLACES
@@ -162,7 +164,7 @@ EXPONENT = 1.1
 
 @dataclass(frozen=True)
 class CombinedState:
-    """Equilibrium of a tapered roller bearing under thrust and radial load, with every roller as a line contact."""
+    """Displacements, roller loads and stiffness of a tapered roller bearing in equilibrium under thrust and radial load."""
 
     #: Axial displacement of the inner ring [m].
     axial: float
@@ -237,7 +239,7 @@ def solve_thrust_and_radial_equilibrium(bearing: TaperedBearing, axial: float, r
 
 
 def _largest_descending_step(bearing: TaperedBearing, x: Array, step: Array, level: float, force: Array) -> float:
-    """Return the largest fraction 1, 1/2, 1/4, ... of a Newton step that does not raise the potential energy.
+    """Return the largest fraction 1, 1/2, 1/4, ... of a Newton step that does not increase the bearing's potential energy.
 
     Round-off is tolerated. ``x``, ``step``: displacement and Newton step, axial and radial ``(2,)`` [m]; ``level``:
     potential energy at ``x`` [J]; ``force``: external axial and radial force ``(2,)`` [N].
@@ -252,7 +254,7 @@ def _largest_descending_step(bearing: TaperedBearing, x: Array, step: Array, lev
 
 
 def _elastic_energy(bearing: TaperedBearing, x: Array) -> float:
-    """Return the strain energy of the bearing [J]; infinite where a trial step leaves the range of the line contact.
+    """Return the strain energy of the bearing [J]; infinite if the displacement is too large for Hertz's line contact.
 
     ``x``: axial and radial displacement of the inner ring ``(2,)`` [m].
     """
@@ -264,7 +266,7 @@ def _elastic_energy(bearing: TaperedBearing, x: Array) -> float:
 
 @dataclass(frozen=True)
 class ZoneState:
-    """Displacements and largest load of a bearing under thrust and radial load, by load-zone integrals."""
+    """Displacements and largest roller load of a bearing under thrust and radial load, by load-zone integrals."""
 
     #: Axial displacement of the inner ring [m].
     axial: float
@@ -279,11 +281,10 @@ class ZoneState:
 def solve_by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> ZoneState:
     """Return displacements and largest roller load of a bearing by Smith's load-zone method.
 
-    The integrals over the load zone and the law of the line contact are exact.
-
-    A power law distributes the load over the rollers, and the line contact of the most loaded roller gives its compression.
-    The result is exact for pure thrust. Otherwise its accuracy depends on the exponent and on the number of rollers, taken
-    as infinite. Arguments and errors are those of `solve_thrust_and_radial_equilibrium`.
+    The integrals over the load zone and the law of the line contact are exact. A power law distributes the load over the
+    rollers, and the line contact of the most loaded roller gives its compression. The result is exact for pure thrust.
+    Otherwise its accuracy depends on the exponent and on the number of rollers, taken as infinite. Arguments and errors are
+    those of `solve_thrust_and_radial_equilibrium`.
 
     References
     ----------
@@ -309,7 +310,7 @@ _U, _W = np.polynomial.legendre.leggauss(32)
 
 @dataclass(frozen=True)
 class Rib:
-    """Geometry of the contact of a roller's spherical end with the rib, by eqs. (2) to (4) of this module."""
+    """Geometry of the contact of a roller's spherical large end with the rib of the cone, by eqs. (2) to (4)."""
 
     #: Angle theta of the contact normal against the roller's axis [rad].
     tilt: float
@@ -320,7 +321,7 @@ class Rib:
 
 
 def rib_geometry(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
-    """Return the geometry of the contact of a roller's end with the rib, by eqs. (2) to (4) of this module.
+    """Return the geometry of the contact of a roller's spherical large end with the rib, by eqs. (2) to (4) of this module.
 
     Parameters
     ----------
@@ -343,17 +344,17 @@ def rib_geometry(bearing: TaperedBearing, end_radius: float, height: float) -> R
     edge = g * float(np.sin(gamma))
     if not edge < end_radius < g:
         limits = f"above {1e3 * edge:.4g} mm, the radius of the roller's large end, and below {1e3 * g:.4g} mm"
-        raise ValueError(f"{limits}, its distance from the apex")
+        raise ValueError(f"{limits}, the distance of that end from the apex of the bearing's cones")
     s = g * float(np.cos(gamma)) - float(np.sqrt(end_radius**2 - edge**2))
     tilt = gamma - float(np.arcsin((height - s * np.sin(gamma)) / end_radius))
     if not tilt < beta:
-        raise ValueError("a larger radius, with which the sphere can touch a rib of the cone")
+        raise ValueError("a larger radius, so that the roller's spherical end can touch the conical rib")
     radius = end_radius + s * float(np.sin(beta) / np.sin(beta - tilt))
     return Rib(tilt, (1.0 / end_radius - 1.0 / radius, 1.0 / end_radius), radius)
 
 
 def rib_height(row: RollerRow) -> float:
-    """Return the height h of the rib contact above the race [m]; a tenth of the roller diameter if the row gives none.
+    """Return the height of the rib contact above the cone's race [m]; if not given, a tenth of the roller diameter.
 
     Parameters
     ----------
@@ -365,14 +366,14 @@ def rib_height(row: RollerRow) -> float:
 
 @result_record
 class RibContact:
-    """Contact of the most loaded roller of a row with its rib."""
+    """Contact of the large end of the most loaded roller of a row with the rib of the cone."""
 
     #: Number of the roller, from 1.
     roller: int = quantity_field("roller", "roller of the largest load on the rib")
     #: Force of the rib on the roller [N].
     load: float = quantity_field(
         "load_N",
-        "force of the rib on its large end, 2 Q sin(gamma), by balance along the roller",
+        "force of the rib on the roller's large end, 2 Q sin(gamma), from equilibrium along the roller",
         error="that of the load",
         heading="load on the rib",
         note="roller {roller}",
@@ -380,24 +381,26 @@ class RibContact:
     #: Largest pressure [Pa]; None if the radius of the roller's end is not given.
     pressure: float | None = quantity_field(
         "pressure_MPa",
-        "largest pressure there by Hertz, sphere of the end on the hollow cone of the rib; null without `end_radius`",
+        "largest Hertz pressure of the roller's spherical end on the hollow conical rib; null without `end_radius`",
         error="a third of the load's, and of the height where that is assumed",
         heading="pressure on the rib",
     )
     #: Semi-axis of the contact ellipse along the rim [m]; None if the radius of the roller's end is not given.
     a: float | None = quantity_field(
-        "semi_axis_a_mm", "semi-axis of its ellipse along the rim", error="a third of the load's"
+        "semi_axis_a_mm", "semi-axis of the rib's contact ellipse along the rim", error="a third of the load's"
     )
     #: Semi-axis of the contact ellipse across the rim [m]; None if the radius of the roller's end is not given.
-    b: float | None = quantity_field("semi_axis_b_mm", "semi-axis across the rim", error="a third of the load's")
+    b: float | None = quantity_field(
+        "semi_axis_b_mm", "semi-axis of the rib's contact ellipse across the rim", error="a third of the load's"
+    )
     #: Height of the contact above the cone's race [m].
-    height: float = quantity_field("height_mm", "height of the contact above the cone's race, as given or assumed")
+    height: float = quantity_field("height_mm", "height of the rib's contact above the cone's race, as given or assumed")
     #: Text on assumptions and missing data.
     words: str = quantity_field("words", "what is assumed or not known", show=lambda words: words or None, default="")
 
 
 def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
-    """Return the contact of the most loaded roller of a row with its rib.
+    """Return the contact of the most loaded roller of a row with the rib of the cone.
 
     Valid for straight or crowned rollers that touch their ribs, with a contact ellipse small against the roller's end. The
     ellipse is truncated if its semi-axis b is larger than the height of the contact.
@@ -466,7 +469,7 @@ def rib_contact_ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Arr
 
 
 def mean_distance_of_rib_pressure(a: Array, b: Array, height: float) -> Array:
-    """Return the mean distance of the rib's contact pressure from the cone's contact line, int p r dA/F [m].
+    """Return the mean distance of the pressure on the rib from the roller's contact line with the cone, int p r dA/F [m].
 
     r is the distance from a point on the minor axis at the height h from the ellipse's centre. With s the relative radius
     in the ellipse and u = sqrt(1 - s^2), the integral has the weight 3 u^2/(2 pi); Gauss and trapezoid rules give it to
@@ -489,9 +492,7 @@ def mean_distance_of_rib_pressure(a: Array, b: Array, height: float) -> Array:
 def roller_speed_ratios(bearing: TaperedBearing) -> tuple[float, float]:
     """Return the angular speeds of a roller relative to the cone, then relative to the cup, by eq. (5) of this module.
 
-    Both are ratios to the angular speed of the rings relative to each other.
-
-    ``bearing``: geometry of the row of rollers.
+    Both are ratios to the angular speed of the rings relative to each other. ``bearing``: geometry of the row of rollers.
     """
     over = float(np.sin(2.0 * bearing.roller_angle))
     return float(np.sin(bearing.cup_angle)) / over, float(np.sin(bearing.cone_angle)) / over

@@ -53,7 +53,7 @@ from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Lubricant
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
-#: Lowest and highest value of a quantity, in SI units.
+#: Range of a quantity: its lowest and highest value, in SI units.
 Band = tuple[float, float]
 
 #: Kinds of ball rows: circular grooves with thrust in one direction or in both, and gothic-arch grooves.
@@ -207,7 +207,7 @@ def ball_torque(
 
 @result_record
 class LoadTorque:
-    """Load-dependent torque of a ball bearing, with the factors from which it is computed."""
+    """Load-dependent friction torque M_1 of a ball bearing, with the factors from which it is computed."""
 
     #: Torque M_1 [N m].
     torque: float = quantity_field(
@@ -217,7 +217,7 @@ class LoadTorque:
         error="empirical",
     )
     #: Factor f_1 = 0.0013 (P_0/C_0)^(1/3) of the torque.
-    factor: float = quantity_field("factor", "factor f1 = 0.0013 (P0/C0)^(1/3) of that torque")
+    factor: float = quantity_field("factor", "factor f1 = 0.0013 (P0/C0)^(1/3) of the starting torque")
     #: Static equivalent load P_0 [N].
     equivalent_load: float = quantity_field("equivalent_load_N", "static equivalent load P0 of the bearing")
     #: Static load rating C_0 [N].
@@ -344,24 +344,32 @@ UNEVEN = 1.1
 
 @result_record
 class RollerTorque:
-    """Friction torque of a row of tapered rollers about its axis [N m], by the contacts' losses and by Timken's formula."""
+    """Friction torque of a row of tapered rollers about its axis [N m], from losses in its contacts and by Timken."""
 
     #: Torque of the lubricant film between rollers and races; None without lubricant or speed.
     film: float | None = quantity_field(
-        "film_Nmm", "part of the oil film between rollers and races; null without lubricant or speed", error="upper bound"
+        "film_Nmm",
+        "friction torque of the oil film between rollers and races; null without lubricant or speed",
+        error="upper bound",
     )
     #: Torque of elastic hysteresis in the races' contacts.
-    hysteresis: float = quantity_field("hysteresis_Nmm", "part of the steel's hysteresis, 1 % of the work of deformation")
+    hysteresis: float = quantity_field(
+        "hysteresis_Nmm", "friction torque of the steel's hysteresis, 1 % of the work of deformation"
+    )
     #: Torque of sliding and spin of the rollers' ends on the rib.
     rib: float = quantity_field(
-        "rib_Nmm", "part of the large ends that slide and spin on the rib", error="that of the coefficient of friction"
+        "rib_Nmm",
+        "friction torque of the rollers' large ends that slide and spin on the rib",
+        error="that of the coefficient of friction",
     )
     #: Torque with the lowest coefficient of friction in `FRICTIONS`; None if the scene gives the coefficient.
     low: float | None = quantity_field(
-        "low_Nmm", "torque with a coefficient of 0.03 on the rib, a full film; null where rib_friction is given"
+        "low_Nmm", "torque with a coefficient of friction of 0.03 on the rib (full film); null if rib_friction is given"
     )
     #: Torque with the highest coefficient of friction in `FRICTIONS`; None if the scene gives the coefficient.
-    high: float | None = quantity_field("high_Nmm", "torque with a coefficient of 0.15 on the rib, boundary lubrication")
+    high: float | None = quantity_field(
+        "high_Nmm", "torque with a coefficient of friction of 0.15 on the rib (boundary lubrication)"
+    )
     #: Torque by Timken's formula; None if one of its inputs is missing.
     timken: float | None = quantity_field(
         "timken_Nmm",
@@ -387,7 +395,7 @@ class RollerTorque:
     @property
     @QuantityDescription(
         "starting_torque_Nmm",
-        "the same at rest, without the film",
+        "friction torque of the row from rest, without the lubricant film",
         error="that of the coefficient of friction",
         heading="friction torque from rest",
         form="g3",
@@ -455,9 +463,9 @@ def roller_torque(
 
 
 def rolling_speed(bearing: TaperedBearing, along: Array, speed: float) -> Array:
-    """Return the rolling speed, at which both surfaces move through a roller's contacts [m/s].
+    """Return the rolling speed of a tapered roller [m/s]: the speed of both surfaces relative to the contact with a race.
 
-    The speed of the cage makes the rolling speeds in the contacts with cone and cup equal.
+    The roller rolls without sliding, so that this speed is the same in the contacts with cone and cup.
 
     Parameters
     ----------
@@ -499,7 +507,7 @@ def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubric
 
 
 def film_rolling_resistance(line_load: Array, speed: Array, radius: Array, lubricant: Lubricant, modulus: float) -> Array:
-    """Return the rolling resistance per length of the film's inlet on either surface [N/m], by eq. (1) of this module.
+    """Return the rolling resistance of the lubricant film per length and surface [N/m], by eq. (1) of this module.
 
     It is zero without load.
 
