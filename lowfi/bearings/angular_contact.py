@@ -69,7 +69,7 @@ class BallBearing:
         """Check that the dimensions give a contact angle and a Hertz contact; raise ValueError otherwise."""
         if self.balls < 1 or self.ball_diameter <= 0.0 or self.young <= 0.0 or not 0.0 <= self.poisson < 0.5:
             raise ValueError(
-                "number of balls, ball diameter and Young's modulus must be above 0; Poisson's ratio 0 to below 0.5"
+                "number of balls, ball diameter and Young's modulus must be > 0, Poisson's ratio 0 to below 0.5"
             )
         if min(self.inner_groove, self.outer_groove) <= 0.5 * self.ball_diameter:
             radii = f"groove radii of {self.inner_groove:g} and {self.outer_groove:g} m"

@@ -420,7 +420,7 @@ class BearingSet:
         if not self.rows or not len(self.rows) == len(self.directions) == len(self.offsets):
             counts = f"{len(self.rows)} rows, {len(self.directions)} directions and {len(self.offsets)} offsets"
             raise ValueError(
-                f"bearing rows on a shaft: got {counts}; allowed: at least one row, each with a direction and an offset"
+                f"bearing rows: got {counts}; allowed: a direction and an offset for each row, at least one row"
             )
         if any(s not in (1, -1) for s in self.directions):
             raise ValueError(f"directions of bearing rows: got {list(self.directions)}; allowed: +1 and -1")
@@ -581,6 +581,6 @@ def lift_off_force(bearings: BearingSet) -> float:
     """
     others = [g for g, s in zip(bearings.offsets, bearings.directions, strict=True) if s == -1]
     if not others:
-        raise ValueError("lift-off force: got bearing rows of direction +1 only; allowed: at least one of direction -1")
+        raise ValueError("lift-off force: got rows of direction +1 only; allowed: at least one row of direction -1")
     state = bearing_set_state(bearings, max(others))
     return float(np.array(bearings.directions) @ state.loads)
