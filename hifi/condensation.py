@@ -74,7 +74,10 @@ SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Mater
 
 @dataclass(frozen=True)
 class SidePatches:
-    """Condensed patches of groove and ball at one flank, with coinciding contact nodes; all balls share them."""
+    """Condensed fine meshes (patches) of groove and ball at the contact on one flank, which are the same for all balls.
+
+    Their contact nodes coincide.
+    """
 
     #: Patch of the groove.
     groove: CondensedPatch
@@ -108,14 +111,14 @@ def condense_patches_of_flank(
     sockets: Sockets,
     settings: Settings,
 ) -> SidePatches:
-    """Condense the fine patches of groove and ball at one flank, and compute the local compliance of their contact.
+    """Condense the fine meshes (patches) of groove and ball at one flank, and compute the local compliance of the contact.
 
     Parameters
     ----------
     m : GrooveMap
         Geometry of the track.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     radii : tuple[float, float]
         Inner and outer radius of the grooved body [m]: hole and outer radius of the screw, or land and outer radius of the
         nut.
@@ -145,7 +148,7 @@ def condense_patches_of_flank(
     spread = float(np.abs(ball_normals - normals).max())
     if spread > 1e-9:
         raise ValueError(
-            f"the contact nodes of ball and groove do not match: their unit normals got a difference of {spread:.1e}; "
+            f"the contact nodes of the meshes of ball and groove do not match: their unit normals differ by {spread:.1e}; "
             "allowed: up to 1e-9"
         )
     e, b = materials
@@ -203,14 +206,16 @@ def _elastic_constants(material: Material) -> tuple[float, float]:
 
 
 def is_half_turn_of_left_flank(m: GrooveMap, side: int) -> bool:
-    """Return whether a flank is the left flank of the same groove, turned by 180 deg about the radius through the ball.
+    """Return whether a flank is a right one that coincides with the left flank of its groove after a turn by 180 degrees.
+
+    The axis of the turn is the radius through the ball's centre.
 
     Parameters
     ----------
     m : GrooveMap
         Geometry of the track.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
 
     Returns
     -------
@@ -278,23 +283,23 @@ SLICE, LEAST = 0.25, 30
 
 
 class ModalBody:
-    """Base of a body condensed to the displacement modes of its contacts, ordered by ball, then by flank."""
+    """Base class of an elastic body condensed to displacement modes of its contacts, ordered by ball, then by flank."""
 
     #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
     modes: dict[int, Array]
 
     @property
     def modes_per_ball(self) -> int:
-        """Number of modes of all contacts of one ball."""
+        """Number of displacement modes of this body at all contacts of one ball."""
         return sum(V.shape[1] for V in self.modes.values())
 
     def mode_indices_of_contact(self, side: int, ball: int = 0) -> Index:
-        """Return the indices of one contact's modes in the compliance matrix of the body's modes.
+        """Return the rows of the body's modal compliance matrix that belong to the displacement modes of one contact.
 
         Parameters
         ----------
         side : int
-            Flank 0 to 3.
+            Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
         ball : int, default 0
             Number of the ball, from 0.
 
@@ -309,9 +314,9 @@ class ModalBody:
 
 @dataclass(frozen=True)
 class ScrewResponse(ModalBody):
-    """Stretch of the screw that is meshed in 3D, condensed to its contacts, upper end, supports and loads.
+    """Compliance of the part of the screw that is meshed in 3D, condensed to its contacts, upper end, supports and loads.
 
-    In a `Setup` it is corrected for the effect of its cut ends.
+    In a `Setup` it is corrected for the effect of cutting the shaft at the ends of this part.
     """
 
     #: Flexibility of the stretch.
@@ -326,13 +331,13 @@ class ScrewResponse(ModalBody):
 
     @property
     def G(self) -> Array:
-        """Compliance matrix between the modes of all contacts [m/N]."""
+        """Compliance matrix between the displacement modes of all contacts of the screw [m/N]."""
         return self.stretch.F[: self.stretch.modes, : self.stretch.modes]
 
 
 @dataclass(frozen=True)
 class NutResponse(ModalBody):
-    """Nut condensed to the modes of its contacts, fixed at the surface that the scene names."""
+    """Compliance of the nut, condensed to displacement modes of its contacts and fixed where the scene says."""
 
     #: Compliance matrix between the modes of all contacts [m/N].
     G: Array
@@ -347,7 +352,7 @@ class NutResponse(ModalBody):
 
 @dataclass(frozen=True)
 class BallResponse(ModalBody):
-    """One ball condensed to the modes of its contacts; six degrees of freedom constrain its rigid motions."""
+    """Compliance of one ball, condensed to displacement modes of its contacts, with its six rigid motions constrained."""
 
     #: Compliance matrix between the modes of its contacts, flank after flank [m/N].
     G: Array
@@ -374,7 +379,7 @@ def assemble_stiffness_and_contact_modes(
     mesh : Mesh
         Coarse body.
     sockets : Sequence[Socket]
-        Sockets of the body.
+        Sockets of the body: pockets of its coarse mesh that the fine patches fill.
     patches : dict[int, CondensedPatch]
         Condensed patch of each flank.
     count : int
@@ -389,7 +394,7 @@ def assemble_stiffness_and_contact_modes(
     rows : (r, n) sparse array
         Rows Q of the r modes of all sockets on these degrees of freedom, socket after socket.
     by_flank : dict[int, tuple[Array, Array]]
-        For each flank, the modes V and their rows Q in the frame of the patch.
+        For each flank, the modes V and their rows Q, both in the frame of the patch.
     """
     K = assemble_body_stiffness(
         convert_mesh_order(mesh, element_order_of_bodies(settings)),
@@ -403,9 +408,9 @@ def assemble_stiffness_and_contact_modes(
 
 
 def condense_ball(material: Material, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings) -> BallResponse:
-    """Condense one ball to the modes of its contacts, with its six rigid motions constrained isostatically.
+    """Condense the mesh of one ball to displacement modes of its contacts, with its rigid motions constrained.
 
-    The constraint carries no force, because the loads on a ball balance.
+    The six constraints carry no force, because the loads on a ball balance.
 
     Parameters
     ----------
@@ -446,7 +451,9 @@ def condense_screw(
     settings: Settings,
     dims: Dimensions,
 ) -> ScrewResponse:
-    """Condense the stretch of the screw that is meshed in 3D, fixed at its base: the bore, or the lower end.
+    """Condense the part of the screw that is meshed in 3D to its contacts, upper end, supports and loads.
+
+    It is fixed at its bore (a ring on a stiff shaft) or at its lower end.
 
     Parameters
     ----------
@@ -463,7 +470,7 @@ def condense_screw(
     layout : BallLayout
         Positions of the balls.
     sides : tuple[int, ...]
-        Flanks 0 to 3 that carry contacts.
+        Groove flanks (0, 1: screw, 2, 3: nut) that carry contacts.
     patches : dict[int, CondensedPatch]
         Condensed patch of each flank of the screw.
     settings : Settings
@@ -509,10 +516,10 @@ def condense_screw(
 
 
 def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
-    """Return the matrix that gives the mean rigid motion of a thin slice of the screw from its nodal displacements.
+    """Return the matrix that gives the mean rigid motion of a thin cross-sectional slice of the screw from its nodes.
 
-    The motion is fitted by least squares over the slice's volume. The transposed matrix distributes a force or moment
-    on the section over the slice, in proportion to rigid motions.
+    The motion is fitted to the nodal displacements by least squares over the slice's volume. The transposed matrix
+    distributes a force or moment on the cross-section over the nodes, in proportion to rigid motions.
 
     Parameters
     ----------
@@ -540,11 +547,11 @@ def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
 
 
 def expansion_of_free_screw_freedoms(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_array:
-    """Return the matrix that maps the free degrees of freedom of the screw's 3D stretch to all its degrees of freedom.
+    """Return the matrix that gives all degrees of freedom of the screw's 3D mesh from those that are free.
 
-    ``mesh``: mesh of the stretch; ``dims``: dimensions, which say whether the bore of the screw is fixed; ``high``: axial
-    position of the upper end [m]. If the bore is not fixed, the lower end is, and the upper end is a rigid section, whose
-    six motions about its centre come last.
+    ``mesh``: mesh of the screw's part; ``dims``: dimensions, which say whether the bore of the screw is fixed; ``high``:
+    axial position of the upper end [m]. If the bore is not fixed, the lower end is, and the upper end is a rigid section,
+    whose six motions about its centre come last.
     """
     if dims.screw_held == "bore":
         return expansion_of_free_freedoms(mesh.mesh, freedoms_on_boundaries(mesh.mesh, "bore"))
@@ -552,14 +559,14 @@ def expansion_of_free_screw_freedoms(mesh: GroovedBody, dims: Dimensions, high: 
 
 
 def points_clamped_by_bolts(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array:
-    """Find the points of a flange's face that lie in the circles fixed by its bolts.
+    """Find the points of a nut flange's face that lie in the circular areas clamped by its bolts.
 
     Parameters
     ----------
     x, y : (n,) Array
         Coordinates of the points [m].
     seat : tuple[float, float]
-        Inner and outer radius of an annulus; the circles lie on its middle and are as wide as it [m].
+        Inner and outer radius of the flange's contact face [m]; the circles touch both radii.
     count : int
         Number of bolts, the first at azimuth 0.
 
@@ -578,9 +585,9 @@ def points_clamped_by_bolts(x: Array, y: Array, seat: tuple[float, float], count
 
 
 def expansion_of_free_nut_freedoms(mesh: GroovedBody, dims: Dimensions) -> sp.csc_array:
-    """Return the matrix that maps the free degrees of freedom of the nut to all its degrees of freedom.
+    """Return the matrix that gives all degrees of freedom of the nut's mesh from those that are not fixed.
 
-    ``dims``: dimensions of the solid parts, which name the fixed surface of the nut.
+    ``dims``: dimensions of the solid parts, which name the fixed surface of the nut (`Dimensions.nut_held`).
     """
     surface, _, bolts = dims.nut_held.partition(", ")
     fit = surface.endswith(FIT) or (surface == "outer surface" and "centring" in (mesh.mesh.boundaries or {}))
@@ -603,7 +610,7 @@ def condense_nut(
     settings: Settings,
     dims: Dimensions,
 ) -> NutResponse:
-    """Condense the nut to the modes of its contacts, with the surface fixed that ``dims`` names.
+    """Condense the mesh of the nut to displacement modes of its contacts, with the surface fixed that ``dims`` names.
 
     Parameters
     ----------
@@ -614,7 +621,7 @@ def condense_nut(
     layout : BallLayout
         Positions of the balls.
     sides : tuple[int, ...]
-        Flanks 0 to 3 that carry contacts.
+        Groove flanks (0, 1: screw, 2, 3: nut) that carry contacts.
     patches : dict[int, CondensedPatch]
         Condensed patch of each flank of the nut.
     settings : Settings

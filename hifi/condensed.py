@@ -37,9 +37,9 @@ SAMPLES = 16
 
 
 def sampled_contact_forces(setup: Setup, side: int) -> Array:
-    """Return the f contact forces ``(f,)`` [N] at which the approach of the contact on a flank is computed.
+    """Return the f contact forces ``(f,)`` [N] for which the approach of ball and groove is computed on one flank.
 
-    ``side``: flank 0 to 3.
+    ``side``: groove flank, 0 or 1 on the screw, 2 or 3 on the nut.
     """
     return forces_resolved_by_patch(setup.map, side, setup.patches[side].groove, setup.scene.balls.material, SAMPLES)
 
@@ -50,14 +50,16 @@ def _unit_hertz_approach(setup: Setup, side: int) -> float:
 
 
 def mean_approaches_of_patch_contact(setup: Setup, side: int, loads: Array) -> Array:
-    """Compute the approach of ball and groove by the local compliance of their contact, a mean over positions on the grid.
+    """Compute the approach of ball and groove with fixed bodies: only the fine meshes around their contact deform.
+
+    The result is the mean over positions of the contact within one cell of its mesh grid.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     loads : (f,) Array
         Contact forces [N].
 
@@ -71,21 +73,21 @@ def mean_approaches_of_patch_contact(setup: Setup, side: int, loads: Array) -> A
 
 
 def hertz_nodal_forces(setup: Setup, side: int, load: float) -> Array:
-    """Distribute a unit force along the contact normal over the contact nodes, like Hertz's pressure.
+    """Distribute a unit force along the contact normal over the contact nodes in proportion to Hertz's pressure.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     load : float
         Contact load by which the contact ellipse is computed [N].
 
     Returns
     -------
     (c,) Array
-        Fractions of a unit force that act on each pressure function of the contact.
+        Share of each contact node (of its pressure basis function) in the unit force.
     """
     m, material = setup.map, setup.scene.balls.material
     ellipse = hertz(load, *m.relative_curvature_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
@@ -97,18 +99,18 @@ def hertz_nodal_forces(setup: Setup, side: int, load: float) -> Array:
 
 
 def mean_contact_compliance_of_body(setup: Setup, side: int, force: Array) -> float:
-    """Compute the displacement of a contact by the deformation of screw or nut under a unit force on that contact.
+    """Compute the displacement of a contact under a unit force on it that comes from the deformation of screw or nut.
 
-    It is the mean over all balls.
+    The result is the mean over the contacts of all balls on one flank.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     force : (c,) Array
-        Forces on the pressure functions of the contact, whose resultant is 1, of `hertz_nodal_forces`.
+        Share of each contact node in a unit force on the contact, from `hertz_nodal_forces`.
 
     Returns
     -------
@@ -124,14 +126,14 @@ def mean_contact_compliance_of_body(setup: Setup, side: int, force: Array) -> fl
 
 
 def ball_compliance_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
-    """Compute the compliance of one ball between its contacts, without the local compliance of its patches.
+    """Compute the compliance between the contacts of one ball, without the local compliance of the contacts themselves.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     spreads : dict[int, Array]
-        By flank, the forces on the pressure functions of a contact, whose resultant is 1, of `hertz_nodal_forces`.
+        By flank, the share of each contact node in a unit force on the contact, from `hertz_nodal_forces`.
 
     Returns
     -------
@@ -143,17 +145,16 @@ def ball_compliance_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
 
 
 def compliance_beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
-    """Compute the displacement of the contacts per unit of their force, without the local compliance of their patches.
+    """Compute the displacement of each contact per unit of its force, without the contact's own local compliance.
 
-    It comes from screw or nut, and from the ball loaded at two opposite contacts; half of the ball's response counts
-    for each of the two contacts.
+    It is the sum of the displacement of screw or nut and of half the response of the ball to two opposite forces.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     spreads : dict[int, Array]
-        By flank, the forces on the pressure functions of a contact, whose resultant is 1, of `hertz_nodal_forces`.
+        By flank, the share of each contact node in a unit force on the contact, from `hertz_nodal_forces`.
 
     Returns
     -------
@@ -168,15 +169,15 @@ def compliance_beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
 
 
 def remaining_approach_over_force(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
-    """Compute the part of every contact's approach that neither Hertz's law nor the compliance matrices contain.
+    """Compute the part of each contact's approach that neither Hertz's law nor the compliance of the bodies explains.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     spreads : dict[int, Array]
-        By flank, the forces on the pressure functions of a contact, whose resultant is 1, with which the compliance
-        matrices were computed.
+        By flank, the share of each contact node in a unit force on the contact (`hertz_nodal_forces`), with which the
+        compliance matrices were computed.
 
     Returns
     -------
@@ -200,7 +201,9 @@ def remaining_approach_over_force(setup: Setup, spreads: dict[int, Array]) -> tu
 
 
 def body_compliance_matrix(balls: int, body: ScrewResponse | NutResponse, spreads: dict[int, Array]) -> Array:
-    """Compute the compliance of screw or nut between all its contacts, ball after ball, from that of their modes.
+    """Compute the compliance between all contacts of screw or nut, ball after ball, for Hertz-like pressures.
+
+    It follows from the compliance between the displacement modes of the contacts.
 
     Parameters
     ----------
@@ -209,7 +212,7 @@ def body_compliance_matrix(balls: int, body: ScrewResponse | NutResponse, spread
     body : ScrewResponse | NutResponse
         Condensed screw or nut.
     spreads : dict[int, Array]
-        By flank, the forces on the pressure functions of a contact, whose resultant is 1, of `hertz_nodal_forces`.
+        By flank, the share of each contact node in a unit force on the contact, from `hertz_nodal_forces`.
 
     Returns
     -------
@@ -223,12 +226,12 @@ def body_compliance_matrix(balls: int, body: ScrewResponse | NutResponse, spread
 
 
 def collect_condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
-    """Collect the compliances of a prepared geometry that a low-order model can use.
+    """Collect the compliance matrices of screw, nut and balls for use in a low-order model.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     level : int
         Refinement level of the meshes.
 

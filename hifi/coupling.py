@@ -29,7 +29,7 @@ from rollbench.meshes.surface import groove_radius_with_slopes
 
 @dataclass(frozen=True)
 class PlacedSet:
-    """Prepared geometry (one nut or bearing with its balls) at its place on a shaft."""
+    """One nut or bearing with its balls, meshed and condensed, at its place on the shaft and on its housing."""
 
     #: The prepared geometry.
     setup: Setup
@@ -51,7 +51,7 @@ class PlacedSet:
 
     @cached_property
     def node_slices_of_flanks(self) -> tuple[tuple[slice, int], ...]:
-        """Slice of one ball's contact nodes that belongs to a flank, and the flank (0 to 3), for each flank."""
+        """For each flank: the slice of one ball's contact nodes that lie on it, and the number of the flank (0 to 3)."""
         ends = np.cumsum([0] + [len(self.setup.patches[s].groove.A) for s in self.sides]).tolist()
         return tuple((slice(a, b), s) for (a, b), s in zip(pairwise(ends), self.sides, strict=True))
 
@@ -109,16 +109,16 @@ def assemble_contact_compliance(
 
 
 def compliance_block_of_ball(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBlock:
-    """Return the compliance of one ball with the patches of its grooves, between the contact nodes of some flanks.
+    """Return the compliance between the contact nodes of one ball, including the local compliance of its grooves.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     sides : tuple[int, ...]
-        Flanks 0 to 3.
+        Groove flanks (0, 1: screw, 2, 3: nut) whose contact nodes are included.
     rigid : bool
-        Whether the ball is rigid apart from its patches.
+        Whether the ball is rigid apart from its local compliance at each contact.
 
     Returns
     -------
@@ -134,15 +134,14 @@ def compliance_block_of_ball(setup: Setup, sides: tuple[int, ...], *, rigid: boo
 
 
 def keep_local_response(G: Array, body: ModalBody) -> Array:
-    """Remove from the compliance of a body everything except the local response of each contact.
+    """Set the compliance of a body to zero between different contacts, so that each load moves only its own contact.
 
-    Every contact keeps the response to the load on itself, as a mean over all contacts of its flank; otherwise the body is
-    rigid.
+    Every contact keeps its response to its own load, averaged over all contacts of its flank.
 
     Parameters
     ----------
     G : (m, m) Array
-        Compliance between the modes of all contacts of the elastic body [m/N].
+        Compliance between the displacement modes of all contacts of the elastic body [m/N].
     body : ModalBody
         The condensed body.
 
@@ -164,14 +163,14 @@ def keep_local_response(G: Array, body: ModalBody) -> Array:
 
 
 def mount_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozenset()) -> MountedShaft:
-    """Compute the compliance of the screw's contacts with the supports and loads of a scene.
+    """Compute the compliance between the screw's contacts when the screw stands on the supports of a scene.
 
-    If the 3D shaft is left out, the screw is a beam with the same local response at its contacts.
+    If the 3D shaft is left out of the model, the screw is a beam with the same local response at its contacts.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     scene : Scene
         Supports and loads.
     leave_out : frozenset[str], optional
@@ -180,7 +179,7 @@ def mount_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozense
     Returns
     -------
     MountedShaft
-        The mounted screw.
+        Compliance of the supported screw at its contacts, and its displacement under the loads.
     """
     full, m = setup.screw.stretch, setup.screw.stretch.modes
     if not leave_out & {"3D shaft", "patch coupling"} or full.rigid:
@@ -193,7 +192,7 @@ def mount_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozense
 
 
 def normal_motion_by_modes(C: Compliance, z: Array) -> Array:
-    """Compute the motion of every contact node along its normal from the displacements of the modes.
+    """Compute the motion of every contact node along its normal from the displacements of the contacts' modes.
 
     Parameters
     ----------
@@ -216,7 +215,7 @@ def expected_touching_nodes(p: PlacedSet, gap: Array) -> Array:
     Parameters
     ----------
     p : PlacedSet
-        Nut or bearing at its place on the shaft.
+        Nut or bearing with its condensed parts, at its place on the shaft.
     gap : (balls, n) Array
         Gaps at the n contact nodes of each ball [m].
 
@@ -234,19 +233,19 @@ def expected_touching_nodes(p: PlacedSet, gap: Array) -> Array:
 
 
 def average_over_pressure_functions(p: PlacedSet, values: Array) -> Array:
-    """Average values at the contact nodes with each basis function of the contact pressure as weight.
+    """Average values at the contact nodes, with the pressure basis function of each node as weight.
 
     Parameters
     ----------
     p : PlacedSet
-        Nut or bearing at its place on the shaft.
+        Nut or bearing with its condensed parts, at its place on the shaft.
     values : (balls, n, ...) Array
         Values at the n contact nodes of each ball.
 
     Returns
     -------
     Array of the shape of ``values``
-        Means over the pressure function of each node.
+        Weighted mean for each node.
     """
     out = np.empty_like(values)
     for nodes, s in p.node_slices_of_flanks:
@@ -257,14 +256,14 @@ def average_over_pressure_functions(p: PlacedSet, values: Array) -> Array:
 
 
 def gap_corrections_for_grid_positions(p: PlacedSet, forces: Array, directions: Array) -> Array:
-    """Compute corrections of all gaps that remove the effect of each contact's position on its mesh grid.
+    """Compute corrections of all gaps that remove the discretisation error due to each contact's position on its mesh grid.
 
-    The corrections are tabulated by `hifi.bodies.grid_wave`.
+    They are interpolated in the tables of `hifi.bodies.grid_wave`.
 
     Parameters
     ----------
     p : PlacedSet
-        Nut or bearing at its place on the shaft.
+        Nut or bearing with its condensed parts, at its place on the shaft.
     forces : (balls, n) Array
         Contact forces at the n contact nodes of each ball [N].
     directions : (balls, n, 3) Array
@@ -287,15 +286,14 @@ def gap_corrections_for_grid_positions(p: PlacedSet, forces: Array, directions: 
 
 
 def ball_centre_to_groove_nodes(p: PlacedSet, drawn: Specimen) -> Array:
-    """Return the vectors from the centre of each ball to the nodes of its grooves, in the ball's frame.
+    """Return the vectors from the nominal centre of each ball to the contact nodes of its grooves, in the ball's frame.
 
-    Nominal positions are changed by the geometric errors of each groove and by the shift of the nut. Along its track a
-    groove is the same everywhere.
+    The nominal groove is changed by the manufacturing errors at each ball and by the axial shift of the nut.
 
     Parameters
     ----------
     p : PlacedSet
-        Nut or bearing at its place on the shaft.
+        Nut or bearing with its condensed parts, at its place on the shaft.
     drawn : Specimen
         Radii of balls and grooves with their manufacturing errors.
 
@@ -322,7 +320,7 @@ def ball_centre_to_groove_nodes(p: PlacedSet, drawn: Specimen) -> Array:
 
 
 def gap_closing_matrix(directions: Sequence[Array], free_motions: Array) -> sp.csr_array:
-    """Assemble the matrix N that gives how much each gap closes by unit rigid motions of balls, shaft and housings.
+    """Assemble the matrix N: the gap that each contact pair loses by unit rigid motions of balls, shaft and housings.
 
     Parameters
     ----------
@@ -342,12 +340,12 @@ def gap_closing_matrix(directions: Sequence[Array], free_motions: Array) -> sp.c
 
 
 def rigid_body_normal_motion(p: PlacedSet, directions: Array, origin: float, *, screw: bool) -> Array:
-    """Compute the motion of the contact nodes of screw or nut along their normals by unit rigid motions of that body.
+    """Compute how far contact nodes of screw or nut move along their normals by unit rigid motions of that body.
 
     Parameters
     ----------
     p : PlacedSet
-        Nut or bearing at its place on the shaft.
+        Nut or bearing with its condensed parts, at its place on the shaft.
     directions : (balls, n, 3) Array
         Contact normals at the n nodes of each ball.
     origin : float
@@ -374,9 +372,9 @@ def rigid_body_normal_motion(p: PlacedSet, directions: Array, origin: float, *, 
 
 
 def ball_motion_relative_to_grooves(p: PlacedSet, balls: Array, along: Array, directions: Array) -> tuple[Array, Array]:
-    """Compute the motion of each ball's centre relative to each of its grooves, equal for all nodes of a flank.
+    """Compute the displacement of each ball's centre relative to each of its groove flanks, across and along the track.
 
-    Its part across the track turns the contact normals. Its part along the track has no effect: a groove is invariant
+    The part across the track turns the contact normals. The part along the track has no effect: a groove is invariant
     under its helical motion, which changes no gap and in which frictionless contact forces do no work, so that every
     contact stays level with its ball.
 
@@ -387,7 +385,7 @@ def ball_motion_relative_to_grooves(p: PlacedSet, balls: Array, along: Array, di
     Parameters
     ----------
     p : PlacedSet
-        Nut or bearing at its place on the shaft.
+        Nut or bearing with its condensed parts, at its place on the shaft.
     balls : (balls, 3) Array
         Motions of the ball centres [m].
     along : (balls, n) Array
@@ -398,9 +396,9 @@ def ball_motion_relative_to_grooves(p: PlacedSet, balls: Array, along: Array, di
     Returns
     -------
     shift : (balls, n, 3) Array
-        Motion in the section plane [m].
+        Displacement across the track, in the plane of its section [m].
     slid : (balls, n) Array
-        Motion along the track, less the mean over the flanks of a ball [m].
+        Displacement along the track, less its mean over the flanks of the ball [m].
     """
     motion = np.zeros((len(balls), len(p.node_slices_of_flanks), 3))
     for k, (nodes, _) in enumerate(p.node_slices_of_flanks):
@@ -414,9 +412,9 @@ def ball_motion_relative_to_grooves(p: PlacedSet, balls: Array, along: Array, di
 
 
 def helical_motion_at_nodes(p: PlacedSet) -> Array:
-    """Return the velocities of the track's helical motion at the n contact nodes of a ball ``(n, 3)``, dimensionless.
+    """Return the velocity field of the screw motion along the track at the n contact nodes of a ball ``(n, 3)``.
 
-    They are in the ball's frame, and scaled so that the velocity at the ball's centre is 1.
+    The velocities are in the ball's frame, and scaled so that the speed at the ball's centre is 1.
     """
     m = p.setup.map
     x = np.concatenate([p.setup.patches[s].groove.points for s in p.sides])

@@ -63,7 +63,7 @@ from rollbench.meshes.solid import Dimensions, dimensions_of_3d_parts
 
 @dataclass(frozen=True)
 class SolidField:
-    """Displacements and stresses at the nodes of a part of a body."""
+    """Displacements and stresses at the nodes of the mesh of an elastic body, or of a part of it."""
 
     #: Coordinates of the n nodes ``(n, 3)`` [m].
     points: Array
@@ -145,21 +145,21 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
 
 
 def pressure_function_forces_by_flank(setup: Setup, result: ReferenceResult) -> dict[int, Array]:
-    """Return the forces that the contacts of all balls carry on each pressure function, separately for each flank.
+    """Return the normal forces at the contact nodes of all balls, separately for each groove flank.
 
-    A pressure function is a basis function of the contact pressure, which belongs to one contact node.
+    Each force is the coefficient of the pressure basis function that belongs to the node.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     result : ReferenceResult
         Solution of the 3D reference for this geometry.
 
     Returns
     -------
     dict[int, Array]
-        By flank (0 to 3), the forces of each ball's c pressure functions ``(balls, c)`` [N].
+        By flank (0 to 3), the forces at the c contact nodes of each ball ``(balls, c)`` [N].
     """
     ends = np.cumsum([0] + [len(setup.patches[s].groove.A) for s in result.sides])
     rows = result.contact.forces.reshape(setup.layout.z.size, -1)
@@ -167,16 +167,18 @@ def pressure_function_forces_by_flank(setup: Setup, result: ReferenceResult) -> 
 
 
 def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], scene: Scene | None = None) -> Array:
-    """Compute the displacements of the coarse 3D stretch of the screw, fixed at its low end, under all contact loads.
+    """Compute the nodal displacements of the screw's coarse 3D mesh under all contact loads.
+
+    The mesh covers a part of the screw around the nut; it is fixed at its low end, or at its bore.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     mesh : GroovedBody
-        Mesh of the stretch, with n nodes.
+        Mesh of that part, with n nodes.
     forces : dict[int, Array]
-        Normal forces, by `pressure_function_forces_by_flank`.
+        Normal forces at the contact nodes, by flank, from `pressure_function_forces_by_flank`.
     scene : Scene | None, default None
         Load case; None: the scene of the prepared geometry.
 
@@ -188,7 +190,7 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
     Raises
     ------
     ValueError
-        A support or load lies above the low end of the stretch, so that the high end carries an unknown reaction.
+        A support or load lies above the low end of the mesh, so that its high end carries an unknown reaction.
     """
     refuse_supports_beyond_low_end(scene or setup.scene, setup.dims)
     high = setup.dims.ends(setup.scene)[1]
@@ -196,7 +198,7 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
 
 
 def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
-    """Raise ValueError if a support or load of a scene lies above the low end of the screw's 3D stretch.
+    """Raise ValueError if a support or load lies above the low end of the part of the screw that is meshed in 3D.
 
     Parameters
     ----------
@@ -209,22 +211,22 @@ def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
     beyond = sorted(z for z in scene.stations if z > low)
     if dims.screw_held != "bore" and beyond:
         raise ValueError(
-            f"{scene.name}: the screw is supported or loaded at {1e3 * beyond[0]:.4g} mm, beyond the low end of its 3D "
-            f"stretch at {1e3 * low:.4g} mm; allowed for its stress field: supports and loads below that end"
+            f"{scene.name}: the screw is supported or loaded at {1e3 * beyond[0]:.4g} mm, above the low end of the "
+            f"part that is meshed in 3D, {1e3 * low:.4g} mm; allowed for its stress field: supports and loads below that end"
         )
 
 
 def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) -> Array:
-    """Compute the displacements of the coarse mesh of the nut under all contact loads, with the scene's surface fixed.
+    """Compute the nodal displacements of the nut's coarse mesh under all contact loads, fixed where the scene says.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     mesh : GroovedBody
         Mesh of the nut, with n nodes.
     forces : dict[int, Array]
-        Normal forces, by `pressure_function_forces_by_flank`.
+        Normal forces at the contact nodes, by flank, from `pressure_function_forces_by_flank`.
 
     Returns
     -------
@@ -237,10 +239,11 @@ def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) 
 def _coarse_displacement(
     setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc_array, *, screw: bool
 ) -> Array:
-    """Solve K q = Q^T V^T f for the displacements of a coarse body ``(n, 3)`` [m] under its contact loads.
+    """Solve for the nodal displacements ``(n, 3)`` [m] of the coarse mesh of screw or nut under its contact loads.
 
-    ``mesh``: mesh of the body with n nodes; ``forces``: normal forces by flank, of `pressure_function_forces_by_flank`; T:
-    matrix that maps the free degrees of freedom to all of them; ``screw``: whether the body is the screw (True) or the nut.
+    ``mesh``: mesh of the body with n nodes; ``forces``: normal forces at the contact nodes, by flank, from
+    `pressure_function_forces_by_flank`; ``T``: matrix that gives all degrees of freedom from the free ones; ``screw``:
+    whether the body is the screw (True) or the nut.
     """
     material = (setup.scene.screw if screw else setup.scene.nut).material
     patches = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
@@ -258,16 +261,16 @@ def _coarse_displacement(
 
 
 def mesh_groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
-    """Mesh the patch of the groove at a flank, for a ball at azimuth 0 and z = 0.
+    """Create the fine mesh (patch) of the groove around a contact on one flank, for a ball at azimuth 0 and z = 0.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     meshes : Meshes
         Meshes of the geometry.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
 
     Returns
     -------
@@ -281,7 +284,7 @@ def mesh_groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
 
 
 def mesh_ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
-    """Mesh the patch of the ball at a flank (0 to 3), with the ball's centre as origin."""
+    """Create the fine mesh (patch) of the ball at its contact with a flank (0 to 3); the ball's centre is the origin."""
     place = ball_socket_and_map(setup.map, meshes.size, side, meshes.zone)[1]
     return mesh_patch(meshes, meshes.ball.sockets[side], place, setup.settings)
 
@@ -289,24 +292,24 @@ def mesh_ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
 def groove_patch_field(
     setup: Setup, meshes: Meshes, u: Array, ball: int, side: int, forces: dict[int, Array]
 ) -> SolidField:
-    """Compute displacements and stresses of one groove patch, in a frame turned to its ball.
+    """Compute displacements and stresses in the fine mesh (patch) of a groove at the contact with one ball.
 
-    The ball is at azimuth 0 and z = 0 of that frame, whose origin lies on the screw's axis.
+    They are in a frame with the origin on the screw's axis, turned so that the ball is at azimuth 0 and z = 0.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     meshes : Meshes
         Its meshes.
     u : (n, 3) Array
-        Displacements of the coarse body [m].
+        Displacements of the n nodes of the coarse mesh of screw or nut [m].
     ball : int
         Number of the ball, from 0.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     forces : dict[int, Array]
-        Normal forces, by `pressure_function_forces_by_flank`.
+        Normal forces at the contact nodes, by flank, from `pressure_function_forces_by_flank`.
 
     Returns
     -------
@@ -323,10 +326,10 @@ def groove_patch_field(
 
 
 def _patch_field(mesh: PatchMesh, normals: Array, material: Material, forces: Array, trace: Array) -> SolidField:
-    """Compute displacements and stresses of a patch under its contact loads and the motion of its socket.
+    """Compute displacements and stresses of a fine patch under its contact loads and the motion of its boundary.
 
-    ``normals``: directions of the contact loads (c, 3); ``forces``: contact loads (c,) [N]; ``trace``: displacements of the
-    socket's nodes in the patch's frame (3 k,) [m].
+    ``normals``: directions of the loads at the c contact nodes (c, 3); ``forces``: these loads (c,) [N]; ``trace``:
+    displacements of the k nodes of the socket that the patch fills, in the patch's frame (3 k,) [m].
     """
     u = nodal_displacements_of_patch(mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, trace)
     return SolidField(mesh.points, mesh.cells, mesh.kind, u, nodal_stress(mesh.mesh, u, material))
@@ -335,14 +338,14 @@ def _patch_field(mesh: PatchMesh, normals: Array, material: Material, forces: Ar
 def stress_field_near_ball(
     setup: Setup, mesh: GroovedBody, u: Array, ball: int, material: Material, reach: float
 ) -> SolidField:
-    """Return displacements and stresses of a coarse body near one ball, in a frame turned to the ball.
+    """Return displacements and stresses in the coarse mesh of screw or nut near one ball.
 
-    The ball is at azimuth 0 and z = 0 of that frame, whose origin lies on the screw's axis.
+    They are in a frame with the origin on the screw's axis, turned so that the ball is at azimuth 0 and z = 0.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     mesh : GroovedBody
         Mesh of the body.
     u : (n, 3) Array
@@ -374,23 +377,25 @@ def stress_field_near_ball(
 def stress_fields_of_ball(
     setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array]
 ) -> dict[int | None, SolidField]:
-    """Compute displacements and stresses of one ball, in a frame that is turned to the ball, with its centre as origin.
+    """Compute displacements and stresses in the coarse mesh and the fine contact meshes of one ball.
+
+    They are in a frame with the ball's centre as origin, turned so that the ball's azimuth is 0.
 
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     meshes : Meshes
         Its meshes.
     ball : int
         Number of the ball, from 0.
     forces : dict[int, Array]
-        Normal forces, by `pressure_function_forces_by_flank`.
+        Normal forces at the contact nodes, by flank, from `pressure_function_forces_by_flank`.
 
     Returns
     -------
     dict[int | None, SolidField]
-        Fields of the coarse ball (key None) and of its patches, by flank.
+        Fields of the coarse mesh of the ball (key None), and of its fine contact meshes by flank.
     """
     material, mesh = setup.scene.balls.material, meshes.ball
     e, nu = material.youngs_modulus, material.poissons_ratio
@@ -419,7 +424,10 @@ def stress_fields_of_ball(
 
 @dataclass(frozen=True)
 class ContactPressure:
-    """Pressure distribution of one contact at its c nodes, on the plane that touches the ball at the nominal contact."""
+    """Pressure distribution of one contact at its c nodes, and Hertz's solution for the same load.
+
+    Positions are in the plane that touches the ball at the nominal contact point.
+    """
 
     #: Coordinate of the nodes in that plane across the groove, growing with the contact angle ``(c,)`` [m].
     across: Array
@@ -440,7 +448,7 @@ class ContactPressure:
 
 
 def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatch, forces: Array) -> ContactPressure:
-    """Compute the pressure distribution of one contact: the force of each pressure function over its area.
+    """Compute the pressure distribution of one contact: the force at each contact node over the area that it carries.
 
     Parameters
     ----------
@@ -449,11 +457,11 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
     m : GrooveMap
         Geometry of the track.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     patch : CondensedPatch
-        Patch of the groove.
+        Condensed fine mesh of the groove at the contact.
     forces : (c,) Array
-        Forces of its pressure functions [N].
+        Normal forces at its c contact nodes [N].
 
     Returns
     -------
@@ -466,7 +474,7 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
         The contact carries no load.
     """
     if not forces.sum() > 0.0:
-        raise ValueError(f"the contact on flank {side} got a force of {forces.sum():.3g} N; allowed for a pressure: > 0 N")
+        raise ValueError(f"no contact pressure on flank {side}: its contact got a force of {forces.sum():.3g} N; allowed: > 0 N")
     arms = patch.points - np.array([m.R, 0.0, 0.0])
     n, t1, t2 = contact_frame_vectors(m, side)
     across, along = arms @ t1, arms @ t2
@@ -483,11 +491,11 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
 def ball_contact_pressures(
     scene: Scene, settings: Settings, ball: int, loads: Array, angles: Array
 ) -> dict[int, ContactPressure]:
-    """Compute the pressures of one ball that is pressed between its grooves by given loads at given contact angles.
+    """Compute the contact pressures of one ball that its grooves press with given loads at given contact angles.
 
-    The whole ball and the patches of its grooves are elastic. The patches are fixed where they meet their bodies, whose
-    compliance hardly changes the curvature at a contact. Every groove is free to move until it carries its load. Flanks
-    without load are left out.
+    The whole ball is elastic, and of each groove a fine mesh around the contact. These meshes are fixed where they meet
+    screw or nut, whose compliance hardly changes the curvature at a contact. Each of them moves as a whole until it carries
+    its load. Flanks without load are left out.
 
     Parameters
     ----------
@@ -514,7 +522,7 @@ def ball_contact_pressures(
     """
     sides = tuple(s for s in range(4) if loads[s] > 0.0)
     if not sides:
-        raise ValueError(f"ball {ball + 1} carries no load, so that it has no contact pressure; allowed: a load > 0 N")
+        raise ValueError(f"ball {ball + 1} carries no load, so that it has no contact pressure: choose a ball with a contact load > 0 N")
     m, all_balls, dims = GrooveMap.of(scene), ball_layout(scene), dimensions_of_3d_parts(scene)
     row = slice(ball, ball + 1)
     layout = BallLayout(*(getattr(all_balls, x.name)[row] for x in fields(BallLayout)))
@@ -549,7 +557,7 @@ def ball_contact_pressures(
 
 
 def hertz_von_mises(contact: HertzSolution, depth: Array, poisson: float) -> Array:
-    """Compute the von Mises stress on the axis below the centre of a Hertzian contact ellipse.
+    """Compute the von Mises stress below the centre of a Hertzian contact ellipse, at several depths.
 
     Boussinesq's point loads are integrated over the pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2). Valid at depths of at
     least 0.2 b.

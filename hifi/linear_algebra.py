@@ -38,7 +38,7 @@ LEAF = 32
 
 
 class Supernodes(NamedTuple):
-    """Symbolic factor of a sparse matrix: its elimination order and the rows of its supernodes."""
+    """Symbolic Cholesky factor of a sparse matrix: elimination order, and rows and columns of the supernodes."""
 
     #: Number of the degree of freedom that is eliminated at each step ``(n,)``.
     order: Index
@@ -51,9 +51,9 @@ class Supernodes(NamedTuple):
 
 
 def find_elimination_order(K: sp.csc_array) -> Supernodes:
-    """Compute the elimination order and the supernodes of a sparse matrix, without regard to its values.
+    """Compute the elimination order and the supernodes of a sparse matrix from its pattern, whatever its values.
 
-    K: matrix of symmetric pattern (n, n).
+    ``K``: sparse matrix of symmetric pattern (n, n).
     """
     graph, group = compressed_graph(K)
     dissected = _nested_dissection(graph, group)
@@ -179,7 +179,7 @@ def _renumbered_parents(parent: Index, order: Index) -> Index:
 
 
 def _first_columns_of_supernodes(parent: Index) -> Index:
-    """Find the first vertex of each supernode of a tree; the number of all vertices comes last.
+    """Find the first vertex of each supernode of an elimination tree; the number of all vertices comes last.
 
     ``parent``: parent of each vertex (n,), n for a root; the vertices are in postorder.
     """
@@ -197,7 +197,7 @@ def _first_columns_of_supernodes(parent: Index) -> Index:
 
 
 def _supernode_rows(graph: sp.csr_array, first: Index) -> list[Index]:
-    """List the rows of every supernode: its diagonal block, its edges in the graph, and the rows left by its children.
+    """List the factor's rows of every supernode: its own vertices, their neighbours, and rows filled by eliminated ones.
 
     ``graph``: adjacency matrix of the vertices in elimination order; ``first``: first vertex of each supernode.
     """
@@ -228,7 +228,7 @@ WIDTH = 64
 
 
 class FrontUpdate(NamedTuple):
-    """Contribution of an eliminated front to the front of its parent."""
+    """Contribution (Schur complement) of an eliminated front to the front of its parent in the elimination tree."""
 
     #: Rows of the matrix that the front changes.
     rows: Index
@@ -241,7 +241,7 @@ class FrontUpdate(NamedTuple):
 
 
 class EliminatedFront(NamedTuple):
-    """Front of a supernode after its elimination: the factor's columns of its pivots."""
+    """Columns of the Cholesky factor that the elimination of one supernode's front gives, with its share of the loads."""
 
     #: Rows of the front, its pivots first.
     rows: Index
@@ -285,7 +285,7 @@ def inverse_product_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernode
 
 
 def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Array]:
-    """Factorise a matrix by multifrontal elimination.
+    """Factorise a sparse positive definite matrix by multifrontal elimination, and return its solver.
 
     Parameters
     ----------
@@ -325,9 +325,9 @@ def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Ar
 
 
 def _eliminate_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Iterator[EliminatedFront]:
-    """Eliminate a matrix supernode by supernode, and yield each eliminated front (dense block of a supernode).
+    """Eliminate a sparse matrix supernode by supernode, and yield the front (dense matrix) of each after its elimination.
 
-    K: matrix (n, n); B: further columns (n, m) that the elimination transforms as well; ``nodes``: symbolic factor of K.
+    ``K``: matrix (n, n); ``B``: loads (n, m), which the elimination transforms to L^-1 B; ``nodes``: symbolic factor of K.
     Raises ArithmeticError if K is not positive definite.
     """
     place, local = np.empty((2, K.shape[0]), dtype=np.int64)  # of a freedom in the order, of a row in its front
@@ -436,11 +436,13 @@ CHECKED = 1e-5
 
 
 class FactorError(ArithmeticError):
-    """Error of a matrix that cannot be factorised: not positive definite, or singular to working precision."""
+    """Raised for a matrix that cannot be factorised: it is not positive definite, or singular to working precision."""
 
 
 def factorise_positive_definite(K: sp.sparray) -> Solve:
-    """Factorise a symmetric positive definite matrix. Its definiteness is checked, its symmetry is not.
+    """Factorise a symmetric positive definite matrix, and return a function that solves for right-hand sides.
+
+    Its definiteness is checked, its symmetry is not.
 
     Parameters
     ----------
@@ -482,7 +484,7 @@ def symmetric_compliance_of_loads(K: sp.sparray, rows: sp.sparray) -> Array:
     K : (n, n) sparse array
         Stiffness matrix.
     rows : (m, n) sparse array
-        Matrix R of m load cases, one in each row.
+        Nodal forces R of m load cases, one in each row.
 
     Returns
     -------
@@ -553,7 +555,7 @@ def _checked_positive_diagonal(matrix: sp.csc_array) -> Array:
 
 
 def _check_response_to_random_load(solve: Solve, diagonal: Array) -> None:
-    """Check a factorised matrix by a random load; raise FactorError if it is singular to working precision.
+    """Raise FactorError if a factorised matrix is singular to working precision, found by its response to a random load.
 
     ``solve``: function that solves for a right-hand side with the factorised matrix; ``diagonal``: its diagonal (n,).
     """
@@ -564,12 +566,13 @@ def _check_response_to_random_load(solve: Solve, diagonal: Array) -> None:
         ratio = float(np.linalg.norm(response) / np.linalg.norm(load))
     if not ratio < SINGULAR:
         raise FactorError(
-            f"singular to working precision (response {ratio:.1e} to a unit load): check that every body is fixed"
+            f"the stiffness matrix is singular to working precision (response {ratio:.1e} to a unit load): check that every "
+            "body is fixed"
         )
 
 
 def _run_elimination(eliminate: Callable[[], T]) -> T:
-    """Call a function that eliminates a matrix, and raise FactorError if it breaks down.
+    """Call a function that eliminates a matrix, and turn its ArithmeticError into a FactorError with the column.
 
     ``eliminate``: function without arguments, whose result is returned.
     """

@@ -58,7 +58,10 @@ _NO_MOTION = np.zeros((1, 1, 3)), np.zeros((1, 1))
 
 @dataclass(frozen=True)
 class ReferenceResult:
-    """Solution of the 3D reference for n balls: first all balls of the first nut or bearing, then those of the next."""
+    """Contact loads, displacements and equilibrium checks of one load case, computed by the 3D reference.
+
+    The n balls are those of the first nut or bearing on the shaft, then those of the next.
+    """
 
     #: "converged", or the reason why the solution did not converge.
     status: str
@@ -116,18 +119,18 @@ def solve_reference(
     Parameters
     ----------
     setup : Setup
-        The prepared geometry.
+        Meshed and condensed parts of one geometry.
     scene : Scene
         The load case.
     updates : int, default ROUNDS
-        Largest number of updates of normals and gaps; 0: both stay frozen at the nominal state, but for the correction
-        of the gaps for the mesh grid.
+        Largest number of updates of contact normals and gaps to the displaced state; 0: both keep their nominal values,
+        except that gaps are corrected for the position of each contact on its mesh grid.
     sides : tuple[int, ...] | None, default None
         Flanks (0 to 3) whose contacts may close; None: all flanks of the prepared geometry.
     leave_out : frozenset[str], optional
         Names of parts of the model to leave out, from `INGREDIENTS`, such as "elastic nut" (the nut is then rigid).
     frozen : bool, default False
-        Whether to compute, in addition, the contact loads with normals and gaps frozen at the nominal state
+        Whether to compute, in addition, the contact loads with nominal contact normals and gaps
         (`ReferenceResult.frozen`); both solutions share the first round.
     step : Callable[[str], None], optional
         Function that is called with a progress text in every round of a solution that takes longer than `SLOW` seconds.
@@ -152,7 +155,7 @@ def solve_reference(
 
 
 class ContactRound(NamedTuple):
-    """Solution of all contacts for given positions of balls and grooves: one round of a `LoadCase`."""
+    """Contact forces and rigid motions for given contact normals and gaps: one round of the iteration in `LoadCase`."""
 
     #: Forces, gaps and rigid motions.
     result: ContactResult
@@ -175,7 +178,7 @@ class ContactRound(NamedTuple):
 
 
 class LoadCase:
-    """Load case of prepared geometries on one shaft, solved in rounds that update contact normals and gaps."""
+    """Loads on one shaft with its nuts or bearings, solved in rounds that update contact normals and gaps."""
 
     def __init__(
         self, sets: Sequence[PlacedSet], frame: Frame, mounted: MountedShaft, leave_out: frozenset[str] = frozenset()
@@ -210,12 +213,12 @@ class LoadCase:
         return self._solve_round([_NO_MOTION for _ in self.sets], [np.zeros((1, 1)) for _ in self.sets], None)
 
     def solve_next_round(self, last: ContactRound, *, moving: bool) -> ContactRound:
-        """Solve the contacts with normals and gaps updated by the motions of the last round.
+        """Solve the contacts again, with normals and gaps updated by the displacements of the previous round.
 
         Parameters
         ----------
         last : ContactRound
-            The last round.
+            Solution of the previous round.
         moving : bool
             Whether normals and gaps follow the motion of balls and grooves; if not, only the gaps are corrected for the
             contacts' positions on their mesh grids.
@@ -238,14 +241,15 @@ class LoadCase:
         return self._solve_round(moved, level, last.state)
 
     def rigid_amplitudes(self, last: ContactRound) -> Array:
-        """Return the amplitudes ``(k,)`` in the last round of the k rigid motions that no support prevents.
+        """Return the factors ``(k,)`` on the k rigid motions that no support prevents, as solved in a round.
 
-        They are motions of shaft and housings [m, rad], as columns of `MountedShaft.motions`.
+        ``last``: solution of the round. The rigid motions of shaft and housings [m, rad] are the columns of
+        `MountedShaft.motions`.
         """
         return last.result.motions[3 * self.balls :]
 
     def ball_motions(self, last: ContactRound) -> list[Array]:
-        """Return the displacements of the balls of each nut or bearing in the last round ``(balls, 3)`` [m]."""
+        """Return the displacements ``(balls, 3)`` [m] of the balls of each nut or bearing; ``last``: the solved round."""
         ends = np.cumsum([p.ball_count for p in self.sets])[:-1]
         return np.split(last.result.motions[: 3 * self.balls].reshape(-1, 3), ends)
 
@@ -293,7 +297,8 @@ class LoadCase:
     def _normal_motion_by_rigid_motions(self, p: PlacedSet, normals: Array) -> Array:
         """Compute the motion of contact nodes along their normals by unit rigid motions of shaft and housings.
 
-        The result is ``(balls, n, 6 (1 + h))`` for h housings.
+        ``normals``: contact normals at the n nodes of each ball (balls, n, 3). The result ``(balls, n, 6 (1 + h))`` holds
+        six motions of the shaft, then six of each of h housings.
         """
         out = np.zeros((*normals.shape[:2], len(self.mounted.motions)))
         out[..., :6] = rigid_body_normal_motion(p, normals, self.mounted.origin, screw=True)
@@ -305,7 +310,7 @@ class LoadCase:
     def repeat_rounds(
         self, last: ContactRound, most: int, step: Callable[[int], None], *, moving: bool
     ) -> tuple[ContactRound, int, float]:
-        """Repeat rounds until the contact loads no longer change.
+        """Solve the contacts again with updated normals and gaps until the contact loads no longer change.
 
         Parameters
         ----------
@@ -481,7 +486,7 @@ class LoadCase:
 
 
 def slow_round_reporter(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:
-    """Make a function that reports the number of each round of a solution that takes longer than `SLOW` seconds.
+    """Return a function that reports the number of each round once a solution has taken longer than `SLOW` seconds.
 
     ``name``: name of the scene; ``begin``: time at which the solution began, of `perf_counter` [s]; ``step``: function that
     is called with the progress text.
@@ -495,7 +500,7 @@ def slow_round_reporter(name: str, begin: float, step: Callable[[str], None]) ->
 
 
 def remaining_load_change(loads: Sequence[Array]) -> float:
-    """Extrapolate how much further rounds would change any contact load.
+    """Estimate the largest change of any contact load by further rounds, from the changes in the last rounds.
 
     The estimate is the remainder of a geometric series: last change x ratio / (1 - ratio). The ratio is that of the last
     two changes, or `SLOWEST` if only one change is known.

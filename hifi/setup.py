@@ -67,7 +67,7 @@ TOGETHER = 160
 
 @dataclass
 class Setup:
-    """Prepared geometry that load cases share: its meshes condensed to compliance matrices."""
+    """Screw, nut and balls of one geometry, meshed and condensed to compliance matrices, which all its load cases share."""
 
     #: Scene from which it was prepared.
     scene: Scene
@@ -110,7 +110,7 @@ class Setup:
 
 
 class _StageRunner:
-    """Runs the stages of a set-up, and records their times [s] and the memory of the worker processes [MB].
+    """Runs the stages of meshing and condensing one geometry; records their times and the memory of worker processes.
 
     ``cache``: cache of computed records; ``step``: function that is called with a text on the progress.
     """
@@ -121,10 +121,11 @@ class _StageRunner:
         self.others: dict[int, float] = {}
 
     def run(self, jobs: Sequence[Job], processes: int) -> list[Any]:
-        """Compute the records of jobs in several processes, and return them in the order of the jobs.
+        """Compute the results of jobs in several processes, and return them in the order of the jobs.
 
-        When the last job of a stage is done, the stage is reported with the time of its jobs. The attribute ``seconds``
-        records the part of the elapsed time that belongs to each stage.
+        A job computes one mesh or condensed part. When the last job of a stage is done, the stage is reported with the
+        computing time of its jobs. The attribute ``seconds`` records the part of the elapsed time that belongs to each
+        stage.
         """
         start = perf_counter()
         by_stage: dict[str, list[ComputedRecord]] = {job.stage: [] for job in jobs}
@@ -235,9 +236,10 @@ def prepare(
 def _patch_jobs(
     scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, sides: tuple[int, ...], settings: Settings
 ) -> dict[int, Job]:
-    """List the jobs that condense the patches of the flanks.
+    """List the jobs that condense the fine contact patches, by groove flank.
 
-    A right flank whose patches are those of the left one, turned, has no job.
+    ``m``: geometry of the track; ``dims``: dimensions of the solid parts; ``sides``: flanks that carry contacts. A right
+    flank has no job if its patches are those of the left flank of the same groove, turned by 180 degrees.
     """
     jobs = {}
     for s in sides:
@@ -258,12 +260,12 @@ def _patch_jobs(
 
 
 def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]) -> list[Job]:
-    """List the jobs that compute the section of the shaft outside the 3D stretch.
+    """List the jobs that compute the beam stiffnesses of the shaft outside the part that is meshed in 3D.
 
-    ``stations``: axial positions of all supports and loads [m]. The jobs compute a plain section, or the stiffnesses of the
-    helical section and three meshed shafts for `compute_equivalent_beam`. Their arguments are only those that the result
-    depends on, so that other nuts and loads find them in the cache. If no support or load lies outside the stretch, any
-    section will do.
+    ``stations``: axial positions of all supports and loads [m]. One job computes a plain section; or one job computes a
+    grooved section, and three jobs mesh shafts for `compute_equivalent_beam`. Their arguments are only those on which the
+    result depends, so that other nuts and loads find them in the cache. If no support or load lies outside the 3D part, the
+    section has no effect, and a plain one is used.
     """
     screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends(scene)
     outer, bore = screw.outer_diameter / 2.0, screw.bore / 2.0
@@ -290,7 +292,7 @@ def _body_jobs(
     patches: dict[int, SidePatches],
     stations: tuple[float, ...],
 ) -> list[Job]:
-    """List the jobs that condense the screw, an elastic nut and a ball.
+    """List the jobs that condense screw, nut (if it is elastic) and ball to their contacts.
 
     ``stations``: axial positions of all supports and loads [m].
     """
@@ -316,10 +318,10 @@ def _correct_screw_stiffness(
     sides: tuple[int, ...],
     stations: tuple[float, ...],
 ) -> ScrewResponse:
-    """Correct the screw's 3D stretch to the stiffness of the shaft's section, and remove the effect of its cut ends.
+    """Correct the compliance of the screw's 3D mesh to the beam stiffness of the grooved shaft, and for its cut ends.
 
     ``homogenised``: uniform beam that is equivalent to the grooved shaft, or None for no correction; ``stations``: axial
-    positions of all supports and loads [m].
+    positions of all supports and loads [m], which show at which ends the shaft continues.
     """
     if homogenised is None:
         return screw
@@ -329,9 +331,9 @@ def _correct_screw_stiffness(
 
 
 def _collect_mesh_quality(meshes: Meshes, settings: Settings) -> dict[str, float]:
-    """Collect the number of elements across a contact, the lowest quality of each mesh, and the grooves' deviation.
+    """Collect measures of mesh quality by name: elements across a contact, smallest scaled Jacobian of each mesh.
 
-    The quality is the smallest scaled Jacobian; the deviation is that from the exact surface [m].
+    The last one, "deviation", is the largest distance of the meshed grooves from their exact surface [m].
     """
     across = 2.0 * settings.b_over_h if settings.element == "Q2" else 2.0 * settings.semi[1] / settings.tet
     return {
@@ -344,7 +346,10 @@ def _collect_mesh_quality(meshes: Meshes, settings: Settings) -> dict[str, float
 
 
 def _have_mirrored_sockets(meshes: Meshes, side: int) -> bool:
-    """Return whether the sockets of a right flank have the nodes of the left one's, with azimuths reversed."""
+    """Return whether the sockets (pockets for fine patches) of a right flank are mirror images of those of the left one.
+
+    ``side``: the right flank. Compared are the nodes and triangles of the sockets' faces in groove and ball.
+    """
     bodies = (meshes.screw if side < 2 else meshes.nut, meshes.ball)
     return all(
         np.array_equal(x.sockets[side].xi, x.sockets[side - 1].xi * AZIMUTH_TURNED)
@@ -354,7 +359,7 @@ def _have_mirrored_sockets(meshes: Meshes, side: int) -> bool:
 
 
 class Job(NamedTuple):
-    """Record to be computed, or read from the cache; all fields can be pickled."""
+    """One independent computation (such as a mesh or a condensed part) whose result may be cached; can be pickled."""
 
     #: Name of the stage of the set-up to which the job belongs.
     stage: str
@@ -368,7 +373,7 @@ class Job(NamedTuple):
 
 @dataclass(frozen=True)
 class ComputedRecord:
-    """Computed record, with the time and memory that it took."""
+    """Result of a `Job`, with the time and memory that its computation took."""
 
     #: The record.
     value: Any
@@ -389,7 +394,7 @@ class ComputedRecord:
 def compute_records(
     jobs: Sequence[Job], cache: Cache, processes: int, report: Callable[[int, ComputedRecord], None] = lambda *_: None
 ) -> list[ComputedRecord]:
-    """Compute the records of independent jobs in several processes, of which this process is one.
+    """Compute the results of independent jobs in several processes, of which this process is one.
 
     The other processes use one thread each, unless the user's environment variables allow more.
 
@@ -429,7 +434,7 @@ def compute_records(
     left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, ComputedRecord](), Lock()
 
     def take_jobs(maker: Callable[[Job], ComputedRecord]) -> None:
-        """Take jobs and compute their records by the function ``maker`` until none is left."""
+        """Take jobs from the common queue and compute their results by the function ``maker``, until none is left."""
         while left:
             try:
                 k, job = left.popleft()
@@ -440,7 +445,7 @@ def compute_records(
                 report(k, done[k])
 
     def run_in_worker(job: Job) -> ComputedRecord:
-        """Compute the record of a job in a worker process."""
+        """Compute the result of a job in a worker process, and wait for it."""
         found: ComputedRecord = others.submit(_compute_in_worker, job, cache).result()
         return found
 
@@ -468,14 +473,14 @@ def compute_records(
 
 
 def _compute_in_worker(job: Job, cache: Cache) -> ComputedRecord:
-    """Compute the record of a job in a worker process, whose memory peak is reset first."""
+    """Compute the result of a job; called in a worker process, whose record of peak memory is reset first."""
     reset_peak_memory()
     cache.quiet = True
     return _compute_or_read(job, cache)
 
 
 def _compute_or_read(job: Job, cache: Cache) -> ComputedRecord:
-    """Compute the record of a job in this process, or read it from the cache, and measure its time and memory."""
+    """Compute the result of a job in this process, or read it from the cache, and measure time and memory."""
     start, hits, cold = perf_counter(), cache.hits, cache.cold_seconds
     value = cache.get(job.build, job.arguments, job.type_)
     spent, known = perf_counter() - start, cache.cold_seconds - cold

@@ -39,7 +39,7 @@ DIFFERENCE, NOISE = 0.05, 1e-2
 
 @dataclass(frozen=True)
 class SetBodies:
-    """Geometry of one nut or bearing of an assembly and its stretch of shaft, as meshed in 3D."""
+    """Geometry that is meshed in 3D for one of several nuts or bearings on a shaft, with the shaft around it."""
 
     #: Parts without errors, in local axial positions.
     bodies: Scene
@@ -50,10 +50,10 @@ class SetBodies:
 
 
 def describe_bodies_of_each_set(assembly: Assembly) -> tuple[SetBodies, ...]:
-    """Return the geometry that is meshed in 3D for each nut or bearing of an assembly.
+    """Return the geometry that is meshed in 3D for each nut or bearing on a shaft.
 
-    It includes a stretch of shaft, which reaches half the way to the next nut or bearing, but not farther from the nut than
-    if the nut or bearing were the only one on its shaft.
+    It includes the part of the shaft around the nut. This part ends half-way to the next nut or bearing, or earlier where
+    it would end if the nut or bearing were the only one on its shaft.
 
     Parameters
     ----------
@@ -102,11 +102,11 @@ def describe_bodies_of_each_set(assembly: Assembly) -> tuple[SetBodies, ...]:
 def _describe_bodies_of_one_set(
     parts: Scene, assembly: Assembly, room: float, stations: set[float], reach: tuple[float, float]
 ) -> SetBodies:
-    """Return the geometry that is meshed in 3D for one nut or bearing of an assembly.
+    """Return the geometry that is meshed in 3D for one of the nuts or bearings on a shaft.
 
-    ``parts``: parts of the nut or bearing; ``room``: length of shaft that is available beyond its faces [m]; ``stations``:
-    axial positions of all supports and loads [m]; ``reach``: lowest and highest axial position at which the shaft is needed
-    [m].
+    ``parts``: parts of the nut or bearing; ``room``: length of shaft that is available beyond each of its faces [m];
+    ``stations``: axial positions of all supports and loads [m]; ``reach``: lowest and highest axial position of the nuts,
+    bearings, supports and loads on the shaft [m].
     """
     wanted = SHAFT * parts.track.pitch_radius if parts.solid.shaft is None else parts.solid.shaft
     half = parts.nut.length / 2.0 + min(wanted, room)
@@ -146,7 +146,7 @@ def solve_sets(
     setups : Sequence[Setup]
         Prepared bodies of each nut or bearing (`describe_bodies_of_each_set`), in order.
     frozen : bool, default False
-        Whether to compute, in addition, the contact loads with normals and gaps frozen at the nominal state.
+        Whether to compute, in addition, the contact loads with nominal contact normals and gaps.
     step : Callable[[str], None], optional
         Function that is called with a progress text in every round of a solution that takes long.
 
@@ -172,10 +172,10 @@ def solve_sets(
 
 
 def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Frame) -> MountedShaft:
-    """Compute the compliance of a shaft's stretches, and of nuts on movable housings, with their supports and loads.
+    """Compute the compliance of the shaft at the contacts of its nuts and bearings, under its supports and loads.
 
-    ``placed``: the nuts and bearings at their positions; ``frame``: supports, loads and housings. Raises ValueError if a
-    rigid nut is on a housing that moves.
+    The 3D parts of the shaft are joined by beams; nuts on movable housings are included. ``placed``: the nuts and bearings
+    at their positions; ``frame``: supports, loads and housings. Raises ValueError if a rigid nut is on a movable housing.
     """
     carried = []
     for p in placed:
@@ -191,9 +191,9 @@ def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Fram
 
 
 def _section_function(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callable[[float], ShaftSection]:
-    """Return a function that gives the stiffnesses of the shaft's section at an axial position [m].
+    """Return a function that gives the beam stiffnesses of the shaft's cross-section at an axial position [m].
 
-    On a plain segment of the shaft it is the section of the segment, elsewhere that of the first thread.
+    On a plain segment of the shaft they are those of the segment, elsewhere those of the first threaded part.
     """
     screw, threads = assembly.screw, [p.setup for p in placed if p.setup.map.rg != 0.0]
     known = [setup for setup in threads if setup.homogenised is not None or setup.dims.shaft_radius is not None]
@@ -209,11 +209,11 @@ def _section_function(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callab
 def _find_shifts_for_preloads(
     assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame
 ) -> tuple[tuple[PlacedSet, ...], str]:
-    """Replace preloads by force with the shifts of the nuts that cause them, in the absence of other loads.
+    """Find the axial shifts of the nuts in their housings that produce the prescribed preload forces without other loads.
 
-    The shifts come from Newton's method with secants on the logarithms of force and shift, in which a power law is linear.
-    Returns the nuts or bearings with these shifts, and a text that says by how much a preload is missed; the text is empty
-    if all preloads are reached.
+    The shifts are found by a secant (quasi-Newton) method on the logarithms of force and shift, in which a power law is
+    linear. Returns the nuts or bearings with these shifts, and a text that says by how much a preload is missed; the text
+    is empty if all preloads are reached.
     """
     preloaded = [k for k, s in enumerate(assembly.sets) if s.preload > 0.0]
     if not preloaded:
@@ -224,7 +224,7 @@ def _find_shifts_for_preloads(
     goal = np.log([assembly.sets[k].preload for k in preloaded])
 
     def with_shifted_nuts(depth: Array) -> tuple[PlacedSet, ...]:
-        """Return the nuts or bearings with preloaded nuts shifted by exp(depth) [m] against their thrust."""
+        """Return the nuts or bearings with the preloaded nuts shifted by exp(depth) [m] against their thrust direction."""
         out = list(placed)
         for k, x in zip(preloaded, np.exp(depth), strict=True):
             away = -1.0 if assembly.sets[k].thrust == "+z" else 1.0

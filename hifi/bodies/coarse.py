@@ -248,7 +248,7 @@ def assemble_body_stiffness(
     mesh : Mesh
         Mesh of the coarse body, of n nodes.
     sockets : Sequence[Socket]
-        Sockets of the body.
+        Sockets of the body: pockets of its coarse mesh that the fine patches fill.
     patches : dict[int, CondensedPatch]
         Condensed patch of each flank.
     young : float
@@ -284,7 +284,7 @@ def assemble_modes_of_sockets(sockets: Sequence[Socket], rows: dict[int, Array],
     Parameters
     ----------
     sockets : Sequence[Socket]
-        Sockets of the body.
+        Sockets of the body: pockets of its coarse mesh that the fine patches fill.
     rows : dict[int, Array]
         By flank, the rows Q of the k modes of a patch on its socket's degrees of freedom ``(k, 3 nodes)``.
     size : int

@@ -55,7 +55,7 @@ def hertz_contact_under_unit_force(m: GrooveMap, side: int, material: Material) 
     m : GrooveMap
         Geometry of the track.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     material : Material
         Material of both bodies.
 
@@ -75,7 +75,7 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
     m : GrooveMap
         Geometry of the track.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     patch : CondensedPatch
         Condensed patch of the groove.
 
@@ -110,7 +110,7 @@ def forces_resolved_by_patch(m: GrooveMap, side: int, patch: CondensedPatch, mat
     m : GrooveMap
         Geometry of the track.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     patch : CondensedPatch
         Condensed patch of the groove.
     material : Material
@@ -146,7 +146,7 @@ def approaches_at_grid_position(
     m : GrooveMap
         Geometry of the track.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     patch : CondensedPatch
         Condensed patch of the groove.
     compliance : (c, c) Array
@@ -278,7 +278,7 @@ def approaches_over_grid_cell(
     m : GrooveMap
         Geometry of the track.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     patch : CondensedPatch
         Condensed patch of the groove.
     C : (c, c) Array
@@ -321,7 +321,7 @@ def mean_approaches_over_grid_cell(
     m : GrooveMap
         Geometry of the track.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     patch : CondensedPatch
         Condensed patch of the groove.
     compliance : (c, c) Array
@@ -397,7 +397,7 @@ def tabulate_gap_corrections(m: GrooveMap, side: int, patch: CondensedPatch, C: 
     m : GrooveMap
         Geometry of the track.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     patch : CondensedPatch
         Condensed patch of the groove.
     C : (c, c) Array

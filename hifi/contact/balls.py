@@ -61,12 +61,12 @@ class BallBlock:
 
     @cached_property
     def sides(self) -> tuple[slice, ...]:
-        """Slice of the flank's pairs within the contact pairs of the ball, for each flank."""
+        """For each groove flank, the slice of its contact pairs among all contact pairs of the ball."""
         return _consecutive_slices([len(a) for a in self.local])
 
     @cached_property
     def _all_modes(self) -> Array:
-        """Modes V of all flanks as one matrix ``(n, k)``."""
+        """Coupling modes V of all flanks as one block-diagonal matrix ``(n, k)``."""
         return np.asarray(block_diag(*self.modes))
 
     def __len__(self) -> int:
@@ -74,12 +74,15 @@ class BallBlock:
         return sum(len(a) for a in self.local)
 
     def compute_opened_gaps(self, forces: Array) -> Array:
-        """Compute the gaps D f ``(n,)`` [m] that the contact forces f ``(n,)`` [N] of the ball's n pairs open."""
+        """Compute by how much the contact forces f ``(n,)`` [N] of the ball widen its own n gaps: D f ``(n,)`` [m]."""
         alone = np.concatenate([a @ forces[pairs] for a, pairs in zip(self.local, self.sides, strict=True)])
         return np.asarray(alone + self._all_modes @ (self.coupling @ (forces @ self._all_modes)))
 
     def dense_compliance_matrix(self) -> Array:
-        """Return D as a dense matrix ``(n, n)`` [m/N], for the rare problem on which the active set cycles."""
+        """Return the compliance D between the ball's n contact pairs as a dense matrix ``(n, n)`` [m/N].
+
+        It is needed only in the rare case that the active-set method cycles.
+        """
         return np.asarray(block_diag(*self.local) + self._all_modes @ self.coupling @ self._all_modes.T)
 
     def factor(self, active: Flags, known: BlockFactor | None = None) -> BlockFactor:
@@ -165,7 +168,7 @@ def cholesky_in_place(matrix: Array) -> Array:
 
 
 class SideFactor(NamedTuple):
-    """Factor of the active contact pairs on one flank of a `BallBlock`."""
+    """Factorised compliance between the active contact pairs (those in contact) on one groove flank of a ball."""
 
     #: Active pairs of the flank.
     pairs: Indices
@@ -179,9 +182,9 @@ class SideFactor(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class BlockFactor:
-    """Inverse D_aa^-1 on the active contact pairs of a `BallBlock`.
+    """Factorised compliance D_aa between the active contact pairs (those in contact) of one ball.
 
-    It consists of Cholesky factors, and of Woodbury's formula for V G V^T.
+    It consists of a Cholesky factor for each flank, and of Woodbury's formula for the coupling V G V^T of the flanks.
     """
 
     #: Active pairs ``(n,)``.
@@ -192,12 +195,12 @@ class BlockFactor:
     answer: Array
 
     def solve(self, rhs: Array) -> Array:
-        """Multiply right-hand sides by D_aa^-1 on the active contact pairs.
+        """Compute the forces of the active contact pairs that produce given displacements there: D_aa^-1 rhs.
 
         Parameters
         ----------
         rhs : (n,) or (n, m) Array
-            One or m right-hand sides: gaps to be closed [m].
+            One or m vectors of displacements at all n contact pairs [m]; values at inactive pairs are ignored.
 
         Returns
         -------
@@ -217,7 +220,7 @@ class BlockFactor:
 
 
 def ball_block_from_dense_matrix(matrix: Array) -> BallBlock:
-    """Make a `BallBlock` without modes from a dense compliance matrix ``(n, n)`` [m/N] between n contact pairs."""
+    """Make a `BallBlock` without coupling modes from a dense compliance matrix ``(n, n)`` [m/N] of n contact pairs."""
     return BallBlock((matrix,), (np.zeros((len(matrix), 0)),), np.zeros((0, 0)))
 
 
@@ -237,26 +240,26 @@ class Compliance:
 
     @cached_property
     def pairs(self) -> tuple[slice, ...]:
-        """Slice of the ball's pairs within the contact pairs of all balls, for each ball."""
+        """For each ball, the slice of its contact pairs among the contact pairs of all balls."""
         return _consecutive_slices([len(block) for block in self.blocks])
 
     @cached_property
     def columns(self) -> tuple[slice, ...]:
-        """Slice of the columns of U, and of the rows of G, that belongs to each ball."""
+        """For each ball, the slice of its coupling modes among all modes: columns of U, rows and columns of G."""
         return _consecutive_slices([modes.shape[1] for modes in self.modes])
 
     def amplitude(self, forces: Array) -> Array:
-        """Compute the modal amplitudes U^T lambda ``(r,)`` [N] of the contact forces lambda ``(n,)`` [N] of all n pairs."""
+        """Compute the modal forces U^T lambda ``(r,)`` [N] from the contact forces lambda ``(n,)`` [N] of all n pairs."""
         return np.concatenate([modes.T @ forces[pairs] for pairs, modes in zip(self.pairs, self.modes, strict=True)])
 
 
 def _consecutive_slices(counts: Sequence[int]) -> tuple[slice, ...]:
-    """Build consecutive slices of the given lengths."""
+    """Build slices of the given lengths, of which each begins where the one before it ends."""
     return tuple(slice(i, j) for i, j in pairwise(np.cumsum([0, *counts]).tolist()))
 
 
 def compliance_of_single_ball(block: Array | BallBlock) -> Compliance:
-    """Create the compliance of a single ball, given as a `BallBlock` or as a dense matrix.
+    """Create the `Compliance` of a contact problem with a single ball, from a `BallBlock` or a dense matrix.
 
     Parameters
     ----------
@@ -310,9 +313,9 @@ def compliance_of_coupled_balls(blocks: Sequence[Array | BallBlock], modes: Sequ
 
 
 def _checked_symmetric(name: str, matrix: Array) -> Array:
-    """Check that a matrix is finite and symmetric up to round-off, and return it exactly symmetric.
+    """Return a matrix made exactly symmetric; raise ValueError unless it is finite, and symmetric up to round-off.
 
-    ``name``: name of the matrix for the error message. Raises ValueError.
+    ``name``: name of the matrix for the error message.
     """
     if not np.isfinite(matrix).all():
         raise ValueError(f"the compliance matrix of {name} contains values that are not finite: all must be finite")
@@ -341,7 +344,7 @@ FEEBLE = 1e-4
 
 @dataclass(frozen=True)
 class ContactResult:
-    """Solution of eq. (1) of this module, or the last state and the reason why it did not converge."""
+    """Contact forces, gaps and rigid motions of all balls; without convergence, the last iterate and the reason."""
 
     #: Contact forces ``(n,)`` [N].
     forces: Array
@@ -358,13 +361,13 @@ class ContactResult:
 
     @property
     def converged(self) -> bool:
-        """Whether eq. (1) of this module is satisfied."""
+        """Whether contact conditions and equilibrium are satisfied."""
         return self.status == "converged"
 
 
 @dataclass
 class BallContacts:
-    """Contact state of one ball: forces, active contact pairs and energy."""
+    """Contact state of one ball: forces, active contact pairs (those in contact), and energy."""
 
     #: Contact forces ``(n,)`` [N].
     forces: Array
@@ -377,9 +380,9 @@ class BallContacts:
 
 
 def solve_contacts_of_one_ball(block: BallBlock, gap: Array, start: BallContacts | Flags, most: int = 60) -> BallContacts:
-    """Solve the contact of one ball between fixed grooves: min 1/2 l^T D l + g^T l over forces l >= 0.
+    """Solve the unilateral contact of one ball between fixed grooves: min 1/2 l^T D l + g^T l over forces l >= 0.
 
-    The solution is found by an active set, or by non-negative least squares if the active set cycles.
+    The solution is found by an active-set method, or by non-negative least squares if that cycles.
 
     Parameters
     ----------
@@ -423,7 +426,7 @@ def solve_contacts_of_one_ball(block: BallBlock, gap: Array, start: BallContacts
 
 
 class NewtonFactor(NamedTuple):
-    """Factorised Newton equations of all balls, in the modal amplitudes w and the rigid motions y of this module."""
+    """Factorised equations of one Newton step for all balls; unknowns: modal forces w and rigid motions y (see module)."""
 
     #: For every ball in contact: the slice c of its amplitudes in w, and the low-rank factor R ``(c, rank)`` with
     #: M = U^T D^-1 U = R R^T.
@@ -438,7 +441,7 @@ class NewtonFactor(NamedTuple):
     outer: tuple[Array, Indices]
 
     def step(self, back: Array, moved: Array, balance: Array) -> tuple[Array, Array]:
-        """Compute the Newton step from the residuals of modal amplitudes and rigid motions.
+        """Compute the Newton step of modal forces w and rigid motions y from the residuals of both.
 
         Parameters
         ----------
@@ -465,15 +468,15 @@ class NewtonFactor(NamedTuple):
         return dw, dy
 
     def _solve_inner(self, rhs: Array) -> Array:
-        """Multiply a vector ``rhs``, with an entry for each column of the factors R of all balls, by (I + R^T G R)^-1."""
+        """Compute (I + R^T G R)^-1 rhs for a vector with an entry for each column of the factors R of all balls."""
         return dpotrs(self.inner, rhs, lower=1)[0].ravel() if rhs.size else rhs
 
 
 def factorise_at_low_rank(matrix: Array, loads: Array, scale: Array) -> tuple[Array, Array]:
-    """Factorise a matrix as R R^T and several vectors as R T, with R of low rank.
+    """Approximate a positive semidefinite matrix by R R^T of low rank, and write vectors in its range as R T.
 
-    R is the pivoted Cholesky factor. The remainder of the matrix is less than `FEEBLE` after multiplication of its rows and
-    columns by ``scale``.
+    R is a pivoted Cholesky factor, stopped when the remainder of the matrix, with rows and columns multiplied by ``scale``,
+    is below `FEEBLE`.
 
     Parameters
     ----------
@@ -501,7 +504,7 @@ def factorise_at_low_rank(matrix: Array, loads: Array, scale: Array) -> tuple[Ar
 
 @dataclass
 class SolverState:
-    """State of all balls at the end of a solution, which may be the first guess of a similar problem."""
+    """Solution of a contact problem of all balls in the solver's unknowns: a first guess for a similar problem."""
 
     #: Modal amplitudes w of the contact forces ``(r,)`` [N].
     w: Array
@@ -514,7 +517,7 @@ class SolverState:
 
 
 class _EnergySystem:
-    """Energy Phi of all balls, its residuals and its Newton equations; symbols as in the docstring of this module.
+    """Contact problem of all balls as the minimum of the energy Phi of this module: values, residuals, Newton equations.
 
     C: compliance of n contact pairs; ``gap``: gaps of the undeformed bodies (n,) [m]; N: gaps closed by a unit of each of k
     rigid motions (n, k); f: loads on them (k,) [N, N m]; ``balls``: contact states to start from, or None.
@@ -531,7 +534,7 @@ class _EnergySystem:
         self.balls = list(balls or (BallContacts(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps))
 
     def evaluate_energy(self, w: Array, y: Array) -> tuple[float, Array, Array]:
-        """Evaluate the energy Phi [J] at amplitudes w and rigid motions y, and store the contact states of the balls.
+        """Evaluate the energy Phi [J] at modal forces w and rigid motions y, and store the contact states of the balls.
 
         Returns Phi and the two residuals U^T lambda - w ``(r,)`` [N] and f - N^T lambda ``(k,)`` [N, N m].
         """
@@ -542,25 +545,29 @@ class _EnergySystem:
         return phi, *self.residuals(w)
 
     def gaps_without_local_compliance(self, w: Array, y: Array) -> list[Array]:
-        """Compute the gaps of the pairs of each ball ``(n_i,)`` [m] without the displacements by the ball's compliance D_i.
+        """Compute the gaps of each ball ``(n_i,)`` [m] without the displacements by its own compliance D_i.
 
-        w: modal amplitudes (r,) [N]; y: rigid motions (k,) [m, rad].
+        They result from the undeformed gaps, the rigid motions, and the coupling with other balls. ``w``: modal forces (r,)
+        [N]; ``y``: rigid motions (k,) [m, rad].
         """
         z = self.C.coupling @ w
         each = zip(self.gaps, self.C.modes, self.C.columns, self.rows, strict=True)
         return [gap + U @ z[c] - n @ y[columns] for gap, U, c, (columns, n) in each]
 
     def residuals(self, w: Array) -> tuple[Array, Array]:
-        """Compute the residuals U^T lambda - w ``(r,)`` and f - N^T lambda ``(k,)`` of the balls' contact forces lambda."""
+        """Compute the residuals U^T lambda - w ``(r,)`` [N] and f - N^T lambda ``(k,)`` [N, N m] of Newton's method.
+
+        lambda: contact forces in the stored states of the balls; ``w``: modal forces (r,) [N].
+        """
         balance = self.f.copy()
         for ball, (columns, n) in zip(self.balls, self.rows, strict=True):
             balance[columns] -= n.T @ ball.forces
         return self.C.amplitude(np.concatenate([ball.forces for ball in self.balls])) - w, balance
 
     def state_of_touching_pairs(self, touching: Sequence[Flags]) -> tuple[Array, Array]:
-        """Compute starting values of w and y as if exactly the expected contact pairs of each ball touched.
+        """Compute starting values of modal forces w and rigid motions y from a guess of the contact pairs that touch.
 
-        ``touching``: for each ball, whether each pair is expected to touch (n_i,). Returns the modal amplitudes w (r,) [N]
+        ``touching``: for each ball, whether each pair is expected to touch (n_i,). Returns the modal forces w (r,) [N]
         and the rigid motions y (k,) [m, rad]; the forces of some pairs may be negative.
         """
         for i, (gap, active) in enumerate(zip(self.gaps, touching, strict=True)):
@@ -570,9 +577,9 @@ class _EnergySystem:
         return self.factor(HOLD).step(back, self.C.coupling @ back, balance)
 
     def factor(self, shift: float) -> NewtonFactor:
-        """Assemble and factorise Newton's equations at the present contact states of the balls.
+        """Assemble and factorise Newton's equations for w and y at the present contact states of the balls.
 
-        ``shift``: stiffness [N/m] that regularises motions not constrained by contacts.
+        ``shift``: stiffness [N/m] that regularises rigid motions which no contact resists.
 
         With M = U^T D^-1 U = R R^T, U^T D^-1 N = R T, zero between balls, and w eliminated from
 
@@ -621,7 +628,7 @@ def solve_contacts_of_all_balls(
     touching: Sequence[Flags] = (),
     tolerance: float = 1e-10,
 ) -> tuple[ContactResult, SolverState]:
-    """Solve eq. (1) of this module for all balls: contact forces, gaps and rigid motions.
+    """Solve the unilateral contact of all balls, eq. (1) of this module, for contact forces, gaps and rigid motions.
 
     The residual is the unbalanced force (and the mismatch of w) over the largest force on a ball. If there is no
     equilibrium, the status says that the solution did not converge.

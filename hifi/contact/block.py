@@ -45,7 +45,7 @@ SOURCE_FINE, SOURCE_COARSE, SOURCE_RADIUS = 0.08e-3, 5e-3, 0.8e-3
 
 @dataclass(frozen=True, eq=False)
 class SurfaceCompliance:
-    """Compliance of the surface of a quarter of a half-space under normal forces at m nodes."""
+    """Compliance between m surface nodes of a quarter of a half-space under normal forces, by finite elements."""
 
     #: Coordinates x, y of the nodes on the surface ``(m, 2)`` [m].
     places: Array
@@ -64,7 +64,7 @@ class SurfaceCompliance:
 
 
 def boussinesq_displacements(points: Array, sources: Array, young: float, poisson: float) -> Array:
-    """Compute the displacements of the half-space z > 0 under unit normal forces on its surface, by Boussinesq.
+    """Compute the displacements of the half-space z > 0 under unit normal forces on its surface, by Boussinesq's formula.
 
     u_r = (1 + nu)/(2 pi E) (r z/R^3 - (1 - 2 nu) r/(R (R + z))), u_z = (1 + nu)/(2 pi E) (z^2/R^3 + 2 (1 - nu)/R), where R
     is the distance from the force and r its part along the surface. The displacement is infinite where a force acts.
@@ -105,7 +105,7 @@ def boussinesq_displacements(points: Array, sources: Array, young: float, poisso
 
 
 def nodal_contact_areas(mesh: BlockMesh) -> Array:
-    """Compute the area of the contact plane that each node carries, the integral of its shape function.
+    """Compute the area of the contact plane that belongs to each node: the integral of the node's shape function.
 
     A uniform pressure loads only the midside nodes of 6-node triangles, not their corners, so that only midside nodes may
     touch. Pressures defined at the corners too, or linear between them, oscillate by tens of per cent on the same meshes.
@@ -125,7 +125,9 @@ def nodal_contact_areas(mesh: BlockMesh) -> Array:
 
 
 def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float, poisson: float) -> SurfaceCompliance:
-    """Compute the compliance of the surface nodes within an ellipse, with the cut faces as in the half-space and fixed.
+    """Compute the compliance between surface nodes within an ellipse, for a half-space and for a block with fixed faces.
+
+    Both follow from one mesh of a block: its cut faces move as in the half-space, or are fixed.
 
     Parameters
     ----------
@@ -183,9 +185,10 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
 
 
 def _half_space_displacements_at_cut(mesh: BlockMesh, sources: Array, young: float, poisson: float) -> Array:
-    """Compute the displacements of the cut faces by unit forces at m sources and their images ``(3 cut nodes, m)`` [m/N].
+    """Compute how a block's cut faces move in the half-space under unit surface forces ``(3 cut nodes, m)`` [m/N].
 
-    ``sources``: coordinates x, y of the forces in the quarter (m, 2) [m]; the images lie in the other three quarters.
+    ``sources``: coordinates x, y of the m forces in the meshed quarter (m, 2) [m]. Each acts together with its mirror
+    images in the other three quarters.
     """
     points = mesh.points[nodes_on_boundaries(mesh.mesh, "cut")]
     images = [np.array(signs) for signs in product((1.0, -1.0), repeat=2)]
@@ -195,7 +198,7 @@ def _half_space_displacements_at_cut(mesh: BlockMesh, sources: Array, young: flo
 
 @dataclass(frozen=True)
 class HertzJob:
-    """Hertz contact to be verified: gap x^2/(2 radius_x) + y^2/(2 radius_y) between two bodies of one material."""
+    """Hertz contact of two bodies of one material to be solved by finite elements: gap x^2/(2 R_x) + y^2/(2 R_y)."""
 
     #: Name of the contact.
     name: str
@@ -269,9 +272,9 @@ class HertzRun:
 def solve_hertz_contact(
     job: HertzJob, element: str, b_over_h: float, *, size: float = SIZE, far_field: bool = True, aim: float = 1.0
 ) -> HertzRun:
-    """Solve a Hertz contact by finite elements, on a mesh graded to its ellipse.
+    """Solve a Hertz contact by finite elements, on a mesh that is refined at its contact ellipse.
 
-    Meshes of one element type with growing b_over_h refine each other everywhere, so that errors can converge.
+    With growing ``b_over_h`` meshes of one element type become finer everywhere, so that errors can converge.
 
     Parameters
     ----------
@@ -318,7 +321,7 @@ def solve_hertz_contact(
 
 
 def solve_hertz_contact_on_lin_mesh(job: HertzJob) -> HertzRun:
-    """Solve a Hertz contact on first-order tetrahedra as in Lin's thesis: 0.08 mm near the contact, 5 mm elsewhere.
+    """Solve a Hertz contact on first-order tetrahedra as in Lin's thesis: edges of 0.08 mm at the contact, 5 mm elsewhere.
 
     Parameters
     ----------
@@ -405,7 +408,7 @@ def solve_hertz_contact_on_mesh(
 
 
 def fit_pressure_ellipsoid(places: Array, areas: Array, forces: Array) -> tuple[tuple[float, float], float, float]:
-    """Fit a Hertzian pressure ellipsoid to nodal forces.
+    """Fit a semi-ellipsoidal (Hertzian) pressure distribution to nodal contact forces.
 
     Parameters
     ----------

@@ -107,27 +107,27 @@ def hertz(load: float, radius_x: float, radius_y: float, young: float, poisson: 
 
 
 def _axis_ratio(curvature_ratio: float) -> float:
-    """Find the axis ratio b/a of the contact ellipse from the ratio <= 1 of the relative curvatures along a and along b."""
+    """Find the axis ratio b/a of the contact ellipse from the ratio of the relative curvatures along a and b (<= 1)."""
     if curvature_ratio > 1.0 - 1e-15:
         return 1.0
 
     def mismatch_of_curvatures(log_ratio: float) -> float:
-        """Return the logarithm of D/H over the given ratio of curvatures, at the logarithm of b/a."""
+        """Return ln(D/H) less the logarithm of the given ratio of curvatures, for the axis ratio b/a = exp(log_ratio)."""
         _, d, h = _hertz_integrals(float(np.exp(log_ratio)))
         return float(np.log(d / h / curvature_ratio))
 
     thinnest = float(np.log(THINNEST))
     if mismatch_of_curvatures(thinnest) > 0.0:
-        raise ValueError(f"the contact ellipse is thinner than b/a = {THINNEST}: treat it as a line contact")
+        raise ValueError(f"the Hertzian contact ellipse is thinner than b/a = {THINNEST}: treat it as a line contact")
     return float(np.exp(brentq(mismatch_of_curvatures, thinnest, 0.0, xtol=1e-15, rtol=1e-15)))
 
 
 def _hertz_integrals(ratio: float) -> tuple[float, float, float]:
-    """Compute Hertz's integrals K, D, H for a contact ellipse of axis ratio b/a = ``ratio``, with m = 1 - b^2/a^2.
+    """Compute the elliptic integrals K, D, H of Hertz's theory for a contact ellipse of axis ratio b/a = ``ratio``.
 
-    They are the integrals over (0, pi/2) of 1/q, sin^2/q and sin^2/q^3 with q^2 = 1 - m sin^2, m = 1 - ratio^2; D = (K -
-    E)/m and H = (E/(1 - m) - K)/m are then free of cancellation at m = 0. The trapezoidal rule converges exponentially on
-    these periodic functions, with about 20 points times 1/ratio.
+    They are the integrals over (0, pi/2) of 1/q, sin^2/q and sin^2/q^3 with q^2 = 1 - m sin^2, m = 1 - ratio^2. So D = (K -
+    E)/m and H = (E/(1 - m) - K)/m are computed without cancellation at m = 0. The quadrature with equal steps converges
+    exponentially on these periodic functions, with about 20 points times 1/ratio.
     """
     count = 32 + int(np.ceil(24.0 / ratio))
     theta = (np.arange(count) + 0.5) * (0.5 * np.pi / count)

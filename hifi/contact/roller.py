@@ -61,7 +61,7 @@ WIDEST = np.pi / 4.0
 
 
 class RollerError(ArithmeticError):
-    """Error of a roller or load that the model cannot describe."""
+    """Raised for a tapered roller or a load that the 3D roller model cannot describe; contains advice to the user."""
 
     def __init__(self, reason: str, advice: str) -> None:
         """Create the error from its reason and the advice to the user."""
@@ -71,7 +71,10 @@ class RollerError(ArithmeticError):
 
 @dataclass(frozen=True)
 class CondensedRoller:
-    """Roller, cup and cone of a tapered roller bearing, condensed to their contact zones; independent of the load."""
+    """Compliance and gaps of one tapered roller with its cup and cone, at the nodes of both contact zones.
+
+    They do not depend on the load.
+    """
 
     #: Row of the roller.
     row: RollerRow
@@ -123,19 +126,20 @@ class RollerState:
 
     @property
     def middle_pressure(self) -> Array:
-        """Largest pressure on cup and cone in the roller's middle ``(2,)`` [Pa]."""
+        """Largest contact pressure with cup and with cone at the middle of the roller's length ``(2,)`` [Pa]."""
         return np.asarray(self.pressure[:, self.pressure.shape[1] // 2].max(axis=1))
 
     @property
     def middle_line_load(self) -> Array:
-        """Load per length of cup and cone in the roller's middle ``(2,)`` [N/m]."""
+        """Load per length with cup and with cone at the middle of the roller's length ``(2,)`` [N/m]."""
         return np.asarray(self.line_load[:, self.line_load.shape[1] // 2])
 
 
 def contact_half_width(row: RollerRow, load: float) -> float:
-    """Compute the half width of the wider of a roller's two contacts [m], to size a mesh: b^2 = 4 q R/(pi E*).
+    """Compute Hertz's half width b of the wider of a roller's two line contacts [m], to size a mesh: b^2 = 4 q R/(pi E*).
 
-    ``row``: row of rollers; ``load``: force of a race on the roller [N], evenly distributed over its length as q [N/m].
+    ``row``: row of tapered rollers; ``load``: force of a race on the roller [N], evenly distributed over its length as q
+    [N/m].
     """
     modulus = 0.5 * row.material.youngs_modulus / (1.0 - row.material.poissons_ratio**2)
     r, cup = np.tan([row.roller_angle, row.cup_angle]) * _distance_from_apex(row)
@@ -143,14 +147,15 @@ def contact_half_width(row: RollerRow, load: float) -> float:
 
 
 def _distance_from_apex(row: RollerRow) -> float:
-    """Return the distance of the middle of a roller's contact line from the common apex of the cones of its races [m]."""
+    """Return the distance [m] of the middle of a roller's contact line from the apex that roller, cup and cone share."""
     return float(0.5 * row.diameter / np.sin(row.roller_angle))
 
 
 def crown_and_end_rounding_depths(row: RollerRow, x: Array) -> tuple[Array, Array]:
-    """Return how far a roller's profile lies below a straight line: first by its crown, then by its rounded ends [m].
+    """Return how far a roller's profile lies below a straight line, by its crown and by the rounding of its ends [m].
 
-    ``row``: row of rollers; ``x``: distances from the roller's middle [m]. The results have the shape of ``x``.
+    ``row``: row of tapered rollers; ``x``: positions along the roller from its middle [m]. Both results have the shape of
+    ``x``.
     """
     beyond = np.maximum(np.abs(x) - 0.5 * row.length, 0.0)
     r = row.edge_radius
@@ -159,11 +164,11 @@ def crown_and_end_rounding_depths(row: RollerRow, x: Array) -> tuple[Array, Arra
 
 
 def _axial_cell_boundaries(row: RollerRow, cells: int, load: float) -> tuple[Array, float, Array]:
-    """Compute the cell boundaries along a roller and its races, as distances from the roller's middle [m].
+    """Compute the boundaries of the mesh cells along a roller and its races, as positions from the roller's middle [m].
 
-    ``cells``: number of cells along half of the roller; ``load``: force of a race on the roller [N]. Returns the boundaries
-    on the roller, the distance of the contact zone's end from the middle, and the boundaries on the races beyond the
-    roller.
+    ``row``: row of tapered rollers; ``cells``: number of cells along half of the roller; ``load``: force of a race on the
+    roller [N]. Returns the boundaries on the roller, half the length of the contact zone, and the boundaries on the races
+    beyond the roller's end.
     """
     half, r = 0.5 * row.length, row.edge_radius
     if r is None:
@@ -182,7 +187,7 @@ def _axial_cell_boundaries(row: RollerRow, cells: int, load: float) -> tuple[Arr
 
 
 def _growing_boundaries(first: float, length: float, cells: int) -> Array:
-    """Return the boundaries ``(cells + 1,)`` from 0 to ``length`` [m] of cells that grow by a constant ratio.
+    """Return the boundaries ``(cells + 1,)`` from 0 to ``length`` [m] of cells whose sizes grow by a constant ratio.
 
     ``first``: size of the first cell [m]; ``cells``: number of cells.
     """
@@ -197,7 +202,7 @@ def _growing_boundaries(first: float, length: float, cells: int) -> Array:
 
 
 def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
-    """Mesh a roller and its races for contact forces up to ``load``, and condense them to their contact zones.
+    """Mesh a tapered roller, cup and cone for contact forces up to ``load``, and condense them to their contact zones.
 
     Parameters
     ----------
@@ -224,7 +229,7 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     """
     wall, cpu = perf_counter(), process_time()
     if row.edge_radius is None and np.isinf(row.crown):
-        raise RollerError("the roller is straight and its ends are sharp: their pressure is not finite", SHARP)
+        raise RollerError("the roller has a straight profile and sharp ends, at which the contact pressure is infinite", SHARP)
     middle, share_of = _distance_from_apex(row), min(np.pi / row.count, WIDEST)
     zone = RollerContactZone(ZONE * contact_half_width(row, load), cells, GRADING / cells)
     lines, touch, far = _axial_cell_boundaries(row, cells, load)
@@ -272,19 +277,20 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
 
 
 def _distance_from_tangent_plane(along: Array, across: Array, angle: float) -> Array:
-    """Return the distances of points on a cone from the plane that touches it along a generator [m].
+    """Return how far points on a cone lie below the plane that touches the cone along a generator [m].
 
-    ``along``: distance from the apex along the line at which cone and plane touch [m]; ``across``: distance from that line
-    in the plane [m]; ``angle``: half angle of the cone [rad].
+    ``along``: distances of the points from the apex, along that generator [m]; ``across``: their distances from it in the
+    plane [m]; ``angle``: half angle of the cone [rad].
     """
     radius = along * np.sin(angle)
     return np.asarray(radius * np.cos(angle) * (1.0 - np.sqrt(1.0 - (across / radius) ** 2)))
 
 
 def _nodal_forces_of_pressure_functions(body: SweptBody) -> sp.csr_array:
-    """Assemble the nodal forces of a unit force on each basis function of the contact pressure, one in each row.
+    """Assemble the nodal forces of unit loads on a contact zone: one row for each basis function of the contact pressure.
 
-    ``body``: quarter roller or race; the forces press into it, along the normals of its contact zone.
+    ``body``: mesh of a quarter of the roller or of half a race; the loads press into it, along the normals of its contact
+    zone.
     """
     contact = body.contact.ravel()
     W = normalise_rows_of_weights(pressure_weights_of_nodes(body.mesh, contact)).tocoo()
@@ -294,10 +300,10 @@ def _nodal_forces_of_pressure_functions(body: SweptBody) -> sp.csr_array:
 
 
 def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
-    """Compute the compliance between the pressure functions of a quarter roller ``(m n, m n)`` [m/N].
+    """Compute the compliance between the m n contact nodes of a quarter roller ``(m n, m n)`` [m/N].
 
-    ``law``: bilinear form of linear elasticity; ``even``: whether the loads are even about the roller's second plane of
-    symmetry; otherwise they are odd.
+    ``body``: mesh of the quarter; ``law``: bilinear form of linear elasticity; ``even``: whether the loads of cup and cone
+    are equal, symmetric about the plane between both contacts; otherwise they are opposite.
     """
     K, rows = assemble_constant_form(law, body.mesh), _nodal_forces_of_pressure_functions(body)
     side, points = nodes_on_boundaries(body.mesh, "side"), body.points
@@ -322,9 +328,10 @@ def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
 
 
 def race_compliance(body: SweptBody, law: object, half: float) -> Array:
-    """Compute the compliance between the pressure functions of one race ``(m n, m n)`` [m/N].
+    """Compute the compliance between the m n contact nodes of one race, cup or cone ``(m n, m n)`` [m/N].
 
-    ``law``: bilinear form of linear elasticity; ``half``: azimuth of the end of the meshed sector [rad], which begins at 0.
+    ``body``: mesh of half the sector of the race that belongs to one roller; ``law``: bilinear form of linear elasticity;
+    ``half``: angle of the meshed sector about the bearing's axis [rad].
     """
     K, rows = assemble_constant_form(law, body.mesh), _nodal_forces_of_pressure_functions(body)
     side = nodes_on_boundaries(body.mesh, "side")
@@ -341,10 +348,10 @@ def race_compliance(body: SweptBody, law: object, half: float) -> Array:
 
 
 def _gap_closing_by_unit_motions(roller: SweptBody, cup: SweptBody, middle: float) -> Array:
-    """Return how much each gap closes by a unit of the cup's approach, of the roller's motion to the cup, and of its tilt.
+    """Return the gap closed at each contact node by three unit motions ``(2 m n, 3)``, nodes of the cup's contact first.
 
-    ``middle``: distance of the roller's middle from the apex, along the roller's axis [m]. The result is ``(2 m n, 3)``,
-    the contact with the cup first.
+    The motions are the approach of the cup, the translation of the roller towards the cup, and the tilt of the roller.
+    ``middle``: distance of the roller's middle from the apex, along the roller's axis [m].
     """
     n = -roller.inward.reshape(-1, 3)
     arm = roller.points[roller.contact.ravel()]
@@ -363,7 +370,7 @@ STEP = 0.01
 
 
 def press_roller_between_races(bodies: CondensedRoller, load: float) -> RollerState:
-    """Solve the contacts of a roller that is pressed between its races, and its stiffness by small changes of the force.
+    """Solve the contacts of a roller pressed between its races: approach, pressures, and stiffness by finite differences.
 
     Parameters
     ----------
@@ -398,7 +405,7 @@ def press_roller_between_races(bodies: CondensedRoller, load: float) -> RollerSt
     forces = found[2].forces.reshape(2, *bodies.areas.shape)
     touched = forces > 0.0
     if touched[:, [0, -1]].any() and bodies.row.edge_radius is None:
-        raise RollerError("the roller touches with its sharp ends, whose pressure is not finite", SHARP)
+        raise RollerError("the roller touches its races with its sharp ends, at which the contact pressure is infinite", SHARP)
     if touched[:, [0, -1]].any() or touched[:, :, -1].any():
         reason = "the roller touches its races outside the contact zone of the mesh"
         raise RollerError(reason, "increase the rollers' edge_radius, or decrease the load")

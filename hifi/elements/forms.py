@@ -49,7 +49,7 @@ Stress = Callable[[Any], Any]
 
 
 def isotropic_stress_law(young: float, poisson: float) -> Stress:
-    """Return the law of isotropic linear elasticity, from strain to stress.
+    """Return the function of isotropic linear elasticity that computes stresses from strains.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def elasticity_form(young: float, poisson: float) -> Any:
 
 
 def nodal_share_form(axis: int | None = None) -> Any:
-    """Return the linear form int N_i dA or int N_i dV, which gives each node i its share of an area or volume.
+    """Return the linear form int N_i dA or int N_i dV, by which each node i gets its share of an area or volume.
 
     Parameters
     ----------
@@ -136,11 +136,11 @@ _FACE_DEGREE = {3: 5, 4: 7}
 
 
 class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
-    """Isoparametric map of scikit-fem without Newton's method on faces, and with cached results.
+    """Isoparametric map of scikit-fem that locates face points in their cells without Newton's method, and caches results.
 
-    It shortens an assembly by a fifth to a third. The place of a face's point in its cell follows from their corners;
-    scikit-fem finds it by Newton's method to an absolute 1e-12, which is below round-off in cells of 10 um 16 mm from the
-    origin. Faces are mapped as parts of their cells.
+    It shortens an assembly by a fifth to a third. The position of a face's point in its cell follows from the corners of
+    both. Scikit-fem finds it by Newton's method to an absolute 1e-12, which is below round-off for cells of 10 um at 16 mm
+    from the origin. Faces are mapped as parts of their cells.
     """
 
     def __init__(self, mesh: Mesh) -> None:
@@ -149,9 +149,9 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         self._cached: dict[str, tuple[Any, Any, Any]] = {}
 
     def _cached_result(self, name: str, X: Any, entities: Any, compute: Callable[[], Any]) -> Any:
-        """Return a cached result for the points X in the cells or faces ``entities``; compute it if either has changed.
+        """Return a result for the points X in the cells or faces ``entities`` from the cache; compute it if they changed.
 
-        ``name``: key of the result; ``compute``: function that computes it.
+        ``name``: key of the result in the cache; ``compute``: function that computes it.
         """
         known = self._cached.get(name)
         if known is None or known[0] is not X or not (known[1] is entities or np.array_equal(known[1], entities)):
@@ -178,11 +178,11 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         return np.asarray(x.T @ table if table.ndim == 2 else np.einsum("nc,ncq->cq", x, table))
 
     def Fmap(self, i: int, X: Array, tind: Any = None) -> Array:
-        """Return coordinate i of the points in space at the reference coordinates X of the cells tind."""
+        """Return coordinate i (0, 1, 2: x, y, z) of the points at the reference coordinates X in the cells ``tind``."""
         return self._interpolate_nodes(i, self._shape_values(X)[0], tind)
 
     def J(self, i: int, j: int, X: Array, tind: Any = None) -> Array:
-        """Return entry (i, j) of the Jacobian at the reference coordinates X of the cells tind."""
+        """Return entry (i, j) of the Jacobian dx_i/dX_j at the reference coordinates X in the cells ``tind``."""
 
         def compute() -> list[list[Array]]:
             slopes = self._shape_values(X)[1]
@@ -191,27 +191,28 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         return np.asarray(self._cached_result("J", X, tind, compute)[i][j])
 
     def detDF(self, X: Array, tind: Any = None, J: Any = None) -> Array:
-        """Compute the determinants of the Jacobians at the reference coordinates X of the cells tind."""
+        """Compute the determinants of the Jacobians at the reference coordinates X in the cells ``tind``."""
         return np.asarray(self._cached_result("detDF", X, tind, partial(super().detDF, X, tind, J)))
 
     def invDF(self, X: Array, tind: Any = None) -> Array:
-        """Compute the inverse Jacobians at the reference coordinates X of the cells tind."""
+        """Compute the inverse Jacobians at the reference coordinates X in the cells ``tind``."""
         return np.asarray(self._cached_result("invDF", X, tind, partial(super().invDF, X, tind)))
 
     def _face_corners(self, find: Any) -> Array:
-        """Find the corners of faces in the reference cell.
+        """Find the reference coordinates of the corners of faces, in the first cell of each face.
 
-        The result is ``(3, k, f)`` for f faces of k corners, or ``(3, k, 1)`` if all faces have the same corners in their
-        cells.
+        ``find``: indices of the faces. The result is ``(3, k, f)`` for f faces of k corners, or ``(3, k, 1)`` if all faces
+        have the same corners in their cells.
         """
         faces_, cells_ = self.mesh.facets[:, find], self.mesh.t[:, self.mesh.f2t[0, find]]
         corner = (cells_ == faces_[:, None]).argmax(axis=1)
         return np.asarray(self.mesh.refdom.p[:, corner[:, :1] if (corner == corner[:, :1]).all() else corner])
 
     def _reference_points(self, X: Array, find: Any) -> Array:
-        """Find the coordinates in the reference cell of points X on faces.
+        """Find the reference coordinates, in the first cell of each face, of points X given on the reference face.
 
-        The result is ``(3, f, q)`` for q points on f faces, or ``(3, q)`` if it is the same for all faces.
+        ``find``: indices of the faces. The result is ``(3, f, q)`` for q points on f faces, or ``(3, q)`` if it is the same
+        for all faces.
         """
 
         def compute() -> Array:
@@ -224,13 +225,13 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         return np.asarray(self._cached_result("places", X, find, compute))
 
     def G(self, X: Array, find: Any = None) -> Array:
-        """Return the points in space at the coordinates X on the reference face, for the faces find."""
+        """Return the points in space that the coordinates X on the reference face have on the faces ``find``."""
         x: Array = self.F(self._reference_points(X, find), self.mesh.f2t[0, find])
         self._cached["faces"] = (x, find, X)
         return x
 
     def invF(self, x: Array, tind: Any = None) -> Array:
-        """Return the reference coordinates of points on faces, computed before by `G`, in the faces' first cells tind."""
+        """Return the reference coordinates of the face points x, which `G` returned last, in their cells ``tind``."""
         known, find, X = self._cached.get("faces", (None, None, None))
         if known is not x or not np.array_equal(tind, self.mesh.f2t[0, find]):
             raise ValueError(
@@ -240,7 +241,7 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         return self._reference_points(X, find)
 
     def detDG(self, X: Array, find: Any = None) -> Array:
-        """Compute the ratio of the area of the faces find to that of the reference face, at its coordinates X."""
+        """Compute the area ratio of the faces ``find`` to the reference face, at the coordinates X on the latter."""
         tind, corners = self.mesh.f2t[0, find], self._face_corners(find)
         sides = np.broadcast_to(corners[:, [1, -1]] - corners[:, :1], (3, 2, len(tind)))
         u, v = np.einsum("ijfq,jaf->aifq", self.DF(self._reference_points(X, find), tind), sides)
@@ -248,7 +249,7 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
 
 
 def stiffness_quadrature(mesh: Mesh) -> tuple[Array, Array]:
-    """Return the quadrature rule with which the stiffness of a mesh is integrated, in reference coordinates of a cell.
+    """Return the quadrature rule for the stiffness of a mesh, in the reference coordinates of a cell.
 
     It passes the patch test on curved cells (the cofactors of the map times the gradients are integrated exactly) and
     integrates the stiffness of a plane-faced cell exactly. (scikit-fem's rule of degree 3 on tetrahedra has a negative
@@ -324,7 +325,7 @@ def face_basis(mesh: Mesh, name: str, *, element: Any = None, **options: Any) ->
 
 
 def mass_matrix(u: FacetBasis, v: FacetBasis) -> sp.csr_array:
-    """Assemble the mass matrix int v_i u_j dA of two scalar spaces on the same faces.
+    """Assemble the mass matrix int v_i u_j dA between the shape functions of two scalar spaces on the same faces.
 
     Parameters
     ----------
@@ -365,7 +366,7 @@ def nodal_areas(mesh: Mesh, name: str) -> Array:
 
 
 def form_coefficients(form: Any) -> Array:
-    """Extract the coefficients c_ikjl of a bilinear form c_ikjl u_i,k v_j,l.
+    """Extract the constant coefficients c_ikjl of a bilinear form int c_ikjl u_i,k v_j,l dV.
 
     Parameters
     ----------
@@ -386,12 +387,12 @@ def form_coefficients(form: Any) -> Array:
     unit = [DiscreteField(value=unknown, grad=g.reshape(3, 3, 1, 1)) for g in np.eye(9)]
     values = np.array([[np.ravel(form.form(u, v, None))[0] for v in unit] for u in unit]).reshape(3, 3, 3, 3)
     if not np.isfinite(values).all():
-        raise ValueError("the form depends on displacements, not on their gradients alone: assemble it with scikit-fem")
+        raise ValueError("the bilinear form depends on displacements, not on their gradients alone: assemble it with scikit-fem")
     return values
 
 
 def assemble_constant_form(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_array:
-    """Assemble the sparse matrix of a form in the displacement gradients only, with constant coefficients.
+    """Assemble the sparse matrix of a bilinear form in displacement gradients with constant coefficients.
 
     Parameters
     ----------
@@ -441,7 +442,7 @@ def assemble_constant_form(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc
 
 
 def _node_graph(nodes: Index, count: int) -> sp.csr_array:
-    """Build the graph of nodes that share a cell; its entries are numbered row by row in ascending columns.
+    """Build the sparse graph of nodes that share a cell; its values number its entries, row by row.
 
     ``nodes``: indices of the nodes of each cell (cells, n); ``count``: number of all nodes.
     """
@@ -456,7 +457,7 @@ def _node_graph(nodes: Index, count: int) -> sp.csr_array:
 
 
 class ElementHexPressure(ElementHex2):  # type: ignore[misc]
-    """Basis functions of the contact pressure on a 27-node hexahedron, trilinear on each of its eight halves.
+    """Basis functions of the contact pressure on a 27-node hexahedron, trilinear on each of its eight octants.
 
     There is one function for each node of ElementHex2.
     """
@@ -473,7 +474,7 @@ class ElementHexPressure(ElementHex2):  # type: ignore[misc]
 
 
 def quarter_square_quadrature(refdom: Any, degree: int) -> tuple[Array, Array]:
-    """Build a Gauss rule on each of the four quarters of the unit square.
+    """Build a quadrature rule of the unit square from a Gauss rule on each of its four quarters.
 
     Parameters
     ----------
@@ -495,12 +496,13 @@ def quarter_square_quadrature(refdom: Any, degree: int) -> tuple[Array, Array]:
 
 
 def pressure_weights_of_nodes(mesh: Mesh, contact: Index) -> sp.csr_array:
-    """Compute the weights W of the pressure functions at the nodal displacements, on a patch's boundary "contact".
+    """Compute the integrals W_ki = int phat_k N_i dA over the contact zone, the boundary "contact" of a mesh.
 
-    The row sums W 1 are the areas of the pressure functions, the column sums 1^T W those of the displacement's shape
-    functions, both over the contact zone. On 27-node hexahedra pressure functions are bilinear on the halves of faces.
-    First-order tetrahedra, which represent the mesh of Lin's thesis, have nodal forces: W is diagonal (a consistent mass
-    would make so coarse a contact stiffer still).
+    phat_k are the nodal basis functions of the contact pressure, N_i the shape functions of the displacement. W gives nodal
+    forces W^T p from nodal pressures p, and integrals W g of gaps g weighted by the pressure functions. Row sums are the
+    areas of the pressure functions, column sums those of the shape functions. On 27-node hexahedra the pressure functions
+    are bilinear on each quarter of a face. First-order tetrahedra, which represent the mesh of Lin's thesis, have nodal
+    forces: W is diagonal (a consistent mass would make so coarse a contact stiffer still).
 
     Parameters
     ----------
@@ -512,7 +514,7 @@ def pressure_weights_of_nodes(mesh: Mesh, contact: Index) -> sp.csr_array:
     Returns
     -------
     (c, c) sparse array
-        Weights W: pressure functions as rows, shape functions of the displacement as columns [m2].
+        Weights W [m2]: pressure functions as rows, shape functions of the displacement as columns.
     """
     if mesh.elem is not ElementHex2:
         return sp.csr_array(sp.diags_array(nodal_share_form().assemble(face_basis(mesh, "contact"))[contact]))
@@ -524,12 +526,12 @@ def pressure_weights_of_nodes(mesh: Mesh, contact: Index) -> sp.csr_array:
 
 
 def normalise_rows_of_weights(weights: sp.csr_array) -> sp.csr_array:
-    """Scale weights to rows of sum one, so that they give means over the pressure functions instead of integrals.
+    """Scale each row of a weight matrix to the sum one, so that it gives weighted means instead of integrals.
 
     Parameters
     ----------
     weights : (c, c) sparse array
-        Weights of c pressure functions (rows) at nodal displacements (columns) [m2], of `pressure_weights_of_nodes`.
+        Weights of c pressure basis functions (rows) at nodal values (columns) [m2], of `pressure_weights_of_nodes`.
 
     Returns
     -------

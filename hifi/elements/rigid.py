@@ -8,7 +8,7 @@ from rollbench.meshes.arrays import Array
 
 
 def nodal_displacements_of_rigid_motions(points: Array, centre: Array | None = None) -> Array:
-    """Compute the displacements of nodes by the six rigid motions about a centre.
+    """Compute the nodal displacements of six unit rigid motions: translations, and small rotations about a centre.
 
     Parameters
     ----------
@@ -38,17 +38,17 @@ def nodal_displacements_of_rigid_motions(points: Array, centre: Array | None = N
 
 
 def rigid_motion_transfer_matrix(arm: float) -> Array:
-    """Return the matrix that carries a small rigid motion along the z axis, from one section to another.
+    """Return the matrix that gives the motion of one point on the z axis from that of another, for a small rigid motion.
 
     Parameters
     ----------
     arm : float
-        Distance along z from the first section to the second [m].
+        Position z of the first point less that of the second [m].
 
     Returns
     -------
     (6, 6) Array
-        Motion of the point at z + arm when the section at z moves rigidly by (u, rotation).
+        Translation and rotation of the point at z + arm by those of the point at z.
 
     Examples
     --------

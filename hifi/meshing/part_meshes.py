@@ -100,7 +100,7 @@ def choose_socket_size(
     layout : BallLayout
         Positions of the balls on the track.
     sides : tuple[int, ...]
-        Flanks 0 to 3 that carry contacts.
+        Groove flanks (0, 1: screw, 2, 3: nut) that carry contacts.
     dims : Dimensions
         Dimensions of the solid parts.
     settings : Settings
@@ -134,7 +134,7 @@ def reach_of_ellipses_along_groove(m: GrooveMap, side: int, angle: Array, across
     m : GrooveMap
         Geometry of the track.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     angle : (n,) Array
         Contact angles of n contacts [rad].
     across, along : (n,) Array
@@ -166,7 +166,7 @@ def ball_socket_and_map(
     size : SocketSize
         Size of the groove's socket.
     side : int
-        Flank 0 to 3.
+        Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     zone : tuple[float, float]
         Half widths of the contact zone across and along the groove, over those of the socket.
 
@@ -256,7 +256,7 @@ def mesh_parts(
     dims : Dimensions
         Dimensions of the solid parts.
     sides : tuple[int, ...]
-        Flanks 0 to 3 that carry contacts.
+        Groove flanks (0, 1: screw, 2, 3: nut) that carry contacts.
     settings : Settings
         Mesh choices.
     cache : Cache, optional, default None
@@ -293,7 +293,7 @@ def list_mesh_calls(
     dims : Dimensions
         Dimensions of the solid parts.
     sides : tuple[int, ...]
-        Flanks 0 to 3 that carry contacts.
+        Groove flanks (0, 1: screw, 2, 3: nut) that carry contacts.
     settings : Settings
         Mesh choices.
 
@@ -329,7 +329,7 @@ def contacts_on_body(layout: BallLayout, sides: tuple[int, ...], screw: bool) ->
     layout : BallLayout
         Positions of the balls on the track.
     sides : tuple[int, ...]
-        Flanks 0 to 3 that carry contacts.
+        Groove flanks (0, 1: screw, 2, 3: nut) that carry contacts.
     screw : bool
         True: contacts on the screw; False: contacts on the nut.
 
