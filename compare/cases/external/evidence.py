@@ -138,7 +138,7 @@ def deep_groove_bearing(findings: Findings, study: Study) -> None:
     """Compute displacements and lives of the deep-groove ball bearing that was also computed by the program MASTA.
 
     The rings are rigid, and the inner ring moves along each load only. Lives refer to the load rating that MASTA was given.
-    ``findings``: receives the computed value for each published number; ``study``: gives the solved scenes.
+    ``findings``: receives the computed value to compare with each published number; ``study``: gives the solved scenes.
     """
     rated = read_input("masta", "rating", "force")
     for key, name, freedom, unit in (
@@ -158,7 +158,7 @@ def deep_groove_bearing(findings: Findings, study: Study) -> None:
 def bearing_218(findings: Findings, study: Study) -> None:
     """Compute contact angle, displacement and ball load of the textbooks' 218 bearing under thrust (Jones, Harris).
 
-    ``findings``: receives the computed value for each published number; ``study``: gives the solved scenes.
+    ``findings``: receives the computed value to compare with each published number; ``study``: gives the solved scenes.
     """
     result, ring = solve_bearing(study, "harris-218")
     assert ring.balls is not None
@@ -177,7 +177,7 @@ def half_load_zone(findings: Findings, study: Study) -> None:
     """Compute the load distribution of a bearing whose load zone is half the circumference (Sjövall).
 
     The ball loads are computed with a row of many balls, the thrust by load-distribution integrals. ``findings``: receives
-    the computed value for each published number; ``study``: gives the solved scenes.
+    the computed value to compare with each published number; ``study``: gives the solved scenes.
     """
     for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
         ring = solve_bearing(study, name)[1]
@@ -238,8 +238,8 @@ def gmn_rigidity_growth_over_printed(conformity: float) -> np.ndarray[tuple[int,
 def gmn_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the rigidities printed in GMN's catalogue for preloaded pairs of a series of spindle bearings.
 
-    ``findings``: receives the computed rigidity for each printed one, and whether the claim on their growth with preload
-    holds. ``study``: not used here.
+    ``findings``: receives the computed rigidity to compare with each printed one, and whether the claim on their growth
+    with preload holds. ``study``: not used here.
     """
     inferred = float(read_inputs()["gmn"]["conformity"])
     for name in read_inputs()["gmn"]["rows"]:
@@ -265,8 +265,8 @@ def snfa_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
     """Compute rigidity, its growth with preload, and lift-off load of a preloaded bearing pair in SNFA's catalogue.
 
     The catalogue's formulas assume constant contact angles, from which the values "as printed" are computed; in the correct
-    values, the angles change under load. ``findings``: receives both values for each printed number. ``study``: not used
-    here.
+    values, the angles change under load. ``findings``: receives both values to compare with each printed number. ``study``:
+    not used here.
     """
     case = read_inputs()["snfa"]
     row = [1e3 * read_input("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
@@ -339,8 +339,8 @@ def equivalent_loads(findings: Findings, study: Study) -> None:
     """Compute makers' examples of equivalent loads.
 
     These are mean forces of duty cycles, forces and life of both halves of a preloaded nut, and the factors e, X and Y of
-    ISO 281 for the equivalent load of a bearing. ``findings``: receives the computed value for each printed number;
-    ``study``: gives the scenes included with rollbench.
+    ISO 281 for the equivalent load of a bearing. ``findings``: receives the computed value to compare with each printed
+    number; ``study``: gives the scenes included with rollbench.
     """
     for key, case in EXAMPLES.items():
         findings.number(key, equivalent_force_of_duty_cycle(case))
@@ -380,7 +380,8 @@ ONSET_STEPS = 20
 def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the Hertz contacts of one ball of NSK's screw-support bearing at the published ball load and contact angle.
 
-    ``findings``: receives contact angle, approaches and semi-axes for the published numbers. ``study``: not used here.
+    ``findings``: receives contact angle, approaches and semi-axes, to compare with the published numbers. ``study``: not
+    used here.
     """
     parts = shipped_shaft_scene("nsk-25bswz01").sets[0].parts
     assert isinstance(parts, Scene)
@@ -402,7 +403,7 @@ def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
 def sphere_on_plane(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the contact radius of an elastic sphere on a rigid plane, Ansys's verification case 63.
 
-    ``findings``: receives the contact radius [mm]. ``study``: not used here.
+    ``findings``: receives the contact radius [mm], to compare with the published one. ``study``: not used here.
     """
     radius = read_input("vm63", "radius", "length")
     modulus = read_input("vm63", "youngs_modulus", "pressure") / (1.0 - read_inputs()["vm63"]["poissons_ratio"] ** 2)
@@ -469,7 +470,7 @@ def rolling_examples(findings: Findings, study: Study) -> None:  # noqa: ARG001 
     """Compute the published examples of the program CONTACT: steady rolling, a wheel, and rolling from rest.
 
     Steady rolling has lateral creepage and spin; its Hertz contact, force and moment on elastic half spaces are computed.
-    ``findings``: receives the computed value for each published number. ``study``: not used here.
+    ``findings``: receives the computed value to compare with each published number. ``study``: not used here.
     """
     load, hertz = _load_and_hertz_constants("contact")
     cube = float(np.cbrt(load))
@@ -580,8 +581,8 @@ def nut_rigidities(findings: Findings, study: Study) -> None:
     """Compute the rigidities of THK's and HIWIN's nuts at 0.3 of their dynamic rating C, and related printed values.
 
     These are the growth of rigidity with the number of turns, the rigidity of a double nut, and its drag torque.
-    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives the
-    solved scenes.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds;
+    ``study``: gives the solved scenes.
     """
     alone, bodies = {}, {}
     for size in (*THK, *HIWIN):

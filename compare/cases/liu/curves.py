@@ -37,11 +37,11 @@ FREE_LENGTH = 1e-3 * printed_value("liu-3", "free_length")
 BALLS = "ball number"
 
 
-DRAWN = "Liu et al. print neither the drawn errors nor the curves: ours are of another draw of the same distribution."
+DRAWN = "Liu et al. print neither the random errors nor the curves: ours have other random errors of the same range."
 
-SPREAD = f"Band and median: {CURVES} drawn screws."
+SPREAD = f"Band: central 99 % of {CURVES} screws with random errors; line: their median."
 
-NO_VALUES = "The text prints no value of this figure; the curves are computed here."
+NO_VALUES = "Liu's text prints no value of this figure."
 
 
 def _random_ball_errors(half_range: int, number: int = 0) -> Array:
@@ -123,8 +123,8 @@ def ball_deformation_figure() -> Figure:
             Panel(title, BALLS, "normal deformation / µm", (_curve_over_balls(approach, "ours, one draw"),), zero=True)
         )
     caption = (
-        "Printed: no ball unloaded at 2000 N, one at 1500 N (in the caption 1000 N), 25 at 500 N; the table gives their "
-        f"places among {liu.MEMBERS} draws. {DRAWN}"
+        "Liu prints: no unloaded ball at 2000 N, one at 1500 N (in the caption 1000 N), 25 at 500 N; this section's table "
+        f"gives their percentiles among {liu.MEMBERS} random screws. {DRAWN}"
     )
     title = "Liu (2025), Figure 11: normal deformation of the balls with random errors of ±2 µm"
     return Figure("liu-figure-11", title, panels, caption, columns=3, same_y=True)
@@ -145,7 +145,7 @@ def displacement_test_figure() -> Figure:
     series = (
         *found,
         _curve_without_errors(lambda f: _displacement_and_stiffness_without_errors(f)[0], TEST_LOADS),
-        Series("median and free screw", list(TEST_LOADS), free, "line"),
+        Series("median with screw outside the nut", list(TEST_LOADS), free, "line"),
     )
     stiff = (
         *_percentile_curves(3, "stiffness", 1e8, TEST_LOADS),
@@ -156,13 +156,13 @@ def displacement_test_figure() -> Figure:
         Panel("stiffness of the nut", "axial load / N", "stiffness / 10⁸ N/m", stiff, zero=True),
     )
     caption = (
-        "A prediction: the text prints no measured displacement, only that measured and calculated ones differ by at most "
-        f"9.22 %, so none can be held against ours. Whether the {1e3 * FREE_LENGTH:g} mm of screw outside the nut stretch "
-        f"within what is measured is not said: both are drawn. {SPREAD}"
+        "Computed curves only: Liu's text prints no measured displacement. It does not state whether the measured "
+        f"displacement includes the stretch of the {1e3 * FREE_LENGTH:g} mm of screw outside the nut: both are drawn. "
+        f"{SPREAD}"
     )
     return Figure(
         "liu-figure-13",
-        "Liu (2025), Figure 13: displacement in the test, predicted for random errors of ±3 µm",
+        "Liu (2025), Figure 13: displacement and stiffness predicted for Liu's test, random errors of ±3 µm",
         panels,
         caption,
     )
@@ -189,12 +189,12 @@ def displacement_test_table() -> Table:
             }
         )
     note = (
-        "Displacement of the nut by (19), from where the first ball touches. The screw's section is assumed (scene "
-        "liu-screw)."
+        "Displacement of the nut by Liu's equation (19), counted from the first contact of a ball. The cross section of "
+        "the screw is assumed (scene liu-screw)."
     )
     return Table.of(
         "liu-test",
-        "Liu (2025), Figure 13: displacement predicted for the test, whose measured values are not printed",
+        "Liu (2025), Figure 13: displacement predicted for Liu's test; measured values are not printed",
         rows,
         note,
     )
@@ -210,7 +210,7 @@ def liu_and_mei_loads_figure() -> Figure:
             ends = [float(q[0]) * printed_value("liu-4.1", key) for q, key in ((ours, "ratio"), (mei, "ratio_mei"))]
             series.append(_printed_markers([liu.ball_count()] * 2, ends, "printed Q78/Q1 times our Q1"))
         panels.append(Panel(title, BALLS, "normal load / N", series))
-    caption = f"No load of this figure is printed, only the ratios of the last to the first. {DRAWN}"
+    caption = f"Of this figure only the ratios of the last ball's load to the first ball's are printed. {DRAWN}"
     return Figure(
         "liu-figure-14", "Liu (2025), Figure 14: contact loads by Liu's and by Mei's model under 5000 N", panels, caption
     )
@@ -231,8 +231,8 @@ def one_faulty_ball_figure() -> Figure:
             Panel(f"{words} at ball 33", BALLS, "normal load / N", (*series, _printed_markers(at, printed)), zero=True)
         )
     caption = (
-        "Printed: Q33, and Q78 as the printed ratio times our Q1. The lighter load of panel a is not printed; 1000 N as in "
-        "b. 124.55 N at 5000 N in b is 142.55 N with two digits exchanged."
+        "Markers: printed load Q33 of ball 33, and printed ratio Q78/Q1 times our load Q1 of ball 1. The lighter load of "
+        "panel a is not printed; 1000 N is assumed, as in b. 124.55 N at 5000 N in b is 142.55 N with two digits exchanged."
     )
     return Figure(
         "liu-figure-15", "Liu (2025), Figure 15: contact loads with one ball too small or too large", panels, caption
@@ -256,7 +256,7 @@ def _load_curves_and_ranges(half_range: int, loads: Iterable[float]) -> list[Ser
 def random_error_loads_figure() -> Figure:
     """Draw Liu's Figure 16: loads of all balls with random errors of +-2 um."""
     panel = Panel("±2 µm", BALLS, "normal load / N", _load_curves_and_ranges(2, (500.0, 1000.0, 5000.0)), zero=True)
-    caption = f"Marks at the left: the smallest and largest loads that the text prints. {DRAWN}"
+    caption = f"Markers at the left: smallest and largest loads that Liu's text prints. {DRAWN}"
     return Figure(
         "liu-figure-16", "Liu (2025), Figure 16: contact loads with random errors of ±2 µm", (panel,), caption, columns=1
     )
@@ -270,7 +270,7 @@ def loads_by_error_range_figure() -> Figure:
         panels.append(
             Panel(title, BALLS, "normal load / N", _load_curves_and_ranges(half_range, (1000.0, 5000.0)), zero=True)
         )
-    caption = f"Marks at the left: the smallest and largest loads that the text prints. {DRAWN}"
+    caption = f"Markers at the left: smallest and largest loads that Liu's text prints. {DRAWN}"
     title = "Liu (2025), Figure 17: contact loads for several ranges of the random errors"
     return Figure("liu-figure-17", title, panels, caption)
 
@@ -287,7 +287,7 @@ def loaded_balls_figure(found: dict[str, float], words: str) -> Figure:
         counts = [liu.ball_count() - found[k] if k.startswith("un") else found[k] for k in keys]
         series = (*_percentile_curves(h, "loaded", 1.0, LOADS[:-2]), _printed_markers(at, counts))
         panels.append(Panel(f"±{h} µm", "axial load / N", "loaded balls", series, zero=True))
-    caption = f"Printed: the counts of the text; where it counts unloaded balls, 78 less them: {words} {SPREAD}"
+    caption = f"Markers: loaded balls by Liu's text, which prints some as unloaded balls of 78; {words} {SPREAD}"
     title = "Liu (2025), Figure 18: number of loaded balls over the axial load"
     return Figure("liu-figure-18", title, panels, caption, columns=3, same_y=True)
 
@@ -330,8 +330,8 @@ def stiffness_figure(found: dict[str, float], words: str) -> Figure:
         series = (*_percentile_curves(h, "stiffness", 1e8), free, *marks)
         panels.append(Panel(f"±{h} µm", "axial load / N", "stiffness / 10⁸ N/m", series, zero=True))
     caption = (
-        "Ours is the tangent; the step of load of (22) is not printed, and a secant lies above the tangent. "
-        f"{words} {SPREAD}"
+        "Computed: tangent stiffness. Liu's equation (22) is a secant, which lies above the tangent; its load step is not "
+        f"printed. {words} {SPREAD}"
     )
     title = "Liu (2025), Figure 20: axial stiffness over the axial load"
     return Figure("liu-figure-20", title, panels, caption, columns=3, same_y=True)
@@ -350,14 +350,14 @@ def three_draws_figure(found: dict[str, float]) -> Figure:
     loads, spread = (100.0, 1100.0, 2100.0), [liu.stiffness_spreads_of_triples(f) for f in (100.0, 1100.0, 2100.0)]
     low, middle, high = ([float(np.quantile(s, q)) for s in spread] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
     differ = (
-        Series("central 99 % of drawn triples", loads, low, "band", high),
+        Series("central 99 % of random triples", loads, low, "band", high),
         Series("median", loads, middle, "line"),
         _printed_markers(loads, [printed_value("liu-4.4", f"spread_{f:.0f}") for f in loads]),
     )
     panels = (
-        Panel("three draws of ±2 µm", "axial load / N", "stiffness / 10⁸ N/m", curves, zero=True),
-        Panel("largest minus smallest of three draws", "axial load / N", "stiffness / 10⁸ N/m", differ, zero=True),
+        Panel("three screws, errors of ±2 µm", "axial load / N", "stiffness / 10⁸ N/m", curves, zero=True),
+        Panel("largest minus smallest of three screws", "axial load / N", "stiffness / 10⁸ N/m", differ, zero=True),
     )
     return Figure(
-        "liu-figure-21", "Liu (2025), Figure 21: contact loads for three draws of the random errors", panels, DRAWN
+        "liu-figure-21", "Liu (2025), Figure 21: axial stiffness of three screws with random errors", panels, DRAWN
     )

@@ -98,9 +98,10 @@ def calibrated_model(law: Law = "implicit") -> BallScrewChain:
 
 
 def implied_series_cross_section(balls_a_turn: float) -> float:
-    """Return the cross sections of nut and screw in series [m^2], 1/(1/A_n + 1/A_s), implied by the calibrated model.
+    """Return the cross section [m^2] of nut and screw in series, 1/(1/A_n + 1/A_s), that the calibrated model implies.
 
-    ``balls_a_turn``: number of balls in a turn, which determines the length of a segment between two balls.
+    A_n, A_s: cross sections of nut and screw. ``balls_a_turn``: number of balls in a turn, which determines the length of a
+    segment between two balls.
     """
     scene = liu_screw()
     return scene.track.lead / balls_a_turn / (scene.balls.material.youngs_modulus * calibrated_model().compliance)
@@ -164,9 +165,10 @@ LIGHT, HEAVY = 1000.0, 5000.0
 
 
 def section_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in section 2.1 and Table 2 of Liu et al. (2025).
+    """Recompute the numbers printed in section 2.1 and Table 2 of Liu et al. (2025), and check the claims made there.
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
+    not used here.
     """
     scene = liu_screw()
     track, balls, angle, lead = scene.track, scene.balls, scene.track.contact_angle, lead_angle(scene.track)
@@ -200,9 +202,10 @@ def compare_with_elimination() -> tuple[int, int, float]:
 
 
 def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in section 3 of Liu et al. (2025).
+    """Recompute the numbers printed in section 3 of Liu et al. (2025), and check the claims made there.
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
+    not used here.
     """
     steps = max(
         solve_ball_screw(calibrated_model(), x, 500.0).iterations
@@ -240,7 +243,7 @@ def mei_model() -> BallScrewChain:
 def largest_deviations_from_mei(
     chain: BallScrewChain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]
 ) -> tuple[float, float]:
-    """Return the largest difference [%] between a ball's loads by an axial model and by Mei's model, at 5000 N.
+    """Return the largest difference [%] of any ball's load between an axial model and Mei's model, at 5000 N.
 
     First: relative to the load by Mei's model; second: relative to the load by the other model. ``chain``: the other
     model; ``errors``: errors of the ball diameters (78,) [m].
@@ -251,9 +254,10 @@ def largest_deviations_from_mei(
 
 
 def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in section 4.1 of Liu et al. (2025).
+    """Recompute the numbers printed in section 4.1 of Liu et al. (2025), and check the claims made there.
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
+    not used here.
     """
     load = calibration_load()
     area = 1e6 * implied_series_cross_section(26.0)
@@ -313,7 +317,7 @@ def error_of_ball_33_for_load(load: float) -> float:
 
 
 def first_carrying_loads() -> tuple[float, float]:
-    """Return the axial loads [N] from which on ball 1, then ball 78, carries load, with ball 33 too large by 2 um."""
+    """Return the smallest axial loads [N] at which ball 1, then ball 78, is loaded, if ball 33 is too large by 2 um."""
     errors = errors_of_ball_33(2e-6)
     return (
         load_at_which_ball_is_loaded(calibrated_model(), errors, 0, LIGHT),
@@ -322,9 +326,10 @@ def first_carrying_loads() -> tuple[float, float]:
 
 
 def section_4_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in section 4.2 of Liu et al. (2025).
+    """Recompute the numbers printed in section 4.2 of Liu et al. (2025), and check the claims made there.
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
+    not used here.
     """
     for name, error in (("minus", -2.0), ("plus", 2.0)):
         for load in (LIGHT, HEAVY):
@@ -397,7 +402,7 @@ def matching_screws_in_words(half_range: int, at_500: int, at_1000: int) -> str:
 
 
 def record_percentile(e: Findings, key: str, *remarks: str) -> None:
-    """Record the median of the randomly drawn screws in ``e`` as the computed value of a printed number.
+    """Record in ``e`` the median of a quantity over randomly drawn screws, to compare with a printed number.
 
     The remark states the percentile of the printed number among these screws. ``key``: key of the printed number;
     ``remarks``: further remarks.
@@ -428,9 +433,10 @@ def falls_with_error_range(quantity: Quantity, load: float) -> np.ndarray[tuple[
 
 
 def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in section 4.3 of Liu et al. (2025), by randomly drawn screws.
+    """Recompute the numbers printed in section 4.3 of Liu et al. (2025) with randomly drawn screws; check its claims.
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
+    not used here.
     """
     for row in (f.printed for f in e.evidence()):
         if row.value is not None:
@@ -486,10 +492,10 @@ def stiffness_spreads_of_triples(load: float) -> Array:
 
 
 def relative_stiffness_percentile_in_words(key: str, printed: float, reference: float) -> str:
-    """Return in words the percentile of a printed stiffness divided by the printed stiffness without errors.
+    """Return in words the percentile of a printed stiffness ratio, with over without ball errors, among drawn screws.
 
-    Its percentile is computed among the same ratios of randomly drawn screws. The ratio does not change if all stiffnesses
-    differ from the publication's by one factor. ``key``: key of the printed stiffness; ``printed``: its value;
+    The ratio is the printed stiffness with random ball errors over that without errors; it does not change if all
+    stiffnesses differ from the publication's by one factor. ``key``: key of the printed stiffness; ``printed``: its value;
     ``reference``: printed stiffness without errors.
     """
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
@@ -554,9 +560,10 @@ def agreement_by_load_step(rows: Sequence[Printed]) -> str:
 
 
 def section_4_4(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in section 4.4 of Liu et al. (2025), by randomly drawn screws.
+    """Recompute the numbers printed in section 4.4 of Liu et al. (2025) with randomly drawn screws; check its claims.
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
+    not used here.
     """
     bare, printed_K = e.printed("K_0_3000"), [f.printed for f in e.evidence() if f.printed.key.startswith("K_")]
     for row in printed_K:

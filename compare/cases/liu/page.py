@@ -1,7 +1,7 @@
 """Report pages on Liu et al. (2025): printed numbers and figures of each section, with the computed ones.
 
-The last page shows the error of Liu's model, which has axial displacements only: the same screw is computed by it, by the
-beam model, by the refined beam model and in 3D.
+Another page shows the error of Liu's model, which has axial displacements only: it computes one screw by this model, by the
+beam model, by the refined model and by the 3D reference.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def loaded_ball_counts_in_words(found: dict[str, float]) -> str:
         total += 1
         if not low <= count <= high:
             out.append(f"±{half_range} µm at {load:g} N {'below' if count < low else 'above'}")
-    span = f"what {100.0 * (1.0 - 2.0 * liu.UNLIKELY):g} % of the draws span"
+    span = f"the range of {100.0 * (1.0 - 2.0 * liu.UNLIKELY):g} % of the random screws"
     beyond = f"; beyond it: {', '.join(dict.fromkeys(out))}" if out else ""
     return f"{total - len(out)} of {total} printed counts lie within {span}{beyond}"
 
@@ -93,8 +93,8 @@ def stiffness_deviation_in_words(found: dict[str, float]) -> str:
                 error_percent(1e8 * value, float(np.median(liu.quantity_of_drawn_screws(half_range, "stiffness", load))))
             )
     if not off:
-        return "no printed stiffness stands at a load that all balls of most draws carry"
-    return f"with all balls loaded printed stiffness is {min(off):+.1f} to {max(off):+.1f} % off the median of the draws"
+        return "No stiffness is printed for a load under which most random screws have all balls loaded"
+    return f"With all balls loaded, printed stiffness is {min(off):+.1f} to {max(off):+.1f} % off the median random screw"
 
 
 #: Name of the scene of Liu's screw.
@@ -146,9 +146,9 @@ def change_errors_and_load(scene: Scene, errors: Array, load: float) -> Scene:
 
 
 def axial_model_with_rigid_nut(scene: Scene) -> ModelInputs:
-    """Return the inputs of Liu's axial model for a scene, changed to two assumptions of the beam model.
+    """Return inputs of Liu's axial model for a scene, with a rigid nut and exact contact angles, as the beam model has.
 
-    These are a rigid nut, and contact angles that follow exactly from the displacements.
+    Exact contact angles follow from the displacements without approximation.
     """
     row = nut_as_spring_row(scene, law="exact")
     return replace(row, chain=replace(row.chain, compliance=row.share * row.chain.compliance))
@@ -262,16 +262,16 @@ def model_loads_table(study: Study) -> Table:
             row[Quantity(f"{name}_loaded", f"{words}: loaded balls", "", "s")] = int(np.count_nonzero(model > 0.0))
             if name != "axial":
                 rms, most, ball = c.difference_from_axial(model)
-                row[Quantity(f"{name}_rms", f"{words}: RMS off the axial one", "% of the mean", ".2f")] = rms
+                row[Quantity(f"{name}_rms", f"{words}: RMS difference from axial only", "% of the mean", ".2f")] = rms
                 largest = f"{most:+.1f} (ball {ball})"
-                row[Quantity(f"{name}_most", f"{words}: largest difference", "% of the mean", "s")] = largest
+                row[Quantity(f"{name}_most", f"{words}: largest difference from it", "% of the mean", "s")] = largest
         rows.append(row)
     note = (
-        "Axial only: the chain with the axial compliance of the same screw and a rigid nut, as in the beam "
-        "model. Areas and balls per turn are assumed (scene liu-screw)."
+        "Axial only: Liu's model with a rigid nut and the axial compliance of the beam model's screw. Cross "
+        "sections and balls per turn are assumed (scene liu-screw)."
     )
     return Table.of(
-        "liu-bodies", "Contact loads of Liu's screw by the axial-only, the beam and the refined model", rows, note
+        "liu-bodies", "Liu's screw: contact loads by the axial-only, the beam and the refined model", rows, note
     )
 
 
@@ -288,22 +288,22 @@ def errors_against_3d_table(study: Study) -> Table:
             Quantity("rms", "RMS error", "% of the mean", ".2f"): c.rms,
             Quantity("most", "largest error", "% of the mean", ".2f"): c.largest,
             Quantity("ball", "at ball", "", "s"): c.ball,
-            Quantity("bar", "3D: grid uncertainty", "% of the mean", ".2f"): c.uncertainty,
-            Quantity("loaded", "loaded balls", "", "s"): c.loaded,
-            Quantity("solid", "in 3D", "", "s"): c.loaded_in_3d,
+            Quantity("bar", "mesh uncertainty of 3D", "% of the mean", ".2f"): c.uncertainty,
+            Quantity("loaded", "loaded balls, by the model", "", "s"): c.loaded,
+            Quantity("solid", "loaded balls in 3D", "", "s"): c.loaded_in_3d,
         }
         for c in study.compute_once(compare_with_3d)
     ]
     levels = " and ".join(str(k) for k in SOLID_LEVELS)
     contacts = 2 * study.scene(SCENE).ball_count
     note = (
-        f"3D reference on the mesh levels {levels}: {contacts} contacts. Both models of the first two rows hold the nut "
-        "rigid. "
-        "The drawn errors are those of the scene's seed, the same for all models."
+        f"3D reference on the mesh levels {levels}, with {contacts} contacts. The nut is rigid in the axial-only and the "
+        "beam model. "
+        "Random ball errors are the same for all models."
     )
     return Table.of(
         "liu-solid",
-        "Error of the axial-only, the beam and the refined model against the 3D reference, Liu's screw",
+        "Liu's screw: errors of contact loads against the 3D reference, for the axial-only, beam and refined model",
         rows,
         note,
     )
@@ -348,10 +348,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
             conclusion=reproduction_sentence(count_entries_by_verdict(found)[0]),
         ),
         *chapters,
-        Section("liu-beyond", "Liu's screw by the axial-only model, a beam, the refined model and in 3D", beyond),
+        Section("liu-beyond", "Liu's screw computed by three low-order models and by the 3D reference", beyond),
         Section(
             "liu-audit",
-            "Misprints of the publication, and how each number is computed here",
+            "Liu (2025): misprints, and how each of the printed numbers is recomputed",
             (misprints_table("liu"), *computation_tables(PRINTED)),
         ),
     )

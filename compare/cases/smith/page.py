@@ -85,8 +85,8 @@ def hertz_parameters_figure() -> Figure:
         Panel("error against exact integrals", "F(p)", "error / %", off),
     )
     caption = (
-        "The last b* of the table is printed with a digit too many, 3.5 % off. The printed fit of b*, with the coefficient "
-        "2.26, is some 40 % off and not shown."
+        "The last b* of Table 2-1 is printed with a digit too many, 3.5 % off. Smith's fit of b* as printed, with the "
+        "coefficient 2.26, is about 40 % off and not shown."
     )
     return Figure(
         "smith-figure-2-8",
@@ -110,9 +110,9 @@ def bearing_stiffness_panel(found: Sequence[Evidence]) -> Panel:
     ]
     theory = [1e-6 * (f.printed.value or 0.0) for f in found if f.printed.key.startswith("theory_")]
     series = (
-        Series("ball, right", [float(x) for x in loads], ours, "line", emphasis=True),
+        Series("ball, correct", [float(x) for x in loads], ours, "line", emphasis=True),
         Series(
-            "ball, sheet",
+            "ball, Smith's spreadsheet",
             [float(x) for x in loads],
             [bearings.ball_spreadsheet_stiffness(float(x)) / 1e6 for x in loads],
             "line",
@@ -120,10 +120,10 @@ def bearing_stiffness_panel(found: Sequence[Evidence]) -> Panel:
         Series("ball, tested", at, [1e-6 * (f.printed.value or 0.0) for f in tested], "markers"),
         Series("ball, printed theory", at, theory, "markers"),
         Series(
-            "taper, right", [float(x) for x in loads], [bearings.taper_stiffness(float(x)) / 1e6 for x in loads], "line"
+            "taper, correct", [float(x) for x in loads], [bearings.taper_stiffness(float(x)) / 1e6 for x in loads], "line"
         ),
         Series(
-            "taper, sheet",
+            "taper, Smith's spreadsheet",
             [float(x) for x in loads],
             [bearings.taper_spreadsheet_stiffness(float(x)) / 1e6 for x in loads],
             "line",
@@ -133,7 +133,7 @@ def bearing_stiffness_panel(found: Sequence[Evidence]) -> Panel:
 
 
 def axis_stiffness_panel(found: Sequence[Evidence]) -> Panel:
-    """Draw the axis stiffness over the nut's position, for ball and tapered support bearings, with Smith's sum in series.
+    """Draw the axis stiffness over the nut's position, for ball and tapered support bearings, and by Smith's sum in series.
 
     ``found``: printed values of Smith's thesis with the computed ones.
     """
@@ -148,7 +148,7 @@ def axis_stiffness_panel(found: Sequence[Evidence]) -> Panel:
             values = carriage_to_frame_stiffness(a, a.length * places, bearings.NUT) / unit
             series.append(Series(f"{kind}, {words}", at, [float(v) for v in values], "line"))
         total = next(f for f in found if f.printed.key == f"total_{kind}")
-        series.append(Series(f"{kind}, sum in series", [0.5], [1e-6 * (total.as_printed or 0.0)], "markers"))
+        series.append(Series(f"{kind}, Smith's sum in series", [0.5], [1e-6 * (total.as_printed or 0.0)], "markers"))
     return Panel("axis", "nut's position / L", "stiffness / 10⁶ lbf/in", series, zero=True)
 
 
@@ -160,12 +160,11 @@ def stiffness_figure(found: Sequence[Evidence]) -> Figure:
     sums = [f for kind in axis.KINDS for f in found if f.printed.key == f"total_{kind}"]
     stiffer = [100.0 * (f.value / f.as_printed - 1.0) for f in sums if f.value and f.as_printed]
     caption = (
-        "Left: the measured curve of the ball bearing is flatter than any Hertz contact; the tapered "
-        "bearing is computed stiffer than its test by more than the depth of its rings explains. Right: "
-        f"with both ends in parallel the axis is stiffer by {min(stiffer):.0f} to {max(stiffer):.0f} % than the "
-        "sum in series, which an end-to-end test with hammer and accelerometer seemed to confirm."
+        "Left: one bearing. The measured stiffness of the ball bearing grows less with thrust than that of Hertz "
+        "contacts; the tapered bearing is computed stiffer than tested. Right: the axis. With both ends acting in "
+        f"parallel it is {min(stiffer):.0f} to {max(stiffer):.0f} % stiffer than by Smith's sum of compliances in series."
     )
-    title = "Deflection of support bearings and axis under load: measured by Smith and computed"
+    title = "Axial stiffness of support bearings and of the screw axis: measured by Smith, and computed"
     return Figure("smith-stiffness", title, (bearing_stiffness_panel(found), axis_stiffness_panel(found)), caption)
 
 
@@ -186,23 +185,28 @@ def row_loads_figure(found: Sequence[Evidence]) -> Figure:
             series.append(Series(f"{state}, printed", at, [f.printed.value or 0.0 for f in rows], "markers", emphasis=True))
         panels.append(Panel(words, "end and row", "load / lbf", series, zero=True, integer_x=True, names=names))
     caption = (
-        "After the preload, after the stretch, and with 1000 lbf on the carriage towards the left end. Smith gives "
-        "each end half of the stretch, and takes the whole of a load from one side and adds it to the other."
+        "Preload: bearings alone; stretch: screw stretched as well; applied: also 1000 lbf on the carriage towards the "
+        "left. Smith does not solve for equilibrium: he adds half of the tension and of this load to the rows at each "
+        "end."
     )
-    return Figure("smith-loads", "Loads of the bearing rows at both ends of the axis (Smith 4.2)", panels, caption)
+    return Figure(
+        "smith-loads",
+        "Loads of the bearing rows at both ends of the axis (Smith 4.2): printed, and computed",
+        panels,
+        caption,
+    )
 
 
 LAYOUT_NOTE = (
-    "Load of 1000 lbf towards the left end; thrust at either end from the tension of the shaft; stiffness "
-    "of shaft and supports without the nut. Scene: beam and contacts, rows at their own places. Formulas: "
-    "rows by their laws, all rows of an end at one place, and a bar. Sum in series (4.6): both ends and the "
-    "whole screw between rigid walls, which is the stiffness of none of them. Differences grow towards an "
-    "end, because there the distance between its rows counts."
+    "Load on the nut: 1000 lbf towards the left end. Stiffness: of screw and supports, without the nut. Scene: beam and "
+    "contacts, each bearing row at its own position. Formulas: bar and load-deflection laws of the rows, all rows of an "
+    "end at one position. Sum in series: Smith's equation (4.6), which adds the compliances of both ends and of the screw. "
+    "Scene and formulas differ more near an end, where the distance between its rows counts."
 )
 
 
 def axis_layouts_table(study: Study) -> Table:
-    """Return the table of end thrusts and axis stiffness by layout and position of the nut.
+    """Return the table of the thrust on both end supports and of the axis stiffness, by bearing layout and nut position.
 
     They are computed by the beam model, by closed formulas, and by Smith's sum in series. ``study``: gives the solved
     scenes.
@@ -224,21 +228,22 @@ def axis_layouts_table(study: Study) -> Table:
                 Quantity("scene", "stiffness, scene", "10⁶ lbf/in", ".3f"): scene.stiffness / unit,
                 Quantity("formula", "stiffness, formulas", "10⁶ lbf/in", ".3f"): closed.stiffness / unit,
                 Quantity("difference", "scene against formulas", "%", ".2f"): difference,
-                Quantity("series", "sum in series", "10⁶ lbf/in", ".3f"): series if np.isfinite(series) else None,
+                Quantity("series", "stiffness, Smith's sum", "10⁶ lbf/in", ".3f"): series if np.isfinite(series) else None,
             }
         )
     return Table.of(
         "smith-layouts",
-        "End thrusts and stiffness of the axis by bearing layout and nut position: scene, formulas, Smith's sum",
+        "Thrust on both end supports and stiffness of the screw axis, by bearing layout and nut position",
         rows,
         LAYOUT_NOTE,
     )
 
 
 ROLLER_NOTE = (
-    "One roller between its races in 3D (`rollbench mesh-study smith-axis-taper`), ends rounded with 1 mm (assumed: the "
-    "source does not give them); slices: the law of every row of rollers here; spring: that of ISO/TS 16281. Line contact: "
-    "Hertz's pressure of the load per length that 3D has in the middle. Uncertainty: of the mesh, from all levels."
+    "3D: one roller between its races (`rollbench mesh-study smith-axis-taper`), its ends rounded with a radius of 1 mm, "
+    "which is assumed. Slices: load-deflection law of roller rows in this package; spring: law of ISO/TS 16281. Line "
+    "contact: Hertz pressure under the load per length that 3D has at mid-length. Uncertainty: by the mesh, from all "
+    "levels."
 )
 
 
@@ -288,10 +293,10 @@ def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
         ),
         Panel("largest pressure across", "along the roller / mm", "MPa", pressures, zero=True),
     )
-    caption = f"A roller under {roller.load:.4g} N: even but for the ends, where the rounding makes the pressure finite."
+    caption = f"One roller under {roller.load:.4g} N. Load and pressure are even, except at the rounded ends."
     table = Table.of(
         "smith-roller-3d",
-        "Deflection and pressure of a tapered roller between its races: 3D and low-order laws",
+        "Deflection and pressure of a tapered roller between its races: in 3D, and by load-deflection laws",
         rows,
         note,
     )
@@ -328,7 +333,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
         *chapters,
         Section(
             "smith-audit",
-            "Misprints of the publication, and how each number is computed here",
+            "Smith (1994): misprints, and how each of the printed numbers is recomputed",
             (misprints_table("smith"), *computation_tables(PRINTED)),
         ),
     )

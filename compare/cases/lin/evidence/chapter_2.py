@@ -82,9 +82,9 @@ def correct_table_b_1(scene: Scene) -> dict[str, float]:
 def table_b_1(findings: Findings, study: Study) -> None:
     """Compute the Hertz parameters of Table B.1 of Lin's thesis, with his faults and without them.
 
-    ``findings``: receives two values for each printed number. One is computed as Lin did, with a conformity of 0.56 and the
-    thesis's faults; the other is correct and has the groove of Table 2.1, which the text names. ``study``: gives the scenes
-    included with rollbench.
+    ``findings``: receives two values to compare with each printed number. One is computed as Lin did, with a conformity of
+    0.56 and the thesis's faults; the other is correct and has the groove of Table 2.1, which the text names. ``study``:
+    gives the scenes included with rollbench.
     """
     scene = study.scene("lin-case1")
     right, faulty = (
@@ -104,8 +104,8 @@ def table_b_1(findings: Findings, study: Study) -> None:
 def table_2_1(findings: Findings, study: Study) -> None:
     """Record the inputs of Table 2.1 and section 2.4.1 of Lin's thesis, as the scenes contain them.
 
-    ``findings``: receives the value for each printed number, in the printed unit; ``study``: gives the scenes included with
-    rollbench.
+    ``findings``: receives the value to compare with each printed number, in the printed unit; ``study``: gives the scenes
+    included with rollbench.
     """
     scene, preloaded, offset = (study.scene(name) for name in ("lin-case1", "lin-case3", "lin-case3-offset"))
     track, nut, steel = scene.track, scene.nut, scene.screw.material
@@ -197,10 +197,10 @@ def load_ratio_range_in_words(study: Study) -> str:
 
 
 def section_2_4_1(findings: Findings, study: Study) -> None:
-    """Compute the numbers and claims printed in section 2.4.1 of Lin's thesis.
+    """Recompute the numbers printed in section 2.4.1 of Lin's thesis, and check the claims made there.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives solved
-    scenes and stored 3D references.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds;
+    ``study``: gives solved scenes and stored 3D references.
     """
     _compute_case_1(study, findings)
     _compute_case_2(study, findings)
@@ -360,10 +360,10 @@ SEEN = 0.05
 
 
 def section_2_4_2(findings: Findings, study: Study) -> None:
-    """Compute the numbers and claims on geometric errors printed in section 2.4.2 of Lin's thesis.
+    """Recompute the numbers printed in section 2.4.2 of Lin's thesis, and check its claims on geometric errors.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds. Claims on random
-    errors stay open if ``study`` draws no random screws.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    Claims on random errors stay open if ``study`` draws no random screws.
     """
     groove = groove_section(study.scene("lin-case1"))
     findings.number("gamma_low", groove.gamma_1 / np.pi, "Lin C.5")
@@ -479,10 +479,10 @@ def scenes_with_open_inputs_varied(scene: Scene) -> list[tuple[str, Scene]]:
 
 
 def section_4_3_2(findings: Findings, study: Study) -> None:
-    """Compute the numbers and claims on manufacturing errors printed in section 4.3.2 of Lin's thesis.
+    """Recompute the numbers printed in section 4.3.2 of Lin's thesis, and check its claims on manufacturing errors.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives the
-    solved scenes.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds;
+    ``study``: gives the solved scenes.
     """
     pitch, roundness = study.scene("lin-pitch-4p1"), study.scene("lin-roundness-4p1")
     findings.number("e_p", 1e6 * pitch.errors.SL.pitch[0].sin, "key of the scene")

@@ -111,7 +111,7 @@ def force_and_loss_maps() -> PairResultsOverGrid:
 def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Record the inputs of the rotary bearing in Table 3.1 of Lin's thesis.
 
-    ``findings``: receives the value for each number of the table. ``study``: not used here.
+    ``findings``: receives the value to compare with each number of the table. ``study``: not used here.
     """
     b = ROTARY
     values = {
@@ -168,8 +168,8 @@ IN_3D |= {"omega_x": ("omega x rad/s", 1.0), "omega_y": ("omega y rad/s", 1.0)}
 def table_3_2(findings: Findings, study: Study) -> None:
     """Compute contact forces, losses and ball motion of the rotary bearing: Table 3.2 and section 3.2.2 of Lin's thesis.
 
-    ``findings``: receives two values for each printed number: as printed, with Lin's faults, and correct, with exact Hertz
-    constants and least dissipation; ``study``: gives stored results of the 3D rolling model.
+    ``findings``: receives two values to compare with each printed number: as printed, with Lin's faults, and correct, with
+    exact Hertz constants and least dissipation; ``study``: gives stored results of the 3D rolling model.
     """
     solid = {
         case: source_cases.stored_rolling_results_in_3d(study, name) for case, name in source_cases.ROTARY_SCENES.items()
@@ -198,8 +198,8 @@ def table_3_2(findings: Findings, study: Study) -> None:
 def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute inputs, worst case and claims of the linear bearing: Table 3.3 and section 3.3.4.1 of Lin's thesis.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used
-    here.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    ``study``: not used here.
     """
     b = LINEAR
     values = {
@@ -275,8 +275,8 @@ def velocity_deviations_by_formula(mated: bool) -> Array:
 def table_3_4(findings: Findings, study: Study) -> None:
     """Compute the velocity deviations [%] of two balls in the linear bearing: Table 3.4 of Lin's thesis.
 
-    ``findings``: receives the computed value for each number of the table; ``study``: gives stored results of the 3D
-    rolling model.
+    ``findings``: receives the computed value to compare with each number of the table; ``study``: gives stored results of
+    the 3D rolling model.
     """
     findings.numbers({"theta": degrees(THETA), "rho": SIDE})
     for case, name in (("a", source_cases.LINEAR_PAIR), ("b", source_cases.LINEAR_MATED)):
@@ -313,8 +313,8 @@ def formula_force(*, mated: bool) -> float:
 def table_3_5(findings: Findings, study: Study) -> None:
     """Compute ball-to-ball forces [N] of the linear bearing and differences from ANSYS: Table 3.5 of Lin's thesis.
 
-    ``findings``: receives the computed value for each number of the table; ``study``: gives stored results of the 3D
-    rolling model.
+    ``findings``: receives the computed value to compare with each number of the table; ``study``: gives stored results of
+    the 3D rolling model.
     """
     spread = ", ".join(f"{loads} {solve_linear_pair(loads=loads).force:.2f} N" for loads in LOADS)
     formula = {case: formula_force(mated=case == "b") for case in "ab"}
@@ -353,7 +353,7 @@ def contact_ellipse_proportions(conformity: float, pressure: float) -> tuple[flo
 def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute slope and linear range of the friction force over the offset of the spin pole: appendix G of Lin's thesis.
 
-    ``findings``: receives the computed value for each printed number. ``study``: not used here.
+    ``findings``: receives the computed value to compare with each printed number. ``study``: not used here.
     """
     pressure = MULTIPLE * YIELD
     ratio = contact_ellipse_proportions(LINEAR.conformity, 1e6 * pressure)[0]

@@ -157,7 +157,8 @@ def compute_ball_contact_onset(study: Study, kind_of_error: str, unloaded_ball_s
 def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Record the inputs of the ball screw in Table 3.6 of Lin's thesis, as the scenes contain them.
 
-    ``findings``: receives the value for each number of the table, in the table's unit. ``study``: not used here.
+    ``findings``: receives the value to compare with each number of the table, in the table's unit. ``study``: not used
+    here.
     """
     g = source_cases.groove_of_table_3_6()
     values = {
@@ -186,8 +187,8 @@ def _record_youngs_modulus(findings: Findings, young: float) -> None:
 def table_3_7(findings: Findings, study: Study) -> None:
     """Compute ball-to-ball forces and loss increases of two balls of the screw: Table 3.7 of Lin's thesis.
 
-    ``findings``: receives the computed value for each number of the table; ``study``: gives stored results of the 3D
-    rolling model.
+    ``findings``: receives the computed value to compare with each number of the table; ``study``: gives stored results of
+    the 3D rolling model.
     """
     for case in THETA:
         solid = source_cases.stored_rolling_results_in_3d(study, source_cases.PAIR_SCENES[case])
@@ -295,8 +296,8 @@ def time_steps_in_words(amplitude: float) -> str:
 def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute inputs, numbers and claims of the simulation of the whole screw in section 3.4.4 of Lin's thesis.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used
-    here.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    ``study``: not used here.
     """
     base = source_cases.simulation_inputs_of_section_3_4_4()
     inputs = {
@@ -354,7 +355,8 @@ def _check_simulation_claims(findings: Findings) -> None:
 def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Record the inputs of the four-point and the double-row bearing in Table 4.2 of Lin's thesis.
 
-    ``findings``: receives the value for each number of the table, in the table's unit. ``study``: not used here.
+    ``findings``: receives the value to compare with each number of the table, in the table's unit. ``study``: not used
+    here.
     """
     four, double = source_cases.four_point_bearing(tilt=False), source_cases.double_row_bearing(tilt=False)
     g = four.groove
@@ -382,8 +384,8 @@ def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 def section_4_3(findings: Findings, study: Study) -> None:
     """Compute numbers and claims of section 4.3 of Lin's thesis: bearing torques, and the onset of ball-to-ball contact.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives the
-    solved scenes.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds;
+    ``study``: gives the solved scenes.
     """
     _compute_bearing_torques(findings)
     first = {

@@ -209,8 +209,8 @@ def solve_load_ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, 
 def section_4_2(findings: Findings, study: Study) -> None:
     """Compute lash and contact loads of the steering gear: Table 4.1, sections 4.2.1 and 4.2.2 of Lin's thesis.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives the
-    scenes included with rollbench.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds;
+    ``study``: gives the scenes included with rollbench.
     """
     scene = study.scene(SCREW)
     material = scene.balls.material

@@ -100,7 +100,9 @@ class EndThrustsAndStiffness:
 def thrusts_and_stiffness_by_formulas(
     layout: SupportBearingLayout, nut_position: float, applied: float = bearings.APPLIED
 ) -> EndThrustsAndStiffness:
-    """Return end thrusts and stiffness of an axis by closed formulas, with all bearing rows of an end at one position.
+    """Return the thrust on both end supports and the stiffness of a screw axis, by closed formulas.
+
+    All bearing rows of an end are at one position.
 
     ``layout``: support bearings of the axis; ``nut_position``: position of the nut over the length between the supports;
     ``applied``: axial load on the nut, towards the left end [N]. The screw is stretched as in Smith's thesis, and the
@@ -130,7 +132,9 @@ def thrusts_and_stiffness_by_formulas(
 def thrusts_and_stiffness_by_scene(
     study: Study, layout: SupportBearingLayout, nut_position: float
 ) -> EndThrustsAndStiffness:
-    """Return end thrusts and stiffness of an axis, solved as a beam with contacts, each bearing row at its own position.
+    """Return the thrust on both end supports and the stiffness of a screw axis, by a beam model with contacts.
+
+    Each bearing row is at its own position.
 
     ``study``: caches the result; ``layout``: support bearings of the axis; ``nut_position``: position of the nut over the
     length between the supports.
@@ -146,12 +150,12 @@ def _solve_layout_scene(study: Study, layout: SupportBearingLayout, nut_position
     """
     found = catalogue.shipped_scene(layout.scene)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"{layout.scene}: expected a scene of an axis, got {type(found).__name__}")
+        raise AssertionError(f"scene {layout.scene}: expected a screw axis with bearings, got {type(found).__name__}")
     at = FIRST + nut_position * bearings.screw_as_bar_between_supports().length
     loads = tuple(replace(x, at=at, force=(0.0, 0.0, -bearings.APPLIED)) for x in found.loads)
     result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", Options(engine="compiled"))
     if not result.converged or result.stiffness is None:
-        raise AssertionError(f"{layout.scene}: expected convergence and a stiffness, got status {result.status!r}")
+        raise AssertionError(f"scene {layout.scene}: expected convergence and an axis stiffness, got {result.status!r}")
     thrust = {end: sum(float(s.force[2]) for s in result.sets if s.of.name.startswith(end)) for end in ("left", "right")}
     return EndThrustsAndStiffness(-thrust["left"], thrust["right"], float(result.stiffness[2, 2]))
 
@@ -170,7 +174,9 @@ def axis_stiffness_by_smith_sum(layout: SupportBearingLayout) -> float:
 
 
 def thrusts_and_stiffness_in_words(study: Study, layout: SupportBearingLayout) -> str:
-    """Return in words end thrusts and stiffness of an axis with the nut at mid-length, by beam model and by formulas.
+    """Return in words the thrust on both end supports and the stiffness of a screw axis, by beam model and formulas.
+
+    The nut is at mid-length.
 
     ``study``: gives the solved scenes; ``layout``: support bearings of the axis.
     """
@@ -183,10 +189,11 @@ def thrusts_and_stiffness_in_words(study: Study, layout: SupportBearingLayout) -
 def compare_scenes_with_formulas(
     study: Study,
 ) -> Iterator[tuple[SupportBearingLayout, float, EndThrustsAndStiffness, EndThrustsAndStiffness]]:
-    """Yield end thrusts and stiffness of each layout of the axis and each position of the nut, computed in two ways.
+    """Yield the thrust on both end supports and the stiffness of the screw axis, by beam model and by closed formulas.
 
-    Each entry: layout; position of the nut over the length; thrusts and stiffness by the beam model of its scene; the same
-    by closed formulas. ``study``: gives the solved scenes.
+    There is an entry for each bearing layout and each position of the nut: layout; position of the nut over the length
+    between the supports; thrusts and stiffness by the beam model of its scene; the same by closed formulas. ``study``:
+    gives the solved scenes.
     """
     for layout in LAYOUTS:
         for place in PLACES:
@@ -245,7 +252,7 @@ def _end_thrusts_under_load(tensile: float) -> dict[str, float]:
 
 
 def row_loads_as_printed(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
-    """Return the loads [lbf] of the bearing rows at one end of the axis by Smith's rule, which is not an equilibrium.
+    """Return the loads [lbf] of the bearing rows at one end of the axis by Smith's rule, which violates equilibrium.
 
     By this rule, half of the screw's tension and half of the carriage's load act at each end, and they are added in full to
     the preload of every row. ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied";
@@ -265,7 +272,7 @@ def row_loads_as_printed(kind: str, end: str, state: str, preload: tuple[float, 
 def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the stretch of the screw and the warming that relieves it: section 4.1 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number. ``study``: not used here.
+    ``e``: receives the computed value to compare with each printed number. ``study``: not used here.
     """
     a = bearings.screw_as_bar_between_supports()
     diameter = 2.0 * float(np.sqrt(a.area / np.pi))
@@ -293,8 +300,8 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 def section_4_2(e: Findings, study: Study) -> None:
     """Compute loads and stiffness of support bearings and axis: section 4.2 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds; ``study``: gives the solved
-    scenes.
+    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds; ``study``:
+    gives the solved scenes.
     """
     for kind in KINDS:
         for end in bearings.DIRECTIONS[kind]:
@@ -357,8 +364,8 @@ def axis_stiffness_at_middle(supports: float) -> float:
 def _compute_axis_stiffness(e: Findings, kind: str, as_scenes: str) -> None:
     """Compute the axis stiffness by Smith's sum of compliances, and with both halves of the screw in parallel.
 
-    ``kind``: "ball" or "taper"; ``as_scenes``: remark with end thrusts and stiffness by the beam model. ``e``: receives the
-    results.
+    ``kind``: "ball" or "taper"; ``as_scenes``: remark with the thrust on both end supports and the axis stiffness by the
+    beam model. ``e``: receives the results.
     """
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
@@ -373,7 +380,7 @@ def _compute_axis_stiffness(e: Findings, kind: str, as_scenes: str) -> None:
 def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the torque that the motor must supply: section 4.3 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number. ``study``: not used here.
+    ``e``: receives the computed value to compare with each printed number. ``study``: not used here.
     """
     rows = {"ball": (3, printed_value("smith-2.3", "M")), "taper": (2, printed_value("smith-3", "M"))}
     e.number("nut", 18.0)
@@ -397,7 +404,7 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def _record_axis_and_drive_data(e: Findings) -> None:
-    """Compute speed, resolution and further data of the tested axis and its drive: section 5.1 of Smith.
+    """Compute speed, encoder resolution and further data of the tested axis and its drive: section 5.1 of Smith (1994).
 
     ``e``: receives the results.
     """
@@ -459,7 +466,7 @@ def _compare_stiffness_tests(e: Findings) -> None:
 
 
 def _compare_temperature_rises(e: Findings) -> None:
-    """Compare measured temperature rises with the torques that cause them: section 5.2.4 of Smith (1994).
+    """Compare measured temperature rises with the friction torques that cause them: section 5.2.4 of Smith (1994).
 
     ``e``: receives the results.
     """
@@ -507,9 +514,10 @@ def _compute_loads_at_reduced_preload(e: Findings) -> None:
 
 
 def chapter_5(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in chapter 5 of Smith (1994).
+    """Recompute the numbers printed in chapter 5 of Smith (1994), and check the claims made there.
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
+    not used here.
     """
     for fill in (
         _record_axis_and_drive_data,

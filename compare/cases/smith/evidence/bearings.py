@@ -201,8 +201,8 @@ def ball_spreadsheet_stiffness(pounds: float) -> float:
 def table_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the Hertz contact parameters delta*, a*, b* of Smith's Table 2-1 by elliptic integrals.
 
-    ``e``: receives the computed value for each number of the table, and whether each claim on the line contact holds.
-    ``study``: not used here.
+    ``e``: receives the computed value to compare with each number of the table, and whether each claim on the line contact
+    holds. ``study``: not used here.
     """
     for i, difference in enumerate(DIFFERENCES):
         e.number(f"F_{i}", difference)
@@ -306,9 +306,10 @@ def _compute_triplex_preload(e: Findings) -> None:
 
 
 def approach_fit_range() -> tuple[float, float, float]:
-    """Return the range of the curvature difference F(p) in which Smith's fit of delta*, his equation (2.18), is within 2 %.
+    """Return the range of the curvature difference F(p) where Smith's fit of the approach, equation (2.18), is within 2 %.
 
-    First: lower end; second: upper end; third: error of the fit at F(p) = 0.5 [%].
+    First: lower end; second: upper end; third: error of the fit at F(p) = 0.5 [%]. The fit is that of the dimensionless
+    approach delta*.
     """
 
     def fit_error(difference: float) -> float:
@@ -331,9 +332,10 @@ def approach_fit_range() -> tuple[float, float, float]:
 
 
 def section_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in Figure 2-10 and section 2.1.2 of Smith (1994).
+    """Recompute the numbers printed in Figure 2-10 and section 2.1.2 of Smith (1994), and check the claims made there.
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
+    not used here.
     """
     _compute_dimensions(e)
     _compute_spreadsheet_cells_under_load(e)
@@ -349,7 +351,8 @@ def section_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 def section_2_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the ball bearing's axial stiffness over thrust: Table 2-2 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
+    not used here.
     """
     loads = [row.key.removeprefix("theory_") for row in load_table(e.table) if row.key.startswith("theory_")]
     measured, theory = (np.array([e.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
@@ -374,7 +377,8 @@ def section_2_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 def section_2_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the friction torque of the ball bearing: section 2.3 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
+    not used here.
     """
     b = ball_bearing()
     e.numbers({"nu": 1e6 * VISCOSITY, "n": SPEED / RPM, "f_0": 2.0, "F": BALL_TORQUE_LOAD / POUND, "Y_0": 0.3, "X_0": 0.5})
@@ -584,9 +588,9 @@ def _compute_taper_contacts(e: Findings) -> None:
 
 
 def _compute_taper_tests(e: Findings) -> None:
-    """Compute the counterparts of tested stiffness and friction torque of the tapered bearing; ``e`` receives the results.
+    """Compute stiffness and friction torque of the tapered bearing, to compare with the tests in Smith's chapter 3.
 
-    The tests are the measurements in chapter 3 of Smith (1994).
+    ``e``: receives the results.
     """
     load = TAPER_TORQUE_LOAD / POUND
     middle = taper_stiffness(load)
@@ -618,9 +622,10 @@ def _compute_taper_tests(e: Findings) -> None:
 
 
 def chapter_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in chapter 3 of Smith (1994).
+    """Recompute the numbers printed in chapter 3 of Smith (1994), and check the claims made there.
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
+    not used here.
     """
     _compute_taper_spreadsheet(e)
     _compute_taper_contacts(e)
