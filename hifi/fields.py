@@ -211,8 +211,8 @@ def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
     beyond = sorted(z for z in scene.stations if z > low)
     if dims.screw_held != "bore" and beyond:
         raise ValueError(
-            f"{scene.name}: the screw is supported or loaded at {1e3 * beyond[0]:.4g} mm, above the low end of the "
-            f"part that is meshed in 3D, {1e3 * low:.4g} mm; allowed for its stress field: supports and loads below that end"
+            f"{scene.name}: the screw is supported or loaded at {1e3 * beyond[0]:.4g} mm, above the low end of "
+            f"its 3D mesh at {1e3 * low:.4g} mm; allowed for its stress field: supports and loads below that end"
         )
 
 
@@ -474,7 +474,9 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
         The contact carries no load.
     """
     if not forces.sum() > 0.0:
-        raise ValueError(f"no contact pressure on flank {side}: its contact got a force of {forces.sum():.3g} N; allowed: > 0 N")
+        raise ValueError(
+            f"no contact pressure on flank {side}: its contact got a force of {forces.sum():.3g} N; allowed: > 0 N"
+        )
     arms = patch.points - np.array([m.R, 0.0, 0.0])
     n, t1, t2 = contact_frame_vectors(m, side)
     across, along = arms @ t1, arms @ t2
@@ -522,7 +524,9 @@ def ball_contact_pressures(
     """
     sides = tuple(s for s in range(4) if loads[s] > 0.0)
     if not sides:
-        raise ValueError(f"ball {ball + 1} carries no load, so that it has no contact pressure: choose a ball with a contact load > 0 N")
+        raise ValueError(
+            f"ball {ball + 1} carries no load, so that it has no contact pressure: choose a ball with a contact load > 0 N"
+        )
     m, all_balls, dims = GrooveMap.of(scene), ball_layout(scene), dimensions_of_3d_parts(scene)
     row = slice(ball, ball + 1)
     layout = BallLayout(*(getattr(all_balls, x.name)[row] for x in fields(BallLayout)))

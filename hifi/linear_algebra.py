@@ -566,8 +566,8 @@ def _check_response_to_random_load(solve: Solve, diagonal: Array) -> None:
         ratio = float(np.linalg.norm(response) / np.linalg.norm(load))
     if not ratio < SINGULAR:
         raise FactorError(
-            f"the stiffness matrix is singular to working precision (response {ratio:.1e} to a unit load): check that every "
-            "body is fixed"
+            f"the stiffness matrix is singular to working precision (response {ratio:.1e} to a unit load): check that "
+            "every body is fixed"
         )
 
 

@@ -229,7 +229,9 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     """
     wall, cpu = perf_counter(), process_time()
     if row.edge_radius is None and np.isinf(row.crown):
-        raise RollerError("the roller has a straight profile and sharp ends, at which the contact pressure is infinite", SHARP)
+        raise RollerError(
+            "the roller has a straight profile and sharp ends, at which the contact pressure is infinite", SHARP
+        )
     middle, share_of = _distance_from_apex(row), min(np.pi / row.count, WIDEST)
     zone = RollerContactZone(ZONE * contact_half_width(row, load), cells, GRADING / cells)
     lines, touch, far = _axial_cell_boundaries(row, cells, load)
@@ -405,7 +407,9 @@ def press_roller_between_races(bodies: CondensedRoller, load: float) -> RollerSt
     forces = found[2].forces.reshape(2, *bodies.areas.shape)
     touched = forces > 0.0
     if touched[:, [0, -1]].any() and bodies.row.edge_radius is None:
-        raise RollerError("the roller touches its races with its sharp ends, at which the contact pressure is infinite", SHARP)
+        raise RollerError(
+            "the roller touches its races with its sharp ends, at which the contact pressure is infinite", SHARP
+        )
     if touched[:, [0, -1]].any() or touched[:, :, -1].any():
         reason = "the roller touches its races outside the contact zone of the mesh"
         raise RollerError(reason, "increase the rollers' edge_radius, or decrease the load")

@@ -387,7 +387,9 @@ def form_coefficients(form: Any) -> Array:
     unit = [DiscreteField(value=unknown, grad=g.reshape(3, 3, 1, 1)) for g in np.eye(9)]
     values = np.array([[np.ravel(form.form(u, v, None))[0] for v in unit] for u in unit]).reshape(3, 3, 3, 3)
     if not np.isfinite(values).all():
-        raise ValueError("the bilinear form depends on displacements, not on their gradients alone: assemble it with scikit-fem")
+        raise ValueError(
+            "the bilinear form depends on displacements, not on their gradients alone: assemble it with scikit-fem"
+        )
     return values
 
 
