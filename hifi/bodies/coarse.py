@@ -50,7 +50,7 @@ from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_into_linear_tetrahed
 
 @dataclass(frozen=True)
 class Socket:
-    """Socket of a coarse body: the box around one contact that a fine patch fills."""
+    """Socket of a body: the box cut out of its coarse mesh around one contact, which a fine patch fills."""
 
     #: Indices of the socket's nodes in the body's mesh, in the order of the patch of its flank.
     nodes: Index
@@ -74,7 +74,9 @@ NO_RESULTANT = 1e-9
 
 
 def reduce_socket_transfer_to_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
-    """Approximate the matrix H, by which a patch transfers contact loads to its socket, by a product V Q of few modes.
+    """Find few displacement modes V of a contact, with their nodal forces Q on its socket, such that H is nearly V Q.
+
+    H^T gives the forces by which a patch transfers its contact loads to the nodes of the socket.
 
     The first modes belong to the independent resultants (forces and moments) of the contact loads. Each gives the nodal
     forces on the socket that contact pressures cause on average per unit of the resultant, so that Q^T V^T f is in
@@ -122,18 +124,17 @@ def reduce_socket_transfer_to_modes(patch: CondensedPatch, count: int) -> tuple[
 
 
 def _dominant_left_singular_vectors(traces: Array, least: float) -> Array:
-    """Find the left singular vectors of a matrix ``(n, s)`` whose singular values exceed ``least``.
+    """Return as columns the left singular vectors of a matrix ``(n, s)`` whose singular values exceed ``least``.
 
-    The vectors are columns, that of the largest singular value first.
-
-    ``traces``: the matrix, with s nodal loads on a socket of n degrees of freedom as columns.
+    The vector of the largest singular value comes first. ``traces``: the matrix; its columns are s nodal loads on a socket
+    of n degrees of freedom.
     """
     U, strength, _ = np.linalg.svd(traces, full_matrices=False)
     return np.asarray(U[:, strength > least])
 
 
 def rigid_motions_of_patch(patch: CondensedPatch) -> tuple[Array, Array]:
-    """Compute six independent rigid motions of a patch, as displacements of its socket and of its contact.
+    """Compute six independent rigid motions of a patch, as displacements of its socket's nodes and of its contact nodes.
 
     Parameters
     ----------
@@ -145,7 +146,7 @@ def rigid_motions_of_patch(patch: CondensedPatch) -> tuple[Array, Array]:
     rigid : (3 nodes, 6) Array
         Orthonormal rigid motions of the socket's nodes.
     moved : (c, 6) Array
-        Mean displacement along the normals over each pressure function, by each of these motions.
+        Displacement along the normal at each of c contact nodes, averaged with its pressure basis function, by each motion.
     """
     centre = patch.socket.mean(axis=0)
     rigid, T = np.linalg.qr(nodal_displacements_of_rigid_motions(patch.socket, centre))
@@ -156,9 +157,9 @@ def rigid_motions_of_patch(patch: CondensedPatch) -> tuple[Array, Array]:
 
 
 def hertz_pressures_of_unit_force(patch: CondensedPatch) -> Array:
-    """Compute Hertz pressures of unit force on the pressure functions of a patch.
+    """Compute the nodal forces of elliptic (Hertzian) pressures with unit resultant in the contact zone of a patch.
 
-    The ellipses are similar to the contact zone, of the sizes `SIZES` at the positions `SHIFTS`, sampled at the nodes.
+    The ellipses have the proportions of the contact zone, the relative sizes `SIZES` and the positions `SHIFTS`.
 
     Parameters
     ----------
@@ -168,7 +169,7 @@ def hertz_pressures_of_unit_force(patch: CondensedPatch) -> Array:
     Returns
     -------
     (c, s) Array
-        Forces of the c pressure functions [N] for each of s pressures, as columns.
+        Forces at the c contact nodes [N] for each of s pressure distributions, as columns.
     """
     middle = patch.points - patch.points.mean(axis=0)
     x = middle @ np.linalg.svd(middle, full_matrices=False)[2][:2].T
@@ -279,21 +280,23 @@ def assemble_body_stiffness(
 
 
 def assemble_modes_of_sockets(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> sp.csr_array:
-    """Assemble the rows Q of the modes of all contacts on the body's degrees of freedom, rotated from the patches' frames.
+    """Assemble the matrix Q of nodal forces that unit modal forces of all contacts exert on a body's degrees of freedom.
+
+    The nodal forces of a socket are given in the frame of its patch, and rotated into the frame of the body.
 
     Parameters
     ----------
     sockets : Sequence[Socket]
         Sockets of the body: pockets of its coarse mesh that the fine patches fill.
     rows : dict[int, Array]
-        By flank, the rows Q of the k modes of a patch on its socket's degrees of freedom ``(k, 3 nodes)``.
+        By flank, the nodal forces Q of the k modes of a patch on its socket's degrees of freedom ``(k, 3 nodes)``.
     size : int
         Number of the body's degrees of freedom.
 
     Returns
     -------
     (r, size) sparse array
-        Rows Q of the r modes of all sockets, socket after socket.
+        Matrix Q with a row for each of the r modes of all sockets, socket after socket.
     """
     data, row, column = [], [], []
     start = 0
@@ -336,7 +339,9 @@ def isostatic_freedoms(points: Array, avoid: Index) -> Index:
 
 
 def nodal_forces_like_rigid_motions(mesh: Mesh) -> Array:
-    """Compute the nodal forces of six fields of body forces that are distributed like the rigid motions.
+    """Compute the nodal forces of six body-force fields that are distributed over the volume like the six rigid motions.
+
+    Such fields balance the loads on a free body.
 
     Parameters
     ----------
@@ -358,7 +363,7 @@ def nodal_forces_like_rigid_motions(mesh: Mesh) -> Array:
 
 
 def expansion_of_free_freedoms(mesh: Mesh, held: Index) -> sp.csc_array:
-    """Return the matrix that maps the free degrees of freedom of a body to all its degrees of freedom; the others are zero.
+    """Return the matrix that gives all degrees of freedom of a body from the free ones; the fixed ones are zero.
 
     Parameters
     ----------
@@ -377,10 +382,10 @@ def expansion_of_free_freedoms(mesh: Mesh, held: Index) -> sp.csc_array:
 
 
 def expansion_with_rigid_high_end(mesh: Mesh, high: float) -> sp.csc_array:
-    """Return the matrix C that maps the free degrees of freedom to all, for a body with a fixed and a rigid end.
+    """Return the matrix C that gives all degrees of freedom of a body with one fixed and one rigid end from the free ones.
 
-    The boundary "low end" is fixed, and the boundary "high end" is a rigid section. C^T K C is the Galerkin stiffness;
-    scikit-fem's `mpc` uses only the equations of the free degrees of freedom.
+    The boundary "low end" is fixed, and the boundary "high end" moves as a rigid section. With the stiffness K of the mesh,
+    C^T K C is the stiffness of the constrained body. (scikit-fem's `mpc` would drop the equations of the section.)
 
     Parameters
     ----------
@@ -411,7 +416,7 @@ STEP = 0.01
 
 @dataclass(frozen=True)
 class BodyPiece:
-    """Short piece of a body around one contact: the submodel that gives the contact's local compliance."""
+    """Mesh of a short piece of a body around one contact: the submodel that gives the contact's local compliance."""
 
     #: Mesh of the piece.
     mesh: Mesh
@@ -426,7 +431,7 @@ class BodyPiece:
 def contact_compliance_in_fine_piece(
     piece: BodyPiece, patch: PatchMesh, normals: Array, young: float, poisson: float
 ) -> Array:
-    """Compute the compliance C_fine between the pressure functions of a contact, in a finely meshed piece of its body.
+    """Compute the compliance C_fine between the c nodes of a contact in a finely meshed piece of its body.
 
     Parameters
     ----------
@@ -444,7 +449,7 @@ def contact_compliance_in_fine_piece(
     Returns
     -------
     (c, c) Array
-        Mean displacement over each pressure function along the normals per unit force [m/N].
+        Displacement along the normal at each node, averaged with its pressure basis function, by unit nodal forces [m/N].
 
     Raises
     ------
@@ -457,9 +462,9 @@ def contact_compliance_in_fine_piece(
 def response_of_piece_to_patch_loads(
     piece: BodyPiece, patch: PatchMesh, rows: sp.csr_array, young: float, poisson: float
 ) -> Array:
-    """Compute the compliance between load cases on a patch in the socket of a piece of a body.
+    """Compute the compliance between several load cases on a fine patch that is solved together with the body around it.
 
-    The patch is not condensed: it is solved together with the piece.
+    The body is a short piece, in whose socket the patch lies.
 
     Parameters
     ----------
@@ -509,7 +514,7 @@ def response_of_piece_to_patch_loads(
 def mode_compliance_in_coarse_piece(
     piece: BodyPiece, patch: CondensedPatch, rows: Array, young: float, poisson: float
 ) -> Array:
-    """Compute the compliance G_coarse of the modes of a contact, in a piece that is meshed like the coarse body.
+    """Compute the compliance G_coarse between the displacement modes of a contact in a piece meshed like the coarse body.
 
     Parameters
     ----------
@@ -518,7 +523,7 @@ def mode_compliance_in_coarse_piece(
     patch : CondensedPatch
         Condensed patch in its socket.
     rows : (k, 3 nodes) Array
-        Rows Q of the k modes on the degrees of freedom of the socket's nodes.
+        Nodal forces Q of the k modes on the degrees of freedom of the socket's nodes.
     young : float
         Young's modulus [Pa].
     poisson : float
@@ -545,12 +550,12 @@ def mode_compliance_in_coarse_piece(
 
 
 def local_contact_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) -> Array:
-    """Compute the local compliance A_own of a contact, which is left when the coarse body's share is subtracted.
+    """Compute the local compliance A_own of a contact: that of the fine piece less what the coarse mesh represents.
 
     Parameters
     ----------
     fine : (c, c) Array
-        Compliance C_fine between the pressure functions in the finely meshed piece [m/N].
+        Compliance C_fine between the c contact nodes in the finely meshed piece [m/N].
     V : (c, k) Array
         Displacement modes of the contact that the coarse body represents.
     coarse : Callable[[float], Array]
@@ -567,9 +572,9 @@ def local_contact_compliance(fine: Array, V: Array, coarse: Callable[[float], Ar
 
 
 def _free_and_balancing_loads(piece: BodyPiece) -> tuple[Index, sp.csr_array]:
-    """Return the free degrees of freedom of a piece, and the nodal forces ``(6, 3 n)`` that balance its loads.
+    """Return the free degrees of freedom of a piece of a body, and six fields of nodal forces that can balance its loads.
 
-    These are nodal forces of body forces that are distributed like rigid motions; there are none if the piece is fixed.
+    The fields ``(6, 3 n)`` are body forces distributed like the rigid motions; a piece with fixed boundaries has none.
     """
     size = piece.mesh.doflocs.size
     if piece.held:
@@ -579,17 +584,20 @@ def _free_and_balancing_loads(piece: BodyPiece) -> tuple[Index, sp.csr_array]:
 
 
 def _rigid_modes_in_patch_frame(patch: PatchMesh, piece: BodyPiece) -> Array:
-    """Compute the displacements of a patch's n nodes, in the patch's frame, by rigid motions of the body ``(3 n, 6)``."""
+    """Compute the displacements of a patch's n nodes by six unit rigid motions of the body around it ``(3 n, 6)``.
+
+    The displacements are in the patch's frame; the motions are those of the frame of ``piece``.
+    """
     rigid = nodal_displacements_of_rigid_motions(node_coordinates(patch.mesh) @ piece.rotation.T).reshape(-1, 3, 6)
     return np.asarray(np.einsum("ba,nbk->nak", piece.rotation, rigid).reshape(-1, 6))
 
 
 def _balance_by_body_forces(F: Array, count: int, rigid: Array, loads: sp.csr_array, piece: BodyPiece) -> Array:
-    """Compute the compliance ``(count, count)`` [m/N] of loads that are balanced by body forces like rigid motions.
+    """Compute the compliance ``(count, count)`` [m/N] between loads on a free body that body forces balance.
 
-    F: compliance between the loads and, after them, the six fields of body forces [m/N]; ``count``: number of loads;
-    ``rigid``: work of the loads on the rigid motions (count, 6); ``loads``: nodal forces of the body forces (6, 3 n), or
-    none for a fixed piece, whose F is returned.
+    The body forces are distributed like the rigid motions. F: compliance between the loads and, after them, the six fields
+    of body forces [m/N]; ``count``: number of loads; ``rigid``: work of the loads on the rigid motions (count, 6);
+    ``loads``: nodal forces of the body forces (6, 3 n), or none for a fixed piece, whose F is returned.
     """
     if loads.shape[0] == 0:
         return F

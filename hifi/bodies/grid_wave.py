@@ -68,7 +68,7 @@ def hertz_contact_under_unit_force(m: GrooveMap, side: int, material: Material) 
 
 
 def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
-    """Compute the cell sizes of a contact's grid across and along the groove.
+    """Compute the cell sizes of the mesh grid in a contact zone, across and along the groove.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
     """
     if patch.shape is None:
         raise ValueError(
-            "the cell sizes of a contact zone got a patch without a grid of contact nodes; allowed: a patch of hexahedra"
+            "the cell sizes of a contact zone got a mesh whose contact nodes form no grid; allowed: a mesh of hexahedra"
         )
     _, tangent, forward = contact_frame_vectors(m, side)
     n, k = (count // 2 for count in patch.shape)
@@ -100,10 +100,10 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
 
 
 def forces_resolved_by_patch(m: GrooveMap, side: int, patch: CondensedPatch, material: Material, count: int) -> Array:
-    """Choose forces under which the cells of a patch resolve the contact ellipse.
+    """Choose contact forces whose contact ellipse is neither too small for the mesh grid nor larger than the contact zone.
 
-    Under the smallest force the short semi-axis is one cell long, under the largest one the ellipse fills the zone. If the
-    grid is too coarse for that, the range begins at a fraction of the largest ellipse.
+    Under the smallest force the short semi-axis is one cell long, or the ellipse is `LEAST` times the largest one on grids
+    that are too coarse for that. Under the largest force the ellipse nearly fills the zone (`FILLED`).
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def approaches_at_grid_position(
     grid_position: tuple[float, float],
     start: Flags | None = None,
 ) -> tuple[Array, Flags]:
-    """Compute the approaches of a contact under several forces along the normal, at a given position on its mesh grid.
+    """Compute the approach of ball and groove under several normal forces, for a contact at a given position on its grid.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def approaches_at_grid_position(
     patch : CondensedPatch
         Condensed patch of the groove.
     compliance : (c, c) Array
-        Compliance between the c pressure functions of the contact [m/N].
+        Compliance between the c contact nodes [m/N].
     loads : (f,) Array
         Forces [N].
     grid_position : tuple[float, float]
@@ -188,18 +188,18 @@ def approaches_at_grid_position(
 def unilateral_approaches(
     C: Array, gap: Array, close: Array, loads: Array, start: Flags | None = None
 ) -> tuple[Array, Flags]:
-    """Compute the approaches of a unilateral contact under several loads.
+    """Compute the approach of two bodies in unilateral contact under several loads.
 
-    Forces p >= 0 and gaps C p + gap - approach close >= 0 are complementary, and close . p equals the load.
+    Nodal forces p >= 0 and gaps C p + gap - approach * close >= 0 are complementary, and close . p equals the load.
 
     Parameters
     ----------
     C : (c, c) Array
-        Compliance, symmetric [m/N].
+        Compliance between the c contact nodes, symmetric [m/N].
     gap : (c,) Array
         Gaps of the undeformed bodies [m].
     close : (c,) Array
-        Gap closed at each contact pair by a unit of the approach.
+        Gap closed at each node by a unit of the approach.
     loads : (f,) Array
         Loads [N].
     start : (f, c) Mask, optional, default None
@@ -233,15 +233,15 @@ def unilateral_approaches(
                 break
             active = after
         else:
-            raise ValueError(f"the set of closed pairs of a contact under {load:.4g} N does not converge in 200 changes")
+            raise ValueError(f"a contact under {load:.4g} N: the set of nodes in contact does not converge in 200 changes")
         closed[k] = active
     return out, closed
 
 
 def fit_force_law(loads: Array, approach: Array) -> Array:
-    """Fit a smooth function of the force F to approaches: Hertz's F^(2/3) times a sum of the `POWERS` of F.
+    """Fit a smooth law to approaches under several forces F: Hertz's F^(2/3) times a linear combination of powers of F.
 
-    The fit minimises the squares of relative errors.
+    The powers are `POWERS`. The fit minimises the squares of relative errors.
 
     Parameters
     ----------
@@ -268,10 +268,11 @@ def fit_force_law(loads: Array, approach: Array) -> Array:
 def approaches_over_grid_cell(
     m: GrooveMap, side: int, patch: CondensedPatch, C: Array, loads: Array, counts: tuple[int, int]
 ) -> tuple[Array, Array]:
-    """Compute the approaches of a contact at evenly spaced positions within one cell of its mesh grid.
+    """Compute the approach of ball and groove for a contact at evenly spaced positions within one cell of its mesh grid.
 
-    The trend from cell to cell is subtracted. Away from the middle of its zone a contact has another compliance beneath it,
-    which is physical and not an effect of the grid. That is the trend, from positions half a cell away on either side.
+    The linear trend from cell to cell is subtracted: away from the middle of its zone a contact has another compliance
+    beneath it, which is physical and not an effect of the grid. The trend is the change between positions half a cell away
+    on either side.
 
     Parameters
     ----------
@@ -282,7 +283,7 @@ def approaches_over_grid_cell(
     patch : CondensedPatch
         Condensed patch of the groove.
     C : (c, c) Array
-        Compliance between the c pressure functions of the contact [m/N].
+        Compliance between the c contact nodes [m/N].
     loads : (f,) Array
         Forces [N].
     counts : tuple[int, int]
@@ -314,7 +315,7 @@ def approaches_over_grid_cell(
 def mean_approaches_over_grid_cell(
     m: GrooveMap, side: int, patch: CondensedPatch, compliance: Array, loads: Array
 ) -> Array:
-    """Compute the approaches of a contact in the middle of its zone, as the mean over the positions in a grid cell.
+    """Compute the approach of ball and groove under several forces, as the mean over contact positions in one grid cell.
 
     Parameters
     ----------
@@ -325,7 +326,7 @@ def mean_approaches_over_grid_cell(
     patch : CondensedPatch
         Condensed patch of the groove.
     compliance : (c, c) Array
-        Compliance between the c pressure functions of the contact [m/N].
+        Compliance between the c contact nodes [m/N].
     loads : (f,) Array
         Forces [N].
 
@@ -339,7 +340,7 @@ def mean_approaches_over_grid_cell(
 
 @dataclass(frozen=True)
 class GridWave:
-    """Table of gap corrections for the positions of a flank's contacts on their mesh grid."""
+    """Table of gap corrections that cancel the dependence of a contact's approach on its position on the mesh grid."""
 
     #: Tabulated forces ``(f,)`` [N].
     loads: Array
@@ -354,7 +355,7 @@ class GridWave:
     directions: Array
 
     def at(self, loads: Array, centres: Array) -> Array:
-        """Interpolate the gap corrections at n contacts from the table.
+        """Interpolate in the table the gap corrections of n contacts for their loads and positions.
 
         Beyond the tabulated forces, the correction at the nearest force is scaled in proportion to Hertz's approach. A
         contact without load has no correction.
@@ -380,7 +381,7 @@ class GridWave:
 
 
 def _interpolate_periodic(values: Array, place: Array) -> Array:
-    """Interpolate a periodic function for each of n contacts at its own position ``(..., n)``.
+    """Interpolate n periodic functions, one for each contact, at one position each ``(..., n)``.
 
     ``values``: values at p evenly spaced positions in a period of length 1 (p, ..., n); ``place``: positions (n,).
     """
@@ -390,7 +391,7 @@ def _interpolate_periodic(values: Array, place: Array) -> Array:
 
 
 def tabulate_gap_corrections(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material: Material) -> GridWave:
-    """Tabulate the gap correction of a flank: the smooth force law less the approach at each position on the grid.
+    """Tabulate the gap corrections for the contacts on one flank: smooth force law less approach at each grid position.
 
     Parameters
     ----------
@@ -401,7 +402,7 @@ def tabulate_gap_corrections(m: GrooveMap, side: int, patch: CondensedPatch, C: 
     patch : CondensedPatch
         Condensed patch of the groove.
     C : (c, c) Array
-        Compliance between the c pressure functions of the contact [m/N].
+        Compliance between the c contact nodes [m/N].
     material : Material
         Material of ball and groove.
 

@@ -48,7 +48,7 @@ PLANES = ((0, -1.0), (0, 1.0), (1, 1.0), (2, -1.0), (2, 1.0))
 
 @dataclass(frozen=True)
 class PatchLines:
-    """Cell boundaries of a patch in its local coordinates."""
+    """Cell boundaries of the fine mesh (patch) around a contact, in its three local coordinates."""
 
     #: Coordinates across the groove, in the direction of the contact angle gamma, from -1 to 1.
     across: Array
@@ -60,7 +60,7 @@ class PatchLines:
 
 @dataclass(frozen=True)
 class PatchMesh(MeshedBody):
-    """Fine mesh around one contact, which fills a socket of a coarse body.
+    """Fine mesh (patch) around one contact, which fills a box cut out of the coarse mesh of a body (socket).
 
     Its named boundaries are "surface", "contact" (the contact zone on the surface) and "interface" (to the body).
     """
@@ -92,16 +92,17 @@ class PatchMesh(MeshedBody):
 
     @property
     def areas(self) -> Array:
-        """Areas of the pressure functions ``(c,)`` [m2]."""
+        """Areas of the surface that belong to the c contact nodes: integrals of their pressure basis functions [m2]."""
         return np.asarray(self.weights.sum(axis=1)).ravel()
 
 
 @dataclass(frozen=True)
 class CondensedPatch:
-    """Fine patch condensed to its c contact nodes and the k nodes of its socket: u_c = A f + H q, r = S q - H^T f.
+    """Fine mesh around a contact, condensed to its c contact nodes and k boundary nodes: u_c = A f + H q, r = S q - H^T f.
 
-    f: contact loads (c,) [N]; u_c: mean displacements of the contact over the pressure functions (c,) [m]; q: displacements
-    of the socket (3 k,) [m]; r: forces on the socket (3 k,) [N].
+    The boundary is the socket, the box in the coarse mesh of the body that the fine mesh (patch) fills. f: contact loads
+    (c,) [N]; u_c: displacements along the normals, averaged with each node's pressure basis function (c,) [m]; q:
+    displacements of the socket's nodes (3 k,) [m]; r: forces on them (3 k,) [N].
     """
 
     #: Mean displacement per contact load with the socket fixed ``(c, c)`` [m/N].
@@ -129,7 +130,7 @@ class CondensedPatch:
 
 
 def graded_boundaries(inner: float, step: float, growth: float) -> Array:
-    """Divide the interval [-1, 1] into equal steps over its inner part and growing steps towards its ends.
+    """Divide the interval [-1, 1] into cells of equal size in its inner part, and of growing size towards its ends.
 
     Parameters
     ----------
@@ -156,7 +157,7 @@ def graded_boundaries(inner: float, step: float, growth: float) -> Array:
 
 
 def growing_boundaries(start: float, end: float, first: float, ratio: float) -> Array:
-    """Divide an interval into steps that grow by a constant ratio.
+    """Divide an interval into cells whose sizes grow by a constant ratio.
 
     Parameters
     ----------
@@ -187,10 +188,10 @@ def growing_boundaries(start: float, end: float, first: float, ratio: float) -> 
 def mesh_hexahedral_patch(
     lines: PatchLines, zone: tuple[float, float], map_to_space: Callable[[Array], Array], socket: SocketMesh
 ) -> PatchMesh:
-    """Mesh a patch with 27-node hexahedra, and tie it to the socket of a coarse body.
+    """Mesh the patch around a contact with 27-node hexahedra, and tie its boundary to the socket in the coarse mesh.
 
-    The interface nodes are moved onto the socket's second-order triangles, so that rigid motions of the socket cause no
-    strain.
+    The nodes of that boundary (interface) are moved onto the socket's second-order triangles, so that rigid motions of the
+    socket cause no strain.
 
     Parameters
     ----------
@@ -233,9 +234,10 @@ def mesh_hexahedral_patch(
 
 
 def fit_tetrahedral_patch(local: LocalTets, map_to_space: Callable[[Array], Array], socket: SocketMesh) -> PatchMesh:
-    """Fit a box of first-order tetrahedra into its socket in a body of first or second order.
+    """Map a box of first-order tetrahedra into space as the patch around a contact, and tie it to the socket it fills.
 
-    The area of a contact node is a third of the area of the triangles around it. See `mesh_hexahedral_patch` for hexahedra.
+    The coarse body may be of first or second order. The area of a contact node is a third of the area of the triangles
+    around it. See `mesh_hexahedral_patch` for hexahedra.
 
     Parameters
     ----------
@@ -260,8 +262,8 @@ def fit_tetrahedral_patch(local: LocalTets, map_to_space: Callable[[Array], Arra
     volumes = signed_volumes(points, local.tets)
     if not (np.all(volumes > 0.0) or np.all(volumes < 0.0)):
         raise ValueError(
-            "tetrahedra of a patch are turned inside out by the map of the patch into space: make the edges of the "
-            "tetrahedra at its rim shorter"
+            "tetrahedra of the fine mesh around a contact are turned inside out by the map into space: make the edges of "
+            "the tetrahedra at its rim shorter"
         )
     cells = local.tets if volumes[0] > 0.0 else local.tets[:, [0, 2, 1, 3]]  # a left-handed map: mirror every cell
     mesh, _ = build_mesh(points, cells, "P1")
@@ -285,7 +287,7 @@ def _collect_patch_mesh(
     tie: sp.csr_array,
     socket: Array,
 ) -> PatchMesh:
-    """Create a patch from its mesh and the data of its nodes, and name its boundaries.
+    """Create the record of a patch from its mesh and the data of its nodes, and name the boundaries of the mesh.
 
     A face belongs to the surface, the contact or the interface if all its corners do. ``xi``: local coordinates of the
     nodes (n, 3); ``top``: whether each node lies on the surface (n,); the other arguments are the fields of `PatchMesh`.
@@ -301,9 +303,9 @@ def _collect_patch_mesh(
 
 
 def mean_normal_displacement_matrix(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
-    """Return the matrix that gives mean normal displacements of a contact from the displacements of a patch's nodes.
+    """Return the matrix that gives the normal displacements of c contact nodes from all nodal displacements of a patch.
 
-    Each mean is weighted by one basis function of the contact pressure.
+    Each is a mean over the contact zone, weighted by the pressure basis function of the node.
 
     Parameters
     ----------
@@ -342,7 +344,7 @@ def _grid_interpolation_matrix(mesh: PatchMesh, xi: Array) -> sp.csr_array:
     """
     if mesh.contact_shape is None:
         raise ValueError(
-            "displacements cannot be interpolated on a patch without a grid of contact nodes: it must consist of hexahedra"
+            "displacements cannot be interpolated on a mesh whose contact nodes form no grid: it must consist of hexahedra"
         )
     top = np.flatnonzero(np.abs(mesh.xi[:, 1]) < 1e-12)
     axes = [np.unique(np.round(mesh.xi[top, axis], 12)) for axis in (0, 2)]
@@ -359,7 +361,7 @@ def _grid_interpolation_matrix(mesh: PatchMesh, xi: Array) -> sp.csr_array:
 
 
 def _quadratic_line_shapes(nodes: Array, at: Array) -> tuple[list[Index], list[Array]]:
-    """Evaluate the shape functions of second-order cells on a line at p points.
+    """Evaluate the shape functions of second-order line elements at p points.
 
     ``nodes``: coordinates of the nodes of all cells, ascending; ``at``: coordinates of the points (p,). Returned are, for
     each of the three nodes of a point's cell, the index of the node (p,) and the value of its shape function (p,).
@@ -373,7 +375,7 @@ def _quadratic_line_shapes(nodes: Array, at: Array) -> tuple[list[Index], list[A
 def _map_patch_nodes_into_socket(
     xi: Array, map_to_space: Callable[[Array], Array], socket: SocketMesh, *, linear: bool = False
 ) -> tuple[Array, Index, sp.csr_array, Array]:
-    """Map the nodes of a patch into space, those of the interface onto the socket's triangles.
+    """Map the nodes of a patch into space; those on its boundary to the body (interface) lie on the socket's triangles.
 
     ``xi``: local coordinates of the nodes (n, 3); ``map_to_space``: function that maps them to points [m]; ``linear``: as
     for `socket_interpolation_matrix`. Returned are the points (n, 3) [m], the indices of the interface nodes, the weights
@@ -388,7 +390,7 @@ def _map_patch_nodes_into_socket(
 
 
 def socket_interpolation_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr_array:
-    """Return the matrix that interpolates points on a socket's inner faces from the socket's nodes.
+    """Return the weights that interpolate points on the inner faces of a socket from the socket's nodes.
 
     Parameters
     ----------
@@ -430,7 +432,8 @@ def socket_interpolation_matrix(xi: Array, socket: SocketMesh, *, linear: bool =
         done[points[found]] = True
     if not done.all():
         raise ValueError(
-            "a node on the inner faces of a patch lies on no triangle of its socket: both must have the same size"
+            "a boundary node of the fine mesh around a contact lies on no triangle of the socket (box) that it fills: "
+            "both must have the same size"
         )
     matrix = sp.coo_array(
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (len(xi), len(socket.xi))
@@ -444,9 +447,9 @@ def _quadratic_triangle_shapes(w: Array) -> Array:
 
 
 def _linear_triangle_shapes(w: Array) -> Array:
-    """Evaluate the six piecewise linear functions of a 6-node triangle ``(n, 6)`` at barycentric coordinates ``(n, 3)``.
+    """Evaluate piecewise linear shape functions of a 6-node triangle ``(n, 6)`` at barycentric coordinates ``(n, 3)``.
 
-    The functions are linear on each of the four triangles between its nodes.
+    They are linear on each of the four triangles into which the midside nodes divide it.
     """
     corner, opposite = np.maximum(2 * w - 1, 0.0), np.maximum(1 - 2 * w, 0.0)
     return np.hstack([corner, opposite[:, [2, 0, 1]] - corner - corner[:, [1, 2, 0]]])
@@ -454,7 +457,7 @@ def _linear_triangle_shapes(w: Array) -> Array:
 
 @dataclass(frozen=True)
 class _StiffnessBlocks:
-    """Stiffness of a patch, split into i inner degrees of freedom, those of the interface, and those of the socket."""
+    """Stiffness of a patch split into blocks: its inner degrees of freedom, its boundary, and the socket it is tied to."""
 
     #: Stiffness of the inner degrees of freedom ``(i, i)`` [N/m].
     inner_stiffness: sp.csc_array
@@ -477,7 +480,9 @@ def _stiffness_blocks(
     base = mesh if carrier is None else carrier
     K = assemble_constant_form(elasticity_form(young, poisson), base.mesh)
     if np.isin(mesh.contact, mesh.interface).any():
-        raise ValueError("the contact zone of a patch reaches the patch's edge: make the zone smaller than the socket")
+        raise ValueError(
+            "the contact zone reaches the edge of the fine mesh around the contact: make the zone smaller than the socket"
+        )
     inner = np.setdiff1d(np.arange(K.shape[0]), freedoms_on_boundaries(base.mesh, "interface"))
     outer = (3 * base.interface[:, None] + np.arange(3)).ravel()
     T = sp.kron(base.tie, sp.eye_array(3), format="csc")
@@ -489,10 +494,10 @@ def _stiffness_blocks(
 def condense_patch(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, carrier: PatchMesh | None = None
 ) -> CondensedPatch:
-    """Condense a patch to its contact and its socket.
+    """Condense the fine mesh (patch) around a contact to its contact nodes and to the nodes of the socket it fills.
 
-    The result is exact, unless a coarser carrier patch of the same socket replaces its mesh. That hardly changes the smooth
-    H and S, but it changes A.
+    The result is exact, unless the mesh of a coarser patch of the same socket is used instead (carrier). That hardly
+    changes the matrices H and S, but it changes A.
 
     Parameters
     ----------
@@ -540,9 +545,9 @@ def condense_patch(
 def nodal_displacements_of_patch(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, trace: Array
 ) -> Array:
-    """Compute the displacements of all nodes of a patch, by one more solution of its equations.
+    """Compute the displacements of all nodes of a patch from its contact forces and the motion of its socket.
 
-    Their means over the pressure functions, along the normals, are A f + H q.
+    Its equations are solved once more. At the contact the displacements agree with the condensed patch, A f + H q.
 
     Parameters
     ----------
