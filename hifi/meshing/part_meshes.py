@@ -53,14 +53,14 @@ AROUND = 73
 def choose_patch_lines(
     settings: Settings, width: tuple[float, float], deep: float
 ) -> tuple[PatchLines, tuple[float, float]]:
-    """Choose the cell boundaries of a patch and the size of its contact zone.
+    """Choose the cell boundaries of the fine mesh (patch) around a contact, and the size of its contact zone.
 
     Parameters
     ----------
     settings : Settings
         Mesh choices.
     width : tuple[float, float]
-        Half widths of the socket across and along the groove [m].
+        Half widths of the socket that the patch fills, across and along the groove [m].
     deep : float
         Depth of the socket [m].
 
@@ -89,7 +89,7 @@ def choose_patch_lines(
 def choose_socket_size(
     scene: Scene, m: GrooveMap, layout: BallLayout, sides: tuple[int, ...], dims: Dimensions, settings: Settings
 ) -> SocketSize:
-    """Choose the size of the sockets (pockets of the coarse bodies for fine patches) so that the contact ellipses fit in.
+    """Choose the size of the sockets: boxes in the coarse meshes, filled by fine ones, into which the contact ellipses fit.
 
     Parameters
     ----------
@@ -124,10 +124,10 @@ def choose_socket_size(
 
 
 def reach_of_ellipses_along_groove(m: GrooveMap, side: int, angle: Array, across: Array, along: Array) -> float:
-    """Compute the largest distance along the groove of contact ellipses from the middle line of a patch.
+    """Compute how far contact ellipses reach along the groove from the middle line of the fine mesh (patch).
 
-    An ellipse lies across its helix, but the lines of a patch lie at constant azimuth. By the lead angle the ends of the
-    ellipse's long axis therefore lie ahead of these lines and behind them.
+    The long axis of an ellipse lies across the helix, but the mesh lines of a patch lie at constant azimuth. Because of the
+    lead angle, the ends of the long axis therefore lie ahead of the middle line and behind it.
 
     Parameters
     ----------
@@ -155,9 +155,9 @@ def reach_of_ellipses_along_groove(m: GrooveMap, side: int, angle: Array, across
 def ball_socket_and_map(
     m: GrooveMap, size: SocketSize, side: int, zone: tuple[float, float]
 ) -> tuple[BallSocket, Callable[[Array], Array]]:
-    """Return the socket of the ball at a flank, and the function that maps local coordinates into it.
+    """Return the ball's socket (box for the fine mesh) at a flank, and the function that maps local coordinates into it.
 
-    In the contact zone the map's rays pass exactly through the nodes of the groove.
+    In the contact zone the map places the ball's nodes exactly opposite to those of the groove.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ Recipe = tuple[Callable[..., Any], tuple[Any, ...], type]
 
 @dataclass(frozen=True)
 class Sockets:
-    """Sockets of groove and ball that the patches of one flank fit into."""
+    """Sockets of groove and ball at one flank: boxes in their coarse meshes that the fine contact meshes fill."""
 
     #: Faces of the groove's socket.
     groove: SocketMesh
@@ -229,7 +229,7 @@ class Meshes:
     widths: tuple[float, float]
 
     def sockets(self, side: int) -> Sockets:
-        """Return the sockets of groove and ball that the patches of a flank (0 to 3) fit into."""
+        """Return the sockets of groove and ball at a flank (0 to 3), which the fine contact meshes fill."""
         body = self.screw if side < 2 else self.nut
         return Sockets(body.sockets[side], self.ball.sockets[side], self.size, self.zone, self.widths)
 
@@ -280,7 +280,9 @@ def mesh_parts(
 def list_mesh_calls(
     scene: Scene, m: GrooveMap, layout: BallLayout, dims: Dimensions, sides: tuple[int, ...], settings: Settings
 ) -> tuple[list[Recipe], Callable[..., Meshes]]:
-    """List the calls that mesh screw, nut and one ball, and return a function that collects the three meshes.
+    """List the function calls that mesh screw, nut and one ball, which can run in parallel.
+
+    The second result is a function that collects the three meshes.
 
     Parameters
     ----------
@@ -360,7 +362,7 @@ def rotation_about_z(phi: float) -> Array:
 
 
 def sockets_at_contact_azimuths(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket]:
-    """Create the sockets of a body, with their rotations to the azimuths of its contacts.
+    """Create the sockets of screw or nut, each with the rotation from its patch's frame to the azimuth of its contact.
 
     Parameters
     ----------
@@ -378,7 +380,7 @@ def sockets_at_contact_azimuths(mesh: GroovedBody, places: tuple[Place, ...]) ->
 
 
 def element_order_of_bodies(settings: Settings) -> Literal["P1", "P2"]:
-    """Return the element type of the coarse bodies, whose order is that of the patches.
+    """Return the element type of the coarse meshes, whose order is that of the fine contact meshes.
 
     Parameters
     ----------
@@ -396,7 +398,7 @@ def element_order_of_bodies(settings: Settings) -> Literal["P1", "P2"]:
 def mesh_load_transfer_patch(
     meshes: Meshes | Sockets, socket: SocketMesh, map_to_space: Callable[[Array], Array], settings: Settings
 ) -> PatchMesh | None:
-    """Mesh a coarser patch of hexahedra, which only transfers loads from a contact to its body.
+    """Mesh a coarser patch of hexahedra in the same socket, which only transfers loads from a contact to its body.
 
     Parameters
     ----------
@@ -421,7 +423,9 @@ def mesh_load_transfer_patch(
 def mesh_patch(
     meshes: Meshes | Sockets, socket: SocketMesh, map_to_space: Callable[[Array], Array], settings: Settings
 ) -> PatchMesh:
-    """Mesh a patch in a socket, with graded hexahedra or with tetrahedra sized as in Lin's thesis.
+    """Mesh the patch (fine mesh) that fills a socket around a contact, with hexahedra or tetrahedra as the settings say.
+
+    The hexahedra are graded; the tetrahedra are sized as in Lin's thesis.
 
     Parameters
     ----------
@@ -442,7 +446,7 @@ def mesh_patch(
     Raises
     ------
     ValueError
-        No edge of `RIM_EDGES` gives tetrahedra that are not turned inside out.
+        With every edge length of `RIM_EDGES` some tetrahedra are turned inside out.
     """
     lines, zone = choose_patch_lines(settings, meshes.widths, meshes.size.depth)
     if settings.element == "Q2":

@@ -136,9 +136,9 @@ class ExpectedContacts:
     gap: Array
 
     def semi(self) -> tuple[float, float]:
-        """Return the semi-axes across and along the groove of a typical contact [m].
+        """Return the semi-axes of a typical contact ellipse across and along the groove [m].
 
-        They are means over the loaded balls, of the more heavily loaded contact of each, scaled to their mean load.
+        They are means over the loaded balls: of each ball the more heavily loaded contact, scaled to the mean load.
         """
         largest = self.load.max(axis=1)
         ball = np.flatnonzero(largest > LOADED * largest.max(initial=0.0))
@@ -162,7 +162,7 @@ class ExpectedContacts:
 
 @dataclass(frozen=True)
 class _EstimateModel:
-    """Equations of the contact estimate for n balls."""
+    """Equations of the simple model (rigid nut, beam, Hertz springs) that estimates the contacts of n balls."""
 
     #: Stiffness of shaft, housings, supports and soft springs ``(f, f)``, on all f degrees of freedom: sections of the
     #: shaft, housings, and two displacements of each ball.
@@ -188,7 +188,7 @@ class _EstimateModel:
 
 @dataclass(frozen=True)
 class _NutOnShaft:
-    """One nut or bearing on the shaft: the input of the contact estimate."""
+    """One nut or bearing on the shaft, as input of the model that estimates its contacts."""
 
     #: Parts of the nut or bearing.
     scene: Scene
@@ -202,7 +202,7 @@ class _NutOnShaft:
 
 @lru_cache(maxsize=64)
 def estimate_contacts_of_scene(scene: Scene) -> ExpectedContacts:
-    """Estimate the contacts of a ball screw or bearing, to size its meshes.
+    """Estimate the contact loads and ellipses of a ball screw or bearing, to size its meshes.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def estimate_contacts_of_scene(scene: Scene) -> ExpectedContacts:
     Raises
     ------
     ValueError
-        There is no equilibrium, or an ellipse is too thin for Hertz's formulas.
+        The model finds no equilibrium, or a contact ellipse is too thin for Hertz's formulas.
     """
     return _estimate_contacts(
         (_NutOnShaft(scene, _flanks_touchable_under_thrust(scene, "both")),), Frame.from_scene(scene)
@@ -226,7 +226,7 @@ def estimate_contacts_of_scene(scene: Scene) -> ExpectedContacts:
 
 @lru_cache(maxsize=64)
 def estimate_contacts_of_each_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
-    """Estimate the contacts of each nut or bearing on a shaft, to size its meshes.
+    """Estimate the contact loads and ellipses of each nut or bearing on a shaft, to size its meshes.
 
     A preload by force is replaced by the shift of the nut that produces it with all parts rigid but the contacts.
 
@@ -243,7 +243,7 @@ def estimate_contacts_of_each_set(assembly: Assembly) -> tuple[ExpectedContacts,
     Raises
     ------
     ValueError
-        There is no equilibrium, or an ellipse is too thin for Hertz's formulas.
+        The model finds no equilibrium, or a contact ellipse is too thin for Hertz's formulas.
     """
     frame, sets = Frame.from_scene(assembly), []
     for s in assembly.sets:
@@ -259,7 +259,7 @@ def estimate_contacts_of_each_set(assembly: Assembly) -> tuple[ExpectedContacts,
 
 
 def estimate_contacts_under_assumed_load(scene: Scene, idle: ExpectedContacts, load: float) -> ExpectedContacts:
-    """Estimate the contacts of an unloaded nut or bearing as if its flanks of smallest gap carried a given load.
+    """Estimate the contacts of an unloaded nut or bearing under an assumed load on the flanks with the smallest gaps.
 
     Parameters
     ----------
@@ -287,30 +287,29 @@ def estimate_contacts_under_assumed_load(scene: Scene, idle: ExpectedContacts, l
 
 
 def nut_shift_for_axial_force(scene: Scene, force: float) -> float:
-    """Compute the shift of the nut at which all balls together carry an axial force, with all parts rigid but the contacts.
+    """Compute the axial shift of a nut under an axial force if all parts are rigid except for the Hertz contacts.
 
     Parameters
     ----------
     scene : Scene
         Parts of the nut or bearing.
     force : float
-        Axial force [N].
+        Axial force that all balls carry together [N].
 
     Returns
     -------
     float
-        Shift [m]: (C_1 + C_2) (F/(n sin beta))^(2/3)/sin beta, with the approach C Q^(2/3) of either contact of a ball
-        under the load Q, the number n of balls and the contact angle beta.
+        Shift relative to the shaft [m]: (C_1 + C_2) (F/(n sin beta))^(2/3)/sin beta, with the approach C Q^(2/3) of either
+        contact of a ball under the load Q, the number n of balls and the contact angle beta.
     """
     sin, units = float(np.sin(scene.track.contact_angle)), hertz_contacts_under_unit_force(scene)
     return (units[0].approach + units[3].approach) * float(np.cbrt(force / (scene.ball_count * sin))) ** 2 / sin
 
 
 def _flanks_touchable_under_thrust(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
-    """Return whether each of the four flanks can touch under thrust in a given direction.
+    """Return for each of the four groove flanks whether it can touch a ball under the thrust that the nut can carry.
 
-    ``thrust``: direction in which the nut or bearing can carry thrust, such as "+z" or "both". A groove of a single arc has
-    one flank on each body.
+    ``thrust``: direction of that axial force, such as "+z" or "both". A groove of a single arc has one flank on each body.
     """
     if (sides := flanks_with_contacts(scene)) and thrust in ("both", "deep groove"):
         return tuple(s in sides for s in range(4))
@@ -318,7 +317,7 @@ def _flanks_touchable_under_thrust(scene: Scene, thrust: Thrust) -> tuple[bool, 
 
 
 def _estimate_contacts(sets: tuple[_NutOnShaft, ...], frame: Frame) -> tuple[ExpectedContacts, ...]:
-    """Estimate the contacts of each nut or bearing on a shaft.
+    """Estimate the contacts of each nut or bearing on a shaft by a beam, rigid nuts and Hertz springs.
 
     ``sets``: the nuts and bearings; ``frame``: supports and loads of the shaft. Raises ValueError without equilibrium.
     """
@@ -337,7 +336,7 @@ def _estimate_contacts(sets: tuple[_NutOnShaft, ...], frame: Frame) -> tuple[Exp
 
 
 def hertz_contacts_under_unit_force(scene: Scene) -> tuple[HertzSolution, ...]:
-    """Solve the Hertz contacts of the flanks SL, SR, NL, NR under 1 N, x across the groove and y along it.
+    """Solve the Hertz contact of a ball with each groove flank (SL, SR, NL, NR) under 1 N; x is across the groove.
 
     Parameters
     ----------
@@ -363,7 +362,7 @@ def hertz_contacts_under_unit_force(scene: Scene) -> tuple[HertzSolution, ...]:
 
 
 def _contact_modulus(first: Material, second: Material) -> float:
-    """Return the contact modulus E* [Pa] of two bodies."""
+    """Return the contact modulus E* [Pa] of two materials: 1/E* is the sum of (1 - nu^2)/E over both."""
     return 1.0 / sum((1.0 - x.poissons_ratio**2) / x.youngs_modulus for x in (first, second))
 
 
@@ -388,10 +387,9 @@ def _assemble_contact_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _
         K[shaft:, shaft:] += spring.T @ stiff @ spring
 
     def motion(body: int, z: float) -> sp.csr_array:
-        """Return the matrix ``(6, f)`` that gives the motion of the screw at z, or of a nut in a housing, at position z.
+        """Return the matrix ``(6, f)`` that gives the rigid motion of a body at z from the f degrees of freedom.
 
-        ``body``: 0 for the screw, 1 and up for the housings; ``z``: axial position [m]. The matrix multiplies the f degrees
-        of freedom of the estimate.
+        ``body``: 0 for the screw, k for the nut on housing k, from 1; ``z``: axial position [m].
         """
         if body:
             first, at = shaft + 6 * (body - 1), frame.housings[body - 1].at
@@ -441,7 +439,7 @@ def _assemble_contact_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _
 
 
 def _energy_and_loads(model: _EstimateModel, x: Array) -> tuple[float, Array, Array, Array, Array]:
-    """Evaluate the energy and the contacts of the estimate at given degrees of freedom x ``(f,)`` [m, rad].
+    """Evaluate the energy and the contact loads of the estimation model at given degrees of freedom x ``(f,)`` [m, rad].
 
     Returns the energy [J], the contact loads (n, 4) [N], their derivatives by the approach (n, 4) [N/m], the vectors from
     groove to ball centre (n, 4, 2) [m] and the lengths of these vectors (n, 4) [m].
@@ -454,9 +452,10 @@ def _energy_and_loads(model: _EstimateModel, x: Array) -> tuple[float, Array, Ar
 
 
 def _solve_estimated_equilibrium(model: _EstimateModel) -> tuple[Array, Array]:
-    """Find the contact loads ``(n, 4)`` [N] and vectors from groove to ball centre ``(n, 4, 2)`` [m] of least energy.
+    """Find the equilibrium of the estimation model, the state of least energy, by damped Newton steps.
 
-    Raises ValueError if there is no equilibrium.
+    Returns the contact loads (n, 4) [N] and the vectors from groove centre to ball centre (n, 4, 2) [m]. Raises ValueError
+    if there is no equilibrium.
     """
     x = np.zeros(model.P.size)
     energy, load, slope, vectors, length = _energy_and_loads(model, x)
@@ -483,6 +482,6 @@ def _solve_estimated_equilibrium(model: _EstimateModel) -> tuple[Array, Array]:
         x = x + size * move
         energy, load, slope, vectors, length = trial
     raise ValueError(
-        "the contact estimate that sizes the patches (rigid nut, Hertz springs) finds no equilibrium: support the screw "
-        "against the motion that its loads cause"
+        "the model that estimates contact sizes for the mesh (rigid nut, Hertz springs) finds no equilibrium: support the "
+        "screw against the motion that its loads cause"
     )

@@ -92,7 +92,7 @@ def tube_section(radius: float, bore: float, material: Material) -> ShaftSection
 
 
 def end_flexibility_of_cantilever(length: float, per_length: Array) -> Array:
-    """Compute the flexibility of the end of a uniform cantilever along z.
+    """Compute the flexibility of the free end of a uniform cantilever along z, with shear.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def end_flexibility_of_cantilever(length: float, per_length: Array) -> Array:
 
 
 def beam_stiffness(length: float, section: ShaftSection) -> Array:
-    """Compute the stiffness of a uniform beam element along z, from the flexibility of its cantilever.
+    """Compute the stiffness matrix of a uniform Timoshenko beam element along z.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def beam_stiffness(length: float, section: ShaftSection) -> Array:
 
 @dataclass(frozen=True)
 class Frame:
-    """Supports and loads of a shaft, its movable housings, and the springs between them."""
+    """Supports and loads of a shaft, the movable housings of its nuts, and the springs between housings."""
 
     #: Supports of the shaft.
     supports: tuple[Support, ...]
@@ -154,7 +154,7 @@ class Frame:
 
     @staticmethod
     def from_scene(described: Scene | Assembly) -> Frame:
-        """Collect supports, loads and housings of a scene, whose nut is fixed, or of a shaft with several nuts or bearings.
+        """Collect supports, loads and housings from a scene with one fixed nut, or from a shaft with several nuts.
 
         Parameters
         ----------
@@ -173,7 +173,7 @@ class Frame:
         return Frame(described.supports, described.loads, arm, moving, described.joints)
 
     def housing_index(self, housing: str | None) -> int | None:
-        """Return the index of a movable housing among ``housings``; None if it is fixed, or if the name is None."""
+        """Return the index of a named movable housing among ``housings``; None if it is fixed, or if the name is None."""
         return next((k for k, h in enumerate(self.housings) if h.name == housing), None)
 
     @property
@@ -182,7 +182,7 @@ class Frame:
         return {x.at for x in self.supports} | {x.at for x in self.loads}
 
     def prescribed_motions(self) -> list[tuple[int, float, int, float]]:
-        """List the prescribed motions of shaft and housings.
+        """List the prescribed displacements and rotations of shaft and housings at their supports.
 
         Returns
         -------

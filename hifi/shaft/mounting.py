@@ -39,7 +39,7 @@ SLACK = 1e-12
 
 @dataclass(frozen=True)
 class Stretch:
-    """Flexibility of the stretch of the screw that is meshed in 3D, a little longer than the nut, fixed at its base."""
+    """Flexibility of the part of the screw around the nut that is meshed in 3D (stretch), with its base section fixed."""
 
     #: Flexibility with the base fixed: motions of the contacts' modes, then of ports and observers with six rows each, by
     #: unit forces and moments there ``(x, x)``.
@@ -60,23 +60,26 @@ class Stretch:
     rigid: bool = False
 
     def contains(self, z: float) -> bool:
-        """Return whether an axial position z [m] lies in the stretch, ends included."""
+        """Return whether an axial position z [m] lies in the part of the screw that is meshed in 3D, ends included."""
         return self.ends[0] - SAME <= z <= self.ends[1] + SAME
 
     def is_inside_without_port(self, z: float) -> bool:
-        """Return whether an axial position z [m] lies inside the stretch, away from its base and from all its ports."""
+        """Return whether an axial position z [m] lies inside the 3D part of the screw, but at no section to be loaded.
+
+        These sections are the base and the ports.
+        """
         inside = self.ends[0] + SAME < z < self.ends[1] - SAME
         return inside and not any(abs(z - known) <= SAME for known in (self.base, *self.ports))
 
     def shift_along_shaft(self, shift: float) -> Stretch:
-        """Return the stretch moved by ``shift`` [m] along the shaft."""
+        """Return a copy whose axial positions are increased by ``shift`` [m]."""
         stations = {name: tuple(z + shift for z in getattr(self, name)) for name in ("ports", "observers", "ends")}
         return replace(self, base=self.base + shift, **stations)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
 class CarriedNut:
-    """Nut on a housing that can move, as an additional body of the mounted structure."""
+    """Compliance of a nut on a movable housing, to be joined to the shaft and its supports."""
 
     #: Compliance between the k modes of its contacts, with the housing fixed ``(k, k)`` [m/N].
     G: Array
@@ -88,7 +91,10 @@ class CarriedNut:
 
 @dataclass(frozen=True)
 class MountedShaft:
-    """Stretches of the shaft and nuts on housings, m modes in all, under the supports and loads of h housings."""
+    """Compliance and displacements of a supported and loaded shaft at its contacts, with its h movable housings.
+
+    The contacts of shaft and nuts on movable housings have m displacement modes in all.
+    """
 
     #: Compliance between the modes ``(m, m)`` [m/N].
     G: Array
@@ -113,16 +119,16 @@ class MountedShaft:
 
 
 def subtract_cut_ends(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[float]) -> Stretch:
-    """Subtract the effect of the cut ends of a stretch, at which the shaft in truth continues.
+    """Correct the flexibility of the screw's 3D part for its ends, where the mesh is cut but the real shaft continues.
 
-    The effect of an end remains if no support or load lies outside the stretch on that side: there the screw itself ends.
+    An end is not corrected if no support or load lies beyond it: there the screw itself counts as ended.
 
     Parameters
     ----------
     stretch : Stretch
         The stretch.
     cut : (6, 6) Array
-        Flexibility E that one cut end adds [m/N, 1/N, 1/(N m)], of `hifi.shaft.section`.
+        Flexibility E that one cut end adds to a beam [m/N, 1/N, 1/(N m)], of `hifi.shaft.section`.
     m : GrooveMap
         Geometry of the track.
     stations : Sequence[float]
@@ -131,7 +137,7 @@ def subtract_cut_ends(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequ
     Returns
     -------
     Stretch
-        The corrected stretch.
+        The corrected 3D part.
     """
     low, high = stretch.ends
     F = stretch.F.copy()
@@ -146,11 +152,11 @@ def subtract_cut_ends(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequ
 def correct_beam_stiffness(
     stretch: Stretch, rows: Array, stations: Array, section: ShaftSection, cut: Array, m: GrooveMap
 ) -> Stretch:
-    """Correct the beam stiffness of a stretch, whose mesh is too stiff, to that of a given section.
+    """Correct the 3D part of the screw, whose mesh is too stiff, to the beam stiffness of a given cross-section.
 
-    The motion of its end by a force, torque or moment there, without the effect of both cut ends, gives the uniform beam as
-    which the mesh behaves. That beam is subtracted, and one of ``section`` is added (local defect correction, as for the
-    local compliance of a contact).
+    The motion of its upper end under forces and moments there, less the effect of both cut ends, shows to which uniform
+    beam the mesh is equivalent. The flexibility of that beam is subtracted, and that of a beam with ``section`` is added
+    (local defect correction, as for the local compliance of a contact).
 
     Parameters
     ----------
@@ -171,7 +177,7 @@ def correct_beam_stiffness(
     Returns
     -------
     Stretch
-        The corrected stretch.
+        The corrected 3D part.
     """
     low, high = stretch.ends
     first = stretch.modes + 6 * stretch.ports.index(high)
@@ -188,7 +194,7 @@ def correct_beam_stiffness(
 
 
 def mount_stretch(stretch: Stretch, scene: Scene, section: ShaftSection) -> MountedShaft:
-    """Mount one stretch on the supports and under the loads of a scene; beams continue it.
+    """Join the 3D part of the screw to beams at both ends, and apply the supports and loads of a scene.
 
     Parameters
     ----------
@@ -202,7 +208,7 @@ def mount_stretch(stretch: Stretch, scene: Scene, section: ShaftSection) -> Moun
     Returns
     -------
     MountedShaft
-        The mounted stretch.
+        Compliance and displacements at the contacts.
 
     Raises
     ------
@@ -219,7 +225,7 @@ def mount_stretches(
     steps: Sequence[float] = (),
     carried: Sequence[CarriedNut] = (),
 ) -> MountedShaft:
-    """Join several stretches on one shaft by beams, with their supports and loads.
+    """Join the 3D parts of a shaft by beams, and apply its supports and loads.
 
     Parameters
     ----------
@@ -237,7 +243,7 @@ def mount_stretches(
     Returns
     -------
     MountedShaft
-        The mounted stretches and nuts.
+        Compliance and displacements at the contacts of shaft and carried nuts.
 
     Raises
     ------
@@ -248,7 +254,8 @@ def mount_stretches(
     rigid = stretches[0].rigid
     if any(s.rigid != rigid for s in stretches):
         raise ValueError(
-            "the rings on one shaft have rigid bores, which move with the shaft, and elastic bores: give all the same kind"
+            "some rings on the shaft have a rigid bore, which moves with the shaft, and others an elastic one: give all the "
+            "same kind"
         )
     acted = frame.stations
     ends = {z for s in stretches for z in (s.base, *s.ports)}
@@ -289,7 +296,7 @@ def mount_stretches(
         )
 
     def freedom(body: int, at: float) -> int:
-        """Return the first degree of freedom of the shaft at an axial position, or of a housing.
+        """Return the index of the first degree of freedom of the shaft at an axial position, or of a housing.
 
         ``body``: 0 for the shaft, 1 and up for the housings; ``at``: axial position on the shaft [m].
         """
@@ -345,7 +352,7 @@ def mount_stretches(
 
 
 class _JoinedStretch(NamedTuple):
-    """Contribution of one stretch to the mounted structure, which has d degrees of freedom in all."""
+    """Stiffness and compliance that one 3D part of the shaft adds to the whole structure of d degrees of freedom."""
 
     #: Stiffness that it adds to the structure ``(d, d)``.
     K: Array
@@ -360,7 +367,7 @@ class _JoinedStretch(NamedTuple):
 
 
 def _contribution_of_stretch(stretch: Stretch, place: _NodeFreedoms, size: int) -> _JoinedStretch:
-    """Compute the stiffness and compliance that a stretch adds to the mounted structure.
+    """Compute the stiffness and compliance that one 3D part of the shaft adds to the structure of shaft and housings.
 
     ``place``: object that gives, for an axial position, the first degree of freedom of the node there; ``size``: number of
     degrees of freedom of the structure.
@@ -385,7 +392,7 @@ def _contribution_of_stretch(stretch: Stretch, place: _NodeFreedoms, size: int) 
 
 
 class _NodeFreedoms:
-    """Finds the first degree of freedom of the node nearest to an axial position [m].
+    """Index of the first degree of freedom of the shaft's node nearest to an axial position [m], by subscript.
 
     ``nodes``: axial positions of the nodes of the shaft [m].
     """
@@ -398,7 +405,7 @@ class _NodeFreedoms:
 
 
 def _distinct_positions(stations: Sequence[float]) -> list[float]:
-    """Return axial positions [m] without those that lie within `SAME` of the position before them.
+    """Return axial positions [m] without duplicates: those that lie within `SAME` of the position before them.
 
     ``stations``: axial positions in ascending order [m].
     """
@@ -439,9 +446,9 @@ def find_unconstrained_motions(frame: Frame, origin: float) -> Array:
 
 
 def select_freedoms_to_constrain(motions: Array) -> list[int]:
-    """Select k degrees of freedom whose constraint prevents the rigid motions of `find_unconstrained_motions`.
+    """Select k degrees of freedom that must be constrained to prevent k rigid motions of shaft and housings.
 
-    ``motions``: these motions as columns (6 (1 + h), k). Returns the indices of their rows.
+    ``motions``: the motions from `find_unconstrained_motions` as columns (6 (1 + h), k). Returns the indices of their rows.
     """
     if motions.shape[1] == 0:
         return []
@@ -450,7 +457,7 @@ def select_freedoms_to_constrain(motions: Array) -> list[int]:
 
 
 def _work_on_motions(frame: Frame, motions: Array, origin: float) -> Array:
-    """Compute the work of all loads on k rigid motions ``(k,)``.
+    """Compute the work ``(k,)`` of all loads on shaft and housings in k unit rigid motions.
 
     ``motions``: the rigid motions of `find_unconstrained_motions` (6 (1 + h), k); ``origin``: reference point of the
     screw's motion [m].
@@ -462,7 +469,7 @@ def _work_on_motions(frame: Frame, motions: Array, origin: float) -> Array:
 
 
 def replace_stretch_by_beam(rows: Array, stations: Array, stretch: Stretch, section: ShaftSection) -> Stretch:
-    """Replace the flexibility of a 3D stretch by that of a Timoshenko beam, to see what the 3D shaft contributes.
+    """Replace the 3D part of the screw by a Timoshenko beam, to see what the 3D mesh contributes.
 
     Parameters
     ----------
@@ -484,7 +491,7 @@ def replace_stretch_by_beam(rows: Array, stations: Array, stretch: Stretch, sect
     Raises
     ------
     ValueError
-        A section lies below the base.
+        A contact or section lies below the base.
     """
     c, k, _ = rows.shape
     turn, arms = _motions_by_section_motions(rows, stations, stretch)
@@ -498,16 +505,18 @@ def replace_stretch_by_beam(rows: Array, stations: Array, stretch: Stretch, sect
 
 
 def _motions_by_section_motions(rows: Array, stations: Array, stretch: Stretch) -> tuple[Array, Array]:
-    """Compute the motions of modes, ports and observers by unit rigid motions of the s sections of a beam ``(x, 6 s)``.
+    """Compute the matrix ``(x, 6 s)`` that gives the x motions in ``stretch.F`` from those of s cross-sections of a beam.
 
-    The distances of the sections from the base ``(s,)`` [m] are returned as well. ``rows``, ``stations``: as for
+    The x motions are those of contact modes, ports and observers; each follows the cross-section at its axial position. The
+    distances of the sections from the base ``(s,)`` [m] are returned as well. ``rows``, ``stations``: as for
     `replace_stretch_by_beam`. Raises ValueError if a section lies below the base.
     """
     c, k, _ = rows.shape
     arms = np.concatenate([stations, stretch.ports, stretch.observers]) - stretch.base
     if arms.min() < 0.0:
         raise ValueError(
-            f"a contact or section got a position {-1e3 * arms.min():.4g} mm below the 3D stretch's base; allowed: above it"
+            f"a contact, support or load lies {-1e3 * arms.min():.4g} mm below the fixed lower end of the shaft's 3D part; "
+            "allowed: above it"
         )
     turn = np.zeros((c * k + 6 * (arms.size - c), 6 * arms.size))
     for i in range(c):
@@ -517,7 +526,7 @@ def _motions_by_section_motions(rows: Array, stations: Array, stretch: Stretch) 
 
 
 def _flexibility_between_beam_sections(arms: Array, axial: float, bending: float, torsion: float) -> Array:
-    """Compute the flexibility between the s sections of a beam without shear ``(6 s, 6 s)`` [m/N, 1/N, 1/(N m)].
+    """Compute the flexibility between s cross-sections of a cantilever without shear ``(6 s, 6 s)`` [m/N, 1/N, 1/(N m)].
 
     ``arms``: distances of the sections from the fixed end (s,) [m]; ``axial``, ``bending``, ``torsion``: flexibilities per
     unit length. The motion of section a by loads on section b comes from the part of the beam from its fixed end up

@@ -69,7 +69,7 @@ def groove_azimuth(m: GrooveMap, z: float) -> float:
 
 
 def rotate_flexibility(flexibility: Array, azimuth: float) -> Array:
-    """Rotate a flexibility from a frame at an azimuth into the fixed frame.
+    """Rotate a flexibility matrix about z from a frame at an azimuth into the fixed frame.
 
     Parameters
     ----------
@@ -89,7 +89,9 @@ def rotate_flexibility(flexibility: Array, azimuth: float) -> Array:
 
 
 def lower_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
-    """Compute the flexibility that a cut lower end adds, in the fixed frame: motion of the beam against the fixed section.
+    """Compute the flexibility that the cut lower end of a shaft adds to that of its uniform beam.
+
+    It is the motion of the beam's end relative to the fixed flat section at the cut, in the fixed frame.
 
     Parameters
     ----------
@@ -109,7 +111,9 @@ def lower_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
 
 
 def upper_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
-    """Compute the flexibility that a cut upper end adds, in the fixed frame: motion of the rigid section against the beam.
+    """Compute the flexibility that the cut upper end of a shaft adds to that of its uniform beam.
+
+    It is the motion of the rigid flat section at the cut relative to the beam's end, in the fixed frame.
 
     Parameters
     ----------
@@ -129,7 +133,7 @@ def upper_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
 
 
 def fit_cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], per_length: Array) -> Array:
-    """Fit the flexibility E that one cut end adds to the flexibilities of shafts of several lengths.
+    """Fit the flexibility E that a cut end adds to a uniform beam, to the flexibilities of 3D shafts of several lengths.
 
     The middle of every shaft lies at ``m.z0``. The rotation by a shear force and the displacement by a moment, equal in all
     directions, are fitted together with E. The shear flexibility is prescribed: another one would only be another
@@ -166,7 +170,7 @@ def fit_cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array
 
 
 def _end_flexibility_of_both_cuts(m: GrooveMap, length: float, cut: Array) -> Array:
-    """Compute the part of the flexibility of a shaft's upper end that is due to both of its cut ends ``(6, 6)``.
+    """Compute the flexibility ``(6, 6)`` that both cut ends of a shaft add at its upper end.
 
     ``length``: length of the shaft [m]; ``cut``: flexibility E of one cut end, in the frame of the cut.
     """
@@ -178,7 +182,7 @@ def _end_flexibility_of_both_cuts(m: GrooveMap, length: float, cut: Array) -> Ar
 
 @dataclass(frozen=True)
 class EquivalentBeam:
-    """Uniform beam equivalent to a grooved shaft."""
+    """Uniform beam equivalent to a grooved shaft, and the flexibility that a cut end adds to it."""
 
     #: Stiffnesses of the beam.
     section: ShaftSection
@@ -196,7 +200,7 @@ OTHER_PHASE = 0.25
 
 
 def shaft_lengths(m: GrooveMap) -> tuple[float, float, float]:
-    """Choose the lengths of the three 3D shafts from which `compute_equivalent_beam` computes the equivalent beam.
+    """Choose the lengths of the three 3D shafts to which `compute_equivalent_beam` fits the equivalent beam.
 
     Parameters
     ----------
@@ -216,7 +220,9 @@ def shaft_lengths(m: GrooveMap) -> tuple[float, float, float]:
 def compute_equivalent_beam(
     m: GrooveMap, bore: float, material: Material, section: tuple[Array, float], shafts: Sequence[tuple[float, Array]]
 ) -> EquivalentBeam:
-    """Compute the uniform beam equivalent to a grooved shaft, from its helical section and from three 3D shafts.
+    """Compute the uniform beam equivalent to a grooved shaft, and the flexibility that a cut end adds.
+
+    The beam's stiffnesses come from the helical section, the flexibility of a cut end from three 3D shafts.
 
     Parameters
     ----------
@@ -260,7 +266,7 @@ def compute_equivalent_beam(
 def meshed_shaft_flexibility(
     m: GrooveMap, outer: float, hole: float, material: Material, size: float, length: float
 ) -> tuple[float, Array]:
-    """Compute the flexibility of a 3D shaft that is clamped at one end and rigid at the other.
+    """Mesh a grooved shaft in 3D, clamped at its lower end, and compute the flexibility of its rigid upper end.
 
     Parameters
     ----------
@@ -304,7 +310,9 @@ CELLS = (32, 12, 12)
 def stiffness_of_grooved_shaft(
     m: GrooveMap, outer: float, bore: float, material: Material, cells: tuple[int, int, int] = CELLS
 ) -> tuple[Array, float]:
-    """Compute the stiffness of a grooved shaft per length from helically symmetric fields, on a plane mesh of its section.
+    """Compute the axial, torsional and bending stiffness of a long grooved shaft on a plane mesh of its helical section.
+
+    The displacement fields have the helical symmetry of the groove.
 
     Parameters
     ----------
@@ -343,7 +351,7 @@ def stiffness_of_grooved_shaft(
 
 
 def _section_mesh(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int, int]) -> tuple[MeshQuad, float]:
-    """Mesh the section (r, zeta) of a grooved shaft over one period, with the middle of the groove at zeta = 0.
+    """Mesh the section (r, zeta) of a grooved shaft over one period along z, with the middle of the groove at zeta = 0.
 
     ``outer``, ``bore``: radii of lands and bore [m]; ``cells``: numbers of cells along the groove, along the land and in
     depth. Returns the mesh and the length of the period [m].
@@ -394,7 +402,7 @@ def _strain_components(value: Any, slope: Any, r: Array, rg: float, n: int) -> l
 def _strain_energy(
     basis: Basis, rg: float, n: int, material: Material, period: float, means: Sequence[tuple[int, int]]
 ) -> Array:
-    """Compute the stiffness of a section's period against k average strains ``(k, k)``, by the energy of its least state.
+    """Compute the stiffness ``(k, k)`` of one period of a shaft against k average strains, from its least strain energy.
 
     ``basis``: finite-element space of the section; ``rg``: rise of the helix [m/rad]; n: number of waves around the axis;
     ``period``: length of the section's period [m]; ``means``: component of each average strain in `_strain_components`, and
@@ -408,7 +416,7 @@ def _strain_energy(
     weight = np.repeat(r * basis.dx, len(hooke), axis=1)
 
     def by_cells(strains: list[list[Array]]) -> Array:
-        """Arrange strains as an array ``(cells, functions, points and components)``."""
+        """Arrange strains of shape functions as an array ``(cells, functions, points and components)``."""
         values = np.array(strains).transpose(2, 0, 3, 1)
         return np.ascontiguousarray(values).reshape(*values.shape[:2], -1)
 
@@ -437,7 +445,7 @@ def _strain_energy(
 
 
 def _periodic_constraints(basis: Basis, period: float) -> sp.csr_array:
-    """Return the matrix ``(n, m)`` that gives the n degrees of freedom of a period from the m independent ones.
+    """Return the matrix ``(n, m)`` that gives the n degrees of freedom of a periodic mesh from the m independent ones.
 
     The degrees of freedom at both ends of the period, whose length is ``period`` [m], are equal.
     """
