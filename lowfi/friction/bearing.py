@@ -56,9 +56,9 @@ AXIAL, RADIAL, INNER = SIGN_Z[AROUND], SIGN_X[AROUND], ON_SCREW
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Bearing(ScrewGroove):
-    """Ball bearing with gothic-arch grooves, as a screw of zero lead.
+    """Ball bearing with gothic-arch grooves, described as a ball screw of zero lead.
 
-    The inner ring rotates at ``screw_speed``, the outer ring is at rest.
+    The inner ring takes the place of the screw and rotates at ``screw_speed``; the outer ring is at rest.
     """
 
     #: Clearance of the ball along each contact normal [m], negative for an oversized ball.
@@ -106,10 +106,10 @@ class BearingBallSolution:
 
 
 def contact_loads_of_ball(bearing: Bearing, axial_force: float, radial_displacement: float) -> ContactLoadSolution:
-    """Return the contact loads of a ball between two rings, found at the minimum of elastic energy.
+    """Return the contact loads of one ball between inner and outer ring, found at the minimum of elastic energy.
 
-    The contact forces are unique. A ball with clearance and without force has no unique position; the position at the end
-    of the search is then returned.
+    The contact forces are unique. A ball with clearance and without force has no unique position; the position at the
+    end of the search is then returned.
 
     Parameters
     ----------
@@ -149,10 +149,11 @@ def contact_loads_of_ball(bearing: Bearing, axial_force: float, radial_displacem
 
 
 def contact_kinematics(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
-    """Return the linear relation between the motion of a ball and the motions at its four contacts with the rings.
+    """Return the linear relation between the motion of a ball and the sliding and spin at its four contacts with the rings.
 
-    ``bearing``: the bearing with its speed; ``angles``: contact angles ``(4,)`` [rad]. The unknowns are the orbital speed
-    omega_B and the ball's rotation omega_x, omega_y, omega_z [rad/s] relative to a frame that rotates with the orbit.
+    ``bearing``: the bearing with its speed; ``angles``: contact angles ``(4,)`` [rad]. The unknowns are the orbital
+    speed omega_B and the ball's rotation omega_x (about the bearing's axis), omega_y (radial), omega_z (along the
+    ball's path) [rad/s], relative to a frame that rotates with the orbit.
 
     Returns
     -------
@@ -188,7 +189,9 @@ def ball_contacts(bearing: Bearing, load: ContactLoadSolution) -> Contacts:
 def ball_motion_problem(bearing: Bearing, load: ContactLoadSolution, at: Contacts) -> MotionProblem:
     """Return the contacts, kinematics and forces that determine a ball's motion at given contact loads and angles.
 
-    The unknowns are omega_B, omega_x and omega_y [rad/s]; omega_z is left out, because it is zero by symmetry.
+    The unknowns are the orbital speed omega_B and the ball's rotation omega_x about the bearing's axis and omega_y
+    about the radial direction [rad/s]; the rotation omega_z about the ball's path is left out, because it is zero by
+    symmetry.
 
     Parameters
     ----------
@@ -204,7 +207,7 @@ def ball_motion_problem(bearing: Bearing, load: ContactLoadSolution, at: Contact
 
 
 def inner_ring_torque(bearing: Bearing, load: ContactLoadSolution, motion: BodyMotion) -> float:
-    """Return the torque about the bearing's axis that keeps the inner ring rotating against a ball's friction [N m].
+    """Return the torque about the bearing's axis that keeps the inner ring rotating against the friction of one ball [N m].
 
     Parameters
     ----------
@@ -224,7 +227,7 @@ def inner_ring_torque(bearing: Bearing, load: ContactLoadSolution, motion: BodyM
 def solve_ball_of_bearing(
     bearing: Bearing, axial_force: float, radial_displacement: float, fast: bool = False
 ) -> BearingBallSolution:
-    """Return contact loads and the motion of least dissipation of one ball, with Coulomb friction.
+    """Return the contact loads and the motion of least dissipation of one ball of a bearing, with Coulomb friction.
 
     Parameters
     ----------
@@ -251,11 +254,11 @@ def solve_ball_of_bearing(
 def solve_ball_by_lin_method(
     bearing: Bearing, axial_force: float, radial_displacement: float, law: Sigmoid, fast: bool = False
 ) -> BearingBallSolution:
-    """Return contact loads and motion of one ball by Lin's method, errors in its equations included.
+    """Return the contact loads and the motion of one ball of a bearing by Lin's method, errors in its equations included.
 
     It uses the Hertz constants of Table B.1 of Lin's thesis, the sigmoid friction law, a root of equation 3.19 and the
-    torque by equation 3.21. The root is searched from the motion of least dissipation and, if this fails, with sigmoids of
-    increasing sharpness.
+    torque by equation 3.21. The root is searched from the motion of least dissipation and, if this fails, over sigmoids
+    of increasing sharpness.
 
     Parameters
     ----------
@@ -280,7 +283,7 @@ def solve_ball_by_lin_method(
 def solve_ball_over_displacements(
     bearing: Bearing, axial_force: float, radial_displacements: Array, law: Sigmoid | None = None
 ) -> list[BearingBallSolution]:
-    """Return loads and friction of one ball for several radial displacements of the inner ring (Lin's Figure 3.7).
+    """Return contact loads and friction of one ball for several radial displacements of the inner ring (Lin's Figure 3.7).
 
     Parameters
     ----------
@@ -309,7 +312,7 @@ ALL, DIAGONAL, OTHER = (True, True, True, True), (True, False, False, True), (Fa
 
 @dataclass(frozen=True)
 class BallRow:
-    """Row of balls of a bearing: its axial position and the contacts that its grooves allow."""
+    """One row of balls of a bearing: its axial position, and which of the four contacts its grooves allow."""
 
     #: Axial position of the row [m].
     place: float
@@ -320,7 +323,7 @@ class BallRow:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class BearingCase:
-    """Bearing with a rotating, loaded inner ring and a fixed outer ring."""
+    """Ball bearing with a rotating, loaded inner ring and a fixed outer ring: rows, clearance and load."""
 
     #: Grooves of the bearing, given as a screw with zero lead.
     groove: ScrewGroove
@@ -351,7 +354,7 @@ class BearingCase:
 
 @dataclass(frozen=True)
 class BearingState:
-    """Loads and friction of a bearing. Arrays list all N balls: those of the first row, then those of the next one."""
+    """Contact loads and friction of a bearing under one load. Arrays list all N balls, row after row."""
 
     #: Contact loads and contact angles of the balls, with the displacements of balls and inner ring.
     load: ContactLoadSolution
@@ -368,11 +371,11 @@ class BearingState:
 
 
 def inner_ring_displacement_maps(case: BearingCase) -> Array:
-    """Return the displacements of the inner ring at each of N balls per unit of its m motions ``(N, 3, m)``.
+    """Return the displacement of the inner ring at each of N balls per unit of its m rigid-body motions ``(N, 3, m)``.
 
-    The motions are three translations and, if the ring may tilt, rotations about x and y; rotations are multiplied by the
-    pitch radius, so that all unknowns are lengths [m]. The displacements are along the axes x3, y3, z3 of each ball's
-    section. ``case``: the bearing.
+    The motions are three translations and, if the ring may tilt, rotations about x and y; rotations are multiplied by
+    the pitch radius, so that all unknowns are lengths [m]. The displacements are along x3 (radial), y3 (tangential) and
+    z3 (axial) at each ball. ``case``: the bearing.
     """
     radius, out = case.groove.pitch_radius, []
     for row in case.rows:
@@ -387,9 +390,10 @@ def inner_ring_displacement_maps(case: BearingCase) -> Array:
 
 
 def bearing_geometry_and_load(case: BearingCase, force_angle: float) -> BallsBetweenGrooves:
-    """Return all balls of a bearing between its rings and the force on the inner ring, for `solve_screw_contact_loads`.
+    """Return all balls of a bearing between its rings under the force on the inner ring, for `solve_screw_contact_loads`.
 
-    ``case``: the bearing and the magnitude of the force; ``force_angle``: angle of the force from the bearing's axis [rad].
+    ``case``: the bearing and the magnitude of the force; ``force_angle``: angle of the force from the bearing's axis
+    [rad].
     """
     g, rows = case.groove, inner_ring_displacement_maps(case)
     has = np.repeat(np.array([r.contacts for r in case.rows]), case.count, axis=0)
@@ -401,7 +405,7 @@ def bearing_geometry_and_load(case: BearingCase, force_angle: float) -> BallsBet
 
 
 def describe_unresisted_motion(case: BearingCase, force_angle: float) -> str:
-    """Return a phrase that names a motion of the inner ring which the force causes and no contact resists.
+    """Return a phrase that names a rigid motion of the inner ring which the force causes and no contact resists.
 
     An empty text is returned if there is no such motion.
 

@@ -36,7 +36,7 @@ SHARPNESS = 100.0
 
 @dataclass(frozen=True)
 class NeighbourInteraction:
-    """Kinematics and friction of two touching balls of a track.
+    """Kinematics and friction of the contact of two neighbouring balls that touch.
 
     A ball has n unknowns of motion, the first of which is its motion along the track.
     """
@@ -63,7 +63,10 @@ class NeighbourInteraction:
 
 @dataclass(frozen=True)
 class LoadedBalls:
-    """N balls in order along the track at given contact loads. A ball has four contacts and n unknowns of motion."""
+    """N balls in order along the track at given contact loads, with the kinematics of their contacts.
+
+    A ball has four contacts and n unknowns of motion.
+    """
 
     #: Contacts of all balls, the four of each ball in succession ``(4 N,)``.
     at: Contacts
@@ -81,7 +84,7 @@ class LoadedBalls:
 
     @property
     def bound(self) -> float:
-        """Largest sum of friction bounds (coefficient times load) of the four contacts of a ball [N]."""
+        """Largest sum of friction bounds (coefficient of friction times load) of the four contacts of a ball [N]."""
         return max(float(self.at.strength.reshape(-1, 4).sum(axis=1).max()), 1e-300)
 
     def subset(self, chosen: slice) -> LoadedBalls:
@@ -93,7 +96,7 @@ class LoadedBalls:
 
 @dataclass(frozen=True)
 class ForcesAndLosses:
-    """Forces out of balance, friction and losses of N balls in given motions, with n unknowns for each ball."""
+    """Unbalanced forces, friction and losses of N balls in given motions, with n unknowns for each ball."""
 
     #: Generalised forces out of balance, power per unit of each unknown ``(N, n)``.
     left: Array
@@ -112,7 +115,7 @@ class ForcesAndLosses:
 
 @dataclass(frozen=True)
 class LinMotion:
-    """Motion of N balls by Lin's method, with n unknowns for each ball."""
+    """Motion of N balls by the method of Lin's thesis, with n unknowns for each ball."""
 
     #: Motions of the balls ``(N, n)``.
     q: Array
@@ -140,7 +143,7 @@ class LinMotion:
 
 
 def forces_and_losses(balls: LoadedBalls, law: FrictionLaw, q: Array, ball_force: Array) -> ForcesAndLosses:
-    """Return the forces out of balance and the losses of N balls in given motions.
+    """Return the unbalanced forces, friction and losses of N balls in given motions.
 
     ``balls``: the balls with their contacts; ``law``: friction law of the contacts with the grooves; ``q``: motions, n
     unknowns for each ball ``(N, n)``; ``ball_force``: force of each ball k on ball k + 1 ``(N-1,)`` [N].
@@ -182,10 +185,10 @@ def solve_touching_group(
 ) -> tuple[Array, Array, float, int]:
     """Return the motions of a group of N touching balls and the forces between them, as the root of one system.
 
-    The scaled equations are solved by MINPACK's hybrid method with a Jacobian by finite differences, as by Matlab's fsolve.
-    ``balls``: the balls of this group; ``law``: friction law of their contacts with the grooves; ``q``: motions from which
-    the search starts, n unknowns for each ball ``(N, n)``; ``ball_force``: forces of each ball on the next one from which
-    the search starts ``(N-1,)`` [N].
+    The scaled equations are solved by MINPACK's hybrid method with a Jacobian by finite differences, as by Matlab's
+    fsolve. ``balls``: the balls of this group; ``law``: friction law of their contacts with the grooves; ``q``: motions
+    from which the search starts, n unknowns for each ball ``(N, n)``; ``ball_force``: forces of each ball on the next
+    one from which the search starts ``(N-1,)`` [N].
 
     Returns
     -------
@@ -201,7 +204,7 @@ def solve_touching_group(
         return x[: q.size].reshape(q.shape) / turn, x[q.size :] * bound
 
     def residual(x: Array) -> Array:
-        """Return the scaled forces out of balance, then the differences of the speeds of neighbours."""
+        """Return the scaled unbalanced forces on the balls, then the differences of the speeds of neighbours."""
         motions, forces = split(x)
         left = forces_and_losses(balls, law, motions, forces).left / (pair.units * bound)
         return np.append(left.ravel(), np.diff(x[: q.size].reshape(q.shape)[:, 0]))
@@ -216,11 +219,11 @@ def solve_touching_group(
 def solve_touching_groups(
     balls: LoadedBalls, law: FrictionLaw, touching: Mask, start: tuple[Array, Array]
 ) -> tuple[Array, Array, float, int]:
-    """Return the motions of N balls and the forces between them, for known pairs of touching balls.
+    """Return the motions of N balls and the forces between them, if it is known which of them touch.
 
-    Each group of touching balls is solved separately. ``balls``: the balls; ``law``: friction law of the contacts with the
-    grooves; ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: motions, n unknowns for each ball
-    ``(N, n)``, and forces of each ball on the next one ``(N-1,)`` [N], from which the search starts.
+    Each group of touching balls is solved separately. ``balls``: the balls; ``law``: friction law of the contacts with
+    the grooves; ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: motions, n unknowns for
+    each ball ``(N, n)``, and forces of each ball on the next one ``(N-1,)`` [N], from which the search starts.
 
     Returns
     -------
@@ -256,10 +259,10 @@ def solve_chain_by_root(
     start: Array | None = None,
     touching: tuple[Array, Array] | None = None,
 ) -> LinMotion:
-    """Return the motions of balls and the forces between them by Lin's method.
+    """Return the motions of a row of balls and the forces between them by the method of Lin's thesis.
 
-    The status is "failed" for a friction law with which the equations have no root, such as Coulomb's if a contact sticks.
-    Lin's text does not say from which motions the searches start.
+    The status is "failed" for a friction law with which the equations have no root, such as Coulomb's if a contact
+    sticks. Lin's text does not say from which motions the searches start.
 
     Parameters
     ----------
@@ -295,7 +298,8 @@ def solve_chain_by_root(
 def linear_neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction:
     """Return kinematics and friction of touching balls of a linear bearing, by equations 3.26 to 3.29 of Lin's thesis.
 
-    The unknowns of a ball are its speed v along the track [m/s] and the angular speeds omega_x and omega_y [rad/s].
+    The unknowns of a ball are its speed v along the track [m/s] and its angular speeds omega_x and omega_y about the
+    two axes across the track [rad/s].
     """
     r, v = bearing.ball_radius, bearing.speed
     turns = np.array([[0.0, 0.0, r], [0.0, -r, 0.0]])

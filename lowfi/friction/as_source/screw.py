@@ -63,7 +63,7 @@ from rollbench.meshes.arrays import Array, Mask
 
 @dataclass(frozen=True)
 class BallPositions:
-    """Positions of N balls between their grooves, and of the screw, which may have m motions."""
+    """Displacements and contact angles of N balls between their grooves, and displacement of the screw in m motions."""
 
     #: Displacement of the balls along x3, z3 ``(N, 2)`` [m].
     ball: Array
@@ -74,11 +74,11 @@ class BallPositions:
 
 
 def contact_loads_at_positions(cell: BallsBetweenGrooves, positions: BallPositions) -> tuple[Array, Array, Array]:
-    """Return the contact loads of N balls in given positions, with the residuals of the conditions for the contact angles.
+    """Return the contact loads of N balls in given positions, and by how much the contact angles miss their conditions.
 
-    They follow from the contact conditions in chapter 2 of Lin's thesis: at the contact angle gamma, the tangent of the
-    groove is perpendicular to the line of centres. ``cell``: the balls and their grooves; ``positions``: positions of balls
-    and screw.
+    Both follow from the contact conditions in chapter 2 of Lin's thesis: at the contact angle gamma, the tangent of the
+    groove is perpendicular to the line of centres. ``cell``: the balls and their grooves; ``positions``: positions of
+    balls and screw.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def contact_loads_at_positions(cell: BallsBetweenGrooves, positions: BallPositio
 
 
 def load_and_approach_scales(cell: BallsBetweenGrooves) -> tuple[float, float]:
-    """Return first the load on the screw per ball [N], then the approach of a ball and a groove under this load [m].
+    """Return the load on the screw per ball [N], then the approach of a ball and a groove under this load [m].
 
     Forces and displacements in the equations of `solve_contact_loads_by_root` are divided by these values.
     """
@@ -105,7 +105,7 @@ def load_and_approach_scales(cell: BallsBetweenGrooves) -> tuple[float, float]:
 
 
 def starting_positions(cell: BallsBetweenGrooves) -> BallPositions:
-    """Return the positions from which the search of the contact loads starts.
+    """Return the positions of balls and screw from which Lin's search for the contact loads starts.
 
     The screw is displaced along its load by four times the approach of a ball under its part of the load, plus the
     clearance; the balls are displaced half as far. The nominal state, from which Lin's text starts, has no stiffness
@@ -130,7 +130,7 @@ def solve_contact_loads_by_root(cell: BallsBetweenGrooves, start: BallPositions 
     at = starting_positions(cell) if start is None else start
 
     def split(x: Array) -> BallPositions:
-        """Return positions from the scaled unknowns x."""
+        """Return positions of balls and screw from the scaled unknowns x."""
         return BallPositions(x[: 2 * n].reshape(n, 2) * size, x[2 * n : 6 * n].reshape(n, 4), x[6 * n :] * size)
 
     def residual(x: Array) -> Array:
@@ -187,7 +187,7 @@ def balls_of_screw(groove: ScrewGroove, force: Array, angle: Array) -> LoadedBal
 
 @dataclass(frozen=True)
 class LinState:
-    """Positions, contact loads and motions of N balls by Lin's method."""
+    """Positions, contact loads and motions of N balls, as a start or result of searches by the method of Lin's thesis."""
 
     #: Positions of balls and screw, with the contact angles.
     at: BallPositions
@@ -205,7 +205,7 @@ class LinState:
 
 @dataclass(frozen=True)
 class LinScrewSolution:
-    """Contact loads and motions of the balls of a screw by Lin's method."""
+    """Contact loads and motions of the balls of a screw by the method of Lin's thesis."""
 
     #: Contact loads without friction.
     load: ContactLoadSolution
@@ -220,11 +220,11 @@ class LinScrewSolution:
 def solve_loads_and_motion_of_group(
     cell: BallsBetweenGrooves, law: FrictionLaw, start: LinState, reference_load: float
 ) -> LinState:
-    """Return loads and motions of N balls that touch, as the root of one system, with the screw held in its position.
+    """Return loads and motions of N touching balls, as the root of one system, with the screw fixed in its position.
 
-    The equations are 3.71 and 3.75 to 3.77 of Lin's thesis. ``cell``: the balls and their grooves; ``law``: friction law;
-    ``start``: state from which the search starts, which also gives the position of the screw; ``reference_load``: sum of
-    the contact loads of one ball [N], a scale by which forces are divided.
+    The equations are 3.71 and 3.75 to 3.77 of Lin's thesis. ``cell``: the balls and their grooves; ``law``: friction
+    law; ``start``: state from which the search starts, which also gives the position of the screw; ``reference_load``:
+    sum of the contact loads of one ball [N], a scale by which forces are divided.
     """
     g, pair = cell.groove, screw_neighbour_interaction(cell.groove)
     n, turn = cell.angle.shape[0], pair.units / pair.speed
@@ -265,11 +265,11 @@ def solve_loads_and_motion_of_group(
 def solve_loads_and_motion_of_groups(
     cell: BallsBetweenGrooves, law: FrictionLaw, touching: Mask, start: LinState, reference_load: float
 ) -> LinState:
-    """Return loads and motions of all N balls, with the screw held in its position and known pairs of touching balls.
+    """Return loads and motions of all N balls, with the screw fixed in its position, if it is known which balls touch.
 
     Each group of touching balls is solved separately. ``cell``: the balls and their grooves; ``law``: friction law;
-    ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: state of all balls from which the searches
-    start; ``reference_load``: sum of the contact loads of one ball [N], a scale by which forces are divided.
+    ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: state of all balls from which the
+    searches start; ``reference_load``: sum of the contact loads of one ball [N], a scale by which forces are divided.
     """
     n = cell.angle.shape[0]
     ball, gamma, q = start.at.ball.copy(), start.at.gamma.copy(), start.q.copy()
@@ -294,7 +294,7 @@ def solve_loads_and_motion_of_groups(
 
 
 def lin_state_of_result(result: ScrewPairSolution, touching: bool) -> LinState:
-    """Return the solution by rollbench for two balls in the form of a state from which searches by Lin's method start.
+    """Return rollbench's solution for two balls of a screw as a state from which searches by Lin's method start.
 
     ``result``: this solution; ``touching``: whether to take the state with ball-to-ball contact (True) or that without.
     """
@@ -405,7 +405,10 @@ def solve_screw_pair_by_root(
 
 @dataclass(frozen=True)
 class LinScrewHistory:
-    """Simulation of N balls by Lin's method in T steps. Ball k pushes ball k + 1; the last one pushes the first."""
+    """Simulation over time of N balls of a screw by Lin's method in T steps.
+
+    Ball k pushes ball k + 1; the last one pushes the first.
+    """
 
     #: Angle of the nut at the beginning of each step ``(T,)`` [rad].
     nut_angle: Array
@@ -430,7 +433,7 @@ class LinScrewHistory:
 
     @property
     def overlapping(self) -> int:
-        """Number of steps with the status "overlapping": a root was found, but neighbours approach each other or pull."""
+        """Number of steps whose root is impossible: neighbours that count as apart approach, or touching ones pull."""
         return self.status.count("overlapping")
 
     @property
@@ -441,7 +444,7 @@ class LinScrewHistory:
 
 @dataclass
 class _PreviousStep:
-    """State of N balls in the previous step, from which searches start."""
+    """Positions, motions and forces of N balls in the previous time step, from which searches start."""
 
     #: Positions of balls and screw in the previous step.
     at: BallPositions
@@ -530,11 +533,11 @@ def _solve_motion_of_step(
 
 
 def randomly_perturbed_motions(q: Array, units: Array, rng: np.random.Generator, largest_deviation: float) -> Array:
-    """Return motions of N balls with random relative deviations, for searches from several starts.
+    """Return motions of N balls with random relative deviations, from which searches start.
 
     ``q``: motions, n unknowns for each ball ``(N, n)``; ``units``: surface speed per unit of each unknown ``(n,)``;
-    ``rng``: generator of random numbers; ``largest_deviation``: largest deviation of an unknown, as a fraction of its value
-    or, if this is more, of 1 % of the ball's largest surface speed. The result has the shape of ``q``.
+    ``rng``: generator of random numbers; ``largest_deviation``: largest deviation of an unknown, as a fraction of its
+    value or, if this is more, of 1 % of the ball's largest surface speed. The result has the shape of ``q``.
     """
     x = q * units
     size = np.maximum(np.abs(x), 0.01 * np.max(np.abs(x), axis=1, keepdims=True))

@@ -54,7 +54,7 @@ class ContactLoadSolution:
 
 
 def zero_cell_state(cell: CellArrays) -> CellState:
-    """Return zero arrays to which the kernels write contact forces, stiffness and gradients of the balls in ``cell``."""
+    """Return zero arrays, in the sizes of ``cell``, for contact forces, stiffness and unbalanced forces by the kernels."""
     n, m = cell.interference.shape[0], cell.pull.shape[0]
     return CellState(np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2)))
 
@@ -64,10 +64,11 @@ def solve_contact_loads(
 ) -> ContactLoadSolution:
     """Return the contact loads of balls between two rigid bodies, by Newton's method with line search.
 
-    They are found at the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p over the displacements u of
-    the inner body and p of the balls. C is the Hertz constant of a contact, <approach> the approach where positive, and
-    pull and push are the applied forces in ``cell``. The model is valid for approaches far below the distance of groove
-    centre and ball centre. The loads do not depend on the start.
+    They are found at the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p over the displacements u
+    of the inner body and p of the balls. C is the Hertz constant of a contact, <approach> the approach where positive,
+    and pull and push are the applied forces on inner body and balls in ``cell``. The model is valid for approaches far
+    below the distance of groove centre and ball centre. The loads do not depend on the displacements from which the
+    search begins.
 
     Parameters
     ----------
@@ -143,7 +144,7 @@ HYBRID = {"xtol": 1e-13, "factor": 0.1}
 
 @dataclass(frozen=True)
 class MotionProblem:
-    """Contacts, kinematics and forces that determine the motion of a body with m contacts and n unknown velocities."""
+    """Contacts, kinematics and forces that determine n unknown velocities of a body with m frictional contacts."""
 
     #: Ellipses, loads and friction coefficients of the contacts.
     at: Contacts
@@ -159,19 +160,19 @@ class MotionProblem:
         return np.asarray(self.drives + self.maps @ q)
 
     def units(self) -> Array:
-        """Return the surface speed of the loaded contacts per unit of each unknown ``(n,)``.
+        """Return the surface speed of the loaded contacts per unit of each unknown velocity ``(n,)``.
 
-        It is 1 for an unknown that moves none of them. Unknowns are scaled by it.
+        It is 1 for an unknown that moves none of them. Solvers scale the unknowns by these values.
         """
         rows = self.maps * np.stack([np.ones_like(self.at.a), np.ones_like(self.at.a), self.at.a], axis=1)[:, :, None]
         size = np.sqrt(np.sum(rows[self.at.strength > 0.0] ** 2, axis=(0, 1)))
         return np.asarray(np.where(size > 0.0, size, 1.0))
 
     def imbalance(self, friction: Friction) -> float:
-        """Return the largest force out of balance [N] under a given friction and the other forces.
+        """Return the largest unbalanced force on the body [N] under given friction and the other forces.
 
-        ``friction``: friction at the contacts. The generalised force on each unknown is divided by its surface speed per
-        unit (`units`), so that it is a force.
+        ``friction``: friction at the contacts. The generalised force on each unknown is divided by its surface speed
+        per unit (`units`), so that it is a force.
         """
         wrench = np.column_stack([friction.force, friction.moment])
         return float(np.max(np.abs((np.einsum("ir,irj->j", wrench, self.maps) + self.push) / self.units())))
@@ -179,7 +180,7 @@ class MotionProblem:
 
 @dataclass(frozen=True)
 class BodyMotion:
-    """Computed motion of a body with m contacts and n unknowns, with its friction."""
+    """Computed motion of a body with m frictional contacts and n unknown velocities, with the friction on it."""
 
     #: Unknown velocities of the body ``(n,)``.
     q: Array
@@ -207,9 +208,10 @@ class BodyMotion:
 
 
 def least_dissipation(problem: MotionProblem, start: Array | None = None, fast: bool = False) -> BodyMotion:
-    """Return the motion of least dissipation, the minimum of eq. (1) of this module.
+    """Return the quasi-static motion of a body on frictional contacts: the motion of least dissipation.
 
-    Unknowns that cause no dissipation keep their values at the start.
+    The dissipated power less the power of the other forces (eq. (1) of this module) is least there, so that all forces
+    are in balance. Unknowns that cause no dissipation keep their values at the start.
 
     Parameters
     ----------
@@ -247,10 +249,10 @@ def least_dissipation(problem: MotionProblem, start: Array | None = None, fast: 
 
 
 def remove_friction_forces(motion: BodyMotion) -> BodyMotion:
-    """Return the same motion with friction forces and losses of zero.
+    """Return the same motion of a body with friction forces and losses of zero.
 
-    This is the limit for a coefficient of friction that tends to zero, because with given normal loads the motion does not
-    depend on the coefficient.
+    This is the limit for a coefficient of friction that tends to zero, because with given normal loads the motion does
+    not depend on the coefficient.
 
     Parameters
     ----------
@@ -262,10 +264,10 @@ def remove_friction_forces(motion: BodyMotion) -> BodyMotion:
 
 
 def motion_by_root(problem: MotionProblem, law: FrictionLaw, start: Array, fast: bool = False) -> BodyMotion:
-    """Return the motion at a root of the force balance, found by MINPACK's hybrid method as in Lin's thesis.
+    """Return the motion of a body at which its friction balances, as a root found by MINPACK's hybrid method.
 
-    The search corresponds to Matlab's fsolve for eq. (3.19) of Lin's thesis. It fails from many starts near two-point
-    contact, and for sharp sigmoids.
+    This is the method of Lin's thesis, which uses Matlab's fsolve for eq. (3.19). It fails from many starts near
+    two-point contact, and for sharp sigmoids.
 
     Parameters
     ----------
@@ -282,7 +284,7 @@ def motion_by_root(problem: MotionProblem, law: FrictionLaw, start: Array, fast:
     scale = max(float(np.sum(problem.at.strength)), 1e-300)
 
     def residual(p: Array) -> Array:
-        """Return the generalised forces out of balance over the sum of friction bounds, for scaled unknowns p ``(n,)``."""
+        """Return the unbalanced generalised forces over the sum of friction bounds, for scaled unknowns p ``(n,)``."""
         f = law.friction(problem.at, problem.contact_motions_at(p / units), fast)
         wrench = np.column_stack([f.force, f.moment])
         return np.asarray((np.einsum("ir,irj->j", wrench, problem.maps) + problem.push) / (units * scale))
@@ -308,11 +310,11 @@ def motion_by_root(problem: MotionProblem, law: FrictionLaw, start: Array, fast:
 
 
 def motion_by_sharpened_sigmoids(problem: MotionProblem, law: Sigmoid, start: Array, fast: bool = False) -> BodyMotion:
-    """Return the motion at a root of the force balance, by a sequence of sigmoids of increasing sharpness up to ``law``.
+    """Return the motion of a body in force balance under Lin's sigmoid law, found over sigmoids of increasing sharpness.
 
-    Each root is the start of the next search (`motion_by_root`). This is not Lin's method, but it finds the roots that his
-    table prints where the direct search fails. After a failure the step in sharpness is reduced; if it becomes too small,
-    the last motion is returned with the status "failed".
+    The root for each sigmoid is the start of the next search (`motion_by_root`); the last sigmoid is ``law``. This is
+    not Lin's method, but it finds the roots that his table prints where the direct search fails. After a failure the
+    step in sharpness is reduced; if it becomes too small, the last motion is returned with the status "failed".
 
     Parameters
     ----------

@@ -9,9 +9,10 @@ Array = NDArray[Any]
 
 
 class DissipationTerms(NamedTuple):
-    """Dissipated power D of one contact over its friction bound mu F [m/s], and its derivatives.
+    """Power dissipated by friction in one contact, divided by its friction bound mu F, and the derivatives of this ratio.
 
-    Derivatives are by the sliding velocity (vx, vz) [m/s], the spin [rad/s] and the regularising speed [m/s].
+    The ratio D has the unit of a speed [m/s]. It is differentiated by the sliding velocity (vx, vz) [m/s], by the spin
+    [rad/s] and by the regularising speed of Coulomb friction [m/s].
     """
 
     #: Dissipated power D over mu F [m/s].
@@ -39,10 +40,10 @@ class DissipationTerms(NamedTuple):
 
 
 class CellArrays(NamedTuple):
-    """Geometry, stiffness and loads of N balls between an inner rigid body, free in m motions u, and a fixed outer one.
+    """Geometry, contact stiffness and applied forces of N balls between a movable inner and a fixed outer rigid body.
 
-    The axes x and z lie in the plane of each ball's groove section. Contacts 0 and 1 of a ball are on the inner body, 2 and
-    3 on the outer body.
+    The inner body (screw, inner ring or carriage) is free in m motions u. The axes x and z lie in the plane of each
+    ball's groove section. Contacts 0 and 1 of a ball are on the inner body, 2 and 3 on the outer body.
     """
 
     #: Vectors from the grooves' centres of curvature to the ball's centre (N, 4, 2) along x, z [m], at zero displacement.
@@ -64,7 +65,10 @@ class CellArrays(NamedTuple):
 
 
 class CellState(NamedTuple):
-    """Derivatives of the elastic energy, and contact forces, at given positions of balls and inner body."""
+    """Contact forces and unbalanced forces of N balls and the inner body at given displacements, written by the kernels.
+
+    An unbalanced force is the derivative of the elastic energy less the work of the applied forces by a displacement.
+    """
 
     #: Derivative of elastic energy less work of the applied forces by the positions of the balls: forces out of balance (N,
     #: 2) [N].

@@ -20,7 +20,7 @@ from rollbench.meshes.arrays import Array
 
 @dataclass(frozen=True)
 class Contacts:
-    """Data of n elliptical contacts with friction, arrays ``(n,)``."""
+    """Semi-axes, normal forces and coefficients of friction of n elliptical contacts, arrays ``(n,)``."""
 
     #: Semi-axes a >= b [m].
     a: Array
@@ -39,7 +39,7 @@ class Contacts:
 
 @dataclass(frozen=True)
 class Friction:
-    """Friction on the moving body at n contacts."""
+    """Friction force, friction moment and friction loss at n contacts, acting on the moving body."""
 
     #: Force along x and z ``(n, 2)`` [N].
     force: Array
@@ -51,7 +51,10 @@ class Friction:
 
 @dataclass(frozen=True)
 class Dissipation:
-    """Dissipated power of n contacts and its derivatives by the sliding motion; friction is the negative gradient."""
+    """Power that friction dissipates in each of n contacts, with its first and second derivatives by the sliding motion.
+
+    The friction on the moving body is the negative gradient.
+    """
 
     #: Dissipated power, a convex function of the motion ``(n,)`` [W].
     value: Array
@@ -95,10 +98,11 @@ def contacts_from_values(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayL
 
 
 def motion_of_rotation_about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
-    """Return the motion of a contact that rotates about a point of its plane: vx, vz [m/s], spin [rad/s] ``(n, 3)``.
+    """Return the sliding and spin of a contact whose motion is a rotation about a point of the contact plane.
 
-    It is eq. (3.12) of Lin's thesis. ``spin``: angular speed about the contact normal [rad/s]; ``c``, ``d``: coordinates of
-    the point along x and z of the contact plane [m].
+    The result ``(n, 3)`` has vx, vz [m/s] and spin [rad/s] for n contacts, by eq. (3.12) of Lin's thesis. ``spin``:
+    angular speed about the contact normal [rad/s]; ``c``, ``d``: coordinates of the point along x and z of the contact
+    plane [m].
     """
     s, x, z = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (spin, c, d)))
     return np.stack([-s * z, s * x, s], axis=1)
@@ -167,11 +171,11 @@ def friction_forces(contacts: Contacts, motion: Array, regularising_speed: float
 
 
 def linear_force_factor(axis_ratio: ArrayLike) -> Array:
-    """Return the slope k_f of the friction force over mu F against c/a, for rotation about a point near the centre.
+    """Return the slope k_f of friction force over c/a for an elliptical contact that rotates about a point near its centre.
 
-    c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. The slope is
-    k_f = (b/a)^2 R_D(0, 1, b^2/a^2)/2 with Carlson's elliptic integral R_D; it is 3 pi/8 = 1.178 for a circle and 3/2 in
-    the limit of a line.
+    The force is in units of mu F. c is the distance of the centre of rotation from the centre of the contact ellipse
+    along its semi-axis a. The slope is k_f = (b/a)^2 R_D(0, 1, b^2/a^2)/2 with Carlson's elliptic integral R_D; it is 3
+    pi/8 = 1.178 for a circle and 3/2 in the limit of a line.
 
     Parameters
     ----------
@@ -192,11 +196,11 @@ def linear_force_factor(axis_ratio: ArrayLike) -> Array:
 
 
 def cubic_force_factor(axis_ratio: ArrayLike) -> Array:
-    """Return the factor g of the cubic term in the exact friction force, force/(mu F) = k_f t - g t^3 with t = c/a.
+    """Return the factor g of the cubic term in the friction force of a rotating contact, force/(mu F) = k_f t - g t^3.
 
-    c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. The force has
-    this form for -1 <= t <= 1; k_f is `linear_force_factor`. The factor is g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6
-    (1 - r^2)), with r = b/a <= 1 - 1e-6 and Carlson's elliptic integral R_D.
+    Here t = c/a, and c is the distance of the centre of rotation from the centre of the contact ellipse along its
+    semi-axis a. The formula is exact for -1 <= t <= 1; k_f is `linear_force_factor`. The factor is g = (b/a)^2 (R_D(0,
+    1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)), with r = b/a <= 1 - 1e-6 and Carlson's elliptic integral R_D.
 
     Parameters
     ----------
@@ -209,18 +213,18 @@ def cubic_force_factor(axis_ratio: ArrayLike) -> Array:
 
 
 def error_of_linear_force(axis_ratio: ArrayLike, force_slope: ArrayLike, reach: float = 0.5) -> Array:
-    """Return the largest relative error of a friction force that is assumed linear in c/a, over 0 < |c/a| <= reach.
+    """Return the largest relative error of a friction force that is assumed to be linear in c/a, for 0 < |c/a| <= reach.
 
-    c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. The ratio of
-    the exact force to t = c/a is k_f - g t^2 (`linear_force_factor`, `cubic_force_factor`). It is monotonous in t, so the
-    error is largest at an end of the range.
+    c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. The ratio
+    of the exact force to t = c/a is k_f - g t^2 (`linear_force_factor`, `cubic_force_factor`). It is monotonous in t,
+    so the error is largest at an end of the range.
 
     Parameters
     ----------
     axis_ratio
         Ratio b/a of the semi-axes, in (0, 1].
     force_slope
-        Slope of the linear law, friction force over mu F against c/a; Lin uses 1.38.
+        Slope of the linear law: friction force divided by mu F, per c/a; Lin uses 1.38.
     reach
         Largest |c/a| of the range, at most 1; Lin uses 0.5.
 
@@ -267,9 +271,9 @@ class Coulomb:
 
 @dataclass(frozen=True)
 class RegularisedCoulomb:
-    """Regularised Coulomb law, with the traction mu p v/sqrt(|v|^2 + speed^2).
+    """Coulomb's law made smooth by a regularising speed: the traction is mu p v/sqrt(|v|^2 + speed^2).
 
-    It is smooth; its dissipated power is convex and exceeds Coulomb's by at most mu F speed.
+    The dissipated power is convex in the motion and exceeds that of Coulomb's law by at most mu F speed.
     """
 
     #: Regularising speed > 0 [m/s].
@@ -282,10 +286,10 @@ class RegularisedCoulomb:
 
 @dataclass(frozen=True)
 class Sigmoid:
-    """Lin's friction law: Coulomb friction times the sigmoid Sig(k_S spin/reference) (Lin 3.20).
+    """Lin's friction law: Coulomb friction multiplied by a sigmoid of the spin, Sig(k_S spin/reference) (Lin 3.20).
 
-    Sig is the sigmoid function, k_S the sharpness and reference the reference spin. The law is not the gradient of a convex
-    function, and sliding without spin has no friction.
+    k_S is the sharpness of the sigmoid function Sig, and reference the reference spin. The law is not the gradient of a
+    convex function, and a contact that slides without spin has no friction.
     """
 
     #: Sharpness k_S of the sigmoid.

@@ -42,7 +42,7 @@ MOVING = np.array([0.0, 0.0, 1.0, 1.0])
 
 @dataclass(frozen=True)
 class LinearBearing:
-    """Linear ball bearing with the parameters of Lin's Table 3.3."""
+    """Linear ball bearing with V-grooves: geometry, speed, friction and material (parameters of Lin's Table 3.3)."""
 
     #: Ball radius R_B [m].
     ball_radius: float
@@ -100,7 +100,7 @@ def _hertz_constants(ball_radius: float, conformity: float, young: float, poisso
 
 
 def contact_directions(angles: Array) -> Array:
-    """Return unit vectors along x, y from the ball's centre to its contacts ``(..., 4, 2)``.
+    """Return unit vectors along x, y from the ball's centre to its four contacts ``(..., 4, 2)``.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def contact_directions(angles: Array) -> Array:
 
 
 def contact_semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Array]:
-    """Return the semi-axes a and b, a >= b, of contact ellipses [m], each in the shape of the loads.
+    """Return the semi-axes a and b, a >= b, of contact ellipses under given loads [m], each in the shape of the loads.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def contact_angle_deviations(theta: Array, *, mated: bool = False) -> Array:
 
 
 def top_deviations_matching_bottom(bottom: Array) -> Array:
-    """Return deviations of the contact angles (TR, TL) [rad] for which the ball's velocity does not depend on the loads.
+    """Return deviations of the top contact angles (TR, TL) [rad] that make the ball's velocity independent of the loads.
 
     ``bottom``: deviations of the contact angles at BL, BR ``(..., 2)`` [rad]. By the rule of section 3.3.4.2 of Lin's
     thesis, the two contacts of each diagonal remain opposite to each other, so that the deviation of the velocity, eq.
@@ -154,10 +154,10 @@ def top_deviations_matching_bottom(bottom: Array) -> Array:
 
 
 def loads_equal_on_diagonals(vertical: float, side_ratio: Array, contact_angle: float = 0.25 * np.pi) -> Array:
-    """Return contact loads that are equal on each diagonal, BL with TR and BR with TL.
+    """Return loads of a ball's contacts that are equal on each diagonal, BL with TR and BR with TL.
 
-    They are F_BL = F_TR = (N_y/cos beta_0 - N_x/sin beta_0)/2 and F_BR = F_TL = (N_y/cos beta_0 + N_x/sin beta_0)/2 with
-    the vertical force N_y, the side force N_x and the contact angle beta_0.
+    They are F_BL = F_TR = (N_y/cos beta_0 - N_x/sin beta_0)/2 and F_BR = F_TL = (N_y/cos beta_0 + N_x/sin beta_0)/2
+    with the vertical force N_y, the side force N_x and the contact angle beta_0.
 
     Parameters
     ----------
@@ -200,10 +200,10 @@ def loads_equal_on_diagonals(vertical: float, side_ratio: Array, contact_angle: 
 
 
 def loads_in_equilibrium(angles: Array, vertical: float, side_ratio: Array) -> Array:
-    """Return contact loads ``(N, 4)`` [N] in equilibrium at given contact angles.
+    """Return contact loads ``(N, 4)`` [N] of N balls that are in equilibrium at given contact angles.
 
-    The two equations of equilibrium of the carriage determine the two loads at the top, those of the ball the two loads at
-    the bottom. Negative loads are set to zero.
+    The two equations of equilibrium of the carriage determine the two loads at the top, those of the ball the two loads
+    at the bottom. Negative loads are set to zero.
 
     Parameters
     ----------
@@ -224,11 +224,12 @@ def loads_in_equilibrium(angles: Array, vertical: float, side_ratio: Array) -> A
 def loads_of_elastic_contacts(
     bearing: LinearBearing, angles: Array, vertical: float, side_ratio: Array
 ) -> tuple[Array, Array]:
-    """Return first the contact loads [N], then the contact angles under load [rad], ``(N, 4)`` each.
+    """Return the contact loads [N], then the contact angles under load [rad], of N balls with elastic contacts, ``(N, 4)``.
 
-    Balls and grooves have Hertz contacts without clearance and friction. The loads are those at the minimum of the energy
-    sum 2/5 C^(-3/2) <approach>^(5/2) - N_x u_x + N_y u_y over the displacements of ball and carriage. C is the Hertz
-    constant of the contacts, <approach> the approach where positive, and u_x, u_y is the displacement of the carriage.
+    Balls and grooves have Hertz contacts without clearance and friction. The loads are those at the minimum of the
+    energy sum 2/5 C^(-3/2) <approach>^(5/2) - N_x u_x + N_y u_y over the displacements of ball and carriage. C is the
+    Hertz constant of the contacts, <approach> the approach where positive, and u_x, u_y is the displacement of the
+    carriage.
 
     Parameters
     ----------
@@ -302,7 +303,7 @@ def elliptic_integral_second_kind(axis_ratio: float) -> float:
 
 
 def relative_velocity_deviation(contact_angle: float, deviation: Array, up: Array, down: Array) -> Array:
-    """Return the relative deviation epsilon of a ball's velocity from half the carriage's, by the closed formula.
+    """Return the relative deviation of a ball's velocity from half the carriage's velocity, by Lin's closed formula.
 
     Parameters
     ----------
@@ -323,7 +324,7 @@ def relative_velocity_deviation(contact_angle: float, deviation: Array, up: Arra
 
 
 def ball_force_by_formula(bearing: LinearBearing, loads: Array, difference: Array, k_f: float) -> Array:
-    """Return the force between two neighbouring balls [N] by the closed formula; zero unless they approach each other.
+    """Return the force between two neighbouring balls [N] by Lin's closed formula; zero unless they approach each other.
 
     Parameters
     ----------
@@ -335,7 +336,7 @@ def ball_force_by_formula(bearing: LinearBearing, loads: Array, difference: Arra
         Difference epsilon_1 - epsilon_2 of the relative deviations of the balls' velocities without ball-to-ball contact
         ``(...)``.
     k_f
-        Slope of the friction force over mu F against c/a, see `linear_force_factor`; c is the distance of the centre of
+        Slope of friction force divided by mu F, per c/a, see `linear_force_factor`; c is the distance of the centre of
         rotation from the centre of the contact ellipse along its semi-axis a.
 
     References
@@ -355,7 +356,7 @@ def ball_force_by_formula(bearing: LinearBearing, loads: Array, difference: Arra
 
 
 def ball_to_ball_sliding_speed(bearing: LinearBearing) -> float:
-    """Return the speed at which two rolling balls slide on each other, abs(v)/cos beta_0 [m/s] (Lin 3.52).
+    """Return the speed at which two rolling balls that touch slide on each other, abs(v)/cos beta_0 [m/s] (Lin 3.52).
 
     ``bearing``: bearing with the speed v of its carriage and the contact angle beta_0.
     """
@@ -368,12 +369,12 @@ def ball_to_ball_loss(bearing: LinearBearing, force: Array) -> Array:
 
 
 def groove_spin_loss(bearing: LinearBearing, loads: Array) -> Array:
-    """Return the friction loss of each contact that spins about its centre at nominal rolling [W].
+    """Return the friction loss of each contact of ball and groove that only spins, at nominal rolling [W].
 
     The sum over all contacts is the groove loss to which Lin compares the loss between balls, eq. (3.53) of his thesis.
-    ``bearing``: bearing with speed v, contact angle beta_0 and ball radius R_B; ``loads``: contact loads F [N], any shape,
-    which is that of the result. The spin is v tan(beta_0)/(2 R_B), and the moment 3/8 mu F a E(e) by eq. (3.32) of Lin's
-    thesis.
+    ``bearing``: bearing with speed v, contact angle beta_0 and ball radius R_B; ``loads``: contact loads F [N], any
+    shape, which is that of the result. The spin is v tan(beta_0)/(2 R_B), and the moment 3/8 mu F a E(e) by eq. (3.32)
+    of Lin's thesis.
     """
     constants = bearing.hertz()
     spin = 0.5 * abs(bearing.speed) * np.tan(bearing.contact_angle) / bearing.ball_radius

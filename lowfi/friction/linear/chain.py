@@ -49,7 +49,7 @@ from rollbench.meshes.arrays import Array, Mask
 
 Status = Literal["converged", "not converged"]
 
-#: Creeping speed, at which contacts that stick yield to a force, over the carriage's speed.
+#: Regularising speed of friction, at which contacts that stick creep under a force, divided by the carriage's speed.
 CREEP = 1e-8
 
 #: Force out of balance at which the search ends, over the largest friction bound of a ball.
@@ -80,7 +80,7 @@ NARROWEST = 1e-3
 
 @dataclass(frozen=True)
 class LinearChainSolution:
-    """Motion, forces and losses of N balls in a linear bearing."""
+    """Motion, forces and losses of a row of N balls in a linear bearing."""
 
     #: Velocity along the track ``(N,)`` [m/s].
     velocity: Array
@@ -106,34 +106,34 @@ class LinearChainSolution:
     iterations: int
     #: Largest force out of balance, over the largest friction bound of a ball.
     residual: float
-    #: Largest speed at which balls that press on each other approach or separate, over the creeping speed; ideally zero.
+    #: Largest speed at which balls that press on each other approach or separate, over the regularising speed; ideally 0.
     lag: float
     #: "converged" if forces are in balance and balls that press on each other stay together, else "not converged".
     status: Status
 
     @property
     def deviation(self) -> Array:
-        """Deviation epsilon of each ball's velocity from half the carriage's, over the latter (Lin 3.42) ``(N,)``."""
+        """Deviation of each ball's velocity from half the carriage's velocity, over the latter (Lin 3.42) ``(N,)``."""
         return np.asarray(2.0 * self.velocity / self.speed - 1.0)
 
     @property
     def loss(self) -> float:
-        """Total dissipation [W]."""
+        """Power lost by all friction of the balls [W]."""
         return float(self.groove_loss.sum() + self.ball_loss.sum())
 
     @property
     def power(self) -> float:
-        """Input power [W]: force on the carriage times its speed."""
+        """Input power [W]: force that drives the carriage times its speed."""
         return self.drive * self.speed
 
 
 @dataclass(frozen=True)
 class LinearChain:
-    """Chain of balls in a linear bearing, with its data in the scaled units of the kernels.
+    """Row of balls in a linear bearing under given contact loads, with its data in the scaled units of the kernels.
 
     The motion does not depend on the grooves' coefficient of friction mu, and forces and losses are proportional to it.
-    Without friction (mu = 0) the unit of force is the one for mu = 1, so that the motion is the limit for a mu that tends
-    to zero.
+    Without friction (mu = 0) the unit of force is the one for mu = 1, so that the motion is the limit for a mu that
+    tends to zero.
     """
 
     #: Bearing with speed and coefficients of friction.
@@ -152,7 +152,7 @@ class LinearChain:
 
 
 def prepare_linear_chain(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> LinearChain:
-    """Return a chain of N balls in a linear bearing under given contact loads, prepared for `solve_linear_chain`.
+    """Return a row of N balls in a linear bearing under given contact loads, prepared for `solve_linear_chain`.
 
     Parameters
     ----------
@@ -197,12 +197,13 @@ def prepare_linear_chain(bearing: LinearBearing, angles: Array, loads: Array, to
 
 
 def contact_friction_constants(bearing: LinearBearing) -> Array:
-    """Return the constants (b/a, q0, k1, k3) from which the friction of the bearing's contacts is computed ``(4,)``.
+    """Return the constants (b/a, q0, k1, k3) of formulas for the friction of the bearing's contacts ``(4,)``.
 
-    b/a is the ratio of the semi-axes of the contact ellipse. Consider a contact with load F and coefficient of friction 1
-    that turns about a point on its semi-axis a, at the distance c = t a from the centre. Its friction force is f = F (k1 t
-    - k3 t^3), and the moment about the centre M = a F (q0 - k1 t^2/2 + 3 k3 t^4/4). q0 = 3 E(e)/8, with the complete
-    elliptic integral E, is that of eq. (3.32) of Lin's thesis. ``bearing``: the bearing with its Hertz constants.
+    b/a is the ratio of the semi-axes of the contact ellipse. Consider a contact with load F and coefficient of friction
+    1 that turns about a point on its semi-axis a, at the distance c = t a from the centre. Its friction force is f = F
+    (k1 t - k3 t^3), and the moment about the centre M = a F (q0 - k1 t^2/2 + 3 k3 t^4/4). q0 = 3 E(e)/8, with the
+    complete elliptic integral E, is that of eq. (3.32) of Lin's thesis. ``bearing``: the bearing with its Hertz
+    constants.
 
     Raises
     ------
@@ -219,11 +220,11 @@ def contact_friction_constants(bearing: LinearBearing) -> Array:
 
 
 def solve_linear_chain(chain: LinearChain, start: Array | None = None, fast: bool = True) -> LinearChainSolution:
-    """Return motion, forces and losses of a chain of balls in a linear bearing.
+    """Return motion, forces and losses of a row of balls in a linear bearing.
 
-    For a carriage at rest, or a chain without load, motion and friction forces are returned as zero, although any friction
-    force below its bound would be in balance. A ball with less than three loaded contacts can move in some direction
-    without resistance: its forces are determined, but this motion only roughly.
+    For a carriage at rest, or a row without load, motion and friction forces are returned as zero, although any
+    friction force below its bound would be in balance. A ball with less than three loaded contacts can move in some
+    direction without resistance: its forces are determined, but this motion only roughly.
 
     Parameters
     ----------
@@ -255,7 +256,7 @@ def solve_linear_chain(chain: LinearChain, start: Array | None = None, fast: boo
 
 
 def may_have_several_states(chain: LinearChain) -> bool:
-    """Return whether a chain may have several states: some neighbours touch, and there is friction between them.
+    """Return whether a row of balls may have several equilibria: neighbours touch, and there is friction between them.
 
     Parameters
     ----------
@@ -266,12 +267,13 @@ def may_have_several_states(chain: LinearChain) -> bool:
 
 
 def find_second_state(chain: LinearChain, known: LinearChainSolution, fast: bool = True) -> LinearChainSolution | None:
-    """Return a state of a chain of balls other than a known one; None if the search finds none, which is no proof.
+    """Return an equilibrium of a row of balls other than a known one; None if the search finds none, which is no proof.
 
     The search begins from several states: the end of the path of rising friction between balls, the motion without this
-    friction, and all pairs pressed together. It also begins from the end of the path for higher coefficients of friction
-    between balls (``RISEN``), and follows that state while the coefficient falls to that of the chain. If there are several
-    states, the one with the largest ball-to-ball force is returned. Without friction between balls there is only one state.
+    friction, and all pairs pressed together. It also begins from the end of the path for higher coefficients of
+    friction between balls (``RISEN``), and follows that state while the coefficient falls to that of the chain. If
+    there are several states, the one with the largest ball-to-ball force is returned. Without friction between balls
+    there is only one state.
 
     Parameters
     ----------
@@ -285,7 +287,7 @@ def find_second_state(chain: LinearChain, known: LinearChainSolution, fast: bool
     engine = load_kernel_package(LINEAR, compiled=fast)
 
     def states() -> Iterator[LinearChainSolution]:
-        """Yield the states to which the searches from all starts lead."""
+        """Yield the equilibria to which the searches from all starts lead."""
         for start in range(engine.STARTS):
             point, work = _starting_point_and_work_arrays(chain)
             done = engine.motion_from_other_start(chain.problem, point, work, CREEP, TOLERANCE, STEPS, start)
@@ -317,10 +319,10 @@ def _starting_point_and_work_arrays(chain: LinearChain) -> tuple[ChainPoint, New
 def _solution_in_si_units(
     chain: LinearChain, point: ChainPoint, steps_and_residual: tuple[int, float], fast: bool
 ) -> LinearChainSolution:
-    """Return motion, forces and losses of a chain in SI units at the ``point`` where the search for a solution ended.
+    """Return motion, forces and losses of a row of balls in SI units at the ``point`` where a search ended.
 
-    ``steps_and_residual``: number of Newton steps of the search, and its largest force out of balance over the chain's
-    ``scale``; ``fast``: whether to use compiled kernels.
+    ``steps_and_residual``: number of Newton steps of the search, and its largest unbalanced force divided by the
+    chain's ``scale``; ``fast``: whether to use compiled kernels.
     """
     contacts, shape, _, mu_balls, _, nominal = chain.problem
     slips, pair, drift, push = point
@@ -361,7 +363,7 @@ def _solution_in_si_units(
 
 @dataclass(frozen=True)
 class LinearPairSolution:
-    """Motion and forces of the two balls of Lin's case study, without and with contact between them.
+    """Motion and forces of two balls in a linear bearing (Lin's case study), without and with contact between them.
 
     ``free.deviation`` are the deviations epsilon of Lin's Table 3.4.
     """
@@ -378,12 +380,12 @@ class LinearPairSolution:
 
     @property
     def difference(self) -> float:
-        """Difference epsilon_1 - epsilon_2 of the balls without contact; if it is positive, the balls approach."""
+        """Relative velocity deviation of ball 1 less that of ball 2, without contact; if positive, the balls approach."""
         return float(self.free.deviation[0] - self.free.deviation[1])
 
     @property
     def friction_increase(self) -> float:
-        """Relative increase of the losses, and of the drive force, by ball-to-ball contact."""
+        """Relative increase of the friction losses, and of the drive force, by ball-to-ball contact."""
         return self.touching.loss / self.free.loss - 1.0
 
     @property
@@ -404,7 +406,7 @@ def pair_angles_and_loads(
     mated: bool = False,
     loads: Loads = "balanced",
 ) -> tuple[Array, Array]:
-    """Return first the contact angles [rad], then the loads [N] of the two balls of Lin's case study, ``(2, 4)`` each.
+    """Return the contact angles [rad], then the contact loads [N] of the two balls of Lin's case study, ``(2, 4)`` each.
 
     Both balls are under the vertical force N_y. The side force on the first ball is rho N_y, with rho the
     ``side_force_ratio``, and that on the second ball -rho N_y.
@@ -445,7 +447,7 @@ def solve_pair(
     loads: Loads = "balanced",
     fast: bool = True,
 ) -> LinearPairSolution:
-    """Return the states of two balls without and with contact, the case study of section 3.3.4 of Lin's thesis.
+    """Return the states of two balls of a linear bearing without and with contact (section 3.3.4 of Lin's thesis).
 
     Parameters
     ----------
@@ -474,7 +476,7 @@ def solve_pair(
 
 
 class ModelAndFormula(NamedTuple):
-    """One quantity by the numerical model and by the closed formula, for T values of theta and R values of rho.
+    """One quantity by the numerical model and by a closed formula, for T deviations theta and R side force ratios rho.
 
     theta is the deviation of the contact angles on the bottom groove, rho the ratio of side force to vertical force.
     """
@@ -492,7 +494,10 @@ class ModelAndFormula(NamedTuple):
 
 @dataclass(frozen=True)
 class PairResultsOverGrid:
-    """Results for two balls over a grid of T deviations theta and R side force ratios rho (Lin Figures 3.14 and 3.15)."""
+    """Results for two balls over a grid of T deviations theta and R side force ratios rho (Lin Figures 3.14 and 3.15).
+
+    theta is the deviation of the contact angles on the bottom groove, rho the ratio of side force to vertical force.
+    """
 
     #: Deviations of the contact angles on the bottom groove ``(T,)`` [rad].
     theta: Array
@@ -513,9 +518,10 @@ class PairResultsOverGrid:
 def pair_results_over_grid(
     bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float
 ) -> PairResultsOverGrid:
-    """Return the results of the numerical model and of the closed formulas for two balls over a grid of theta and rho.
+    """Return the results of numerical model and closed formulas for two balls, for T deviations and R side force ratios.
 
-    These are the results in Figures 3.14 and 3.15 of Lin's thesis.
+    The deviations theta are those of the contact angles on the bottom groove. These are the results in Figures 3.14 and
+    3.15 of Lin's thesis.
 
     Parameters
     ----------
@@ -544,7 +550,7 @@ def pair_results_over_grid(
 def pair_results_by_formulas(
     bearing: LinearBearing, theta: float, side_force_ratio: float, vertical: float, k_f: float, *, mated: bool = False
 ) -> tuple[float, float, float]:
-    """Return the results of the closed formulas for two balls, with equal contact loads on each diagonal.
+    """Return the results of Lin's closed formulas for two balls, with equal contact loads on each diagonal.
 
     Parameters
     ----------

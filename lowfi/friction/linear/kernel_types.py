@@ -1,8 +1,8 @@
 """Arguments of the kernels of linear bearings, as named tuples: the plain and the compiled copy share them.
 
-There are N balls in a chain with C contacts each. Velocities are in units of the carriage's speed, forces in units of the
-largest friction bound of a ball. The unknowns of a ball are its motion x = (v, R omega_x, R omega_y), with the ball radius
-R, and one for its contact with the next ball (z of ``ChainPoint``).
+There are N balls in a chain with C contacts each. Velocities are divided by the carriage's speed, forces by the largest
+friction bound of a ball. The unknowns of a ball are its motion x = (v, R omega_x, R omega_y), with the ball radius R,
+and one for its contact with the next ball (z of ``ChainPoint``).
 """
 
 from typing import Any, NamedTuple
@@ -14,7 +14,7 @@ Array = NDArray[Any]
 
 
 class ChainArrays(NamedTuple):
-    """Contacts, friction and neighbours of N balls of a chain in a linear bearing, with C contacts each."""
+    """Contacts, friction and neighbours of N balls of one row in a linear bearing, with C contacts each."""
 
     #: For each contact: direction n_x, n_y from the ball's centre, speed of the body in contact (1 carriage, 0 rail, with
     #: the sign of the speed), friction bound, semi-axis a over the ball's radius; (N, C, 5).
@@ -32,7 +32,7 @@ class ChainArrays(NamedTuple):
 
 
 class ChainPoint(NamedTuple):
-    """Present motion of the balls, relative motions at their contacts, and forces between neighbours.
+    """Motion of N balls in a linear bearing during a search, sliding at their contacts, and forces between neighbours.
 
     All values are changed by increments, so that no accuracy is lost where contacts stick.
     """
@@ -50,9 +50,9 @@ class ChainPoint(NamedTuple):
 
 
 class Smoothing(NamedTuple):
-    """Parameters that say how far the equations are from Coulomb's law and from exact complementarity of force and gap."""
+    """Parameters by which the equations are smoothed: Coulomb friction, and the contact condition of neighbours."""
 
-    #: Creeping speed: below it, sliding contacts exert less than their friction bound.
+    #: Regularising speed of friction: at lower sliding speeds a contact exerts less than its friction bound.
     eps: float
     #: Fraction of the friction between balls that acts, 0 to 1.
     share: float
@@ -63,7 +63,7 @@ class Smoothing(NamedTuple):
 
 
 class NewtonArrays(NamedTuple):
-    """Work arrays for Newton's method."""
+    """Work arrays for Newton's method on a row of N balls with four unknowns each."""
 
     #: Jacobian of the equations as a band (4 N, 11).
     K: Array

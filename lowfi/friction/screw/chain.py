@@ -77,7 +77,8 @@ NEGLIGIBLE = 1e-7
 class FrictionContacts:
     """Ellipses, friction bounds and kinematics of the contacts of N balls with the grooves.
 
-    In each contact the axis x lies along the semi-axis a, z along the semi-axis b, and y along the normal into the ball.
+    In each contact the axis x lies along the semi-axis a, z along the semi-axis b, and y along the normal into the
+    ball.
     """
 
     #: Semi-axes a >= b [m] and friction bound mu F [N] (coefficient of friction times load) of each contact, ``(N, 4, 3)``.
@@ -92,7 +93,7 @@ class FrictionContacts:
 
 @dataclass(frozen=True)
 class BallChain(ABC):
-    """N balls in order of azimuth with their contact loads.
+    """N balls of one track in the order of azimuth, with their contact loads (interface).
 
     An unloaded ball rolls at the nominal speed unless its neighbours push it. Between its neighbours it turns without
     friction, as a spacer ball does.
@@ -119,25 +120,25 @@ class BallChain(ABC):
         """Coefficient of friction between touching balls."""
 
     def wrench(self, pull: Array) -> Array:
-        """Return force and moment of friction on the balls at each contact in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
+        """Return force and moment of friction on the balls at each contact, in the axes x3, y3, z3 ``(N, 4, 6)`` [N, N m].
 
-        ``pull``: friction on the balls in the axes of each contact ``(N, 4, 3)``: force along x and along z [N], moment
-        about y [N m].
+        x3 is radial, y3 along the track and z3 the binormal. ``pull``: friction on the balls in the axes of each
+        contact ``(N, 4, 3)``: force along x and along z [N], moment about y [N m].
         """
         return friction_wrench_at_contacts(self.normals, pull[..., :2], pull[..., 2])
 
     @abstractmethod
     def input_power(self, wrench: Array) -> float:
-        """Return the power [W] that screw and nut put in against friction.
+        """Return the power [W] that the motions of screw and nut supply against friction.
 
-        ``wrench``: force (first three components) and moment of friction on the balls at each contact in x3, y3, z3 ``(N,
-        4, 6)`` [N, N m].
+        ``wrench``: force (first three components) and moment of friction on the balls at each contact in x3, y3, z3
+        ``(N, 4, 6)`` [N, N m].
         """
 
 
 @dataclass(frozen=True)
 class Chain(BallChain):
-    """Balls of equal size in one pair of grooves."""
+    """Balls of equal size in the grooves of one screw and nut, in the order of azimuth, with their contact loads."""
 
     #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
@@ -156,17 +157,17 @@ class Chain(BallChain):
         return self.groove.between
 
     def input_power(self, wrench: Array) -> float:
-        """Return the power [W] that screw and nut put in against friction.
+        """Return the power [W] that the motions of screw and nut supply against friction.
 
-        ``wrench``: force (first three components) and moment of friction on the balls at each contact in x3, y3, z3 ``(N,
-        4, 6)`` [N, N m].
+        ``wrench``: force (first three components) and moment of friction on the balls at each contact in x3, y3, z3
+        ``(N, 4, 6)`` [N, N m].
         """
         return power_of_helical_motion(self.groove, self.normals, wrench)
 
 
 @dataclass(frozen=True)
 class ChainMotion:
-    """Motion and friction of N balls of a screw."""
+    """Motion, friction forces and losses of the N balls of one track of a screw."""
 
     #: Motions of the balls ``(N, 4)`` [rad/s]: orbit and rotations about x3, y3, z3.
     q: Array
@@ -202,28 +203,28 @@ class ChainMotion:
 
     @property
     def losses(self) -> tuple[float, float, float]:
-        """Dissipation in the grooves, between balls that slide on each other, and by gaps that close under force [W]."""
+        """Power lost in the grooves, between balls that slide on each other, and by gaps that close under force [W]."""
         return float(self.groove_loss.sum()), float(self.ball_loss.sum()), float(self.closing_loss.sum())
 
     @property
     def loss(self) -> float:
-        """Total dissipation [W]."""
+        """Power lost by all friction of the balls [W]."""
         return sum(self.losses)
 
 
 def zero_balance_arrays(count: int) -> BalanceParts:
-    """Return zero arrays for ``count`` balls, to which the kernels write forces out of balance and their derivatives."""
+    """Return zero arrays for ``count`` balls, to which kernels write unbalanced forces and their derivatives."""
     return BalanceParts(np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4)))
 
 
 class BalanceSearch:
     """Search for motions and ball-to-ball forces that balance the friction on all balls of one chain, in scaled units.
 
-    The scaled motions x ``(N, 4)`` are surface speeds (orbit, and spins times the ball radius) over ``speed`` [m/s], which
-    is the nut's speed along the path. The scaled forces f ``(N,)`` act from ball k on ball k + 1 and are ratios to
-    ``bound`` [N], the largest friction bound of a ball, which is coefficient of friction mu times load. The motion does not
-    depend on the size of the grooves' mu, and all friction forces are proportional to it. Without friction (mu = 0) the
-    bound is computed with mu = 1, so that the motion is the limit for a mu that tends to zero.
+    The scaled motions x ``(N, 4)`` are surface speeds (orbit, and spins times the ball radius) divided by ``speed``
+    [m/s], which is the nut's speed along the path. The scaled forces f ``(N,)`` act from ball k on ball k + 1 and are
+    divided by ``bound`` [N], the largest friction bound of a ball, which is coefficient of friction mu times load. The
+    motion does not depend on the size of the grooves' mu, and all friction forces are proportional to it. Without
+    friction (mu = 0) the bound is computed with mu = 1, so that the motion is the limit for a mu that tends to zero.
     """
 
     def __init__(self, chain: BallChain, fast: bool = True) -> None:
@@ -262,7 +263,7 @@ class BalanceSearch:
         self.parts = zero_balance_arrays(self.count)
 
     def motions_without_neighbours(self) -> Array:
-        """Return the scaled motions ``(N, 4)`` that the balls have without forces from neighbours.
+        """Return the scaled motions ``(N, 4)`` of the balls if neighbours exert no forces on each other.
 
         Loaded balls move with least dissipation, the others with their nominal motion.
         """
@@ -273,10 +274,10 @@ class BalanceSearch:
     def solve(self, x: Array, f: Array, eps: float, goal: float, limit: int) -> tuple[Array, Array, float, int]:
         """Solve the force balance of all balls by Newton's method at one regularising speed of friction.
 
-        ``x``: scaled motions ``(N, 4)`` and ``f``: scaled ball-to-ball forces ``(N,)`` to begin from; ``eps``: regularising
-        speed over ``speed``; ``goal``: residual at which the iteration ends; ``limit``: largest number of Newton steps.
-        Returns the scaled motions, the scaled forces, the residual (root of the sum of squares of the forces out of
-        balance) and the number of steps.
+        ``x``: scaled motions ``(N, 4)`` and ``f``: scaled ball-to-ball forces ``(N,)`` to begin from; ``eps``:
+        regularising speed divided by ``speed``; ``goal``: residual at which the iteration ends; ``limit``: largest
+        number of Newton steps. Returns the scaled motions, the scaled forces, the residual (root of the sum of squares
+        of the unbalanced forces) and the number of steps.
         """
         x, f = contiguous_floats(x).copy(), contiguous_floats(f).copy()
         size, steps = self.kernels.solve_balance(self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts)
@@ -291,11 +292,11 @@ class BalanceSearch:
         return bool(self.kernels.largest_residual(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
 
     def solve_at_last_speed(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
-        """Solve the force balance at the last, smallest regularising speed, with up to ``SHORT`` Newton steps.
+        """Solve the force balance at the smallest regularising speed of friction, with up to ``SHORT`` Newton steps.
 
-        If the forces are in balance after exactly ``SHORT`` steps, the search goes on for higher accuracy. ``x``, ``f``:
-        scaled motions ``(N, 4)`` and ball-to-ball forces ``(N,)`` to begin from. Returns the scaled motions, the scaled
-        forces, whether they are in balance, and the number of Newton steps.
+        If the forces are in balance after exactly ``SHORT`` steps, the search goes on for higher accuracy. ``x``,
+        ``f``: scaled motions ``(N, 4)`` and ball-to-ball forces ``(N,)`` to begin from. Returns the scaled motions, the
+        scaled forces, whether they are in balance, and the number of Newton steps.
         """
         x, f, _, steps = self.solve(x, f, SPEEDS[-1], GOAL, SHORT)
         good = self.is_converged(f)
@@ -305,12 +306,12 @@ class BalanceSearch:
         return x, f, good, steps
 
     def solve_by_stages(self, x: Array) -> tuple[Array, Array, int]:
-        """Solve the force balance in stages, from little to full friction between balls and to the last regularising speed.
+        """Solve the force balance in stages of rising friction between balls, then of falling regularising speed.
 
-        First the friction between balls rises at the first, largest regularising speed, then this speed falls. If a stage
-        fails, a stage half way to it is inserted, at most ``DEPTH`` times in all. ``x``: scaled motions ``(N, 4)`` to begin
-        from, without forces between balls. Returns the scaled motions, the scaled ball-to-ball forces ``(N,)``, and the
-        number of Newton steps.
+        The friction between balls rises from zero at the first, largest regularising speed; then this speed falls to
+        the last one. If a stage fails, a stage half way to it is inserted, at most ``DEPTH`` times in all. ``x``:
+        scaled motions ``(N, 4)`` to begin from, without forces between balls. Returns the scaled motions, the scaled
+        ball-to-ball forces ``(N,)``, and the number of Newton steps.
         """
         f, full, total = np.zeros(self.count), self.mu, 0
         goals = [(share, SPEEDS[0]) for share in PARTS] + [(1.0, eps) for eps in SPEEDS[1:]]
@@ -332,7 +333,7 @@ class BalanceSearch:
 def solve_motion_of_chain(
     chain: BallChain, start: tuple[Array, Array] | None = None, fast: bool = True, warm: bool = False
 ) -> ChainMotion:
-    """Return motions and ball-to-ball forces of a chain of balls at given contact loads.
+    """Return motions and ball-to-ball forces of the balls of one track at given contact loads.
 
     The search begins from ``start`` if balls press on each other there (with ``warm`` also if none do), then from the
     motions that the balls have without neighbours, both by Newton's method at the last, smallest regularising speed. If
@@ -371,7 +372,7 @@ def solve_motion_of_chain(
 
 
 def _motion_in_si_units(s: BalanceSearch, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
-    """Return motion, forces and losses of the balls in SI units.
+    """Return motion, forces and losses of the balls in SI units, from the scaled solution of a search.
 
     ``s``: the search with its scales; ``x``: scaled motions ``(N, 4)``; ``f``: scaled ball-to-ball forces ``(N,)``;
     ``steps``: number of Newton steps of the search; ``from_start``: whether the start that the caller gave led to the
@@ -460,10 +461,10 @@ def solve_loads_and_motion(
     similar_start: tuple[Array, Array] | None = None,
     fast: bool = True,
 ) -> JointSolution:
-    """Return loads and motion of balls with friction, solved as one system of equations.
+    """Return contact loads and motion of balls with friction, solved as one system of equations.
 
-    The search begins at positions in balance without friction and raises friction step by step. Where several states exist,
-    the result is the one that develops from the state without friction.
+    The search begins at positions in balance without friction and raises friction step by step. Where several states
+    exist, the result is the one that develops from the state without friction.
 
     Parameters
     ----------
@@ -498,7 +499,7 @@ def solve_loads_and_motion(
 
 
 def joint_kernel_arguments(cell: BallsBetweenGrooves, search: BalanceSearch) -> JointSystem:
-    """Return the arguments of the kernels that solve loads and motion as one system.
+    """Return the data with which kernels solve contact loads and motion of balls as one system of equations.
 
     ``cell``: balls between screw and nut; ``search``: arrays of the chain of these balls, scaled at the present contact
     loads.
@@ -518,7 +519,7 @@ def joint_kernel_arguments(cell: BallsBetweenGrooves, search: BalanceSearch) -> 
 
 
 class _JointPath:
-    """Solution of contact loads and motion as one system, followed while friction rises or its regularising speed falls.
+    """Solution of contact loads and ball motion as one system, followed while friction rises or its regularisation fades.
 
     `follow_solution` moves the solution; the attributes ``ball``, ``screw``, ``q`` and ``ball_force`` are those of
     `JointSolution`.
@@ -550,9 +551,9 @@ class _JointPath:
     def follow_solution(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
         """Follow the solution while friction and its regularising speed change; return whether it arrived at ``end``.
 
-        ``start``, ``end``: values of two parameters at the beginning and at the end: the fraction of the friction that acts
-        on the loads (0 to 1), and the natural logarithm of the ratio of the regularising speed to the nut's speed along the
-        path.
+        ``start``, ``end``: two parameters at the beginning and at the end: the fraction of the friction that acts on
+        the contact loads (0 to 1), and the natural logarithm of the regularising speed divided by the nut's speed along
+        the path.
         """
         way, step = 0.0, FIRST
         last: tuple[float, JointUnknowns] | None = None
@@ -572,19 +573,20 @@ class _JointPath:
         return way >= 1.0
 
     def unknowns(self) -> JointUnknowns:
-        """Return the present displacements [m], scaled motions (ratios to the nut's speed), and ball-to-ball forces [N].
+        """Return the present displacements [m], scaled ball motions and ball-to-ball forces [N].
 
-        The forces are not scaled, because the unit of force of the kernels changes with the contact loads.
+        Motions are surface speeds divided by the nut's speed along the path. The forces are not scaled, because the
+        unit of force of the kernels changes with the contact loads.
         """
         return JointUnknowns(self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force)
 
     def solve_stage(self, guess: JointUnknowns, share: float, eps: float) -> int | None:
-        """Solve loads and motion by Newton's method at one amount and one regularising speed of friction.
+        """Solve contact loads and motion by Newton's method for one fraction and one regularising speed of friction.
 
-        ``guess``: unknowns to begin from, as `unknowns` returns them; ``share``: fraction of the friction that acts on the
-        loads; ``eps``: regularising speed over the nut's speed along the path. Returns the number of Newton steps and
-        stores the new solution in this object. If the steps do not converge, None is returned and the stored solution is
-        not changed.
+        ``guess``: unknowns to begin from, as `unknowns` returns them; ``share``: fraction of the friction that acts on
+        the loads; ``eps``: regularising speed divided by the nut's speed along the path. Returns the number of Newton
+        steps and stores the new solution in this object. If the steps do not converge, None is returned and the stored
+        solution is not changed.
         """
         s = self.search
         p, u, x, f = (contiguous_floats(a).copy() for a in guess)
@@ -600,7 +602,7 @@ class _JointPath:
 
 @dataclass(frozen=True)
 class CoupledChainSolution:
-    """Contact loads and motion of a chain of balls, with the loads in balance with the friction that the motion causes."""
+    """Contact loads and motion of the balls of a track, with the loads in balance with the friction of this motion."""
 
     #: Contact loads without friction. If friction may not move the screw, it stays in its position in this state.
     bare: ContactLoadSolution
@@ -618,7 +620,7 @@ class CoupledChainSolution:
 
 @dataclass(frozen=True)
 class IterationStart:
-    """Forces and motions of N balls from which the iteration of contact loads and friction begins."""
+    """Friction forces and motions of N balls from which the iteration of contact loads and friction begins."""
 
     #: Forces of friction and neighbours on the balls along x3, z3 ``(N, 2)`` [N].
     push: Array
@@ -641,8 +643,8 @@ def solve_coupled_chain(
 ) -> CoupledChainSolution:
     """Return contact loads and motion of N balls, with the loads in balance with friction and ball-to-ball forces.
 
-    The solution is not always unique: a ball that bears little or no load without friction may either be loose or be wedged
-    between the grooves by its own friction. Which of these states is found depends on where the search begins.
+    The solution is not always unique: a ball that bears little or no load without friction may either be loose or be
+    wedged between the grooves by its own friction. Which of these states is found depends on where the search begins.
 
     Parameters
     ----------
@@ -702,10 +704,11 @@ def solve_coupled_chain(
 def _starting_forces_and_motion(
     cell: BallsBetweenGrooves, coupling: Coupling, near: CoupledChainSolution | None
 ) -> IterationStart:
-    """Return forces and motions from which the iteration of contact loads and friction begins.
+    """Return the friction forces and motions from which the iteration of contact loads and friction begins.
 
-    ``cell``: balls between screw and nut; ``coupling``: what friction may change; ``near``: solution of a similar chain,
-    whose friction and motions are returned. If it is None, the forces are those of ``cell`` and all motions are zero.
+    ``cell``: balls between screw and nut; ``coupling``: what friction may change; ``near``: solution of a similar
+    chain, whose friction and motions are returned. If it is None, the forces are those of ``cell`` and all motions are
+    zero.
     """
     n = cell.angle.shape[0]
     if near is None:

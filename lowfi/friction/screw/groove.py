@@ -32,10 +32,10 @@ ON_SCREW = np.array([True, True, False, False])
 
 
 class HelicalMotion:
-    """Kinematics of a ball between a nut and a screw in helical motion.
+    """Kinematics of a ball between a nut and a screw that turn and advance along the helix.
 
-    Screw and nut each turn and advance along the helix, so that only the difference of their speeds influences the
-    contacts.
+    Each of the two bodies moves along the helix, so that only the difference of their speeds influences the contacts. A
+    bearing ring has zero lead.
     """
 
     #: Ball radius R_B [m].
@@ -68,7 +68,7 @@ class HelicalMotion:
 
     @property
     def axis(self) -> Array:
-        """Direction of the screw's axis in x3, y3, z3 ``(3,)``."""
+        """Unit vector along the screw's axis in a ball's axes x3 (radial), y3 (along the track), z3 (binormal) ``(3,)``."""
         return np.array([0.0, np.sin(self.lead_angle), np.cos(self.lead_angle)])
 
     @property
@@ -88,18 +88,18 @@ class HelicalMotion:
     def normals(self, angle: ArrayLike) -> Array:
         """Return unit vectors from the ball's centre to its contacts in the axes x3, y3, z3 ``(..., 4, 3)`` (Lin 3.58).
 
-        ``angle``: contact angles ``(..., 4)`` [rad].
+        x3 is radial, y3 along the track and z3 the binormal. ``angle``: contact angles ``(..., 4)`` [rad].
         """
         beta = np.asarray(angle, dtype=float)
         return np.stack([SIGN_X * np.cos(beta), np.zeros_like(beta), SIGN_Z * np.sin(beta)], axis=-1)
 
     def maps(self, normals: Array, ball_radius: Array | None = None) -> tuple[Array, Array]:
-        """Return the linear relation between the motion of a ball and the motion at its four contacts.
+        """Return the linear relation between the motion of a ball and the sliding and spin at its four contacts.
 
-        The motion at a contact is the sliding vx, vz [m/s] and the spin [rad/s] of the ball relative to screw or nut, in
-        the axes x across the groove, z along the path, y into the ball. It is ``maps @ q + drives`` with the ball's motion
-        q: omega_B (orbit) and omega_x, omega_y, omega_z [rad/s], the latter three relative to the axes x3, y3, z3, which
-        turn with the orbit.
+        The motion at a contact is the sliding vx, vz [m/s] and the spin [rad/s] of the ball relative to screw or nut,
+        in the axes x across the groove, z along the path, y into the ball. It is ``maps @ q + drives`` with the ball's
+        motion q: omega_B (orbit) and omega_x, omega_y, omega_z [rad/s], the latter three relative to the axes x3
+        (radial), y3 (along the track), z3 (binormal), which turn with the orbit.
 
         Parameters
         ----------
@@ -129,7 +129,7 @@ class HelicalMotion:
 
     @cached_property
     def turns(self) -> Array:
-        """Axes of a ball's four motions (orbit and three spins) in x3, y3, z3, unit vectors ``(4, 3)``."""
+        """Axes of a ball's four rotations (orbit about the screw's axis, three spins) as unit vectors in x3, y3, z3."""
         return np.concatenate([self.axis[None, :], np.eye(3)])
 
     @cached_property
@@ -141,7 +141,8 @@ class HelicalMotion:
 def contact_axes(normals: Array) -> Array:
     """Return the contacts' axes x (across the groove), z (along the path), y (into the ball) as rows ``(..., 4, 3, 3)``.
 
-    ``normals``: directions from the ball's centre to the contacts in x3, y3, z3 ``(..., 4, 3)``.
+    Components are those along x3 (radial), y3 (along the track), z3 (binormal) of the ball. ``normals``: directions
+    from the ball's centre to the contacts in the same axes ``(..., 4, 3)``.
     """
     axes = np.zeros((*normals.shape, 3))
     axes[..., 0, 0], axes[..., 0, 2] = normals[..., 2], -normals[..., 0]
@@ -152,7 +153,7 @@ def contact_axes(normals: Array) -> Array:
 
 @dataclass(frozen=True)
 class GrooveHertzConstants:
-    """Hertz constants of the four contacts of a ball under a contact force F."""
+    """Hertz constants of the four contacts of a ball: factors of powers of the contact force F."""
 
     #: Constant C of the approach C F^(2/3) ``(4,)`` [m/N^(2/3)].
     C: Array
@@ -163,7 +164,7 @@ class GrooveHertzConstants:
 
 
 class GroovesInMotion(HelicalMotion, ABC):
-    """Interface of grooves in helical motion, with friction."""
+    """Interface of the grooves of screw and nut in helical motion, with friction."""
 
     #: Largest coefficient of friction of the grooves.
     mu: float
@@ -235,7 +236,7 @@ class ScrewGroove(GroovesInMotion):
 
     @property
     def reach(self) -> float:
-        """Groove radius less ball radius, the distance of their centres where they just touch [m]."""
+        """Groove radius less ball radius: the distance of the centres of ball and groove arc where both just touch [m]."""
         return self.groove_radius - self.ball_radius
 
     @cached_property
@@ -264,9 +265,9 @@ class ScrewGroove(GroovesInMotion):
 
 @dataclass(frozen=True)
 class PairGeometry:
-    """Geometry of the contact of two balls that touch; the second ball is the one at the larger azimuth.
+    """Geometry of the contact of two neighbouring balls that touch; the second ball is the one at the larger azimuth.
 
-    Vectors are in the axes x3, y3, z3 of the ball to which they belong.
+    Vectors are in the axes x3 (radial), y3 (along the track), z3 (binormal) of the ball to which they belong.
     """
 
     #: Difference of their azimuths [rad].
@@ -285,7 +286,7 @@ class PairGeometry:
 
 
 def azimuth_between_touching_balls(screw: HelicalMotion) -> float:
-    """Return the difference of the azimuths of two balls that touch [rad].
+    """Return the difference of the azimuths of two neighbouring balls that touch [rad].
 
     Their centres lie on the helix at a distance of two ball radii R_B.
 
@@ -323,7 +324,8 @@ def azimuth_between_touching_balls(screw: HelicalMotion) -> float:
 def section_axes(screw: HelicalMotion, azimuth: ArrayLike) -> Array:
     """Return the axes x3, y3, z3 of the groove sections at several balls, as rows in fixed axes ``(..., 3, 3)`` (Lin 3.62).
 
-    ``screw``: the helix, of which only the lead angle is used; ``azimuth``: azimuths of the balls ``(...)`` [rad].
+    x3 is radial, y3 along the track, z3 the binormal. ``screw``: the helix, of which only the lead angle is used;
+    ``azimuth``: azimuths of the balls ``(...)`` [rad].
     """
     c, s, ca, sa = np.cos(azimuth), np.sin(azimuth), np.cos(screw.lead_angle), np.sin(screw.lead_angle)
     rows = np.array([[c, s, 0.0 * c], [-ca * s, ca * c, sa + 0.0 * c], [sa * s, -sa * c, ca + 0.0 * c]])
@@ -373,8 +375,8 @@ def pair_geometry(screw: HelicalMotion) -> PairGeometry:
 def kernel_groove_arrays(groove: GroovesInMotion) -> GrooveArrays:
     """Return kinematics and Hertz constants of the grooves as arrays for the kernels; results are cached.
 
-    In these arrays the motions of a ball are surface speeds over the speed of the nut along the path. ``groove``: the
-    grooves with the speeds of screw and nut.
+    In these arrays the motions of a ball are surface speeds divided by the speed of the nut along the path. ``groove``:
+    the grooves with the speeds of screw and nut.
     """
     unit, speed, pair, h = surface_speed_levers(groove), nut_speed_along_path(groove), groove.pair, groove.constants
     scale = speed / unit
@@ -397,7 +399,7 @@ def contiguous_floats(values: Array) -> Array:
 
 
 def surface_speed_levers(groove: HelicalMotion) -> Array:
-    """Return the levers [m] that convert omega_B, omega_x, omega_y, omega_z [rad/s] to surface speeds ``(4,)``.
+    """Return the levers ``(4,)`` [m] that convert a ball's four angular speeds (orbit and three spins) to surface speeds.
 
     They are the length of the path per angle, and three times the ball radius. ``groove``: helix and ball radius.
     """

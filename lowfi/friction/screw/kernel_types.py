@@ -11,7 +11,11 @@ from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays
 
 
 class GrooveArrays(NamedTuple):
-    """Geometry of the grooves of screw and nut for the motion of a ball."""
+    """Geometry and kinematics of the grooves of screw and nut, as arrays for the kernels that solve the motion of balls.
+
+    The motion x (4,) of a ball is its orbit and its three spins, as surface speeds divided by the speed of the nut
+    along the path.
+    """
 
     #: Three matrices A_0, A_1, A_2 (3, 3, 4). A_0 + n_x A_1 + n_z A_2 is the map from x to sliding vx, vz [m/s] and spin
     #: [rad/s] at a contact with the normal (n_x, n_z).
@@ -36,7 +40,7 @@ class GrooveArrays(NamedTuple):
 
 
 class BallArrays(NamedTuple):
-    """Contacts of N balls under known loads.
+    """Frictional contacts of N balls with the grooves and with each other, under known contact loads.
 
     All friction forces are in one unit of force, which is the largest friction bound mu F of a ball.
     """
@@ -65,21 +69,24 @@ class BallArrays(NamedTuple):
 
 
 class BalanceParts(NamedTuple):
-    """Residual of the balance of balls in motion and its derivatives."""
+    """Unbalanced forces on N balls, residuals of the contact conditions between neighbours, and derivatives of both."""
 
     #: Generalised forces out of balance along x, in the unit of force (N, 4).
     balance: Array
     #: Fischer-Burmeister function f + g - sqrt(f^2 + g^2) of ball-to-ball force f and remaining closing rate g
     #: (`remaining_slack`) of each gap (N,).
     complementarity: Array
-    #: Derivatives of this function by f and by g (N, 2).
+    #: Derivatives of this function by the force f and by the rate g (N, 2).
     slopes: Array
     #: Second derivatives of the dissipation in the grooves by x (N, 4, 4).
     hessian: Array
 
 
 class JointSystem(NamedTuple):
-    """Data of the system of equations for contact loads and motion together."""
+    """Data of the system of equations for contact loads and ball motion together.
+
+    There are N balls; the screw is free in m motions u.
+    """
 
     #: Geometry, stiffness and loads of the balls between screw and nut.
     cell: CellArrays
@@ -100,7 +107,7 @@ class JointSystem(NamedTuple):
 
 
 class JointUnknowns(NamedTuple):
-    """Unknowns of N balls and the screw where contact loads and motion are solved as one system of equations."""
+    """Unknowns of N balls and the screw if contact loads and ball motion are solved as one system of equations."""
 
     #: Displacements of the balls along x3, z3 (N, 2) [m].
     ball: Array
@@ -113,7 +120,7 @@ class JointUnknowns(NamedTuple):
 
 
 class JointMatrix(NamedTuple):
-    """Residual and Jacobian of the equations for loads and motion together: a banded matrix with a border.
+    """Residual and Jacobian of the one system of equations for contact loads and motion: a banded matrix with a border.
 
     Each of the N balls has seven unknowns, and the screw has m.
     """

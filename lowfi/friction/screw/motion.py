@@ -43,12 +43,13 @@ from rollbench.meshes.arrays import Array, Mask
 def balls_without_friction(
     groove: ScrewGroove, angle: Array, interference: Array, rows: Array, force: Array
 ) -> BallsBetweenGrooves:
-    """Return N balls between screw and nut under an external force on the screw, without friction forces.
+    """Return N balls between screw and nut under an external force on the screw, with friction forces of zero.
 
     ``groove``: grooves of screw and nut; ``angle``: contact angles of the unloaded balls ``(N, 4)`` [rad];
     ``interference``: interference of ball and groove at each contact, negative for clearance ``(N, 4)`` [m]; ``rows``:
-    displacement of the screw along x3, y3, z3 at each ball per unit of each of the m motions in which the screw is free
-    ``(N, 3, m)``; ``force``: force on the screw along these motions ``(m,)`` [N].
+    displacement of the screw along x3 (radial), y3 (along the track), z3 (binormal) at each ball per unit of each of
+    the m motions in which the screw is free ``(N, 3, m)``; ``force``: force on the screw along these motions ``(m,)``
+    [N].
     """
     none = np.zeros((angle.shape[0], 2))
     return BallsBetweenGrooves(groove, angle, interference, rows, force, none, none, np.zeros(force.size))
@@ -56,7 +57,7 @@ def balls_without_friction(
 
 @dataclass(frozen=True)
 class BallsBetweenGrooves:
-    """N balls between screw and nut with the forces on them; the screw is free in m motions u."""
+    """N balls between screw and nut with the forces on balls and screw; the screw is free in m motions u."""
 
     #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
@@ -77,12 +78,12 @@ class BallsBetweenGrooves:
 
     @property
     def section_displacement_maps(self) -> Array:
-        """Displacement of the screw along x3 and z3 at each ball per unit of each motion u ``(N, 2, m)``."""
+        """Displacement of the screw along x3 (radial), z3 (binormal) at each ball per unit of each motion ``(N, 2, m)``."""
         return self.rows[:, [0, 2]]
 
 
 def kernel_load_arrays(cell: BallsBetweenGrooves) -> CellArrays:
-    """Return geometry, stiffness and loads of the balls in ``cell`` as arrays for the kernels."""
+    """Return geometry, stiffness and applied forces of the balls in ``cell`` as arrays for the kernels."""
     start = cell.groove.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
     start, interference, C, section, offset, push, pull = map(
         contiguous_floats,
@@ -100,10 +101,10 @@ def kernel_load_arrays(cell: BallsBetweenGrooves) -> CellArrays:
 
 
 def _starting_displacements(cell: BallsBetweenGrooves) -> tuple[Array, Array]:
-    """Return starting displacements of the search for the loads: of the balls ``(N, 2)``, then of the screw ``(m,)`` [m].
+    """Return displacements at which the search for contact loads starts: of N balls ``(N, 2)``, of the screw ``(m,)`` [m].
 
-    The screw moves along its load by four times the approach under equal loads of all balls, plus the clearance, and the
-    balls move half as far. ``cell``: the balls and the load on the screw.
+    The screw moves along its load by four times the approach under equal loads of all balls, plus the clearance, and
+    the balls move half as far. ``cell``: the balls and the load on the screw.
     """
     total = float(np.linalg.norm(cell.force))
     count, m = cell.angle.shape[0], cell.rows.shape[2]
@@ -146,11 +147,12 @@ def solve_screw_contact_loads(
 
 
 def screw_displacement_maps(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
-    """Return the displacement of the screw along x3, y3, z3 at each ball per unit of its m translations ``(N, 3, m)``.
+    """Return the displacement of the screw at each of N balls per unit of its m translations ``(N, 3, m)``.
 
-    ``groove``: the helix; ``azimuth``: azimuths of the balls ``(N,)`` [rad]; ``free``: one letter for each translation in
-    which the screw is free, in their order: "z" along the axis, "x" and "y" across it, in fixed axes, "r" radially at every
-    ball (as if each ball had a screw of its own). Raises ValueError for other letters.
+    The displacement is along x3 (radial), y3 (along the track), z3 (binormal) of each ball. ``groove``: the helix;
+    ``azimuth``: azimuths of the balls ``(N,)`` [rad]; ``free``: one letter for each translation in which the screw is
+    free, in their order: "z" along the axis, "x" and "y" across it, in fixed axes, "r" radially at every ball (as if
+    each ball had a screw of its own). Raises ValueError for other letters.
     """
     if any(letter not in "xyzr" for letter in free):
         raise ValueError(f'free motions of the screw must be letters of "xyzr", got "{free}"')
@@ -172,7 +174,7 @@ AGREED, ROUNDS = 1e-11, 100
 
 @dataclass(frozen=True)
 class BallMotion:
-    """Motion of one ball under given contact loads, with its friction."""
+    """Motion of one ball of a screw under given contact loads, with the friction on it."""
 
     #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
@@ -199,8 +201,9 @@ class BallMotion:
 def friction_wrench_at_contacts(normals: Array, force: Array, moment: Array) -> Array:
     """Return force (first three) and moment of friction on balls at each contact in x3, y3, z3 ``(..., 4, 6)`` [N, N m].
 
-    ``normals``: directions from the ball's centre to the contacts in x3, y3, z3 ``(..., 4, 3)``; ``force``: friction along
-    the contacts' axes x, z ``(..., 4, 2)`` [N]; ``moment``: about their axes y ``(..., 4)`` [N m].
+    x3 is radial, y3 along the track, z3 the binormal. ``normals``: directions from the ball's centre to the contacts in
+    these axes ``(..., 4, 3)``; ``force``: friction along the contacts' axes x, z ``(..., 4, 2)`` [N]; ``moment``: about
+    their axes y ``(..., 4)`` [N m].
     """
     axes = contact_axes(normals)
     f = np.einsum("...r,...ri->...i", force, axes[..., :2, :])
@@ -224,7 +227,7 @@ def power_of_helical_motion(groove: ScrewGroove, normals: Array, wrench: Array) 
 
 
 def contact_ellipses_of_screw(groove: ScrewGroove, force: Array) -> Contacts:
-    """Return ellipses, loads and coefficients of friction of the contacts of several balls, as one row ``(n,)``.
+    """Return ellipses, loads and coefficients of friction of all contacts of several balls of a screw, as one row ``(n,)``.
 
     A contact without load has an ellipse of vanishing size.
 
@@ -301,9 +304,9 @@ def lin_sigmoid_law(groove: ScrewGroove, sharpness: float, map_spacing: float | 
 def solve_ball_motion_by_root(ball: BallMotion, law: FrictionLaw, start: Array | None = None) -> BodyMotion:
     """Return the motion of a ball by Lin's method for comparison: a root of the balance of forces (Lin 3.69, 3.71).
 
-    ``ball``: the ball, of which contacts and kinematics are used; ``law``: friction law; ``start``: motion omega_B,
-    omega_x, omega_y, omega_z from which the search begins ``(4,)`` [rad/s], None for rolling at the nominal contact angle.
-    From many starts near two-point contact the search fails (status "failed").
+    ``ball``: the ball, of which contacts and kinematics are used; ``law``: friction law; ``start``: orbit omega_B and
+    spins omega_x, omega_y, omega_z from which the search begins ``(4,)`` [rad/s], None for rolling at the nominal
+    contact angle. From many starts near two-point contact the search fails (status "failed").
     """
     first = np.array([ball.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
     return motion_by_root(ball.problem, law, first, fast=True)
@@ -314,10 +317,10 @@ def friction_on_balls_and_screw(
 ) -> tuple[Array, Array]:
     """Return the forces of friction and of neighbours that change the contact loads: on the balls, then on the screw.
 
-    The forces on the balls are along x3, z3 ``(N, 2)`` [N], those on the screw along its m motions ``(m,)`` [N]. ``cell``:
-    balls between screw and nut; ``wrench``: force and moment of friction on the balls at each contact in x3, y3, z3 ``(N,
-    4, 6)`` [N, N m]; ``neighbour_forces``: forces of neighbours on the balls along x3, z3 ``(N, 2)`` [N]; ``coupling``:
-    what friction may change. The forces on what it may not change are zero.
+    The forces on the balls are along x3 (radial) and z3 (binormal) ``(N, 2)`` [N], those on the screw along its m
+    motions ``(m,)`` [N]. ``cell``: balls between screw and nut; ``wrench``: force and moment of friction on the balls
+    at each contact in x3, y3, z3 ``(N, 4, 6)`` [N, N m]; ``neighbour_forces``: forces of neighbours on the balls along
+    x3, z3 ``(N, 2)`` [N]; ``coupling``: what friction may change. The forces on what it may not change are zero.
     """
     push = wrench[:, :, [0, 2]].sum(axis=1) + neighbour_forces
     on_screw = wrench[:, ON_SCREW, :3].sum(axis=1)
@@ -343,9 +346,9 @@ class AndersonMixer:
         self.x, self.r = list[Array](), list[Array]()
 
     def keep_vectors(self, which: Mask) -> None:
-        """Keep the history of only some of the vectors x that are iterated together.
+        """Drop some of the vectors x that are iterated together, with their history.
 
-        ``which``: whether to keep each vector; the history of the others is dropped.
+        ``which``: whether to keep each vector.
         """
         self.x, self.r = [x[which] for x in self.x], [r[which] for r in self.r]
 
@@ -367,9 +370,9 @@ class AndersonMixer:
 
 
 def with_fixed_screw(cell: BallsBetweenGrooves, load: ContactLoadSolution) -> BallsBetweenGrooves:
-    """Return the balls of ``cell`` with the screw fixed in its position in the solution ``load``.
+    """Return the balls of ``cell`` with the screw fixed at the displacement that it has in the solution ``load``.
 
-    The screw has no motions in which it is free, so that its forces are empty arrays.
+    The screw then has no motions in which it is free, so that its forces are empty arrays.
     """
     return replace(
         cell,

@@ -38,7 +38,7 @@ BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Pair:
-    """Two neighbouring balls of a ball screw at a distance at which they touch, with their loads."""
+    """Two touching neighbour balls of a ball screw, with their grooves, contact angles and loads."""
 
     #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
@@ -74,7 +74,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class ScrewPairSolution:
-    """Loads and motion of two balls of a screw, without and with contact of the balls with each other."""
+    """Contact loads and motion of two balls of a screw, without and with contact of the balls with each other."""
 
     #: State without ball-to-ball contact.
     free: CoupledChainSolution
@@ -88,12 +88,12 @@ class ScrewPairSolution:
 
     @property
     def friction_increase(self) -> float:
-        """Relative increase of the total dissipation by ball-to-ball contact; nan without friction."""
+        """Relative increase of the total friction loss by ball-to-ball contact; nan without friction."""
         return _ratio_or_nan(self.touching.motion.loss, self.free.motion.loss) - 1.0
 
     @property
     def rubbing_ratio(self) -> float:
-        """Ratio of the loss between the balls to the total loss without ball-to-ball contact; nan without friction."""
+        """Ratio of the loss between the touching balls to the loss of both without this contact; nan without friction."""
         return _ratio_or_nan(float(self.touching.motion.ball_loss.sum()), self.free.motion.loss)
 
     @property
@@ -122,10 +122,10 @@ def _ratio_or_nan(amount: float, whole: float) -> float:
 
 
 def solve_pair(pair: Pair, guess: IterationStart | None = None) -> ScrewPairSolution:
-    """Return the states of two balls without and with ball-to-ball contact (Lin 3.69-3.76).
+    """Return the states of two neighbouring balls without and with ball-to-ball contact (Lin 3.69-3.76).
 
-    The ball-to-ball force and the rate at which the gap opens are complementary: one of both is zero, so that balls that
-    separate exert no force on each other.
+    The ball-to-ball force and the rate at which the gap opens are complementary: one of both is zero, so that balls
+    that separate exert no force on each other.
 
     Parameters
     ----------
@@ -141,21 +141,21 @@ def solve_pair(pair: Pair, guess: IterationStart | None = None) -> ScrewPairSolu
 
 
 def pair_sliding_speed(pair: Pair) -> float:
-    """Return the speed at which the two touching balls of a pair slide on each other [m/s].
+    """Return the speed at which two touching balls slide on each other at their contact [m/s].
 
-    It is computed from the loss between the balls, divided by coefficient of friction times ball-to-ball force. ``pair``:
-    the balls, which must press on each other.
+    It is computed from the loss between the balls, divided by coefficient of friction times ball-to-ball force.
+    ``pair``: the balls, which must press on each other.
     """
     motion = solve_pair(pair).touching.motion
     return float(motion.ball_loss[0]) / (pair.groove.between * float(motion.ball_force[0]))
 
 
 def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> float:
-    """Return the sum of contact loads of one ball [N] that follows from a ball-to-ball force and an increase of friction.
+    """Return the sum of contact loads of one ball [N] that a ball-to-ball force and an increase of friction imply.
 
-    The loss mu F v of the balls that slide on each other, divided by the relative increase, is the loss at the grooves of
-    both balls. The result is four times the equal load of four contacts of a ball at which its loss is half of this. Of
-    ``pair`` only the kinematics matter, because the sliding speed v depends on its loads by a few per cent only.
+    The loss mu F v of the balls that slide on each other, divided by the relative increase, is the loss at the grooves
+    of both balls. The result is four times the equal load of four contacts of a ball at which its loss is half of this.
+    Of ``pair`` only the kinematics matter, because the sliding speed v depends on its loads by a few per cent only.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> flo
     angle = np.full(4, g.contact_angle)
 
     def excess(log_load: float) -> float:
-        """Return the relative excess of a ball's loss at the contact load exp(``log_load``) [N] over the implied loss."""
+        """Return the loss of a ball over the implied loss, less one, at a load of exp(``log_load``) [N] on each contact."""
         return solve_ball_motion(g, np.full(4, np.exp(log_load)), angle).motion.loss / loss - 1.0
 
     return 4.0 * float(np.exp(brentq(excess, np.log(1e-3), np.log(1e5), xtol=1e-10)))
@@ -179,7 +179,7 @@ def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> flo
 
 @dataclass(frozen=True)
 class PairResultGrid:
-    """Results over a grid of m oversizes and n forces on the screw."""
+    """Ball-to-ball force and friction increase of two balls over a grid of m oversizes and n forces on the screw."""
 
     #: Ball-to-ball force ``(m, n)`` [N].
     force: Array
@@ -190,10 +190,10 @@ class PairResultGrid:
 
 
 def results_over_oversize_and_force(pair: Pair, oversize: Array, axial: Array) -> PairResultGrid:
-    """Return ball-to-ball force and increase of friction of two balls for m oversizes and n forces on the screw.
+    """Return ball-to-ball force and friction increase of two balls for m oversizes and n forces on the screw.
 
-    The forces on the screw have the same direction as that of ``pair``, which gives a force along each translation of the
-    screw.
+    The forces on the screw have the same direction as that of ``pair``, which gives a force along each translation of
+    the screw.
 
     Parameters
     ----------
@@ -277,13 +277,13 @@ class Run:
 
     @property
     def tracks(self) -> tuple[ClosedTrack]:
-        """The one closed track, which turns with the nut."""
+        """The one closed track of the screw, which turns with the nut."""
         arc = 2.0 * np.pi * self.turns
         return (ClosedTrack(0, -0.5 * arc, arc, self.ring, self.groove.pair.spacing, slice(0, self.count)),)
 
     @property
     def spacing(self) -> Array:
-        """Azimuth by which the next ball is ahead where both touch ``(N,)`` [rad]."""
+        """Azimuth difference of each ball and the next one where both touch ``(N,)`` [rad]."""
         return np.full(self.count, self.groove.pair.spacing)
 
     @property
@@ -319,11 +319,11 @@ class Run:
         return BallState(azimuth, gap, np.full(self.count, self.groove.nominal_orbit - self.groove.screw_speed), None)
 
     def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:
-        """Return the time until a ball passes an end of the nut's loaded turns [s].
+        """Return the time until a ball reaches an end of the nut's loaded turns [s].
 
-        The result is inf for a track without return tube whose contact angles are the same at both ends, because nothing
-        then changes there. ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``omega``: their
-        angular speeds ``(N,)`` [rad/s]; ``time``: time since the start [s].
+        The result is inf for a track without return tube whose contact angles are the same at both ends, because
+        nothing then changes there. ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``omega``:
+        their angular speeds ``(N,)`` [rad/s]; ``time``: time since the start [s].
         """
         if self.tube == 0.0 and (self.amplitude == 0.0 or (self.cycles * self.turns).is_integer()):
             return np.inf
@@ -331,11 +331,11 @@ class Run:
         return self.tracks[0].time_to_end(azimuth, omega - speed, speed * time)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChainSolution | None) -> InstantSolution:
-        """Return the loads and motions of the balls at one instant.
+        """Return the contact loads and ball motions of the simulated screw at one instant.
 
         ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``time``: time since the start [s];
-        ``slack``: largest rate at which each ball may approach the next one ``(N,)`` [rad/s]; ``memory``: solution at the
-        previous instant, None at the start.
+        ``slack``: largest rate at which each ball may approach the next one ``(N,)`` [rad/s]; ``memory``: solution at
+        the previous instant, None at the start.
         """
         turned = self.groove.speed * time
         azimuths, loaded = self.place(azimuth, turned)
@@ -357,7 +357,7 @@ class Run:
 
 
 def contact_angle_deviation(run: Run, azimuth: Array, nut_angle: float = 0.0) -> Array:
-    """Return the deviation theta of the contact angles of each ball ``(N,)`` [rad] (Figure 3.23 of Lin's thesis).
+    """Return the deviation theta of each ball's contact angles from the nominal one ``(N,)`` [rad] (Lin's Figure 3.23).
 
     Parameters
     ----------
@@ -399,7 +399,7 @@ def simulate_equal_steps(run: Run) -> TravelHistory:
 
 @dataclass(frozen=True)
 class RunSummary:
-    """Those results of a simulated ball screw that section 3.4.4 of Lin's thesis states for its case study."""
+    """The results of a simulated ball screw that section 3.4.4 of Lin's thesis states for its case study."""
 
     #: Largest ratio of the friction torque between balls to that in the grooves.
     largest: float
@@ -414,7 +414,7 @@ class RunSummary:
 
 
 def summarise_history(result: TravelHistory) -> RunSummary:
-    """Return those results of a simulation that section 3.4.4 of Lin's thesis states for its ball screw.
+    """Return the results of a simulated ball screw that section 3.4.4 of Lin's thesis states for its case study.
 
     Parameters
     ----------

@@ -39,18 +39,19 @@ class ClosedTrack(NamedTuple):
     balls: slice
 
     def along(self, azimuth: Array, turned: float = 0.0) -> Array:
-        """Return the angular distances of the track's balls from the beginning of its loaded arc, 0 to ``ring`` [rad].
+        """Return the angular distance of each ball of the track from the beginning of its loaded arc, 0 to ``ring`` [rad].
 
-        ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``turned``: angle by which the track has turned about the axis
-        [rad]. The result has one entry for each ball on this track.
+        ``azimuth``: azimuths of all N balls of the screw ``(N,)`` [rad]; ``turned``: angle by which the track has
+        turned about the axis [rad].
         """
         return np.asarray(np.mod(azimuth[self.balls] - turned - self.first, self.ring))
 
     def time_to_end(self, azimuth: Array, rate: Array, turned: float = 0.0) -> float:
-        """Return the time until one of the track's balls passes an end of the loaded arc [s]; inf if none moves.
+        """Return the time until a ball of this track reaches an end of the loaded arc [s]; inf if no ball moves.
 
-        ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``rate``: their angular speeds relative to the track ``(N,)``
-        [rad/s], which are taken as constant; ``turned``: angle by which the track has turned about the axis [rad].
+        ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``rate``: their angular speeds relative to the track
+        ``(N,)`` [rad/s], which are taken as constant; ``turned``: angle by which the track has turned about the axis
+        [rad].
         """
         along, rate = self.along(azimuth, turned), rate[self.balls]
         forward = np.where(along < self.arc, self.arc, self.ring) - along
@@ -79,7 +80,7 @@ STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 
 
 class BallState(NamedTuple):
-    """Positions and speeds of N balls at one time."""
+    """Azimuths, gaps and angular speeds of N balls at one time of a simulation."""
 
     #: Azimuths of the balls ``(N,)`` [rad].
     azimuth: Array
@@ -93,7 +94,7 @@ class BallState(NamedTuple):
 
 @dataclass(frozen=True)
 class InstantSolution:
-    """Loads and motions of N balls at one instant."""
+    """Contact loads, ball motions and friction losses of N balls at one instant of a simulation."""
 
     #: Angular speeds of the balls in the frame in which azimuths are measured ``(N,)`` [rad/s].
     omega: Array
@@ -132,7 +133,7 @@ class SimulatedSystem(Protocol):
 
     @property
     def spacing(self) -> Array:
-        """Azimuth by which the next ball is ahead where both touch ``(N,)`` [rad]."""
+        """Azimuth difference of each ball and the next one where both touch ``(N,)`` [rad]."""
 
     @property
     def number(self) -> NDArray[np.int64]:
@@ -142,24 +143,24 @@ class SimulatedSystem(Protocol):
         """Return positions and speeds of the balls at the start of the simulation."""
 
     def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:
-        """Return the time until a ball passes an end of its loaded arc [s]; inf if no ball does.
+        """Return the time until a ball reaches an end of its loaded arc [s]; inf if no ball does.
 
         ``azimuth``: present azimuths of the balls ``(N,)`` [rad]; ``omega``: their angular speeds ``(N,)`` [rad/s];
         ``time``: present time since the start [s].
         """
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: Any) -> InstantSolution | str:
-        """Return the loads and motions at one instant, or a text that says why no loads are found.
+        """Return contact loads and ball motions at one instant, or a text that says why no loads are found.
 
-        ``azimuth``: azimuths of the balls ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``: largest rate at
-        which each ball may approach the next one ``(N,)`` [rad/s], inf where they cannot touch; ``memory``: attribute
-        ``memory`` of the solution at the previous instant.
+        ``azimuth``: azimuths of the balls ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``: largest rate
+        at which each ball may approach the next one ``(N,)`` [rad/s], inf where they cannot touch; ``memory``:
+        attribute ``memory`` of the solution at the previous instant.
         """
 
 
 @dataclass(frozen=True)
 class TravelHistory:
-    """Time history of N balls over time steps that are divided into T pieces in all.
+    """Time history of N balls that travel round their tracks, over time steps that are cut into T pieces in all.
 
     Ball k pushes the next ball of its track: forces and gaps with index k lie between these two balls.
     """
@@ -222,12 +223,12 @@ class TravelHistory:
 
     @property
     def begun_step_count(self) -> int:
-        """Number of steps of which at least one piece was solved."""
+        """Number of time steps of which at least one piece was solved."""
         return int(self.step[-1]) + 1 if self.step.size else 0
 
     @cached_property
     def per_step(self) -> Array:
-        """Mean friction torque of each step of which at least one piece was solved ``(begun_step_count,)`` [N m]."""
+        """Mean friction torque of each time step of which at least one piece was solved ``(begun_step_count,)`` [N m]."""
         return np.asarray(np.bincount(self.step, self.lasts * self.torque) / np.bincount(self.step, self.lasts))
 
     @cached_property
@@ -252,7 +253,7 @@ class TravelHistory:
 
     @property
     def angles(self) -> tuple[float, float]:
-        """Angle by which the rotating part has turned when the simulation ended, then the angle intended [rad]."""
+        """Angle by which the rotating part had turned when the simulation ended, then the angle intended [rad]."""
         speed = abs(self.setting.groove.speed)
         return speed * float(self.lasts.sum()), speed * self.span
 
@@ -263,12 +264,12 @@ class TravelHistory:
 
     @property
     def good(self) -> bool:
-        """Whether the whole time was simulated and loads and motions converged at every instant."""
+        """Whether the whole time was simulated, and contact loads and motions converged at every instant."""
         return self.status == "converged"
 
     @property
     def ends(self) -> Array:
-        """Azimuths of the balls at the end of each piece, unwrapped ``(T, N)`` [rad]."""
+        """Azimuths of the balls at the end of each piece of a time step, unwrapped ``(T, N)`` [rad]."""
         return np.asarray(self.setting.begin().azimuth + np.cumsum(self.lasts[:, None] * self.omega, axis=0))
 
     @property
@@ -278,7 +279,7 @@ class TravelHistory:
 
     @property
     def spacing(self) -> Array:
-        """Angular distance to the next ball at the end of each piece ``(T, N)`` [rad] (Figure 3.24 of Lin's thesis)."""
+        """Angular distance to the next ball at the end of each piece of a step ``(T, N)`` [rad] (Lin's Figure 3.24)."""
         return np.asarray(self.gap + self.setting.spacing)
 
     @cached_property
@@ -303,7 +304,7 @@ class TravelHistory:
 
     @property
     def torque_balance(self) -> Array:
-        """Power of the torque and of the axial load on the screw, less all losses ``(T,)`` [W]; zero but for round-off."""
+        """Power of torque and axial load on the screw, less all losses ``(T,)`` [W]; zero but for round-off."""
         turning, along = self.turning_and_axial_speed
         return np.asarray(self.on_screw * turning + self.axial * along - self.torque * abs(turning))
 
@@ -335,10 +336,11 @@ def _time_to_meeting(place: BallState, tracks: Sequence[ClosedTrack]) -> float:
 
 
 def _next_piece_of_step(left: float, step: float, time_to_event: float, after_event: bool) -> tuple[float, bool]:
-    """Return first the duration of the next piece of a time step [s], then whether an event ends this piece.
+    """Return the duration of the next piece of a time step [s], then whether an event ends this piece.
 
-    ``left``: time that remains of the step [s]; ``step``: duration of the whole step [s]; ``time_to_event``: time until the
-    next event [s]; ``after_event``: whether an event ended the preceding piece, so that this one is to be short.
+    Events are balls that enter or leave a loaded arc or meet. ``left``: time that remains of the step [s]; ``step``:
+    duration of the whole step [s]; ``time_to_event``: time until the next event [s]; ``after_event``: whether an event
+    ended the preceding piece, so that this one is to be short.
     """
     short = SHORT * step
     limit = min(short, left) if after_event else left
@@ -354,12 +356,12 @@ def _next_piece_of_step(left: float, step: float, time_to_event: float, after_ev
 def _history_of_pieces(
     rows: list[dict[str, Any]], setting: SimulatedSystem, duration: float, steps: int, status: str
 ) -> TravelHistory:
-    """Return the time history that consists of the given values at all pieces of the time steps.
+    """Return the time history of a simulation from its values at all pieces of the time steps.
 
     ``rows``: for each piece a dictionary of values by the names of the fields of `TravelHistory`; ``setting``: screw or
     bearing that was simulated; ``duration``: time that was to be simulated [s]; ``steps``: number of equal time steps;
-    ``status``: text for the field of this name. The status "converged" is replaced by a text with the first angle at which
-    a piece did not converge, if there is one.
+    ``status``: text for the field of this name. The status "converged" is replaced by a text with the first angle at
+    which a piece did not converge, if there is one.
     """
     direct = ("setting", "span", "steps", "status")
     arrays = {f.name: np.array([row[f.name] for row in rows]) for f in fields(TravelHistory) if f.name not in direct}
@@ -379,9 +381,9 @@ def simulate(
 ) -> TravelHistory:
     """Return the time history of balls that travel round their closed tracks, simulated in equal time steps.
 
-    The scheme "located" divides a step at every event: a ball enters or leaves a loaded arc, or meets its neighbour. The
-    gaps between balls are never negative, and their sum on a track does not change. The simulation ends early where no
-    contact loads are found; the field ``status`` of the result then tells why.
+    The scheme "located" divides a step at every event: a ball enters or leaves a loaded arc, or meets its neighbour.
+    The gaps between balls are never negative, and their sum on a track does not change. The simulation ends early where
+    no contact loads are found; the field ``status`` of the result then tells why.
 
     Parameters
     ----------
@@ -457,7 +459,7 @@ def run_with_step_errors(
     goal: float,
     report: Callable[[str, float], object] = ignore_progress,
 ) -> tuple[TravelHistory, StepError | None]:
-    """Return a transient simulation by the scheme "located", and the estimated errors due to its finite time steps.
+    """Simulate balls that travel round their tracks, and estimate the errors due to the finite time steps.
 
     Parameters
     ----------
@@ -492,10 +494,10 @@ def run_with_step_errors(
 
 
 def _state_after_piece(setting: SimulatedSystem, place: BallState, instant: InstantSolution, piece: float) -> BallState:
-    """Return positions and speeds of the balls after one piece of a time step.
+    """Return azimuths, gaps and speeds of the balls after one piece of a time step.
 
-    ``setting``: screw or bearing with its tracks; ``place``: state before the piece; ``instant``: solution whose speeds the
-    balls keep during the piece; ``piece``: duration [s].
+    ``setting``: screw or bearing with its tracks; ``place``: state before the piece; ``instant``: solution whose speeds
+    the balls keep during the piece; ``piece``: duration [s].
     """
     gap = np.empty_like(place.gap)
     for track in setting.tracks:
@@ -525,7 +527,7 @@ ROUND_OFF = 1e-9
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """Estimated discretisation error of one quantity."""
+    """Estimated error of one quantity of a simulation due to its finite time steps."""
 
     #: Estimated error as a ratio to the mean friction torque.
     error: float
@@ -536,13 +538,13 @@ class ErrorEstimate:
 
     @property
     def unclear(self) -> bool:
-        """Whether no order of convergence is observed, so that the error is a cautious guess."""
+        """Whether no order of convergence is observed, so that the error is only a cautious guess."""
         return bool(np.isnan(self.used))
 
 
 @dataclass(frozen=True)
 class StepError:
-    """Estimated errors of a simulation due to its finite time steps."""
+    """Estimated errors of the results of a simulation due to its finite time steps."""
 
     #: Estimated errors by the name of the quantity: "torque" (its course over the angle), "mean", "largest" and "least"
     #: (see `TravelHistory.torques`), and "share" (see `TravelHistory.share`).
@@ -552,7 +554,7 @@ class StepError:
 
     @property
     def torque(self) -> float:
-        """Mean absolute error of the torque over the simulated time, as a ratio to the mean torque."""
+        """Mean absolute error of the friction torque over the simulated time, as a ratio to the mean torque."""
         return self.quantities["torque"].error
 
     @property
@@ -566,7 +568,7 @@ class StepError:
         return tuple(name for name, q in self.quantities.items() if q.unclear)
 
     def is_within(self, goal: float) -> bool:
-        """Return whether every error is at most ``goal``, a fraction of the mean torque."""
+        """Return whether every estimated error is at most ``goal``, a fraction of the mean torque."""
         return self.largest <= goal
 
 
@@ -574,8 +576,8 @@ def mean_torque_difference(long_step_torques: Array, short_step_torques: Array) 
     """Return the mean absolute difference of the torques of two simulations of the same time, in the unit of the torques.
 
     ``long_step_torques``: mean torque in each of the S time steps of the simulation with longer steps ``(S,)``;
-    ``short_step_torques``: mean torque in each of the S' >= S steps of the other simulation ``(S',)``, which is averaged
-    over the longer steps before the comparison.
+    ``short_step_torques``: mean torque in each of the S' >= S steps of the other simulation ``(S',)``, which is
+    averaged over the longer steps before the comparison.
     """
     at = np.arange(long_step_torques.size + 1) * (short_step_torques.size / long_step_torques.size)
     work = np.interp(at, np.arange(short_step_torques.size + 1), np.concatenate([[0.0], np.cumsum(short_step_torques)]))
@@ -585,12 +587,12 @@ def mean_torque_difference(long_step_torques: Array, short_step_torques: Array) 
 def extrapolated_error(first_change: float, last_change: float, jumps: bool = False) -> ErrorEstimate:
     """Return the estimated error of a quantity due to finite time steps, from three simulations with ever shorter steps.
 
-    The number of steps is doubled from one simulation to the next. ``first_change``: change of the quantity from the first
-    to the second simulation; ``last_change``: change from the second to the third simulation, which has the shortest steps,
-    both as ratios to the mean torque. Richardson's extrapolation uses the observed order of convergence, but at most that
-    of smooth motion. If the quantity may have ``jumps``, it uses the order for jumps unless the observed one is near that
-    of smooth motion. Changes that grow, keep their size, or change their sign show no order: the error is then ``UNCLEAR``
-    times the largest of them.
+    The number of steps is doubled from one simulation to the next. ``first_change``: change of the quantity from the
+    first to the second simulation; ``last_change``: change from the second to the third simulation, which has the
+    shortest steps, both as ratios to the mean torque. Richardson's extrapolation uses the observed order of
+    convergence, but at most that of smooth motion. If the quantity may have ``jumps``, it uses the order for jumps
+    unless the observed one is near that of smooth motion. Changes that grow, keep their size, or change their sign show
+    no order: the error is then ``UNCLEAR`` times the largest of them.
     """
     most = max(abs(first_change), abs(last_change), abs(first_change + last_change))
     if most <= ROUND_OFF:
@@ -632,12 +634,12 @@ def estimate_step_error(levels: Sequence[TravelHistory]) -> StepError | None:
 def simulate_until_accurate(
     simulate: Callable[[int], TravelHistory], steps: int | None, first_count: int, goal: float
 ) -> tuple[TravelHistory, StepError | None]:
-    """Return the simulation with the most time steps of a series, and its estimated errors due to the finite time steps.
+    """Simulate with ever more time steps; return the last simulation and its estimated errors due to finite time steps.
 
-    ``simulate``: function that returns the simulation with a given number of steps; ``steps``: largest number of steps, the
-    series then also having about a quarter and half of it. If ``steps`` is None, the series begins with ``first_count``
-    steps and doubles them until no error is above ``goal``, a fraction of the mean torque. The errors are None where a
-    simulation ended early, or for fewer than four steps.
+    ``simulate``: function that returns the simulation with a given number of steps; ``steps``: largest number of steps,
+    the series then also having about a quarter and half of it. If ``steps`` is None, the series begins with
+    ``first_count`` steps and doubles them until no error is above ``goal``, a fraction of the mean torque. The errors
+    are None where a simulation ended early, or for fewer than four steps.
     """
     if steps is not None:
         counts = sorted({max(1, steps // 4), max(1, steps // 2), steps})

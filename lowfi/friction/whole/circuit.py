@@ -1,6 +1,7 @@
-"""Balls of a scene in their circuits: positions, gaps between neighbours, and how they push each other along the track.
+"""Balls of a scene in their circuits (closed tracks): positions, gaps between neighbours, and forces between balls.
 
-A circuit is given by azimuths on the track: those of the loaded arc and the return of a screw, or one turn of a bearing.
+A circuit is given by azimuths on the track: those of the loaded arc and the return of a screw, or one turn of a
+bearing.
 """
 
 from __future__ import annotations
@@ -46,22 +47,23 @@ APART = 1.5
 
 
 class CircuitError(ValueError):
-    """Error for a circuit that cannot hold its balls or overlaps another one."""
+    """Error for a circuit (closed track of balls) that cannot hold its balls or overlaps another circuit."""
 
     def __init__(self, key: str, allowed: str, advice: str) -> None:
         """Store the key of the scene file that is to be changed, the condition that its value must satisfy, and advice.
 
-        ``key``: name in the table [circulation]; ``allowed``: text with the values that are allowed; ``advice``: text that
-        says what to change.
+        ``key``: name in the table [circulation]; ``allowed``: text with the values that are allowed; ``advice``: text
+        that says what to change.
         """
         super().__init__(f"{key}: {allowed}; {advice}")
         self.key, self.allowed, self.advice = key, allowed, advice
 
 
 class Circuit(NamedTuple):
-    """One closed track with n balls. All angles are azimuths in the nut's frame, on the helix of the first start.
+    """One closed track with the n balls on it.
 
-    A bearing is one closed turn, so that its loaded arc is as long as the whole track.
+    All angles are azimuths in the nut's frame, on the helix of the first thread start. A bearing is one closed turn, so
+    that its loaded arc is as long as the whole track.
     """
 
     #: The closed track with its loaded arc.
@@ -73,10 +75,10 @@ class Circuit(NamedTuple):
 
 
 def circuits_of_scene(scene: Scene) -> tuple[Circuit, ...]:
-    """Return the circuits of the balls of a scene, first those of the first thread start.
+    """Return the circuits (closed tracks with their balls) of a scene, first those of the first thread start.
 
-    If a screw has no table [circulation], gaps in the row of its balls separate the circuits. A ball that leaves the loaded
-    arc of such a circuit at one end enters it at once at the other end.
+    If a screw has no table [circulation], gaps in the row of its balls separate the circuits. A ball that leaves the
+    loaded arc of such a circuit at one end enters it at once at the other end.
 
     Parameters
     ----------
@@ -122,21 +124,21 @@ def circuits_of_scene(scene: Scene) -> tuple[Circuit, ...]:
 
 
 def _first_balls_after_gaps(azimuths: Array) -> NDArray[np.int64]:
-    """Return the indices of the first balls after the gaps that separate circuits, in the order of azimuth.
+    """Return the indices of the balls that follow a gap which separates two circuits.
 
-    ``azimuths``: azimuths of the balls in this order [rad].
+    ``azimuths``: azimuths of the balls, in increasing order [rad].
     """
     apart = np.diff(azimuths)
     return np.flatnonzero(apart > APART * np.median(apart)) + 1 if apart.size else np.zeros(0, dtype=np.int64)
 
 
 def _loaded_arc_length(group: Array, given_length: float | None, spacing: float) -> float:
-    """Return the length of the loaded arc of one circuit [rad].
+    """Return the length of the loaded arc of one circuit, on which balls carry load [rad].
 
-    It is ``given_length``, the length in the scene [rad]. If this is None, it is the length that the balls fill, with half
-    a distance between neighbours outside the first and the last ball. ``group``: sorted azimuths of the balls on the arc
-    [rad]; ``spacing``: difference of the azimuths of two balls that touch [rad], which is the length of an arc with a
-    single ball. Raises CircuitError if the given arc is too short for its balls.
+    It is ``given_length``, the length in the scene [rad]. If this is None, it is the length that the balls fill, with
+    half a distance between neighbours outside the first and the last ball. ``group``: sorted azimuths of the balls on
+    the arc [rad]; ``spacing``: difference of the azimuths of two balls that touch [rad], which is the length of an arc
+    with a single ball. Raises CircuitError if the given arc is too short for its balls.
     """
     span = float(group[-1] - group[0])
     if given_length is None:
@@ -172,7 +174,7 @@ def _track_length(loop: Circulation, loaded_count: int, arc: float, spacing: flo
 
 
 def nut_travel(scene: Scene) -> Array:
-    """Return the axial positions of the nut relative to the screw at the start and the end of a simulation ``(2,)`` [m].
+    """Return the axial positions of the nut on the screw at the start and the end of a simulation ``(2,)`` [m].
 
     They are measured from the position at the start, so that the first one is 0.
 
@@ -189,7 +191,7 @@ def nut_travel(scene: Scene) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SceneGrooves(BallKinematics, GroovesInMotion):
-    """Grooves of a scene without errors, in motion.
+    """Grooves of a scene without geometric errors, with the speeds of screw and nut and with friction.
 
     One object is used in a whole simulation, because the arrays for the compiled functions are cached for it
     (`kernel_groove_arrays`).
@@ -202,12 +204,12 @@ class SceneGrooves(BallKinematics, GroovesInMotion):
 
     @property
     def constants(self) -> GrooveHertzConstants:
-        """Hertz constants of the contacts without errors."""
+        """Hertz constants of the contacts without geometric errors."""
         return self.hertz
 
 
 def grooves_of_scene(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
-    """Return the grooves of a scene without errors, with the speeds of screw and nut.
+    """Return the grooves of a scene without geometric errors, with the speeds of screw and nut.
 
     Their coefficient of friction is the larger one of the screw's and the nut's grooves. ``friction``: coefficients of
     friction; ``drive``: motion of the screw or nut that turns.
@@ -218,7 +220,7 @@ def grooves_of_scene(scene: Scene, friction: Friction, drive: Drive) -> SceneGro
 
 @dataclass(frozen=True)
 class SceneChain(BallChain):
-    """Balls of one closed track with their contact loads; sizes and coefficients of friction may differ."""
+    """Balls of one closed track of a scene with their contact loads; radii and coefficients of friction may differ."""
 
     #: Contact forces, angles and ellipses of the balls.
     at: StaticContacts
@@ -240,16 +242,18 @@ class SceneChain(BallChain):
     def wrench(self, pull: Array) -> Array:
         """Return force and moment of friction on the balls in the section's axes x3, y3, z3 ``(N, 4, 6)`` [N, N m].
 
-        ``pull``: friction in the axes of each contact ``(N, 4, 3)``: two forces [N] and the moment about the normal [N m].
+        x3 is radial, y3 along the track, z3 the binormal. ``pull``: friction in the axes of each contact ``(N, 4, 3)``:
+        two forces [N] and the moment about the normal [N m].
         """
         turned = pull.copy()
         rotate_to_groove_axes(self.at, turned)
         return super().wrench(turned)
 
     def input_power(self, wrench: Array) -> float:
-        """Return the power that screw and nut supply against friction [W].
+        """Return the power that the motions of screw and nut supply against friction [W].
 
-        ``wrench``: force and moment of friction on the balls in the section's axes ``(N, 4, 6)`` [N, N m], from `wrench`.
+        ``wrench``: force and moment of friction on the balls in the section's axes ``(N, 4, 6)`` [N, N m], from
+        `wrench`.
         """
         axial, moment = axial_forces_and_moments(self.at, wrench)
         helical = moment + self.groove.ratio * axial
@@ -268,8 +272,8 @@ def solve_motion_on_track(
 ) -> ChainMotion:
     """Return the motion of the balls of one closed track, in order of azimuth, and the forces between them.
 
-    Two balls touch each other as two balls of nominal size do; their actual sizes only change the rate at which they may
-    approach each other.
+    The contact loads are given. Two balls touch each other as two balls of nominal size do; their actual sizes only
+    change the rate at which they may approach each other.
 
     Parameters
     ----------
@@ -316,7 +320,7 @@ FULL = 1e-9
 
 @dataclass(frozen=True)
 class BallsInCircuits:
-    """All N balls of a scene in their circuits, in the order of the circuits."""
+    """All N balls of a scene in their circuits (closed tracks), in the order of the circuits."""
 
     #: Tracks of the circuits.
     tracks: tuple[ClosedTrack, ...]
@@ -363,8 +367,8 @@ class BallsInCircuits:
         """Return azimuths, centres and section axes of all balls in fixed axes.
 
         ``scene``: the scene with these balls; ``folded``: azimuths of the balls within one revolution of their circuits
-        ``(N,)`` [rad], the first value that `place` returns; ``turned``: angle by which the nut has turned since the start
-        [rad].
+        ``(N,)`` [rad], the first value that `place` returns; ``turned``: angle by which the nut has turned since the
+        start [rad].
         """
         track, starts = scene.track, np.empty(folded.size)
         for loop in self.tracks:
@@ -376,7 +380,7 @@ class BallsInCircuits:
 def balls_in_circuits(
     scene: Scene, friction: Friction, drive: Drive, drawn: DrawnErrors, member: int = 0
 ) -> BallsInCircuits:
-    """Return the balls of a scene in their circuits at the beginning of a simulation.
+    """Return the balls of a scene in their circuits (closed tracks) at the beginning of a simulation.
 
     Parameters
     ----------
@@ -387,9 +391,9 @@ def balls_in_circuits(
     drive
         Motion of the screw or nut that turns.
     drawn
-        Random errors of the balls and grooves of the specimen.
+        Random geometric errors of the balls and grooves.
     member
-        Number of the specimen, from which the random radii of the balls in the return follow.
+        Number of the draw of random errors, from which the random radii of the balls in the return follow.
 
     Raises
     ------
@@ -433,7 +437,10 @@ CLOSING = 1e-9
 
 @dataclass(frozen=True)
 class ContactOnset:
-    """Rotation until neighbouring balls meet, estimated from a static state with N balls and M pairs of neighbours."""
+    """Rotation after which neighbouring balls meet, estimated from a static state.
+
+    There are N balls and M pairs of neighbours.
+    """
 
     #: Angular speeds of the balls around the axis ``(N,)`` [rad/s]; those of unloaded balls are assumed.
     orbit: Array
@@ -454,12 +461,12 @@ class ContactOnset:
 
     @property
     def first(self) -> float:
-        """Rotation of the driven part after which the first two neighbours meet [rad]; infinite if none do."""
+        """Rotation of the driven part after which the first two neighbouring balls meet [rad]; infinite if none do."""
         return float(self.meeting.min(initial=np.inf))
 
     @property
     def touch(self) -> bool:
-        """Whether any two neighbours meet while both still carry load, at a rotation of at most ``leaving``."""
+        """Whether any two neighbouring balls meet while both still carry load, at a rotation of at most ``leaving``."""
         return bool(np.any(self.meeting <= self.leaving))
 
 
@@ -468,10 +475,11 @@ def contact_onset(
 ) -> ContactOnset:
     """Return after which rotation neighbouring balls begin to touch, estimated from a static load distribution.
 
-    The method is that of section 4.3.2 of Lin's thesis, who argues from the loads: balls that lose contact stay behind, so
-    that others run into them. Here each loaded ball moves with least dissipation at its static loads. The speeds are those
-    at this instant; how the balls go on, and how their loads change, can only be computed by a transient simulation. The
-    speeds do not depend on the coefficient of friction and are proportional to the speed of the rotating part.
+    The method is that of section 4.3.2 of Lin's thesis, who argues from the loads: balls that lose contact stay behind,
+    so that others run into them. Here each loaded ball moves with least dissipation at its static loads. The speeds are
+    those at this instant; how the balls go on, and how their loads change, can only be computed by a transient
+    simulation. The speeds do not depend on the coefficient of friction and are proportional to the speed of the
+    rotating part.
 
     Parameters
     ----------

@@ -32,7 +32,10 @@ FAINT = 1e-9
 
 @dataclass(frozen=True)
 class StaticContacts:
-    """Contacts of N balls with the flanks SL, SR, NL, NR (screw or nut, left or right), from a static model."""
+    """Forces, angles and ellipses of the contacts of N balls with the flanks SL, SR, NL, NR, from a static model.
+
+    S and N stand for screw and nut, L and R for the left and the right flank.
+    """
 
     #: Radius of each ball, errors included ``(N,)`` [m].
     ball_radius: Array
@@ -88,11 +91,11 @@ class StaticContacts:
 
 
 def contacts_of_result(scene: Scene, result: StaticResult, member: int = 0) -> StaticContacts:
-    """Return the contacts of a static result: forces, angles and Hertz ellipses.
+    """Return forces, angles and Hertz ellipses of all contacts of a static result.
 
-    ``scene``: the scene, whose ingredient ``hertz`` chooses the Hertz constants; ``result``: its static result; ``member``:
-    number of the specimen with random errors for which ``result`` was solved. Raises ValueError if the result did not
-    converge.
+    ``scene``: the scene, whose ingredient ``hertz`` chooses the Hertz constants; ``result``: its static result;
+    ``member``: number of the specimen (one draw of the random geometric errors) for which ``result`` was solved. Raises
+    ValueError if the result did not converge.
     """
     if not result.converged:
         raise ValueError(f"friction cannot be computed, because the contact loads did not converge: {result.status}")
@@ -124,17 +127,17 @@ def contacts_of_solution(
 
 
 def _force_cube_root(force: Array) -> Array:
-    """Return the cube roots of contact forces ``(N, 4)`` [N^(1/3)].
+    """Return the cube roots of contact forces, to which the semi-axes of contact ellipses are proportional [N^(1/3)].
 
-    ``force``: contact forces ``(N, 4)`` [N]. The semi-axes of the contact ellipses are proportional to the result. For
-    unloaded contacts it is tiny but not zero, so that one can divide by semi-axes.
+    ``force``: contact forces ``(N, 4)`` [N]. For unloaded contacts the result is tiny but not zero, so that one can
+    divide by semi-axes.
     """
     most = force.max(axis=1, keepdims=True)
     return np.asarray(np.cbrt(np.maximum(force, np.maximum(FAINT * most, 1e-30))))
 
 
 def contacts_with_loads(contacts: StaticContacts, force: Array, angle: Array) -> StaticContacts:
-    """Return contacts with other forces and contact angles, and with the ellipses that belong to these forces.
+    """Return contacts with new forces and contact angles, and with the ellipses that belong to the new forces.
 
     ``contacts``: contacts whose Hertz constants are used; ``force``: new contact forces ``(N, 4)`` [N]; ``angle``: new
     contact angles ``(N, 4)`` [rad].
@@ -146,7 +149,7 @@ def contacts_with_loads(contacts: StaticContacts, force: Array, angle: Array) ->
 def contacts_of_all_balls(
     contacts: StaticContacts | None, layout: BallLayout, balls: NDArray[np.int64], ball_radius: Array, unloaded_angle: float
 ) -> StaticContacts:
-    """Return the contacts of all N balls of a scene, of which only some may be loaded.
+    """Return the contacts of all N balls of a scene, from those of the balls that may be loaded; the others have no load.
 
     Parameters
     ----------
@@ -179,7 +182,7 @@ def contacts_of_all_balls(
 
 
 def _ellipse_constants(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Return the Hertz constants of the long, then the short semi-axes, then whether the long one lies across the groove.
+    """Return the Hertz constants of the long, then the short semi-axes, then whether the long axis lies across the groove.
 
     Each array is ``(N, 4)``; the semi-axes [m] are the constants times the cube root of the force [N]. The scene's
     ingredient ``hertz`` chooses the radii of curvature: without errors, with the errors of ``drawn``, or as printed in
@@ -201,7 +204,7 @@ def _ellipse_constants(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Arr
 
 
 def _printed_ellipse_constants(scene: Scene) -> tuple[Array, Array]:
-    """Return the Hertz constants of the long, then the short semi-axes ``(4,)`` [m/N^(1/3)] by Lin's printed Table B.1.
+    """Return the Hertz constants of the long, then the short semi-axes ``(4,)`` [m/N^(1/3)] by Table B.1 of Lin's thesis.
 
     ``scene``: the scene, whose random errors are left out.
     """

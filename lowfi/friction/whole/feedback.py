@@ -43,7 +43,7 @@ JAMMED = 0.3
 
 @dataclass(frozen=True)
 class PositionsInGrooves:
-    """Positions of N balls relative to their four grooves in the static state, without friction."""
+    """Positions of N balls relative to their four grooves in the static state without friction."""
 
     #: Vector from the centre of each groove's profile to the ball's centre, along x3 and z3 ``(N, 4, 2)`` [m].
     away: Array
@@ -56,12 +56,13 @@ class PositionsInGrooves:
 
 
 def positions_in_grooves(contacts: StaticContacts, C: Array, reach: Array, centre: Array) -> PositionsInGrooves:
-    """Return the positions of N balls relative to their grooves in the static state, from their contact loads and angles.
+    """Return the positions of N balls relative to their grooves without friction, from their contact loads and angles.
 
-    A flank without contact is assumed to move with the other flank of the same body. A ball without load keeps its nominal
-    position. ``contacts``: contacts of the balls; ``C``: Hertz constants of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)];
-    ``reach``: distance of the ball's centre from the centre of each groove's profile where ball and groove just touch ``(N,
-    4)`` [m]; ``centre``: centres of the profiles along x3 and z3 ``(N, 4, 2)`` [m].
+    A flank without contact is assumed to move with the other flank of the same body. A ball without load keeps its
+    nominal position. ``contacts``: contacts of the balls; ``C``: Hertz constants of the approach C F^(2/3) ``(N, 4)``
+    [m/N^(2/3)]; ``reach``: distance of the ball's centre from the centre of each groove's profile where ball and groove
+    just touch ``(N, 4)`` [m]; ``centre``: centres of the profiles along x3 (radial) and z3 (binormal) ``(N, 4, 2)``
+    [m].
     """
     squeeze = C * np.cbrt(contacts.force) ** 2
     away = (reach + squeeze)[..., None] * contacts.normals[..., [0, 2]]
@@ -76,19 +77,19 @@ def positions_in_grooves(contacts: StaticContacts, C: Array, reach: Array, centr
 def positions_in_grooves_of_result(
     scene: Scene, result: StaticResult, contacts: StaticContacts, member: int = 0
 ) -> PositionsInGrooves:
-    """Return the positions of the balls of a solved scene relative to their grooves.
+    """Return the positions of the balls of a statically solved scene relative to their grooves.
 
-    ``scene``: the scene; ``result``: its static result; ``contacts``: contacts of this result; ``member``: number of the
-    specimen with random errors that was solved.
+    ``scene``: the scene; ``result``: its static result; ``contacts``: contacts of this result; ``member``: number of
+    the draw of random errors (specimen) that was solved.
     """
     return positions_in_grooves_with_errors(contacts, draw_specimen(scene, contacts.layout, member), result.hertz_C)
 
 
 def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: Specimen, C: Array) -> PositionsInGrooves:
-    """Return the positions of N balls relative to grooves with errors.
+    """Return the positions of N balls relative to grooves with geometric errors.
 
-    ``contacts``: contacts of the balls; ``drawn``: radii, groove centres and groove profiles of a specimen with random
-    errors; ``C``: Hertz constants of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)].
+    ``contacts``: contacts of the balls; ``drawn``: radii, groove centres and groove profiles with random errors; ``C``:
+    Hertz constants of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)].
     """
     inward = np.zeros_like(contacts.angle)
     for s, row in enumerate(drawn.profile):
@@ -98,11 +99,11 @@ def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: Specimen, 
 
 
 def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array) -> Array:
-    """Return the forces on each ball (x3, z3) and on the screw (axial) that contacts balance, less given forces ``(N, 3)``.
+    """Return the forces on each ball and on the screw that its contact forces balance, less given forces ``(N, 3)`` [N].
 
-    All forces are in N. ``force``: contact forces ``(N, 4)``; ``normal``: unit vectors from each ball's centre to its
-    contacts in x3, z3 ``(N, 4, 2)``; ``along``: direction of the screw's axis in x3, z3 ``(2,)``; ``applied``: the given
-    forces ``(N, 3)``.
+    Components are those on the ball along x3 (radial) and z3 (binormal), and on the screw along its axis. ``force``:
+    contact forces ``(N, 4)``; ``normal``: unit vectors from each ball's centre to its contacts in x3, z3 ``(N, 4, 2)``;
+    ``along``: direction of the screw's axis in x3, z3 ``(2,)``; ``applied``: the given forces ``(N, 3)``.
     """
     push = force[..., None] * normal
     screw = -np.einsum("nsi,i->n", push[:, ON_SCREW], along)
@@ -204,10 +205,10 @@ def solve_friction_equilibrium(
         one, size = np.array([ball]), float(contacts.force[ball].sum())
 
         def excess(x: Array, one: NDArray[np.int64] = one, size: float = size) -> Array:
-            """Return the friction less the assumed friction that the contacts balance, over the contact loads ``(3,)``.
+            """Return friction less the assumed friction that the contacts balance, divided by the contact loads ``(3,)``.
 
-            ``x``: assumed friction on ball and screw over the sum of the contact loads ``(3,)``; ``one``: index of the ball
-            ``(1,)``; ``size``: sum of its contact loads [N].
+            ``x``: assumed friction on ball and screw divided by the sum of the contact loads ``(3,)``; ``one``: index
+            of the ball ``(1,)``; ``size``: sum of its contact loads [N].
             """
             there, _, _ = _contacts_under_forces(
                 static_contacts, positions, one, still[one] + size * x, shift[one], static_contacts, fast
@@ -233,10 +234,10 @@ def solve_friction_equilibrium(
 
 
 def _friction_on_balls_and_screw(by_ball: BallFriction, contacts: StaticContacts, axis: Array) -> Array:
-    """Return the friction on each ball along x3 and z3 and on the screw along its axis ``(N, 3)`` [N].
+    """Return the friction on each ball along x3 (radial) and z3 (binormal) and on the screw along its axis ``(N, 3)`` [N].
 
-    ``by_ball``: friction of the balls in the contacts ``contacts``; ``axis`` ``(3,)``: direction of the screw's axis in x3,
-    y3, z3.
+    ``by_ball``: friction of the balls in the contacts ``contacts``; ``axis`` ``(3,)``: direction of the screw's axis in
+    x3, y3, z3.
     """
     wrench = by_ball.wrench(contacts.normals)[..., :3]
     drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], axis)
@@ -252,13 +253,13 @@ def balls_with_second_state(
     drive: Drive,
     fast: bool = False,
 ) -> tuple[int, ...]:
-    """Return the indices of balls for which another equilibrium is found, in which they are jammed between their grooves.
+    """Return the indices of balls for which a second equilibrium is found, in which they are jammed between their grooves.
 
-    The search starts from four displaced states, in which the balls are pushed along x3 or z3, in either direction, with
-    ``DISPLACED`` times their largest contact load. It may miss such an equilibrium. ``scene``: the screw; ``positions``,
-    ``static_contacts``: positions and contacts of the balls without friction; ``rolling_state``: equilibrium that the balls
-    reach by rolling from there; ``friction``: coefficients of friction; ``drive``: motion of the screw or nut that turns;
-    ``fast``: whether to use the compiled functions.
+    The search starts from four displaced states, in which the balls are pushed along x3 (radial) or z3 (binormal), in
+    either direction, with ``DISPLACED`` times their largest contact load. It may miss such an equilibrium. ``scene``:
+    the screw; ``positions``, ``static_contacts``: positions and contacts of the balls without friction;
+    ``rolling_state``: equilibrium that the balls reach by rolling from there; ``friction``: coefficients of friction;
+    ``drive``: motion of the screw or nut that turns; ``fast``: whether to use the compiled functions.
     """
     size, other = rolling_state.at.force.max(axis=1), np.zeros(static_contacts.force.shape[0], dtype=bool)
     for axis in range(2):
@@ -280,12 +281,12 @@ def _contacts_under_forces(
     frictionless: StaticContacts,
     fast: bool,
 ) -> tuple[StaticContacts, Array, NDArray[np.bool_]]:
-    """Return the contacts of N balls, of which k are newly brought into equilibrium with given forces.
+    """Return the contacts of N balls after k of them are brought into equilibrium with given forces.
 
-    ``contacts``: contacts of all balls, of which those of ``balls`` (indices ``(k,)``) are replaced; ``place``: positions
-    of all balls without friction; ``forces``: forces on each of the k balls and on the screw ``(k, 3)`` [N]; ``start``:
-    displacements to begin from ``(k, 3)`` [m]; ``frictionless``: contacts without friction, whose loads give the scale of
-    the tolerance; ``fast``: whether to use the compiled functions.
+    ``contacts``: contacts of all balls, of which those of ``balls`` (indices ``(k,)``) are replaced; ``place``:
+    positions of all balls without friction; ``forces``: forces on each of the k balls and on the screw ``(k, 3)`` [N];
+    ``start``: displacements to begin from ``(k, 3)`` [m]; ``frictionless``: contacts without friction, whose loads give
+    the scale of the tolerance; ``fast``: whether to use the compiled functions.
 
     Returns
     -------

@@ -40,7 +40,7 @@ UNBALANCED = 1e-6
 
 @dataclass(frozen=True)
 class BallKinematics(HelicalMotion):
-    """Motion of a ball of a given radius along the scene's helix, or round the ring of a bearing (zero lead)."""
+    """Data for the motion of a ball of given radius along a scene's helix, or round the ring of a bearing (zero lead)."""
 
     #: Radius of the ball [m].
     ball_radius: float
@@ -58,9 +58,10 @@ class BallKinematics(HelicalMotion):
 
 @lru_cache(maxsize=64)
 def ball_kinematics(scene: Scene, drive: Drive, ball_radius: float) -> BallKinematics:
-    """Return the helix, the contact angle and the speeds that determine the motion of a ball; results are cached.
+    """Return the helix, contact angle and body speeds that determine the motion of a ball; results are cached.
 
-    ``scene``: screw or bearing; ``drive``: motion of the screw or nut that turns; ``ball_radius``: radius of the ball [m].
+    ``scene``: screw or bearing; ``drive``: motion of the screw or nut that turns; ``ball_radius``: radius of the ball
+    [m].
     """
     screw = drive.speed if drive.turns == "screw" else 0.0
     track = scene.track
@@ -70,7 +71,7 @@ def ball_kinematics(scene: Scene, drive: Drive, ball_radius: float) -> BallKinem
 
 @dataclass(frozen=True)
 class BallFriction:
-    """Motion and friction of N balls, each with four contacts in the order SL, SR, NL, NR (screw, nut; left, right)."""
+    """Motion, friction and losses of N balls; four contacts each, in the order SL, SR, NL, NR (screw, nut; left, right)."""
 
     #: Angular speed of each ball's centre around the axis ``(N,)`` [rad/s], seen from the part that does not rotate; nan
     #: without load.
@@ -101,7 +102,7 @@ class BallFriction:
 
     @property
     def q(self) -> Array:
-        """Motions of the balls ``(N, 4)`` [rad/s]: orbit, then the three rotations."""
+        """Motions of the balls ``(N, 4)`` [rad/s]: orbital speed, then the three rotations."""
         return np.column_stack([self.orbit, self.rotation])
 
     @property
@@ -112,7 +113,8 @@ class BallFriction:
     def wrench(self, normals: Array) -> Array:
         """Return force and moment of friction on each ball at its contacts in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
 
-        ``normals``: unit vectors from each ball's centre to its contacts in x3, y3, z3 ``(N, 4, 3)``.
+        x3 is radial, y3 along the track, z3 the binormal. ``normals``: unit vectors from each ball's centre to its
+        contacts in these axes ``(N, 4, 3)``.
         """
         return friction_wrench_at_contacts(normals, self.force, self.moment)
 
@@ -125,11 +127,12 @@ def ball_friction(
     fast: bool = False,
     starting_motions: Array | None = None,
 ) -> BallFriction:
-    """Return the motion of least dissipation and the friction of every ball.
+    """Return the motion of least dissipation and the friction of every ball at given contact loads.
 
-    If all coefficients of friction are zero, the motion is the limit of motions with equal coefficients that tend to zero.
-    The function is valid for a helix of any hand and number of starts and for a ring (zero lead). Groove errors and the
-    bending of the screw influence the loads and contact angles, but not the directions in which screw and nut move.
+    If all coefficients of friction are zero, the motion is the limit of motions with equal coefficients that tend to
+    zero. The function is valid for a helix of any hand and number of starts and for a ring (zero lead). Groove errors
+    and the bending of the screw influence the loads and contact angles, but not the directions in which screw and nut
+    move.
 
     Parameters
     ----------
@@ -188,12 +191,13 @@ def friction_of_motions(
     status: list[str],
     imbalance: float,
 ) -> BallFriction:
-    """Return motion, friction and losses of N balls, with the losses computed from given motions and friction.
+    """Return motion, friction and losses of N balls as one record; losses are computed from given motions and friction.
 
-    ``contacts``: contacts of the balls; ``motions``: motions ``(N, 4)`` [rad/s], orbit and then rotation, nan without load;
-    ``motion``: sliding and spin of the contacts ``(N, 4, 3)`` [m/s, rad/s]; ``pull``: friction on the ball ``(N, 4, 3)``,
-    two forces [N] and the moment about the normal [N m]; ``rest``: whether each contact sticks ``(N, 4)``; ``status``:
-    status of the solution for each ball; ``imbalance``: largest force out of balance as a fraction of a ball's sum of mu F.
+    ``contacts``: contacts of the balls; ``motions``: motions ``(N, 4)`` [rad/s], orbit and then rotation, nan without
+    load; ``motion``: sliding and spin of the contacts ``(N, 4, 3)`` [m/s, rad/s]; ``pull``: friction on the ball ``(N,
+    4, 3)``, two forces [N] and the moment about the normal [N m]; ``rest``: whether each contact sticks ``(N, 4)``;
+    ``status``: status of the solution for each ball; ``imbalance``: largest unbalanced force as a fraction of a ball's
+    sum of mu F.
     """
     loaded = contacts.force[..., None] > 0.0
     loss = np.where(loaded, -pull * np.nan_to_num(motion), 0.0) + 0.0
@@ -204,7 +208,7 @@ def friction_of_motions(
 
 
 def relative_coefficients(friction: Friction) -> tuple[Array, float]:
-    """Return first the ratios of the contacts' coefficients of friction to the largest one ``(4,)``, then the largest one.
+    """Return the ratios of the contacts' coefficients of friction to the largest one ``(4,)``, then the largest one.
 
     The ratios are in the order SL, SR, NL, NR. They are 1 if all coefficients are zero: the motions depend only on the
     ratios, so that motions without friction are the limit for equal coefficients that tend to zero. ``friction``:
@@ -218,11 +222,11 @@ def relative_coefficients(friction: Friction) -> tuple[Array, float]:
 def friction_contacts(
     scene: Scene, contacts: StaticContacts, friction_coefficients: Array, drive: Drive
 ) -> FrictionContacts:
-    """Return ellipses, friction bounds and kinematics of all contacts, in axes x along the long semi-axis of each ellipse.
+    """Return ellipses, friction bounds and kinematics of all contacts, with x along the long semi-axis of each ellipse.
 
-    ``contacts``: contact forces and ellipses; ``friction_coefficients``: coefficients of friction of the contacts SL, SR,
-    NL, NR ``(4,)``, or their ratios to the largest one; the friction bounds in the result are products of these and the
-    forces. ``drive``: motion of the screw or nut that turns.
+    ``contacts``: contact forces and ellipses; ``friction_coefficients``: coefficients of friction of the contacts SL,
+    SR, NL, NR ``(4,)``, or their ratios to the largest one; the friction bounds in the result are products of these and
+    the forces. ``drive``: motion of the screw or nut that turns.
     """
     maps, drives = ball_kinematics(scene, drive, scene.balls.radius).maps(contacts.normals, contacts.ball_radius)
     for rows in (maps, drives):
@@ -253,12 +257,12 @@ def _rotate_quarter_turn(components: Array, sign: float = 1.0) -> Array:
 
 
 def closing_speeds_of_neighbours(scene: Scene, contacts: StaticContacts, by_ball: BallFriction, drive: Drive) -> Array:
-    """Return the speed at which each ball approaches the next one of the same start ``(N,)`` [m/s].
+    """Return the speed at which each ball approaches the next one of the same thread start ``(N,)`` [m/s].
 
-    The speed is negative if the balls separate. The next ball is the neighbour at the larger azimuth; in a ring, the last
-    ball is followed by the first. The speed is nan for a ball without a next one, and where one of the two balls has no
-    load. ``contacts``: contacts of the N balls; ``by_ball``: their motions; ``drive``: motion of the screw or nut that
-    turns.
+    The speed is negative if the balls separate. The next ball is the neighbour at the larger azimuth; in a ring, the
+    last ball is followed by the first. The speed is nan for a ball without a next one, and where one of the two balls
+    has no load. ``contacts``: contacts of the N balls; ``by_ball``: their motions; ``drive``: motion of the screw or
+    nut that turns.
     """
     path = ball_kinematics(scene, drive, scene.balls.radius)
     count, starts = contacts.force.shape[0], scene.track.starts
@@ -285,7 +289,7 @@ WIDE = 0.03
 
 
 def hertz_pressure_quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Array, Array]:
-    """Return the points and weights of a quadrature over the unit disc with Hertz's pressure as the weight function.
+    """Return points and weights of a quadrature over the unit disc, with the Hertz pressure as weight function.
 
     ``outwards``, ``around``: numbers of points along a radius and around the disc, k in all.
 
@@ -306,11 +310,11 @@ def hertz_pressure_quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> 
 def surface_speeds_in_contacts(
     scene: Scene, contacts: StaticContacts, drive: Drive, curvature_factor: float
 ) -> tuple[Array, Array]:
-    """Return the sliding velocities of points in the contacts, as a linear function of the motions of the balls.
+    """Return the sliding velocities of k points in each contact, as a linear function of the motions of the N balls.
 
-    ``contacts``: contacts of N balls, each with the k points of `hertz_pressure_quadrature`; ``drive``: motion of the screw
-    or nut that turns; ``curvature_factor``: factor by which the curvature of the contacts across the groove is multiplied,
-    1 for the actual one and 0 for flat contact ellipses.
+    ``contacts``: contacts of the balls, each with the k points of `hertz_pressure_quadrature`; ``drive``: motion of the
+    screw or nut that turns; ``curvature_factor``: factor by which the curvature of the contacts across the groove is
+    multiplied, 1 for the actual one and 0 for flat contact ellipses.
 
     Returns
     -------
@@ -344,13 +348,14 @@ def surface_speeds_in_contacts(
 
 
 def least_dissipated_power(rows: Array, added: Array, strength: Array, start: Array, typical_sliding_speed: float) -> Array:
-    """Return the power that each of N balls loses in its motion of least dissipation ``(N,)``.
+    """Return the power that friction dissipates on each of N balls in its motion of least dissipation ``(N,)``.
 
     It is found by Newton's method. The sliding speed v is regularised as sqrt(v^2 + eps^2), with eps reduced in steps.
-    ``rows``, ``added``: sliding of the points in the contacts per unit of the balls' motions and while the balls rest, the
-    two results of `surface_speeds_in_contacts`; ``strength`` ``(N, 4)``: friction bound of each contact, coefficient times
-    force [N] (if the coefficients are ratios, the power is in the same proportion); ``start`` ``(N, 4)``: motions to begin
-    from [rad/s]; ``typical_sliding_speed``: a typical sliding speed [m/s], which sets the scale of eps.
+    ``rows``, ``added``: sliding of the points in the contacts per unit of the balls' motions and while the balls rest,
+    the two results of `surface_speeds_in_contacts`; ``strength`` ``(N, 4)``: friction bound of each contact,
+    coefficient times force [N] (if the coefficients are ratios, the power is in the same proportion); ``start`` ``(N,
+    4)``: motions to begin from [rad/s]; ``typical_sliding_speed``: a typical sliding speed [m/s], which sets the scale
+    of eps.
     """
     loaded = (strength > 0.0).any(axis=0)
     weight = (strength[:, loaded, None] * hertz_pressure_quadrature()[2]).reshape(len(strength), -1)
@@ -358,7 +363,7 @@ def least_dissipated_power(rows: Array, added: Array, strength: Array, start: Ar
     q = start.copy()
 
     def value(motion: Array, eps: float) -> tuple[Array, Array, Array]:
-        """Return the power of each ball, the sliding of its points and the regularised size of this sliding [m/s]."""
+        """Return the dissipated power of each ball, the sliding of its points, and the sliding's regularised size [m/s]."""
         v = (rows @ motion[..., None]).reshape(added.shape) + added
         size = np.sqrt(v[..., 0] ** 2 + v[..., 1] ** 2 + eps * eps)
         return (weight * size).sum(axis=1), v, size
@@ -390,11 +395,11 @@ def least_dissipated_power(rows: Array, added: Array, strength: Array, start: Ar
 def heathcote_loss_increase(
     scene: Scene, contacts: StaticContacts, by_ball: BallFriction, friction: Friction, drive: Drive
 ) -> float:
-    """Return the relative increase of the losses of all contacts by Heathcote slip at given loads; nan without any loss.
+    """Return the relative increase of all contact losses by Heathcote slip at given loads; nan without any loss.
 
-    Heathcote slip comes from the curvature of the contact surfaces across the groove. The increase is the ratio of the loss
-    with curved contact surfaces to that with flat ones, less 1. Quadrature and regularised friction, which are the same for
-    both, limit its accuracy to about 0.002.
+    Heathcote slip comes from the curvature of the contact surfaces across the groove. The increase is the ratio of the
+    loss with curved contact surfaces to that with flat ones, less 1. Quadrature and regularised friction, which are the
+    same for both, limit its accuracy to about 0.002.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ WINDOW, LEAST, BEYOND, APART = np.radians(8.0), 1e-4, 0.01, 5e-4
 
 
 class ComplianceWindow(NamedTuple):
-    """Compliance of a body at three positions of its balls: at the start, middle and end of a piece of the track."""
+    """Compliance of screw or nut for balls at the start, middle and end of a short piece of the track."""
 
     #: Azimuths of the balls at the start of the window [rad].
     azimuth: Array
@@ -53,10 +53,10 @@ class ComplianceWindow(NamedTuple):
 class TravellingCompliance:
     """Compliance of screw or nut between contacts that travel along the track together.
 
-    The compliance is computed at three positions of a window, and between them by the parabola through these. A body of
-    revolution with a groove in it responds in the same way to balls that turn and advance together, except near its ends,
-    so that the compliance changes slowly. Where balls have moved by more than ``APART`` relative to each other, or other
-    balls are on the loaded arc, a new window begins. An object serves one scene and one backend.
+    It is computed for balls at three positions of a window, and between them by the parabola through these. A body of
+    revolution with a groove in it responds in the same way to balls that turn and advance together, except near its
+    ends, so that the compliance changes slowly. Where balls have moved by more than ``APART`` relative to each other,
+    or other balls are on the loaded arc, a new window begins. An object serves one scene and one backend.
     """
 
     #: Length of a window [rad], with the sign of the balls' travel in the nut.
@@ -90,11 +90,11 @@ class TravellingCompliance:
         return np.asarray(left * (left - share) * first + 4.0 * share * left * second + share * (share - left) * third)
 
     def begin(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> ComplianceWindow:
-        """Return a new window, with the compliance at its three positions; it begins at the positions ``layout``.
+        """Return a new window that begins at the positions ``layout``, with the body's compliance at its three positions.
 
-        The window is shorter than ``ahead`` where a ball would otherwise pass the face of the nut. ``track``: helix along
-        which the balls travel; ``compute``: function that returns the compliance [m/N] at given positions of the balls.
-        Raises ValueError if this function does so even for the shortest window.
+        The window is shorter than ``ahead`` where a ball would otherwise pass the face of the nut. ``track``: helix
+        along which the balls travel; ``compute``: function that returns the compliance [m/N] at given positions of the
+        balls. Raises ValueError if this function does so even for the shortest window.
         """
         rate, length = lead_per_radian(track), self.ahead
         while True:
@@ -135,7 +135,7 @@ Solve = Callable[[Specimen, BallLayout], StaticResult | ContactLoads]
 
 
 class LastInstant(NamedTuple):
-    """Motions and forces of N balls at the previous instant, from which the next solution begins."""
+    """Motions of N balls and forces on them at the previous instant, from which the next solution begins."""
 
     #: Motions of the balls, orbit and then three rotations ``(N, 4)`` [rad/s].
     q: Array
@@ -147,7 +147,7 @@ class LastInstant(NamedTuple):
 
 @dataclass(frozen=True)
 class SceneInMotion:
-    """Constants of a transient simulation by ``lowfi.friction.screw.travel``; azimuths are in the nut's frame."""
+    """A screw or bearing with everything that stays constant in a transient simulation; azimuths are in the nut's frame."""
 
     #: The scene.
     scene: Scene
@@ -165,7 +165,7 @@ class SceneInMotion:
     fast: bool = True
 
     def angles(self, time: float) -> tuple[float, float]:
-        """Return the angles by which first the screw, then the nut have turned in space after a given time [rad].
+        """Return the angle by which the screw, then that by which the nut has turned in space after a given time [rad].
 
         ``time``: time since the start [s].
         """
@@ -173,7 +173,7 @@ class SceneInMotion:
         return (turned, 0.0) if self.drive.turns == "screw" else (0.0, turned)
 
     def contacts(self, azimuth: Array, time: float, push: Array, q: Array) -> tuple[StaticContacts, NDArray[np.bool_], str]:
-        """Return the contact loads of all N balls at one instant, with the effect of friction on them if this is requested.
+        """Return the contact loads of all N balls at one instant, changed by friction if this feedback is requested.
 
         Parameters
         ----------
@@ -224,7 +224,7 @@ class SceneInMotion:
 
     @property
     def spacing(self) -> Array:
-        """Azimuth by which the next ball is ahead where both touch ``(N,)`` [rad]."""
+        """Azimuth difference of each ball and the next one where both touch ``(N,)`` [rad]."""
         return self.balls.spacing
 
     @property
@@ -241,21 +241,21 @@ class SceneInMotion:
         return BallState(self.balls.azimuth, gap, np.full(count, nominal), memory)
 
     def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - arcs are fixed in the nut
-        """Return the time until a ball passes an end of its loaded arc [s]; infinite for a bearing, which has no ends.
+        """Return the time until a ball reaches an end of its loaded arc [s]; infinite for a bearing, which has no ends.
 
-        ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``omega``: their angular speeds in this frame
-        ``(N,)`` [rad/s]; ``time`` is not used.
+        ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``omega``: their angular speeds in this
+        frame ``(N,)`` [rad/s]; ``time`` is not used.
         """
         if self.scene.track.lead == 0.0:
             return np.inf
         return min(track.time_to_end(azimuth, omega) for track in self.tracks)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: LastInstant) -> InstantSolution | str:
-        """Return the loads and motions of the balls at one instant, or a text that says why no loads were found.
+        """Return the contact loads and ball motions at one instant, or a text that says why no loads were found.
 
-        ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``:
-        largest rate at which each ball may approach the next one ``(N,)`` [rad/s], inf where they cannot touch; ``memory``:
-        results at the previous instant, from which the searches begin.
+        ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``time``: time since the start [s];
+        ``slack``: largest rate at which each ball may approach the next one ``(N,)`` [rad/s], inf where they cannot
+        touch; ``memory``: results at the previous instant, from which the searches begin.
         """
         push = memory.push.copy()
         at, loaded, status = self.contacts(azimuth, time, push, memory.q)
@@ -298,9 +298,10 @@ class SceneInMotion:
 def _driving_torque_on_screw(setting: SceneInMotion, contacts: StaticContacts, wrench: Array, axial: float) -> float:
     """Return the torque about +z [N m] that drives the screw under an external axial load ``axial`` [N].
 
-    It is the moment of contact loads and friction about the axis. An axial force of friction that the contact loads do not
-    balance contributes its work along the helix. ``setting``: the simulated screw; ``contacts``: contacts of the N balls;
-    ``wrench``: force and moment of friction on the balls in their sections' axes ``(N, 4, 6)`` [N, N m].
+    It is the moment of contact loads and friction about the axis. An axial force of friction that the contact loads do
+    not balance contributes its work along the helix. ``setting``: the simulated screw; ``contacts``: contacts of the N
+    balls; ``wrench``: force and moment of friction on the balls in their sections' axes x3 (radial), y3 (along the
+    track), z3 (binormal) ``(N, 4, 6)`` [N, N m].
     """
     wrenches = wrench.copy()
     wrenches[..., :3] -= contacts.force[..., None] * contacts.normals

@@ -43,7 +43,7 @@ TOUCHING = 1e-6
 
 @dataclass(frozen=True)
 class NeighbourFriction:
-    """Friction of N balls, in the order of the scene, if touching neighbours press on each other."""
+    """Friction of N balls, in the order of the scene, where neighbours that touch press on each other."""
 
     #: Motion and friction of the balls.
     balls: BallFriction
@@ -63,8 +63,9 @@ def friction_with_neighbours(
     """Return the friction of all balls at given contact loads, with forces between neighbours that touch.
 
     Neighbours touch if their gap is at most ``TOUCHING``; balls in the return touch no other ball. ``scene``: screw or
-    bearing; ``contacts``: contacts of its balls; ``friction``: coefficients of friction; ``drive``: motion of the screw or
-    nut that turns; ``member``: number of the specimen with random errors; ``fast``: whether to use the compiled functions.
+    bearing; ``contacts``: contacts of its balls; ``friction``: coefficients of friction; ``drive``: motion of the screw
+    or nut that turns; ``member``: number of the draw of random errors (specimen); ``fast``: whether to use the compiled
+    functions.
 
     Raises
     ------
@@ -110,7 +111,7 @@ def friction_with_neighbours(
 
 @dataclass(frozen=True)
 class FrictionState:
-    """Friction of all balls of a scene for given coefficients of friction of screw and nut."""
+    """Friction of a whole screw or bearing at one instant, for given coefficients of friction of screw and nut."""
 
     #: Contacts of all balls.
     at: StaticContacts
@@ -137,7 +138,7 @@ class FrictionState:
 
     @property
     def all_balanced(self) -> bool:
-        """Whether the friction of every ball is in balance and agrees with the ball's position."""
+        """Whether the friction of every ball is in balance and agrees with the ball's position in its grooves."""
         return self.balls.converged and not self.unsettled
 
     @property
@@ -149,11 +150,12 @@ class FrictionState:
 def friction_state(
     scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0, *, fast: bool | None = None
 ) -> FrictionState:
-    """Return the friction of a scene at the contact loads of a static result.
+    """Return the friction of a screw or bearing at the contact loads of a static result.
 
-    If ``friction`` requests it, friction changes the positions of the balls (feedback), and touching neighbours press on
-    each other. If both are requested, neighbours press on each other at the contact loads that result from each ball's own
-    friction, as in a transient simulation. In a bearing ring, friction acts along the groove and displaces no ball.
+    If ``friction`` requests it, friction changes the positions of the balls (feedback), and touching neighbours press
+    on each other. If both are requested, neighbours press on each other at the contact loads that result from each
+    ball's own friction, as in a transient simulation. In a bearing ring, friction acts along the groove and displaces
+    no ball.
 
     Parameters
     ----------
@@ -166,7 +168,7 @@ def friction_state(
     drive
         Motion of the screw or nut that turns.
     member
-        Number of the specimen with random errors for which ``result`` was solved.
+        Number of the draw of random geometric errors (specimen) for which ``result`` was solved.
     fast
         Whether to use the compiled functions instead of plain Python. If None, they are used where they save time; a scene
         with few balls does not wait until they are compiled, because `register_compile_job` has them compiled later.

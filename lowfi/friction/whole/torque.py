@@ -39,7 +39,10 @@ ROUND_OFF = 1e-6
 
 @dataclass(frozen=True)
 class ScrewTorque:
-    """Sums of the friction of all balls. Forces are positive along +z, torques and angles about +z."""
+    """Torque, axial force and power of the friction of a screw or bearing, summed over all balls.
+
+    Forces are positive along +z, torques and angles about +z.
+    """
 
     #: Angular speed of the screw relative to the nut [rad/s].
     speed: float
@@ -63,7 +66,7 @@ class ScrewTorque:
 
     @property
     def friction(self) -> float:
-        """Friction torque on the screw, the power lost over the angular speed [N m].
+        """Friction torque on the screw, which is the power lost divided by the angular speed [N m].
 
         On the nut it has the opposite sign.
         """
@@ -71,7 +74,7 @@ class ScrewTorque:
 
     @property
     def on_screw(self) -> float:
-        """Torque about +z that drives the screw at this speed [N m]; negative if it brakes the screw.
+        """Torque about +z that drives the screw at this speed, friction included [N m]; negative if it brakes the screw.
 
         The torque on the nut is the opposite one.
         """
@@ -79,7 +82,7 @@ class ScrewTorque:
 
     @property
     def input_power(self) -> float:
-        """Power that the contacts take from screw and nut [W], from the forces and moments on these and their motions."""
+        """Power that the contacts take from screw and nut [W]: forces and moments on both times their motions."""
         return self.helical[0] * self.speed
 
     @property
@@ -94,13 +97,13 @@ class ScrewTorque:
 
     @property
     def forward(self) -> float:
-        """Torque that moves the screw against the axial load [N m]."""
+        """Torque that moves the screw against the axial load, friction included [N m]."""
         with_load = self.load * self.ratio * self.speed > 0.0
         return self.frictionless_torque + (self.reverse_power if with_load else self.power) / abs(self.speed)
 
     @property
     def backward(self) -> float:
-        """Braking torque of the screw while the axial load drives it [N m]; negative: the screw must be driven."""
+        """Braking torque of the screw while the axial load drives it back [N m]; negative: the screw must be driven."""
         with_load = self.load * self.ratio * self.speed > 0.0
         return self.frictionless_torque - (self.power if with_load else self.reverse_power) / abs(self.speed)
 
@@ -116,7 +119,7 @@ class ScrewTorque:
 
     @property
     def is_self_locking(self) -> bool:
-        """Whether the axial load cannot drive the screw."""
+        """Whether friction locks the screw, so that the axial load cannot drive it."""
         return self.moves_axial_load and self.backward <= 0.0
 
 
@@ -156,10 +159,10 @@ def sum_friction_over_contacts(
 
 
 def axial_forces_and_moments(contacts: StaticContacts, wrench: Array) -> tuple[Array, Array]:
-    """Return the axial forces [N], then the moments about the screw's axis [N m], of all contacts, each ``(N, 4)``.
+    """Return axial force [N], then moment about the screw's axis [N m], of the wrench at each contact, ``(N, 4)`` each.
 
-    ``contacts``: contacts of the N balls; ``wrench``: force (first three components) and moment at each contact in the axes
-    x3, y3, z3 of the ball's section ``(N, 4, 6)`` [N, N m].
+    ``contacts``: contacts of the N balls; ``wrench``: force (first three components) and moment at each contact in the
+    axes x3 (radial), y3 (along the track), z3 (binormal) of the ball's section ``(N, 4, 6)`` [N, N m].
     """
     turn = contacts.frames
     force = np.einsum("nsi,nij->nsj", wrench[..., :3], turn)
@@ -180,16 +183,16 @@ COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 
 
 def friction_displaces_balls(scene: Scene, friction: Friction) -> bool:
-    """Return whether friction displaces the balls of a scene in their grooves.
+    """Return whether friction is to displace the balls of a scene in their grooves and so change the contact loads.
 
-    It does if ``friction`` requests this feedback, one of its coefficients is above zero, and the track of ``scene`` has a
-    lead.
+    It is if ``friction`` requests this feedback, one of its coefficients is above zero, and the track of ``scene`` has
+    a lead.
     """
     return friction.feedback and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
 
 
 def compiling_saves_time(scene: Scene, friction: Friction) -> bool:
-    """Return whether a scene has so many balls that it saves time to compile the functions of contact friction first.
+    """Return whether a scene has so many balls that compiling the functions of contact friction first saves time.
 
     The result does not depend on whether compiled functions are on disk already (`lowfi.jit.is_machine_code_cached`).
 

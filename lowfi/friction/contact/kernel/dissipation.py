@@ -40,7 +40,10 @@ def _carlson_series(x: float, y: float, mean: float) -> float:
 
 @kernel
 def _carlson_series_derivative(x: float, y: float, dx: float, dy: float) -> float:
-    """Return the derivative of the polynomial in `_carlson_series` in the direction (dx, dy) of the deviations x, y."""
+    """Return the derivative of the polynomial in `_carlson_series` along the direction (dx, dy).
+
+    x, y: relative deviations at which it is taken, as in `_carlson_series`.
+    """
     z, dz = -(x + y) / 3.0, -(dx + dy) / 3.0
     xy, zz = x * y, z * z
     dxy, dzz = dx * y + x * dy, 2.0 * z * dz
@@ -129,10 +132,10 @@ def confocal_coordinate(x: float, y: float, h: float, b2: float) -> float:
 
 @kernel
 def mean_distance_near_ellipse(x: float, y: float, h: float, b2: float, low: float) -> Potential:
-    """Return the mean distance psi and its derivatives by Carlson's integrals, for confocal coordinates ``low`` <= 1.
+    """Return the mean distance psi of a point from the Hertz pressure, with its derivatives, by Carlson's integrals.
 
-    x, y, h: point in units of the semi-axis a, with the height h above the ellipse; b2: square of the ratio of the
-    semi-axes; low: see `confocal_coordinate`. psi: mean distance of the point from the pressure distribution.
+    It is for points with a confocal coordinate ``low`` <= 1 (`confocal_coordinate`). x, y, h: coordinates of the point
+    in units of the semi-axis a, with the height h above the ellipse; b2: square of the ratio of the semi-axes.
     """
     # moments i_... of the ellipsoid's potential from R_D; edge: the integrals' lower end
     cy, cx = low + b2, low + 1.0
@@ -171,11 +174,10 @@ def mean_distance_near_ellipse(x: float, y: float, h: float, b2: float, low: flo
 
 @kernel
 def mean_distance_far_from_ellipse(x: float, y: float, h: float, b2: float, low: float) -> Potential:
-    """Return the mean distance psi and its derivatives by Gauss sums, for confocal coordinates ``low`` >= 1.
+    """Return the mean distance psi of a point from the Hertz pressure, with its derivatives, by Gauss sums.
 
-    The arguments are those of `mean_distance_near_ellipse`. The variable is u = sqrt(low/s). N and H r are summed without
-    cancellation: integration by parts of s U^2/S gives N = (3/16) int (s/S) U (e U - 4 f) ds with e = 1/(1 + s) + b^2/(b^2
-    + s) and f = x^2/(1 + s)^2 + b^2 y^2/(b^2 + s)^2, and H r = -grad N.
+    It is for points with a confocal coordinate ``low`` >= 1 (`confocal_coordinate`). The other arguments are those of
+    `mean_distance_near_ellipse`.
     """
     rho = sqrt(low)
     x, y, h = x / rho, y / rho, h / rho
@@ -219,13 +221,13 @@ def mean_distance_far_from_ellipse(x: float, y: float, h: float, b2: float, low:
 
 @kernel
 def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: float) -> DissipationTerms:
-    """Return the dissipated power over mu F of one contact, D = int p sqrt(|v|^2 + speed^2) dA/F, and its derivatives.
+    """Return D, the power dissipated in one contact divided by its friction bound mu F, and the derivatives of D.
 
-    The local sliding velocity is v = (vx + spin z, vz - spin x), p the Hertz pressure of the contact force F, mu the
-    coefficient of friction. a >= b > 0: semi-axes along x and z [m]; vx, vz, and the regularising speed >= 0 [m/s]; spin
-    [rad/s]. The friction force is -mu F dD/dv, and the loss is mu F (D - speed dD/dspeed) (Lin 3.14-3.18 at speed = 0). D
-    is convex and homogeneous of degree one in (vx, vz, spin, speed). It is smooth except at rest, where the derivatives are
-    returned as zero.
+    D is int p sqrt(|v|^2 + speed^2) dA/F. The local sliding velocity is v = (vx + spin z, vz - spin x), p the Hertz
+    pressure of the contact force F, mu the coefficient of friction. a >= b > 0: semi-axes along x and z [m]; vx, vz:
+    sliding velocity at the centre [m/s]; spin [rad/s]; speed: regularising speed >= 0 [m/s]. The friction force is -mu
+    F dD/dv, and the loss is mu F (D - speed dD/dspeed) (Lin 3.14-3.18 at speed = 0). D is convex and homogeneous of
+    degree one in (vx, vz, spin, speed). It is smooth except at rest, where the derivatives are returned as zero.
     """
     turn = spin * a
     slide = sqrt(vx * vx + vz * vz + speed * speed)
@@ -258,10 +260,10 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
 
 @kernel
 def dissipation_of_contacts(a: Array, b: Array, motion: Array, speed: float, out: Array) -> None:
-    """Write the dissipated power of n contacts over mu F, and its derivatives, to out (n, 11).
+    """Write the dissipated power divided by mu F, and its derivatives, of n contacts to out (n, 11).
 
-    a, b (n,): semi-axes [m]; motion (n, 3): sliding vx, vz [m/s] and spin [rad/s]; speed: regularising speed [m/s]. The
-    eleven values are the fields of `DissipationTerms`.
+    The eleven values of a row are the fields of `DissipationTerms`. a, b (n,): semi-axes [m]; motion (n, 3): sliding
+    vx, vz [m/s] and spin [rad/s]; speed: regularising speed [m/s].
     """
     for i in range(a.shape[0]):
         out[i] = dissipation(a[i], b[i], motion[i, 0], motion[i, 1], motion[i, 2], speed)

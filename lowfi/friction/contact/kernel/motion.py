@@ -25,13 +25,13 @@ from .dissipation import dissipation
 def evaluate_dissipation(
     shape: Array, maps: Array, drives: Array, push: Array, speed: float, q: Array, grad: Array, hess: Array
 ) -> tuple[float, float]:
-    """Return the dissipation less the power of other forces [W] in a motion, and its excess over the friction loss [W].
+    """Return friction power less power of other forces [W] for a motion q, then the excess by regularisation [W].
 
-    The excess, by regularisation, is sum_i strength_i speed dD_i/dspeed. q (n,): motion of the body; grad (n,), hess (n,
-    n): gradient by q and lower triangle of the Hessian, which are written. shape (m, 3): semi-axes a, b [m] and friction
-    bound mu F [N] of m contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts per unit of each of n
-    unknowns; drives (m, 3): their motion at q = 0; push (n,): generalised forces other than friction; speed: regularising
-    speed [m/s].
+    The excess over the friction loss is sum_i strength_i speed dD_i/dspeed. q (n,): motion of the body; grad (n,), hess
+    (n, n): gradient by q and lower triangle of the Hessian, which are written. shape (m, 3): semi-axes a, b [m] and
+    friction bound mu F [N] of m contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts per unit of
+    each of n unknowns; drives (m, 3): motion of the contacts at q = 0, which the drive imposes; push (n,): generalised
+    forces other than friction; speed: regularising speed [m/s].
     """
     n = q.shape[0]
     value, excess = 0.0, 0.0
@@ -63,10 +63,10 @@ def evaluate_dissipation(
 
 @kernel
 def write_motion_newton_step(hess: Array, grad: Array, units: Array, step: Array) -> None:
-    """Write Newton's step to ``step`` (n,), by Cholesky factors of the Hessian with pivots bounded below.
+    """Write Newton's step of the unknown motion to ``step`` (n,), by a Cholesky factorisation with pivots bounded below.
 
-    hess (n, n): Hessian, of which the lower triangle is overwritten by its factors; grad (n,): gradient; units (n,):
-    surface speed per unit of each unknown (`surface_speed_per_unknown`).
+    hess (n, n): Hessian of the dissipation, of which the lower triangle is overwritten by its factors; grad (n,):
+    gradient; units (n,): surface speed per unit of each unknown (`surface_speed_per_unknown`).
     """
     n = grad.shape[0]
     top = 0.0
@@ -95,11 +95,11 @@ def write_motion_newton_step(hess: Array, grad: Array, units: Array, step: Array
 
 @kernel
 def surface_speed_per_unknown(shape: Array, maps: Array) -> Array:
-    """Return the surface speed of the loaded contacts per unit of each unknown (n,); 1 for one that moves none of them.
+    """Return the surface speed of the loaded contacts per unit of each of n unknown velocities of a body ``(n,)``.
 
-    It is the root of the sum of squares of vx, vz and a times spin over the contacts, with the larger semi-axis a. shape
-    (m, 3): semi-axes a, b [m] and friction bound [N] of m contacts; maps (m, 3, n): motion vx, vz, spin of the contacts per
-    unit of each unknown.
+    It is the root of the sum of squares of vx, vz and a times spin over the contacts, with the larger semi-axis a; 1
+    for an unknown that moves no loaded contact. shape (m, 3): semi-axes a, b [m] and friction bound [N] of m contacts;
+    maps (m, 3, n): motion vx, vz, spin of the contacts per unit of each unknown.
     """
     n = maps.shape[2]
     units = np.empty(n)
@@ -115,9 +115,10 @@ def surface_speed_per_unknown(shape: Array, maps: Array) -> Array:
 
 @kernel
 def largest_imbalance(grad: Array, units: Array) -> float:
-    """Return the largest unbalanced force [N]: the gradient of the dissipation, grad (n,), over units (n,).
+    """Return the largest unbalanced force on a body [N], from the gradient ``grad`` of its dissipation.
 
-    units: surface speed per unit of each unknown (`surface_speed_per_unknown`).
+    grad (n,): gradient of the dissipation by the n unknown velocities, of which each entry is divided by that of units
+    (n,): surface speed per unit of each unknown (`surface_speed_per_unknown`).
     """
     worst = 0.0
     for j in range(grad.shape[0]):
@@ -137,13 +138,14 @@ def minimise_dissipation(
     limit: int,
     reach: float,
 ) -> tuple[float, float, float, int]:
-    """Minimise the dissipation by Newton's method at one regularising speed, from the motion q (n,), which is overwritten.
+    """Find the motion q of a body with least dissipation at one regularising speed of friction, by Newton's method.
 
-    shape, maps, drives, push, speed: contacts, kinematics, other forces and regularising speed, arguments of
-    `evaluate_dissipation`. The iteration ends if the largest unbalanced force is below ``tolerance`` times the sum of the
-    friction bounds, after ``limit`` steps, or at a surface speed above ``reach`` [m/s], where the other forces exceed
-    friction. Returns the dissipation less the power of other forces [W], its excess over the friction loss [W], the largest
-    unbalanced force [N] and the number of steps.
+    q (n,): motion from which the search begins, overwritten by the result. shape, maps, drives, push, speed: contacts,
+    kinematics, other forces and regularising speed, arguments of `evaluate_dissipation`. The iteration ends if the
+    largest unbalanced force is below ``tolerance`` times the sum of the friction bounds, after ``limit`` steps, or at a
+    surface speed above ``reach`` [m/s], where the other forces exceed friction. Returns the friction power less the
+    power of other forces [W], its excess over the friction loss [W], the largest unbalanced force [N] and the number of
+    steps.
     """
     n = q.shape[0]
     grad, step, trial, next_grad = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
@@ -182,11 +184,12 @@ def minimise_dissipation(
 
 @kernel
 def motion_nearest_to_rolling(shape: Array, maps: Array, drives: Array) -> Array:
-    """Return the motion q (n,) nearest to pure rolling: least sum of squared surface speeds, weighted by friction bounds.
+    """Return the motion q (n,) of a body that is nearest to pure rolling in its m contacts.
 
-    It is the solution of a linear system, and unique except for motions without surface speed. shape (m, 3): semi-axes a, b
-    [m] and friction bound [N] of m contacts; maps (m, 3, n): motion vx, vz, spin of the contacts per unit of each unknown;
-    drives (m, 3): their motion at q = 0.
+    The sum of squared surface speeds of the contacts, weighted by their friction bounds, is least. It is the solution
+    of a linear system, and unique except for motions without surface speed. shape (m, 3): semi-axes a, b [m] and
+    friction bound mu F [N] of m contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts per unit of
+    each of n unknowns; drives (m, 3): motion of the contacts at q = 0, which the drive imposes.
     """
     n = maps.shape[2]
     grad, hess, q = np.zeros(n), np.zeros((n, n)), np.empty(n)
@@ -203,10 +206,10 @@ def motion_nearest_to_rolling(shape: Array, maps: Array, drives: Array) -> Array
 
 @kernel
 def largest_imposed_speed(shape: Array, drives: Array) -> float:
-    """Return the largest surface speed [m/s] that the drive imposes on a loaded contact.
+    """Return the largest surface speed [m/s] that the drive imposes on a loaded contact of a body at rest.
 
-    shape (m, 3): semi-axes a, b [m] and friction bound [N] of m contacts; drives (m, 3): motion vx, vz [m/s], spin [rad/s]
-    that the drive imposes on them.
+    shape (m, 3): semi-axes a, b [m] and friction bound [N] of m contacts; drives (m, 3): motion vx, vz [m/s], spin
+    [rad/s] that the drive imposes on them.
     """
     top = 0.0
     for i in range(shape.shape[0]):
@@ -218,10 +221,11 @@ def largest_imposed_speed(shape: Array, drives: Array) -> float:
 
 @kernel
 def contact_speeds(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[Array, Array]:
-    """Return the motions vx, vz, spin of the contacts (m, 3) at the motion q (n,), and their surface speeds (m,) [m/s].
+    """Return the sliding and spin of m contacts (m, 3) at the body's motion q (n,), then their surface speeds (m,) [m/s].
 
-    shape (m, 3): semi-axes a, b [m] and friction bound [N] of m contacts; maps (m, 3, n): motion vx, vz, spin of the
-    contacts by unit of each unknown; drives (m, 3): their motion at q = 0.
+    A surface speed is the root of vx^2 + vz^2 + (a spin)^2. shape (m, 3): semi-axes a, b [m] and friction bound mu F
+    [N] of m contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts per unit of each of n unknowns;
+    drives (m, 3): motion of the contacts at q = 0, which the drive imposes.
     """
     m, n = shape.shape[0], q.shape[0]
     motion, size = drives.copy(), np.empty(m)
@@ -244,10 +248,10 @@ ROLLING, GIVEN, NEAR = 0, 1, 2
 
 @kernel
 def write_friction_gradients(shape: Array, motion: Array, speed: float, forces: Array) -> None:
-    """Write the gradient of each contact's dissipation by (vx, vz, spin) to forces (m, 3): friction with opposite sign.
+    """Write the negative friction force and moment of each of m contacts to forces (m, 3): the gradient of the dissipation.
 
-    shape (m, 3): semi-axes a, b [m] and friction bound [N]; motion (m, 3): vx, vz [m/s] and spin [rad/s] of the contacts;
-    speed: regularising speed [m/s]; forces: components along x, z [N] and moment about y [N m].
+    shape (m, 3): semi-axes a, b [m] and friction bound [N]; motion (m, 3): vx, vz [m/s] and spin [rad/s] of the
+    contacts; speed: regularising speed [m/s]; forces: components along x, z [N] and moment about the normal y [N m].
     """
     for i in range(shape.shape[0]):
         f = shape[i, 2]
@@ -257,11 +261,11 @@ def write_friction_gradients(shape: Array, motion: Array, speed: float, forces: 
 
 @kernel
 def contact_can_stick(shape: Array, force: Array) -> bool:
-    """Return whether one contact can carry a force without sliding.
+    """Return whether friction in one contact can transmit a given force and moment without sliding.
 
-    shape (1, 3): semi-axes [m] and friction bound [N]; force (3,): components along x, z [N] and moment about the normal [N
-    m]. The contact can stick if the dissipation D(v) less force . v, regularised with a speed of 1 m/s, has a minimum: the
-    force is then a gradient of D and lies inside the limit surface of friction.
+    shape (1, 3): semi-axes [m] and friction bound [N]; force (3,): components along x, z [N] and moment about the
+    normal [N m]. The contact can stick if the dissipation D(v) less force . v, regularised with a speed of 1 m/s, has a
+    minimum: the force is then a gradient of D and lies inside the limit surface of friction.
     """
     maps, q = np.eye(3).reshape(1, 3, 3), np.zeros(3)
     _, _, left, _ = minimise_dissipation(shape, maps, np.zeros((1, 3)), force, 1.0, q, 1e-9, int(np.int64(100)), 1e9)
@@ -272,11 +276,12 @@ def contact_can_stick(shape: Array, force: Array) -> bool:
 def minimise_over_free_motions(
     slipping: Array, maps: Array, drives: Array, push: Array, basis: Array, q: Array, reach: float
 ) -> int:
-    """Minimise the dissipation, without regularisation, over q plus any linear combination of the rows of ``basis``.
+    """Minimise the dissipation over those motions of a body at which its sticking contacts remain at rest.
 
-    slipping (m, 3): semi-axes [m] and friction bounds [N] of the contacts, the bounds of contacts at rest being zero; maps,
-    drives, push: as in `evaluate_dissipation`; basis (f, n): the f motions of the body at which these contacts remain at
-    rest; reach: surface speed [m/s] at which the search is given up. Overwrites q (n,) and returns the number of steps.
+    The motion q (n,) is overwritten by q plus the best linear combination of the rows of basis (f, n), the f motions at
+    which these contacts remain at rest. Friction is not regularised. slipping (m, 3): semi-axes [m] and friction bounds
+    [N] of the contacts, the bounds of sticking contacts being zero; maps, drives, push: as in `evaluate_dissipation`;
+    reach: surface speed [m/s] at which the search is given up. Returns the number of Newton steps.
     """
     reduced = np.empty((maps.shape[0], 3, basis.shape[0]))
     for i in range(maps.shape[0]):
@@ -299,12 +304,13 @@ def write_sticking_reactions(
     q: Array,
     forces: Array,
 ) -> float:
-    """Write to forces (m, 3) [N, N m] friction gradients and the reactions of sticking contacts that balance the body.
+    """Write the reactions of sticking contacts that balance the body, and the friction of the others, to forces (m, 3).
 
-    slipping (m, 3): semi-axes and friction bounds of the contacts, the bounds of sticking ones being zero; maps, drives,
-    push, q: as in `evaluate_dissipation`; resting (k,): numbers of the sticking contacts, whose previous reactions are read
-    from ``forces``; units: see `surface_speed_per_unknown`; inverse (n, 3k): see `kinematic_inverse_and_null_space`.
-    Returns the largest unbalanced force that remains [N].
+    All entries have the opposite sign of the friction on the body [N, N m]. slipping (m, 3): semi-axes and friction
+    bounds of the contacts, the bounds of sticking ones being zero; maps, drives, push, q: as in `evaluate_dissipation`;
+    resting (k,): numbers of the sticking contacts, whose previous reactions are read from ``forces``; units: see
+    `surface_speed_per_unknown`; inverse (n, 3k): see `kinematic_inverse_and_null_space`. Returns the largest unbalanced
+    force that remains [N].
     """
     n = maps.shape[2]
     out, hess, held = np.zeros(n), np.zeros((n, n)), forces[resting]
@@ -324,11 +330,11 @@ def write_sticking_reactions(
 
 @kernel
 def kinematic_inverse_and_null_space(rows: Array, units: Array) -> tuple[Array, Array]:
-    """Return the pseudo-inverse (n, 3k) of the kinematic equations of k sticking contacts, and their null space (f, n).
+    """Return the pseudo-inverse (n, 3k) and the null space (f, n) of the conditions that k contacts of a body stick.
 
-    rows (3k, n): surface speeds of these contacts per unit of each of the n unknowns, divided by its entry of ``units``
-    (`surface_speed_per_unknown`). The rows of the null space are the f motions of the body, in its unknowns, at which these
-    contacts remain at rest.
+    rows (3k, n): surface speeds of these contacts per unit of each of the n unknown velocities, divided by its entry of
+    ``units`` (`surface_speed_per_unknown`). The rows of the null space are the f motions of the body, in its unknowns,
+    at which these contacts remain at rest.
     """
     n = rows.shape[1]
     left, size, right = np.linalg.svd(rows, True)
@@ -343,12 +349,12 @@ def kinematic_inverse_and_null_space(rows: Array, units: Array) -> tuple[Array, 
 def set_slow_contacts_to_rest(
     shape: Array, maps: Array, drives: Array, push: Array, q: Array, forces: Array, rest: Array, still: float
 ) -> tuple[bool, float, int]:
-    """Set contacts slower than ``still`` [m/s] to rest and minimise the dissipation of the others.
+    """Let contacts slower than ``still`` [m/s] stick, and minimise the dissipation of the others.
 
     shape, maps, drives, push: as in `evaluate_dissipation`. Overwrites the motion q (n,), the negative friction and
-    reactions forces (m, 3) [N, N m], and rest (m,), which becomes 1 for contacts at rest and 0 for others. Returns whether
-    the result is the least dissipation (rest is kinematically possible, and every reaction lies inside its limit surface),
-    the largest unbalanced force [N], and the number of steps.
+    reactions forces (m, 3) [N, N m], and rest (m,), which becomes 1 for sticking contacts and 0 for others. Returns
+    whether the result is the least dissipation (sticking is kinematically possible, and every reaction lies inside its
+    limit surface), the largest unbalanced force [N], and the number of steps.
     """
     n, units, count = maps.shape[2], surface_speed_per_unknown(shape, maps), 0
     (motion, size), slipping = contact_speeds(shape, maps, drives, q), shape.copy()
@@ -381,13 +387,13 @@ def least_dissipation(
     """Compute the motion of least dissipation of one body on m contacts with given normal loads.
 
     Written are the motion q (n,), the negative friction and reactions forces (m, 3) [N, N m], rest (m,), which is 1 for
-    contacts at rest and 0 for others, and bounds (2,): lower and upper bound [W] of the least dissipation less the power of
-    ``push``, by joint convexity in motion and speed. shape, maps, drives, push: contacts, kinematics and other forces, see
-    `evaluate_dissipation`. The regularising speed decreases from 0.1 to 1e-6 times the drive's speed (to 1e-10 if a contact
-    is on the verge of slip); each minimum is the start of the next. Then contacts that stand still are set to rest. start:
-    ``ROLLING``, ``GIVEN`` (start from q), or ``NEAR`` (start from q with the speed 1e-6 at once, and from ``ROLLING`` if
-    this fails). Returns the status (``EXACT``, ``REGULARISED``, ``AT_REST``), the largest unbalanced force [N], and the
-    number of steps.
+    sticking contacts and 0 for others, and bounds (2,): lower and upper bound [W] of the least dissipation less the
+    power of ``push``, by joint convexity in motion and speed. shape, maps, drives, push: contacts, kinematics and other
+    forces, see `evaluate_dissipation`. The regularising speed decreases from 0.1 to 1e-6 times the drive's speed (to
+    1e-10 if a contact is on the verge of slip); each minimum is the start of the next. Then contacts that stand still
+    are set to rest. start: ``ROLLING``, ``GIVEN`` (start from q), or ``NEAR`` (start from q with the speed 1e-6 at
+    once, and from ``ROLLING`` if this fails). Returns the status (``EXACT``, ``REGULARISED``, ``AT_REST``), the largest
+    unbalanced force [N], and the number of steps.
     """
     top = largest_imposed_speed(shape, drives)
     if top == 0.0 and np.sum(np.abs(push)) == 0.0:
@@ -441,10 +447,10 @@ def least_dissipation(
 def least_dissipation_of_bodies(
     shape: Array, maps: Array, drives: Array, q: Array, forces: Array, rest: Array, outcome: Array
 ) -> None:
-    """Compute the motions of least dissipation of N independent bodies without forces other than friction.
+    """Compute the motions of least dissipation of N independent bodies (balls) on which no forces other than friction act.
 
-    shape (N, m, 3), maps (N, m, 3, n), drives (N, m, 3) have the arguments of `least_dissipation` for each body; q (N, n):
-    motions in a similar state to begin from, nan if none is known. Writes q, forces (N, m, 3) and rest (N, m) as
+    shape (N, m, 3), maps (N, m, 3, n), drives (N, m, 3) have the arguments of `least_dissipation` for each body; q (N,
+    n): motions in a similar state to begin from, nan if none is known. Writes q, forces (N, m, 3) and rest (N, m) as
     `least_dissipation`, and outcome (N, 2): its status and the largest unbalanced force [N].
     """
     none, bounds = np.zeros(q.shape[1]), np.empty(2)

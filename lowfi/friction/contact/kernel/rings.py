@@ -21,12 +21,12 @@ LONGEST_STEP = 0.3
 def hertz_contact(
     start_x: float, start_z: float, move_x: float, move_z: float, interference: float, C: float
 ) -> tuple[float, float, float, float, float]:
-    """Return the contact force of ball and groove after a displacement of the ball relative to the groove.
+    """Return the contact force and the contact normal of a ball and a groove after a relative displacement of the ball.
 
-    start_x, start_z: vector from the groove's centre of curvature to the ball's centre before the displacement [m]; move_x,
-    move_z: displacement [m]; interference: that before the displacement [m]; C: Hertz constant of the approach C F^(2/3)
-    [m/N^(2/3)]. Returns the force [N], the unit vector (x, z) from the ball's centre to the contact, the approach over C,
-    and the distance of the centres of groove and ball [m].
+    start_x, start_z: vector from the groove's centre of curvature to the ball's centre before the displacement [m];
+    move_x, move_z: displacement [m]; interference: interference of ball and groove before it [m]; C: Hertz constant of
+    the approach C F^(2/3) [m/N^(2/3)]. Returns the force [N], the unit vector (x, z) from the ball's centre to the
+    contact, the approach divided by C [N^(2/3)], and the distance of the centres of groove and ball [m].
     """
     x, z = start_x + move_x, start_z + move_z
     size = sqrt(x * x + z * z)
@@ -38,12 +38,12 @@ def hertz_contact(
 
 @kernel
 def contact_energy(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
-    """Return the elastic energy [J] of N balls and an inner body in given positions; write its derivatives to ``state``.
+    """Return the elastic contact energy [J] of N balls at given displacements; write its derivatives to ``state``.
 
-    p (N, 2): displacements of the balls; u (m,): displacements of the inner body in the m motions in which it is free [m].
-    The energy is sum (2/5) C^(-3/2) <approach>^(5/2), with <approach> the approach where positive. Contact forces, normals,
-    stiffness and gradient are written to ``state``; the gradient is that of the energy less the work push . p + pull . u of
-    the applied forces, a convex function.
+    cell: geometry, stiffness and applied forces; p (N, 2): displacements of the balls; u (m,): displacements of the
+    inner body in the m motions in which it is free [m]. The energy is sum (2/5) C^(-3/2) <approach>^(5/2), with
+    <approach> the approach where positive. Contact forces, normals, stiffness and gradient are written to ``state``.
+    The gradient is that of the energy less the work push . p + pull . u of the applied forces, a convex function.
     """
     start, interference, C, section, offset, push, pull, _ = cell
     ball, inner, stiff, force, normal = state
@@ -77,10 +77,11 @@ def contact_energy(cell: CellArrays, p: Array, u: Array, state: CellState) -> fl
 
 @kernel
 def write_position_newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du: Array) -> None:
-    """Write Newton's step of the balls to dp (N, 2) and of the inner body to du (m,) [m], by eliminating the balls.
+    """Write Newton's step of the ball positions to dp (N, 2) and of the inner body to du (m,) [m].
 
-    state: gradient and stiffness that `contact_energy` has written; floor: stiffness that is added on the diagonal [N/m],
-    so that balls without contact have a finite step.
+    The balls are eliminated first. cell: geometry of balls and inner body; state: gradient and stiffness that
+    `contact_energy` has written; floor: stiffness that is added on the diagonal [N/m], so that balls without contact
+    have a finite step.
     """
     section, ball, inner, stiff = cell.section, state.ball, state.inner, state.stiffness
     n, m = ball.shape[0], inner.shape[0]
@@ -122,14 +123,14 @@ def write_position_newton_step(cell: CellArrays, state: CellState, floor: float,
 
 @kernel
 def copy_state(source: CellState, to: CellState) -> None:
-    """Copy all arrays of the state ``source`` to the state ``to``."""
+    """Copy all arrays of contact forces and derivatives from the state ``source`` to the state ``to``."""
     to.ball[:], to.inner[:], to.stiffness[:] = source.ball, source.inner, source.stiffness
     to.force[:], to.normal[:] = source.force, source.normal
 
 
 @kernel
 def largest_entry(balls: Array, inner: Array) -> float:
-    """Return the largest absolute value in the arrays ``balls`` (N, 2) and ``inner`` (m,)."""
+    """Return the largest absolute value in ``balls`` (N, 2) and ``inner`` (m,), such as the largest unbalanced force."""
     size = 0.0
     for k in range(balls.shape[0]):
         size = max(size, abs(balls[k, 0]), abs(balls[k, 1]))
@@ -140,11 +141,12 @@ def largest_entry(balls: Array, inner: Array) -> float:
 
 @kernel
 def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: CellState, goal: float, limit: int) -> int:
-    """Minimise the elastic energy from positions p of the balls and u of the inner body; return the number of Newton steps.
+    """Find the displacements of balls and inner body at the minimum of elastic energy; return the number of Newton steps.
 
-    p (N, 2) and u (m,): displacements [m]; they and ``state`` are overwritten by the result. load: sum of the magnitudes of
-    the applied forces [N]. The iteration ends when the largest unbalanced force is below ``goal`` times the sum of all
-    forces, after ``limit`` steps, or when round-off prevents a further decrease of energy and imbalance.
+    cell: geometry, stiffness and applied forces; p (N, 2): displacements of the balls, u (m,): displacements of the
+    inner body [m] from which the search begins; p, u and ``state`` are overwritten by the result. load: sum of the
+    magnitudes of the applied forces [N]. The iteration ends when the largest unbalanced force is below ``goal`` times
+    the sum of all forces, after ``limit`` steps, or when round-off prevents a further decrease of energy and imbalance.
     """
     reach = cell.reach
     dp, du = np.zeros_like(p), np.zeros_like(u)
@@ -193,14 +195,15 @@ def minimise_each(
     goal: float,
     limit: int,
 ) -> None:
-    """Minimise the energy of N independent balls, each with an inner body that only moves in the direction along (2,).
+    """Minimise the elastic energy of N independent balls, each with its own inner body that moves in one direction only.
 
-    start (N, 4, 2): vectors from the grooves' centres of curvature to the ball's centre along x, z [m]; interference (N,
-    4): interference of ball and groove [m], both before any displacement; C (N, 4): Hertz constants [m/N^(2/3)]; given (N,
-    3): applied forces on the ball along x, z and on the inner body [N]; goal: largest unbalanced force over the sum of all
-    forces; limit: largest number of Newton steps. x (N, 3): displacements of ball and inner body [m] from which the search
-    begins, overwritten by the result. Writes contact forces to force (N, 4) [N], contact normals to normal (N, 4, 2), and
-    the largest unbalanced force to left (N,) [N].
+    start (N, 4, 2): vectors from the grooves' centres of curvature to the ball's centre along x, z [m]; interference
+    (N, 4): interference of ball and groove [m], both before any displacement; C (N, 4): Hertz constants [m/N^(2/3)];
+    along (2,): direction in which the inner bodies move; given (N, 3): applied forces on the ball along x, z and on the
+    inner body [N]; goal: largest unbalanced force over the sum of all forces; limit: largest number of Newton steps. x
+    (N, 3): displacements of ball and inner body [m] from which the search begins, overwritten by the result. Writes
+    contact forces to force (N, 4) [N], contact normals to normal (N, 4, 2), and the largest unbalanced force to left
+    (N,) [N].
     """
     section, offset, stiff = along.copy().reshape(1, 2, 1), np.zeros((1, 2)), np.zeros((1, 4, 3))
     for k in range(x.shape[0]):
@@ -215,12 +218,12 @@ def minimise_each(
 
 @kernel
 def solve_with_pivots(K: Array, x: Array, half: int) -> float:
-    """Solve a banded linear system by Gaussian elimination with row exchange; return the sign of its determinant.
+    """Solve a banded linear system by Gaussian elimination with row exchange; return the sign of the matrix's determinant.
 
-    Entry (i, j) of the matrix is K[i, half + j - i]; K (n, 3 half + 1) has room for entries that row exchange adds. The
-    right-hand sides x (n, c) are overwritten by the solutions, K by its factors. For a singular K the solutions are huge.
-    Row exchange is needed because friction between balls makes the matrix unsymmetric and, beyond a fold of the solution,
-    indefinite.
+    Entry (i, j) of the matrix is K[i, half + j - i], with the half bandwidth ``half``; K (n, 3 half + 1) has room for
+    entries that row exchange adds. The right-hand sides x (n, c) are overwritten by the solutions, K by its factors.
+    For a singular K the solutions are huge. Row exchange is needed because friction between balls makes the matrix
+    unsymmetric and, beyond a fold of the solution, indefinite.
     """
     n, sign = x.shape[0], 1.0
     for c in range(n):

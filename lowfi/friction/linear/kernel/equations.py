@@ -4,8 +4,8 @@ Velocities are in units of the carriage's speed, forces in units of the largest 
 ball: axial velocity and ball radius times the two spin components across the track, x = (v, R omega_x, R omega_y), and
 last z of the contact with the next ball: its force where z is positive, and minus the rate of its gap where it is
 negative. F = max(z, 0), rate = max(-z, 0) are complementary by construction. In the smoothed equations F rate = ``smooth``
-instead of zero. In the exact equations the rate is in units of the creeping speed eps, by which sticking contacts yield to
-a force, so that Newton's method passes z = 0 with ease. Newton's method solves the equations.
+instead of zero. In the exact equations the rate is in units of the regularising speed eps, with which sticking contacts
+yield to a force, so that Newton's method passes z = 0 with ease. Newton's method solves the equations.
 
 Arrays of the whole chain: g (4 N,) is the residual, K (4 N, 11) its Jacobian as a band, of N balls with four unknowns each.
 """
@@ -34,7 +34,7 @@ FILLED = 16
 
 @kernel
 def solve_two_banded_systems(K: Array, A: Array, x: Array, y: Array) -> float:
-    """Solve two linear systems with one banded matrix; return the sign of its determinant.
+    """Solve two linear systems with one banded matrix; return the sign of the matrix's determinant.
 
     K (n, 11): the matrix; A (n, 16): work array, which becomes its factors; x, y (n,): right-hand sides, which are
     overwritten by the solutions.
@@ -49,12 +49,12 @@ def solve_two_banded_systems(K: Array, A: Array, x: Array, y: Array) -> float:
 
 @kernel
 def slide_and_spin_friction(s: float, w: float, shape: Array) -> tuple[float, float, float, float, float]:
-    """Return the friction of one elliptical contact in motion, over its friction bound, and its derivatives.
+    """Return force and moment of friction of one sliding and spinning elliptical contact, with their derivatives.
 
-    s: sliding speed along the minor axis; w: semi-axis a times spin (s and w must not both be zero); shape (4,): constants
-    (b/a, q0, k1, k3), see `contact_friction_constants`. Returns the force f and the moment m over a, which are the
-    derivatives of the dissipation s f + w m by s and by w, and then the second derivatives of the dissipation by s s, s w
-    and w w.
+    s: sliding speed along the minor axis; w: semi-axis a times spin (s and w must not both be zero); shape (4,):
+    constants (b/a, q0, k1, k3), see `contact_friction_constants`. All results are divided by the friction bound: the
+    force f and the moment m over a, which are the derivatives of the dissipation s f + w m by s and by w, and then the
+    second derivatives of the dissipation by s s, s w and w w.
     """
     ratio, q0, k1, k3 = shape
     if abs(s) >= abs(w):  # the centre of rotation lies outside the ellipse
@@ -68,12 +68,13 @@ def slide_and_spin_friction(s: float, w: float, shape: Array) -> tuple[float, fl
 
 @kernel
 def regularised_friction(s: float, w: float, shape: Array, eps: float) -> tuple[float, float, float, float, float]:
-    """Return the regularised friction of one elliptical contact, over its friction bound, and its derivatives.
+    """Return force and moment of regularised friction of one elliptical contact, with their derivatives.
 
-    s: sliding speed; w: semi-axis a times spin; shape (4,): constants (b/a, q0, k1, k3), see `contact_friction_constants`;
-    eps: creeping speed. Returns the force and the moment over a, which are the derivatives by s and by w of the convex
-    function sqrt(phi^2 + eps^2) - eps with Coulomb's dissipation phi(s, w), and then its second derivatives by s s, s w and
-    w w. The friction is phi/sqrt(phi^2 + eps^2) times Coulomb's, so that contacts stick at creeping speeds below eps.
+    All results are divided by the friction bound. s: sliding speed; w: semi-axis a times spin; shape (4,): constants
+    (b/a, q0, k1, k3), see `contact_friction_constants`; eps: regularising speed. Returns the force and the moment over
+    a, which are the derivatives by s and by w of the convex function sqrt(phi^2 + eps^2) - eps with Coulomb's
+    dissipation phi(s, w), and then its second derivatives by s s, s w and w w. The friction is phi/sqrt(phi^2 + eps^2)
+    times Coulomb's, so that sticking contacts creep at speeds below eps.
     """
     if s == 0.0 and w == 0.0:
         return 0.0, 0.0, 1.0 / eps, 0.0, shape[1] * shape[1] / eps
@@ -104,7 +105,7 @@ def force_and_gap_rate(z: float, smooth: float) -> tuple[float, float, float]:
 def _add_groove_friction(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g: Array) -> None:
     """Add the friction at the grooves to the residual g (4 N,) of all equations and to its banded Jacobian K.
 
-    chain: contacts of the N balls; point: present motions; eps: creeping speed, below which contacts stick, over the
+    chain: contacts of the N balls; point: present motions; eps: regularising speed of friction, divided by the
     carriage's speed.
     """
     contacts, slip = chain.contacts, point.slip
@@ -130,9 +131,9 @@ def _add_groove_friction(chain: ChainArrays, point: ChainPoint, eps: float, K: A
 def _add_ball_friction(eps: float, bound: float, slope: float, k: int, pair: Array, K: Array, g: Array) -> None:
     """Add the friction between balls k and k + 1 to the residual g (4 N,) of all equations and to its banded Jacobian K.
 
-    pair (N - 1, 3): field of `ChainPoint`, whose last two columns are the sliding of balls k and k + 1 on each other; eps:
-    creeping speed over the carriage's speed; bound: coefficient of friction times force; slope: derivative of the bound by
-    the unknown z of the contact.
+    pair (N - 1, 3): field of `ChainPoint`, whose last two columns are the sliding of balls k and k + 1 on each other;
+    eps: regularising speed of friction, divided by the carriage's speed; bound: coefficient of friction times force;
+    slope: derivative of the bound by the unknown z of the contact.
     """
     i, tx, ty = 4 * k, pair[k, 1], pair[k, 2]
     eta = sqrt(tx * tx + ty * ty + eps * eps)
@@ -150,10 +151,10 @@ def _add_ball_friction(eps: float, bound: float, slope: float, k: int, pair: Arr
 
 @kernel
 def assemble_equations(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g: Array) -> None:
-    """Write the residual of all equations to g (4 N,) and its Jacobian to K (4 N, 11).
+    """Write the residual of all equations of a row of N balls to g (4 N,) and its Jacobian to K (4 N, 11).
 
-    The rows of a ball are its three forces out of balance and the equation of the gap to the next ball. chain: contacts of
-    the N balls; point: present unknowns; law: how far the equations are from Coulomb's law and exact complementarity.
+    The rows of a ball are its three unbalanced forces and the equation of the gap to the next ball. chain: contacts of
+    the balls; point: present unknowns; law: smoothing of friction and contact conditions.
     """
     pair, drift, z = point.pair, point.drift, point.z
     eps, share, smooth, spring = law
@@ -192,10 +193,10 @@ def assemble_equations(chain: ChainArrays, point: ChainPoint, law: Smoothing, K:
 
 @kernel
 def _add_contact_slips(contacts: Array, point: ChainPoint, x: Array) -> None:
-    """Add to ``slip`` and ``pair`` of the point the relative motions at all contacts that motions of the balls cause.
+    """Add the sliding at all contacts that motions x of the balls cause to ``slip`` and ``pair`` of the point.
 
-    contacts: field of `ChainArrays`; x (N, 3): the motions, velocity and ball radius times two spins over the carriage's
-    speed.
+    contacts: field of `ChainArrays`; x (N, 3): the motions, velocity and ball radius times two spins, divided by the
+    carriage's speed.
     """
     slip, pair, _, _ = point
     p, q, nx, ny = x[:, 1:2], x[:, 2:3], contacts[:, :, 0], contacts[:, :, 1]
@@ -207,7 +208,7 @@ def _add_contact_slips(contacts: Array, point: ChainPoint, x: Array) -> None:
 
 @kernel
 def write_contact_slips(chain: ChainArrays, point: ChainPoint) -> None:
-    """Write the relative motions at all contacts, ``slip`` and ``pair`` of the point, computed from the balls' motions.
+    """Compute the sliding at all contacts from the motions of the balls; write it to ``slip`` and ``pair`` of the point.
 
     chain: contacts and nominal motion of the N balls; point: its ``drift`` gives the motions.
     """
@@ -217,7 +218,7 @@ def write_contact_slips(chain: ChainArrays, point: ChainPoint) -> None:
 
 @kernel
 def apply_step(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> None:
-    """Add t times a step of all unknowns to the point, and update the relative motions that depend on them.
+    """Add t times a Newton step of all unknowns to the point, and update the sliding at the contacts.
 
     chain: contacts of the N balls; step (4 N,): three motions and the unknown z of each ball; t: factor of the step.
     """
@@ -230,10 +231,10 @@ def apply_step(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> 
 
 @kernel
 def reset_open_gaps(point: ChainPoint, eps: float) -> None:
-    """Set the unknown z of every open gap to minus its present opening rate over the creeping speed eps.
+    """Set the unknown z of every open gap to minus the gap's opening rate divided by the regularising speed eps.
 
-    The equations with exact complementarity need this unit; in the smoothed equations the rate is over the carriage's
-    speed.
+    The equations with exact complementarity need this unit; in the smoothed equations the rate is divided by the
+    carriage's speed.
     """
     for k in range(point.z.shape[0]):
         if point.z[k] <= 0.0:
@@ -242,7 +243,7 @@ def reset_open_gaps(point: ChainPoint, eps: float) -> None:
 
 @kernel
 def copy_point(point: ChainPoint) -> ChainPoint:
-    """Return a copy of the motions and forces in ``point``."""
+    """Return a copy of the motions and forces of the balls in ``point``."""
     return ChainPoint(point.slip.copy(), point.pair.copy(), point.drift.copy(), point.z.copy())
 
 
@@ -283,12 +284,13 @@ def _step_limit(step: Array) -> float:
 def semismooth_newton(
     chain: ChainArrays, point: ChainPoint, law: Smoothing, work: NewtonArrays, tolerance: float, limit: int, firmest: float
 ) -> tuple[int, float]:
-    """Solve the equations of a chain by a semismooth Newton method, with steps halved until the residual falls.
+    """Solve the equations of a row of balls by a semismooth Newton method, with steps halved until the residual falls.
 
-    Where the residual does not fall, velocities are damped by a stiffness of up to ``firmest``, because in motions without
-    resistance Newton's steps are only noise. ``point`` is the start and is overwritten by the solution; law: smoothing of
-    the equations. The search ends when the largest residual is at most ``tolerance``, or after ``limit`` steps. Returns the
-    number of steps and the largest residual; afterwards ``work`` contains the equations at the point.
+    Where the residual does not fall, velocities are damped by a stiffness of up to ``firmest``, because in motions
+    without resistance Newton's steps are only noise. ``point`` is the start and is overwritten by the solution; law:
+    smoothing of the equations. The search ends when the largest residual is at most ``tolerance``, or after ``limit``
+    steps. Returns the number of steps and the largest residual; afterwards ``work`` contains the equations at the
+    point.
     """
     K, factors, g, step, other = work
     assemble_equations(chain, point, law, K, g)
@@ -329,12 +331,12 @@ def semismooth_newton(
 def undamped_newton(
     chain: ChainArrays, point: ChainPoint, law: Smoothing, work: NewtonArrays, tolerance: float, limit: int
 ) -> tuple[int, float]:
-    """Solve the equations of a chain by undamped Newton steps.
+    """Solve the equations of a row of balls by undamped Newton steps.
 
     Damping by the residual would fail at kinks, where the residual rises before it falls. ``point`` is the start and is
     overwritten; law: smoothing of the equations; ``work``: work arrays. The search ends when the largest residual is at
-    most ``tolerance``, or after ``limit`` steps; if the residual is then not below that at the start, the point is moved
-    back there. Returns the number of steps and the largest residual.
+    most ``tolerance``, or after ``limit`` steps; if the residual is then not below that at the start, the point is
+    moved back there. Returns the number of steps and the largest residual.
     """
     K, factors, g, step, other = work
     assemble_equations(chain, point, law, K, g)

@@ -1,7 +1,7 @@
 """Motion of a chain of balls: without friction between balls, then with all of it.
 
 Solutions are followed from the one to the other, round the folds of their path. Its parameter s rises from 0, without
-friction between balls, to 1, with all of it. The creeping speed eps is in units of the carriage's speed.
+friction between balls, to 1, with all of it. The speed eps that regularises friction is in units of the carriage's speed.
 
 A ball-to-ball force is the sum of the axial friction on the balls behind it, so that no force on the path can exceed the
 sum of their bounds, and the path begins at the one solution of a convex problem. It cannot run off to infinity nor come
@@ -28,7 +28,7 @@ from .equations import (
     write_contact_slips,
 )
 
-#: Creeping speed at the beginning of the path, over the carriage's speed.
+#: Regularising speed of friction at the beginning of the path, divided by the carriage's speed.
 FIRST = 0.1
 
 #: Largest residual of a point that counts as on the path, and largest number of Newton steps from a predicted point back to
@@ -48,11 +48,11 @@ LENGTH, SHORTEST, KINK = 0.05, 1e-9, 1e-5
 
 @kernel
 def smoothing_on_path(s: float, eps: float) -> Smoothing:
-    """Return the smoothing of the equations at parameter s of the path, 0 to 1.
+    """Return how much the equations are smoothed at parameter s of the solution path, 0 to 1.
 
-    As s increases, the friction between balls rises to its full value, early on the path, and the creeping speed falls to
-    ``eps``, which it reaches at s = 1. Springs hold balls in motions without resistance, because forces on the path are
-    accurate to ``ON_PATH`` only.
+    As s increases, the friction between balls rises to its full value, early on the path, and the regularising speed of
+    friction falls to ``eps``, which it reaches at s = 1. Springs hold balls in motions without resistance, because
+    forces on the path are accurate to ``ON_PATH`` only.
     """
     rest = (1.0 - s) ** 4
     creep = FIRST * exp(s * log(eps / FIRST))
@@ -61,7 +61,7 @@ def smoothing_on_path(s: float, eps: float) -> Smoothing:
 
 @kernel
 def determinant_sign_without_ball_friction(point: ChainPoint) -> float:
-    """Return the sign of the Jacobian's determinant for a chain of N balls without friction between them.
+    """Return the sign of the Jacobian's determinant for a row of N balls without friction between them.
 
     The problem is then convex, and only the rows of the N - 1 gaps and the unused last row change the sign, each once.
     point: unknowns of the chain, which give N.
@@ -73,11 +73,12 @@ def determinant_sign_without_ball_friction(point: ChainPoint) -> float:
 def _write_path_tangent(
     chain: ChainArrays, point: ChainPoint, s: float, eps: float, work: NewtonArrays, change: Array, tau: Array
 ) -> float:
-    """Write the tangent of the path at a point to tau; return 1 if the path goes on along it, or -1 if against it.
+    """Write the tangent of the solution path at a point to tau; return 1 if the path goes on along it, or -1 if against it.
 
-    s: parameter of the path at the point; eps: creeping speed at the end of the path; tau (4 N + 1,): tangent of unit
-    length, with four components for each ball and last that of s, which is positive; change (4 N,): derivative of the
-    residual by s. Both are overwritten. ``work`` must contain the equations at the point.
+    s: parameter of the path at the point; eps: regularising speed of friction at the end of the path, divided by the
+    carriage's speed; tau (4 N + 1,): tangent of unit length, with four components for each ball and last that of s,
+    which is positive; change (4 N,): derivative of the residual by s. Both are overwritten. ``work`` must contain the
+    equations at the point.
     """
     K, factors, g, _, other = work
     assemble_equations(chain, point, smoothing_on_path(s + DIFFERENCE, eps), factors, other)
@@ -104,12 +105,13 @@ def _correct_to_path(
     length: float,
     fixed: bool,
 ) -> tuple[bool, int, float]:
-    """Move a predicted point to the path by Newton steps, normal to the tangent tau or, if ``fixed``, at constant s.
+    """Move a predicted point back to the solution path by Newton steps.
 
-    s: parameter of the path at the point; eps: creeping speed at the end of the path; change (4 N,): derivative of the
-    residual by s; length: length of the step along the path that led to the point. The correction is given up where it
-    exceeds most of this length, because it may lead to another path. Returns whether the point is on the path, the number
-    of Newton steps, and the parameter s there.
+    They are normal to the tangent tau or, if ``fixed``, at constant s. s: parameter of the path at the point; eps:
+    regularising speed of friction at the end of the path, divided by the carriage's speed; change (4 N,): derivative of
+    the residual by s; length: length of the step along the path that led to the point. The correction is given up where
+    it exceeds most of this length, because it may lead to another path. Returns whether the point is on the path, the
+    number of Newton steps, and the parameter s there.
     """
     K, factors, g, step, other = work
     n, moved = g.shape[0], 0.0
@@ -133,10 +135,10 @@ def _correct_to_path(
 
 @kernel
 def _longest_path_step(tau: Array) -> float:
-    """Return the longest step along the path that moves no velocity by more than 0.5, and s by no more than 0.1.
+    """Return the longest step along the solution path that changes no velocity by more than 0.5, and s by no more than 0.1.
 
-    tau (4 N + 1,): tangent of the path, with four components for each ball and the last one for s. Velocities are over the
-    carriage's speed.
+    tau (4 N + 1,): tangent of the path, with four components for each ball and the last one for the path parameter s.
+    Velocities are divided by the carriage's speed.
     """
     n = tau.shape[0] - 1
     return float(1.0 / max(abs(tau[n]) / 0.1, np.max(np.abs(tau[:n].reshape(-1, 4)[:, :3])) / 0.5))
@@ -146,9 +148,10 @@ def _longest_path_step(tau: Array) -> float:
 def follow_path(chain: ChainArrays, point: ChainPoint, eps: float, work: NewtonArrays, limit: int) -> tuple[int, bool]:
     """Follow the path of solutions from a point near its beginning, while friction between balls rises to its full value.
 
-    Returns the number of Newton steps, and whether the end of the path was reached. The sign of the Jacobian's determinant
-    tells in which direction the path goes on, as it changes where s turns. ``point`` is overwritten; eps: creeping speed at
-    the end of the path; limit: number of Newton steps after which no further step along the path is taken.
+    Returns the number of Newton steps, and whether the end of the path was reached. The sign of the Jacobian's
+    determinant tells in which direction the path goes on, as it changes where s turns. ``point`` is overwritten; eps:
+    regularising speed of friction at the end of the path, divided by the carriage's speed; limit: number of Newton
+    steps after which no further step along the path is taken.
     """
     n: int = work.g.shape[0]
     change, tau, ahead = np.zeros(n), np.zeros(n + 1), np.zeros(n + 1)
@@ -184,7 +187,7 @@ def follow_path(chain: ChainArrays, point: ChainPoint, eps: float, work: NewtonA
     return total, False
 
 
-#: Stiffness towards nominal rolling over the creeping speed, which holds motions without resistance before the last
+#: Stiffness towards nominal rolling over the regularising speed, which holds motions without resistance before the last
 #: solution.
 SPRING = 1e-3
 
@@ -193,7 +196,7 @@ SPRING = 1e-3
 ROUND = 1e-3
 
 #: Friction between balls (coefficient times root of the number of contacts between them): value up to which Newton's method
-#: may be tried without following the path, and value up to which it may take more than ``FEW`` steps at a creeping speed.
+#: may be tried without following the path, and value up to which it may take more than ``FEW`` steps at one speed eps.
 #: Above these values the solution it found was at times another one. Forces of N - 1 contacts that push at random add up
 #: like the root of their number.
 LARGE, SLIGHT = 0.8, 0.3
@@ -204,7 +207,7 @@ SUPPORTS = 3
 #: Largest stiffness that damps velocities in the last solution, and largest number of undamped Newton steps there.
 FIRMEST, LEAPS = 1.0, 20
 
-#: Residual that counts as converged while the creeping speed falls, and largest number of Newton steps at each creeping
+#: Residual that counts as converged while the regularising speed falls, and largest number of Newton steps at each such
 #: speed, where friction between balls is large and where it is not.
 COARSE, FEW, MANY = 1e-6, 8, 60
 
@@ -215,9 +218,10 @@ STARTS, PRESSED = 3, 3.0
 
 @kernel
 def _solve_without_ball_friction(chain: ChainArrays, point: ChainPoint, work: NewtonArrays) -> int:
-    """Solve a chain without friction between balls at the creeping speed ``FIRST``; return the number of Newton steps.
+    """Solve for the motion of a row of balls without friction between them; return the number of Newton steps.
 
-    The search begins from the ``drift`` of ``point``, which is overwritten by the solution.
+    The regularising speed of friction is ``FIRST``. The search begins from the ``drift`` of ``point``, which is
+    overwritten by the solution.
     """
     write_contact_slips(chain, point)
     total = 0
@@ -238,11 +242,11 @@ def _all_balls_supported(contacts: Array) -> bool:
 def _reduce_creeping_speed(
     chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps_end: float, share: float, limit: int
 ) -> tuple[int, bool]:
-    """Solve a chain at creeping speeds that fall from ``FIRST`` to ``eps_end``, each solution being the next start.
+    """Solve for the motion of a row of balls while the regularising speed of friction falls from ``FIRST`` to ``eps_end``.
 
-    share: fraction of the friction between balls that acts, 0 to 1; limit: most Newton steps at one creeping speed. Returns
-    the number of Newton steps, and whether all of them converged to a state whose determinant has the sign of the convex
-    problem; another sign indicates another branch.
+    Each solution is the start of the next. share: fraction of the friction between balls that acts, 0 to 1; limit: most
+    Newton steps at one regularising speed. Returns the number of Newton steps, and whether all of them converged to a
+    state whose determinant has the sign of the convex problem; another sign indicates another branch.
     """
     total, eps = 0, FIRST
     while True:
@@ -263,14 +267,14 @@ def _reduce_creeping_speed(
 def chain_motion(
     chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float, limit: int
 ) -> tuple[int, float]:
-    """Solve for the motion of the balls and the forces between them.
+    """Solve for the motion of a row of balls in a linear bearing and the forces between them.
 
     ``point``: its ``drift`` gives the motions from which the search begins; it is overwritten by the solution. eps:
-    creeping speed of the result; tolerance: largest residual aimed at; limit: largest number of Newton steps on the path.
-    The first step has no friction between balls, so that only a convex problem decides where the solution starts from. If
-    friction between balls may cause several solutions, or if Newton's method does not converge from there while creeping
-    speeds fall, the path is followed by `follow_path`, unless all balls separate without that friction. Returns the number
-    of Newton steps and the largest residual.
+    regularising speed of friction in the result; tolerance: largest residual aimed at; limit: largest number of Newton
+    steps on the path. The first step has no friction between balls, so that only a convex problem decides where the
+    solution starts from. If friction between balls may cause several solutions, or if Newton's method does not converge
+    from there while the regularising speed falls, the path is followed by `follow_path`, unless all balls separate
+    without that friction. Returns the number of Newton steps and the largest residual.
     """
     total = _solve_without_ball_friction(chain, point, work)
     first = copy_point(point)
@@ -297,11 +301,11 @@ def chain_motion(
 def motion_from_other_start(
     chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float, limit: int, start: int
 ) -> tuple[int, float]:
-    """Solve for motions and forces as `chain_motion`, from one of ``STARTS`` other starts.
+    """Solve for motions and forces of a row of balls as `chain_motion`, from one of ``STARTS`` other starts.
 
-    eps: creeping speed of the result; tolerance: largest residual aimed at; limit: largest number of Newton steps on the
-    path; start: 0 for the end of the path, 1 for the balls as they move without friction between them, 2 for all pairs
-    pressed together. Returns the number of Newton steps and the largest residual.
+    eps: regularising speed of friction in the result; tolerance: largest residual aimed at; limit: largest number of
+    Newton steps on the path; start: 0 for the end of the path, 1 for the balls as they move without friction between
+    them, 2 for all pairs pressed together. Returns the number of Newton steps and the largest residual.
     """
     total = _solve_without_ball_friction(chain, point, work)
     if start == 0:
@@ -321,10 +325,10 @@ def motion_from_other_start(
 def motion_from_state(
     chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float
 ) -> tuple[int, float]:
-    """Solve for motions and forces as `chain_motion`, but only by Newton's method and from the state of a similar chain.
+    """Solve for motions and forces of a row of balls by Newton's method, starting from the state of a similar row.
 
-    ``point``: this state, which is overwritten; eps: creeping speed; tolerance: largest residual aimed at. Returns the
-    number of Newton steps and the largest residual.
+    ``point``: this state, which is overwritten; eps: regularising speed of friction; tolerance: largest residual aimed
+    at. Returns the number of Newton steps and the largest residual.
     """
     reset_open_gaps(point, eps)
     return _solve_exact_equations(chain, point, work, eps, tolerance)
@@ -334,10 +338,10 @@ def motion_from_state(
 def _solve_exact_equations(
     chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float
 ) -> tuple[int, float]:
-    """Solve the equations with all friction between balls and exact complementarity, starting from ``point``.
+    """Solve the equations of a row of balls with all friction between balls and exact contact conditions, from ``point``.
 
-    eps: creeping speed; tolerance: largest residual at which the search ends. Returns the number of Newton steps and the
-    largest residual.
+    eps: regularising speed of friction; tolerance: largest residual at which the search ends. Returns the number of
+    Newton steps and the largest residual.
     """
     exact = Smoothing(eps, 1.0, 0.0, 0.0)
     total, residual = semismooth_newton(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)

@@ -27,10 +27,10 @@ hertz_contact, solve_with_pivots, ROLLING = _OTHER.hertz_contact, _OTHER.solve_w
 
 @kernel
 def semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
-    """Write the semi-axes of the Hertz contact ellipses to a and b (N, 4) [m].
+    """Write the semi-axes of the Hertz contact ellipses of N balls to a and b (N, 4) [m].
 
-    force (N, 4): contact forces [N]; C_a, C_b (4,): Hertz constants of the semi-axes [m/N^(1/3)]. A contact without load
-    gets an ellipse of vanishing, but not zero size.
+    force (N, 4): contact forces [N]; C_a, C_b (4,): Hertz constants of the semi-axes [m/N^(1/3)]. A contact without
+    load gets an ellipse of vanishing, but not zero size.
     """
     least = max(1e-9 * np.max(force), 1e-30)
     for k in range(force.shape[0]):
@@ -43,8 +43,9 @@ def semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
 def write_contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> None:
     """Write to out (3, 4) the matrix that converts a ball's motion to sliding and spin at one contact.
 
-    Rows: sliding vx, vz [m/s] and spin [rad/s]. Columns: motion of the ball (orbit and three spins) as surface speeds over
-    the nut's speed along the path. groove: geometry of the grooves; n_x, n_z: contact normal along x3, z3.
+    Rows: sliding vx, vz [m/s] and spin [rad/s]. Columns: motion of the ball (orbit and three spins) as surface speeds
+    divided by the nut's speed along the path. groove: geometry of the grooves; n_x, n_z: contact normal along x3
+    (radial) and z3 (binormal).
     """
     affine = groove.affine
     for r in range(3):
@@ -54,10 +55,10 @@ def write_contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) 
 
 @kernel
 def relative_contact_motion(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, float, float]:
-    """Return the relative motion of ball and groove at contact i: vx, vz [m/s] and spin [rad/s].
+    """Return sliding vx, vz [m/s] and spin [rad/s] of a ball relative to the groove at its contact i.
 
     groove: geometry of the grooves; i: number of the contact; rows (3, 4): map of the contact (`write_contact_map`); x
-    (4,): motion of the ball, surface speeds over the nut's speed along the path.
+    (4,): motion of the ball, surface speeds divided by the nut's speed along the path.
     """
     orbit = x[0] - groove.ride[i]
     return (
@@ -69,12 +70,12 @@ def relative_contact_motion(groove: GrooveArrays, i: int, rows: Array, x: Array)
 
 @kernel
 def contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pull: Array, loss: Array) -> None:
-    """Write the relative motion, the friction and the loss at every contact of N balls in given motions.
+    """Write relative motion, friction and loss at every contact of N balls with the grooves, for given ball motions.
 
-    x (N, 4): motions of the balls, surface speeds over the nut's speed along the path; eps: regularising speed over the
-    same speed. Written are motion (N, 4, 3), sliding along x, z and spin about y in the contacts' axes, over the same
-    speed; pull (N, 4, 3), friction on the balls along and about the same axes, in the unit of force of ``balls``; loss (N,
-    4), force times motion in these units.
+    x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along the path;
+    eps: regularising speed divided by the same speed. Written are motion (N, 4, 3), sliding along x, z and spin about y
+    in the contacts' axes, divided by the same speed; pull (N, 4, 3), friction on the balls along and about the same
+    axes, in the unit of force of ``balls``; loss (N, 4), force times motion in these units.
     """
     shape, maps, drives = balls.shape, balls.maps, balls.drives
     for k in range(x.shape[0]):
@@ -95,10 +96,11 @@ def contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pul
 
 @kernel
 def ball_on_ball_sliding(groove: GrooveArrays, this: Array, other: Array, eps: float) -> tuple[float, float, float]:
-    """Return the sliding velocity of a ball on the next one, two components u and v, and the size sqrt(u^2 + v^2 + eps^2).
+    """Return the velocity (u, v) at which a ball slides on the next one, and its regularised size sqrt(u^2 + v^2 + eps^2).
 
-    All speeds are over the nut's speed along the path. groove: geometry of the contact of two balls; this, other (4,):
-    motions of the ball and of the next one; eps: regularising speed.
+    u, v: components along two tangents of the contact. All speeds are divided by the nut's speed along the path.
+    groove: geometry of the contact of two balls; this, other (4,): motions of the ball and of the next one; eps:
+    regularising speed.
     """
     first, second = groove.first, groove.second
     u, v = 0.0, 0.0
@@ -122,10 +124,10 @@ def neighbour_forces(
 ) -> None:
     """Write the forces of neighbours on N balls to on_ball (N, 3) [N], and the losses between them to loss (N,) [W].
 
-    x (N, 4): motions of the balls, surface speeds over the nut's speed along the path; f (N,): force of ball k on ball k +
-    1 [N]; eps: regularising speed over the nut's speed; push (2, 3), slide (2, 2, 3): directions of the force and of the
-    two tangents as in `PairGeometry`. on_ball is in x3, y3, z3 and includes friction; loss[k] is that between balls k and k
-    + 1.
+    on_ball is in x3 (radial), y3 (along the track), z3 (binormal) and includes friction; loss[k] is that between balls
+    k and k + 1. x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along
+    the path; f (N,): force of ball k on ball k + 1 [N]; eps: regularising speed of friction divided by the nut's speed;
+    push (2, 3), slide (2, 2, 3): directions of the force and of the two tangents as in `PairGeometry`.
     """
     n = f.shape[0]
     on_ball[:] = 0.0
@@ -141,9 +143,10 @@ def neighbour_forces(
 
 @kernel
 def move_without_neighbours(balls: BallArrays, x: Array) -> None:
-    """Overwrite the motions x (N, 4) of loaded balls by their motions of least dissipation without neighbours.
+    """Overwrite the motions x (N, 4) of loaded balls by those of least dissipation without forces of neighbours.
 
-    x: surface speeds over the nut's speed along the path; the motions of unloaded balls are not changed.
+    x: orbit and three spins as surface speeds divided by the nut's speed along the path. The motions of unloaded balls
+    are not changed. balls: contacts of the balls under known loads.
     """
     forces, rest, bounds, none, start = np.empty((4, 3)), np.empty(4), np.empty(2), np.zeros(4), int(np.int64(ROLLING))
     for k in range(x.shape[0]):
@@ -162,10 +165,10 @@ REACH = 0.3
 
 @kernel
 def remaining_slack(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
-    """Return by how much the gap after ball k closes more slowly than it may, over the nut's speed along the path.
+    """Return by how much the gap after ball k closes more slowly than it may, divided by the nut's speed along the path.
 
-    It is the largest rate at which the gap may close (``balls.slack``), less the actual rate at the motions x (N, 4), which
-    are surface speeds over the nut's speed along the path.
+    It is the largest rate at which the gap may close (``balls.slack``), less the actual rate at the motions x (N, 4),
+    which are surface speeds divided by the nut's speed along the path.
     """
     ahead = (k + 1) % x.shape[0]
     return float(groove.closing * (x[ahead, 0] - x[k, 0]) + balls.slack[k])
@@ -175,10 +178,10 @@ def remaining_slack(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -
 def balance_residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: float, parts: BalanceParts) -> float:
     """Write force balance and complementarity of all balls to ``parts``; return the root of the residuals' square sum.
 
-    x (N, 4): motions of the balls, surface speeds over the nut's speed along the path; f (N,): force of ball k on ball k +
-    1 over the unit of force; eps: regularising speed over the nut's speed. Force f and remaining closing rate g of a gap
-    (`remaining_slack`) are complementary where Fischer-Burmeister's function f + g - sqrt(f^2 + g^2) is zero. Derivatives
-    are written to ``parts``, too.
+    x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along the path; f
+    (N,): force of ball k on ball k + 1, divided by the unit of force of ``balls``; eps: regularising speed of friction
+    divided by the nut's speed. Force f and remaining closing rate g of a gap (`remaining_slack`) are complementary
+    where Fischer-Burmeister's function f + g - sqrt(f^2 + g^2) is zero. Derivatives are written to ``parts``, too.
     """
     hold, shape, maps, drives = balls.hold, balls.shape, balls.maps, balls.drives
     nominal, first, second, closing = groove.nominal, groove.first, groove.second, groove.closing
@@ -212,7 +215,7 @@ def balance_residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array
 
 @kernel
 def largest_residual(parts: BalanceParts) -> float:
-    """Return the largest absolute value of all forces out of balance and complementarity functions in ``parts``."""
+    """Return the largest absolute value of all unbalanced forces and complementarity functions in ``parts``."""
     return float(max(np.max(np.abs(parts.balance)), np.max(np.abs(parts.complementarity))))
 
 
@@ -222,10 +225,11 @@ def write_pair_derivatives(
 ) -> None:
     """Write the derivatives of the forces between ball k and the next ball to ``out``, four blocks (4, 5, 5).
 
-    x (N, 4): motions of the balls over the nut's speed; f (N,): ball-to-ball forces over the unit of force; slopes (N, 2):
-    derivatives of the complementarity function by force and by closing rate; eps: regularising speed over the nut's speed.
-    The rows and columns of a block are a ball's motion and its force on the next ball. The blocks are those on the diagonal
-    at ball k, right of it, below it, and on the diagonal at the next ball.
+    The rows and columns of a block are a ball's motion and its force on the next ball. The blocks are those on the
+    diagonal at ball k, right of it, below it, and on the diagonal at the next ball. x (N, 4): motions of the balls
+    (orbit and three spins), surface speeds divided by the nut's speed along the path; f (N,): force of ball k on ball k
+    + 1, divided by the unit of force of ``balls``; slopes (N, 2): derivatives of the complementarity function by force
+    and by closing rate; eps: regularising speed of friction divided by the nut's speed.
     """
     first, second, closing = groove.first, groove.second, groove.closing
     u, v, size = ball_on_ball_sliding(groove, x[k], x[(k + 1) % f.shape[0]], eps)
@@ -255,12 +259,12 @@ def write_pair_derivatives(
 def balance_jacobian(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, start: int, K: Array
 ) -> None:
-    """Write the banded Jacobian of the balance to K (5 N, 3 HALF + 1), in the form of `solve_with_pivots`.
+    """Write the banded Jacobian of the force balance of N balls to K (5 N, 3 HALF + 1), in the form of `solve_with_pivots`.
 
-    x (N, 4): motions of the balls, surface speeds over the nut's speed along the path; f (N,): force of ball k on ball k +
-    1 over the unit of force; eps: regularising speed over the nut's speed; parts: derivatives that `balance_residual` has
-    written at x and f; start: ball whose rows come first. The closed track is cut open before it: the coupling of the last
-    ball with this one is left out.
+    x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along the path; f
+    (N,): force of ball k on ball k + 1, divided by the unit of force of ``balls``; eps: regularising speed of friction
+    divided by the nut's speed; parts: derivatives that `balance_residual` has written at x and f; start: ball whose
+    rows come first. The closed track is cut open before it: the coupling of the last ball with this one is left out.
     """
     n, out = f.shape[0], np.empty((4, 5, 5))
     K[:] = 0.0
@@ -283,10 +287,11 @@ def balance_jacobian(
 
 @kernel
 def ball_after_open_gap(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array) -> int:
-    """Return the number of the ball after the widest open gap, where the ring of equations of a closed track is cut open.
+    """Return the number of the ball after the widest open gap, where the equations of a closed track are cut open.
 
-    The gap is the one whose remaining closing rate exceeds its ball-to-ball force most. x (N, 4): motions of the balls over
-    the nut's speed; f (N,): ball-to-ball forces over the unit of force.
+    The gap is the one whose remaining closing rate exceeds its ball-to-ball force most. x (N, 4): motions of the balls
+    (orbit and three spins), surface speeds divided by the nut's speed along the path; f (N,): force of ball k on ball k
+    + 1, divided by the unit of force of ``balls``.
     """
     start, most = 0, -np.inf
     for k in range(f.shape[0]):
@@ -300,10 +305,11 @@ def ball_after_open_gap(groove: GrooveArrays, balls: BallArrays, x: Array, f: Ar
 def write_balance_newton_step(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, dx: Array, df: Array
 ) -> None:
-    """Write Newton's step of the motions to dx (N, 4) and of the ball-to-ball forces to df (N,).
+    """Write Newton's step of the ball motions to dx (N, 4) and of the ball-to-ball forces to df (N,).
 
-    x (N, 4): motions over the nut's speed; f (N,): ball-to-ball forces over the unit of force; eps: regularising speed over
-    the nut's speed; parts: residuals and derivatives that `balance_residual` has written at x and f.
+    x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along the path; f
+    (N,): force of ball k on ball k + 1, divided by the unit of force of ``balls``; eps: regularising speed of friction
+    divided by the nut's speed; parts: residuals and derivatives that `balance_residual` has written at x and f.
     """
     n, start = f.shape[0], ball_after_open_gap(groove, balls, x, f)
     K, side = np.empty((5 * n, 3 * HALF + 1)), np.empty((5 * n, 1))
@@ -333,13 +339,14 @@ def solve_balance(
     limit: int,
     parts: BalanceParts,
 ) -> tuple[float, int]:
-    """Solve the balance by Newton's method at one regularising speed, with steps halved until the residual falls.
+    """Solve the force balance of N balls by Newton's method at one regularising speed; return residual and number of steps.
 
-    x (N, 4): motions over the nut's speed; f (N,): ball-to-ball forces over the unit of force; both are the start and are
-    overwritten by the solution; eps: regularising speed over the nut's speed; ``parts`` are overwritten by residuals and
-    derivatives there. The iteration ends when the residual (root of the sum of squares) is at most ``goal``, after
-    ``limit`` steps, or when no step lets it fall; below ``near``, where round-off may be the reason, few halvings are
-    tried. Returns the residual and the number of steps.
+    x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along the path; f
+    (N,): force of ball k on ball k + 1, divided by the unit of force of ``balls``; both are the start and are
+    overwritten by the solution; eps: regularising speed of friction divided by the nut's speed; ``parts`` are
+    overwritten by residuals and derivatives there. A step is halved until the residual falls. The iteration ends when
+    the residual (root of the sum of squares) is at most ``goal``, after ``limit`` steps, or when no step lets it fall;
+    below ``near``, where round-off may be the reason, few halvings are tried.
     """
     n, dx, df = f.shape[0], np.empty_like(x), np.empty_like(f)
     size = balance_residual(groove, balls, x, f, eps, parts)

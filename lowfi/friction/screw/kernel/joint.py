@@ -42,13 +42,13 @@ OWN_ROWS, OWN_COLUMNS = 9, 8
 def _write_dissipation_derivatives(
     groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: float, g: Array, h: Array
 ) -> None:
-    """Write the derivatives of the dissipation D of contact i, the dissipated power over the friction bound mu F.
+    """Write derivatives of D, the power dissipated in contact i divided by its friction bound mu F, to g (3,), h (4, 3).
 
-    groove: geometry and Hertz constants; f: contact force F [N]; rows (3, 4): map of the contact (`write_contact_map`); x
-    (4,): motion of the ball, surface speeds over the nut's speed; eps: regularising speed over the nut's speed. Written are
-    the gradient g (3,) by vx, vz and spin, the Hessian in h[:3], and in h[3] the derivative of the product F g by F. The
-    latter is needed because the semi-axes grow with F^(1/3); it follows from D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s
-    spin).
+    Written are the gradient g by vx, vz and spin, the Hessian in h[:3], and in h[3] the derivative of the product F g
+    by F. The latter is needed because the semi-axes grow with F^(1/3); it follows from D(s a, s b, vx, vz, spin) = D(a,
+    b, vx, vz, s spin). groove: geometry and Hertz constants; f: contact force F [N]; rows (3, 4): map of the contact
+    (`write_contact_map`); x (4,): motion of the ball, surface speeds divided by the nut's speed; eps: regularising
+    speed divided by the nut's speed.
     """
     cube = f ** (1.0 / 3.0)
     vx, vz, spin = relative_contact_motion(groove, i, rows, x)
@@ -67,13 +67,13 @@ def _write_dissipation_derivatives(
 def _write_force_effects(
     n_x: float, n_z: float, rows: Array, speed: float, share: float, along: float, on: bool, load: Array, pull: Array
 ) -> None:
-    """Write how the forces of one contact act on the nine rows of `write_ball_equations`.
+    """Write how normal force and friction of one contact enter the nine rows of `write_ball_equations`.
 
-    Written are load (9,), the effect of a unit normal force, and pull (9, 3), the effect of each component (vx, vz, spin)
-    of the friction. n_x, n_z: contact normal; rows (3, 4): map of the contact (`write_contact_map`); speed: speed of the
-    nut along the path [m/s]; share: fraction of the friction that acts on the loads; along: fraction of the friction along
-    the path that acts on the screw; on: whether the contact is on the screw. The result is linear in (n_x, n_z, rows,
-    along).
+    Written are load (9,), the effect of a unit normal force, and pull (9, 3), the effect of each component (vx, vz,
+    spin) of the friction. n_x, n_z: contact normal; rows (3, 4): map of the contact (`write_contact_map`); speed: speed
+    of the nut along the path [m/s]; share: fraction of the friction that acts on the loads; along: fraction of the
+    friction along the path that acts on the screw; on: whether the contact is on the screw. The result is linear in
+    (n_x, n_z, rows, along).
     """
     load[:] = 0.0
     pull[:] = 0.0
@@ -88,13 +88,13 @@ def _write_force_effects(
 def write_ball_equations(
     system: JointSystem, k: int, p: Array, shift: Array, x: Array, share: float, eps: float, out: Array, by: Array
 ) -> None:
-    """Write the contribution of ball k to the equations to out (9,) [N], and its derivatives to by (9, 8).
+    """Write what ball k adds to the equations of loads and motion to out (9,) [N], and its derivatives to by (9, 8).
 
-    system: data of all balls; p (2,): displacement of the ball [m]; shift (2,): displacement of the screw in the ball's
-    section [m]; x (4,): motion of the ball, surface speeds over the nut's speed; share: fraction of the friction that acts
-    on the loads; eps: regularising speed over the nut's speed. Rows: force on the ball in x3, z3 with this fraction of the
-    friction (2), gradient of the grooves' dissipation by the motion (4), force of the ball on the screw in x3, y3, z3 (3).
-    Columns of ``by``: derivatives by p (2), x (4), shift (2).
+    Rows: force on the ball in x3 (radial) and z3 (binormal) with a fraction of the friction (2), gradient of the
+    grooves' dissipation by the motion (4), force of the ball on the screw in x3, y3, z3 (3). Columns of ``by``:
+    derivatives by p (2), x (4), shift (2). system: data of all balls; p (2,): displacement of the ball [m]; shift (2,):
+    displacement of the screw in the ball's section [m]; x (4,): motion of the ball, surface speeds divided by the nut's
+    speed; share: fraction of the friction that acts on the loads; eps: regularising speed divided by the nut's speed.
     """
     cell, groove, balls = system.cell, system.groove, system.balls
     start, interference, C, affine = cell.start, cell.interference, cell.C, groove.affine
@@ -144,11 +144,11 @@ LONGEST_STEP = 0.1
 def _add_ball_to_ball_contact(
     system: JointSystem, at: JointUnknowns, k: int, share: float, eps: float, start: int, matrix: JointMatrix
 ) -> None:
-    """Add the force and friction between ball k and the next ball to the equations in ``matrix``, with their derivatives.
+    """Add force and friction between ball k and the next ball, with derivatives, to the equations in ``matrix``.
 
-    system: data of all balls; at: present unknowns; k: number of the ball; share: fraction of the friction that acts on the
-    loads; eps: regularising speed over the nut's speed; start: ball whose rows come first, before which a closed track is
-    cut open.
+    system: data of all balls; at: present unknowns; k: number of the ball; share: fraction of the friction that acts on
+    the loads; eps: regularising speed divided by the nut's speed; start: ball whose rows come first, before which a
+    closed track is cut open.
     """
     groove, balls = system.groove, system.balls
     first, second, closing = groove.first, groove.second, groove.closing
@@ -202,10 +202,10 @@ def _add_ball_to_ball_force(
 ) -> None:
     """Add the force between two balls to the force balance of one of them in the plane of its groove section.
 
-    system: data of all balls; which: 0 for the first ball, 1 for the second; row, other: first rows of the first and of the
-    second ball in ``matrix``; rub: direction (u, v) of the sliding of the first on the second ball, and size of this
-    sliding; f: force between them; mu: coefficient of friction; share: fraction of this force and its friction that acts on
-    the loads.
+    system: data of all balls; which: 0 for the first ball, 1 for the second; row, other: first rows of the first and of
+    the second ball in ``matrix``; rub: direction (u, v) of the sliding of the first on the second ball, and size of
+    this sliding; f: force between them; mu: coefficient of friction; share: fraction of this force and its friction
+    that acts on the loads.
     """
     first, second, push, slide = system.groove.first, system.groove.second, system.push, system.slide
     side, K = matrix.side, matrix.band
@@ -232,11 +232,11 @@ def _add_ball_to_ball_force(
 def assemble_joint(
     system: JointSystem, at: JointUnknowns, share: float, eps: float, start: int, matrix: JointMatrix
 ) -> float:
-    """Write residual and Jacobian of all equations to ``matrix``; return the root of the residual's sum of squares.
+    """Write residual and Jacobian of the equations for contact loads and motion to ``matrix``; return the residual's norm.
 
-    system: data of all balls; at: present unknowns; share: fraction of the friction that acts on the loads; eps:
-    regularising speed over the nut's speed; start: ball whose rows come first, before which a closed track is cut open. The
-    external forces on the screw are those in ``system.cell``.
+    The norm is the root of the sum of squares. system: data of all balls; at: present unknowns; share: fraction of the
+    friction that acts on the loads; eps: regularising speed divided by the nut's speed; start: ball whose rows come
+    first, before which a closed track is cut open. The external forces on the screw are those in ``system.cell``.
     """
     cell, unit, length, rows = system.cell, system.unit, system.length, system.rows
     hold, nominal = system.balls.hold, system.groove.nominal
@@ -281,10 +281,10 @@ def assemble_joint(
 
 @kernel
 def write_joint_newton_step(matrix: JointMatrix, start: int, length: float, d: JointUnknowns) -> None:
-    """Write Newton's step of all unknowns to d, with positions in m.
+    """Write Newton's step of all unknowns of contact loads and motion to d, with positions in m.
 
-    matrix: residual and Jacobian from `assemble_joint`, which are overwritten by the factors; start: ball whose rows come
-    first; length: unit of positions [m]. Positions that no contact resists do not move.
+    matrix: residual and Jacobian from `assemble_joint`, which are overwritten by the factors; start: ball whose rows
+    come first; length: unit of positions [m]. Positions that no contact resists do not move.
     """
     side, side_u, K, columns, lines, corner = matrix
     n, m = d.ball_force.shape[0], side_u.shape[0]
@@ -321,12 +321,12 @@ def write_joint_newton_step(matrix: JointMatrix, start: int, length: float, d: J
 def newton_joint(
     system: JointSystem, at: JointUnknowns, share: float, eps: float, goal: float, limit: int
 ) -> tuple[float, int]:
-    """Solve loads and motion together by Newton's method, with steps halved until the residual falls.
+    """Solve contact loads and motion of the balls as one system by Newton's method; return residual and number of steps.
 
-    ``system``: data of all balls; ``at``: unknowns from which the search begins, overwritten by the solution; ``share``:
-    fraction of the friction that acts on the loads; ``eps``: regularising speed over the nut's speed. The iteration ends
-    when the residual is at most ``goal``, after ``limit`` steps, or when no step lets the residual fall. Returns the
-    residual (root of the sum of squares) and the number of steps.
+    A step is halved until the residual falls. ``system``: data of all balls; ``at``: unknowns from which the search
+    begins, overwritten by the solution; ``share``: fraction of the friction that acts on the loads; ``eps``:
+    regularising speed divided by the nut's speed. The iteration ends when the residual (root of the sum of squares) is
+    at most ``goal``, after ``limit`` steps, or when no step lets the residual fall.
     """
     p, u, x, f = at
     n, m, length, reach = f.shape[0], u.shape[0], system.length, system.cell.reach
