@@ -79,7 +79,7 @@ def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> Clear
     parts
         Bearing row as a scene.
     thrust
-        Thrust that the row carries: "deep groove" (both directions), or one direction.
+        Axial force that the row can carry: "deep groove" (both directions), or one direction.
 
     Returns
     -------
@@ -91,7 +91,7 @@ def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> Clear
 
 
 def axial_play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
-    """Yield a warning for each deep-groove bearing row that the supports fix axially near one end of its axial play."""
+    """Yield a warning for each deep-groove bearing row that the supports hold axially near one end of its axial play."""
     shaft = _prescribed_shaft_displacement(scene.supports)
     if shaft is None:
         return
@@ -105,7 +105,7 @@ def axial_play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
 
 
 def _play_warning_of_row(parts: Scene, displacement: float) -> Iterator[Warned]:
-    """Yield a warning if a deep-groove row is fixed near one end of its axial play.
+    """Yield a warning if the supports hold a deep-groove bearing row axially near one end of its axial play.
 
     ``parts``: the row as a scene; ``displacement``: prescribed axial displacement of the inner ring relative to the outer
     ring [m].
@@ -150,7 +150,7 @@ WIDEST = 0.6
 
 @result_record
 class LoadAnswers:
-    """Pressure, static safety, rating life and load ratings that follow from the contact loads of a ball nut or bearing.
+    """Pressure, static safety, rating life and load ratings of a ball nut or ball bearing, from its contact loads.
 
     The contact loads stem from a low-order model or from the 3D reference. Fields are None if no contact carries load.
     """
@@ -159,13 +159,15 @@ class LoadAnswers:
     worst: Contact | None = quantity_field("worst_contact")
     #: Static safety of this contact.
     safety: StaticSafety | None = quantity_field("static_safety")
-    #: How close contact ellipses come to the edges of their grooves.
+    #: Contact ellipse that comes closest to the edge of its groove.
     reach: Truncation | None = quantity_field("truncation")
     #: Basic rating life under the contact loads.
     life: Life | None = quantity_field("life")
     #: Dynamic and static load ratings.
     ratings: Ratings | None = quantity_field("ratings")
-    words: str = quantity_field("rating_refused", "why there is no rating", show=lambda words: words or None, default="")
+    words: str = quantity_field(
+        "rating_refused", "why no life and no load ratings can be computed", show=lambda words: words or None, default=""
+    )
     #: Life modified for reliability, lubricant and contamination.
     modified: ModifiedLife | None = quantity_field("modified_life", default=None)
     reference: iso_lives.ReferenceLife | None = quantity_field("reference_life", default=None)
@@ -173,7 +175,7 @@ class LoadAnswers:
 
 @result_record
 class RollerAnswers:
-    """Pressure, static safety, life and friction torque that follow from the line loads of a row of rollers.
+    """Pressure, static safety, rating life and friction torque of a row of rollers, from its line loads.
 
     Fields are None if no roller carries load.
     """
@@ -188,7 +190,7 @@ class RollerAnswers:
     life: Life | None = quantity_field("life")
     #: Dynamic and static load ratings.
     ratings: Ratings = quantity_field("ratings")
-    #: Friction torque, running and from rest.
+    #: Friction torque of the row, while it runs and when it starts.
     torque: RollerTorque | None = quantity_field("roller_torque")
     reference: iso_lives.ReferenceLife | None = quantity_field("reference_life")
 
@@ -197,7 +199,7 @@ class RollerAnswers:
 class Answers:
     """All results of a low-order model for a scene with one nut or bearing row."""
 
-    #: Results derived from the contact loads.
+    #: Pressure, safety, life and ratings that follow from the contact loads.
     loads: LoadAnswers
     #: Axial force of the screw on the nut [N].
     force: float
@@ -208,19 +210,19 @@ class Answers:
     rigidities: Rigidities | None
     #: Tangent stiffness at the nut's centre; None if the model has none.
     at_nut: Tangent | None
-    #: Why there is no tangent stiffness; empty if there is one or the model has none.
+    #: Why no tangent stiffness was found; empty if it was found, or if the model never has one.
     tangent_words: str
     #: Contact loads that remain when the loads of the scene are removed.
     preload: Preload | None
-    #: Load at which the first preloaded contact opens; None without preload.
+    #: External load at which the first preloaded contact opens; None without preload.
     lift: LiftOff | None
     #: Friction torques and efficiencies as JSON values; None if not computed.
     friction: dict[str, Any] | None
     #: Why friction is not computed; empty if it is.
     friction_words: str
-    #: Share of the loads that each support and the contacts take; None without loads.
+    #: Parts of the loads that each support and the contacts carry; None without loads.
     path: LoadPath | None = None
-    #: Axial stiffness of Liu's model over the scene's load step [N/m].
+    #: Axial secant stiffness over the scene's load step, by the model of Liu et al. only [N/m].
     stepped: float | None = None
     #: Buckling load, critical speed and DN value of the screw.
     shaft: ShaftLimits | None = None
@@ -252,9 +254,9 @@ def rate_contact_loads(
     angle
         Contact angles, (n, 4) [rad].
     member
-        Number of the specimen, from 0, of a scene with random errors.
+        Number of the random draw of the geometric errors, from 0; 0 without random errors.
     pressure
-        Largest pressure of each contact, (n, 4) [Pa]; None: by Hertz.
+        Largest pressure of each contact, (n, 4) [Pa]; None: computed from the loads by Hertz.
 
     Returns
     -------
@@ -279,7 +281,7 @@ def rate_contact_loads(
 
 
 def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Options) -> Tangent:
-    """Compute the tangent stiffness of a loaded screw at an axial position.
+    """Compute the 6 x 6 tangent stiffness of a loaded screw at an axial position.
 
     Parameters
     ----------
@@ -335,7 +337,7 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tupl
     Tangent or None
         The stiffness; None if the model has none.
     str
-        Why the elastic bodies cannot be built or the solution does not converge; else empty.
+        Why the stiffness could not be computed; empty if it was, or if the model never has one.
     """
     if model == "liu":
         from rollbench.lowfi.statics.liu import nut_as_spring_row  # heavy import, needed for this model only
@@ -354,7 +356,7 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tupl
 
 
 def unloaded_axial_displacement(scene: Scene, unloaded: StaticResult) -> float:
-    """Return the unloaded screw's axial displacement at the nut's centre [m], from which displacements are counted.
+    """Return the axial displacement of the unloaded screw at the nut's centre [m], the zero of displacements under load.
 
     Parameters
     ----------
@@ -372,7 +374,7 @@ def unloaded_axial_displacement(scene: Scene, unloaded: StaticResult) -> float:
 
 
 def displacement_without_loads(scene: Scene, unloaded: StaticResult) -> Array:
-    """Return the unloaded screw's displacement at the nut's centre from its nominal position, (6,) [m, rad].
+    """Return the displacement of the unloaded screw at the nut's centre from its nominal position, (6,) [m, rad].
 
     ``unloaded``: result of the scene without loads. The displacement is zero if no contact fixes the unloaded screw.
     """
@@ -442,7 +444,7 @@ def bearing_friction_torque(
     parts
         Row of balls as a scene.
     thrust
-        Thrust that a row with one arc per groove carries: "deep groove" (both directions), or one direction.
+        Axial force that a row with one arc per groove can carry: "deep groove" (both directions), or one direction.
     balls
         Solution with the contact loads and angles of the row.
     force
@@ -479,7 +481,7 @@ def bearing_friction_torque(
 
 
 def friction_without_compiling(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
-    """Return friction torques and efficiencies of a scene if no kernel must be compiled to compute them.
+    """Return friction torques and efficiencies of a scene, unless a numerical kernel must first be compiled for them.
 
     Parameters
     ----------
@@ -495,7 +497,7 @@ def friction_without_compiling(scene: Scene, result: StaticResult, options: Opti
     dict or None
         Torques and efficiencies as JSON values; None without a coefficient of friction, or if a kernel must be compiled.
     str
-        Advice how to obtain them; empty if they are returned.
+        Why they are not available, with advice; else empty.
     """
     if scene.friction is None:
         return None, "no coefficient given; rollbench friction takes mu = 0.1"
@@ -566,7 +568,7 @@ def validity_warnings(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswe
     Yields
     ------
     Warned
-        Warning for too wide a groove, for static safety below one, or for preload above the dynamic load rating.
+        Warning for a too wide groove, for a static safety below 1, or for a preload above the dynamic load rating.
     """
     if isinstance(parts, Scene):
         yield from _conformity_warnings(parts)
@@ -586,20 +588,21 @@ def validity_warnings(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswe
         yield Warned("preload", text, f"preload {preload:.4g} N, above C = {C:.4g} N")
 
 
-# --- several sets on one shaft
+# --- several nuts or bearing rows on one shaft
 
 
 @dataclass(frozen=True)
 class SetAnswers:
-    """Results for one of several nuts or bearing rows on a shaft."""
+    """Results that follow from the contact loads of one of several nuts or bearing rows on a shaft."""
 
     #: Name of the nut or row.
     name: str
     #: Geometry and materials of the nut or row.
     parts: Scene | RollerRow
-    #: Results derived from the contact loads of the nut or row.
+    #: Pressure, safety, life and ratings of the nut or row.
     loads: LoadAnswers | RollerAnswers
-    #: Contact loads and axial force on the shaft without the scene's loads; None if the unloaded shaft has no equilibrium.
+    #: Contact loads, and axial force on the shaft, that remain without the scene's loads; None: no equilibrium without
+    #: them.
     preload: Preload | None
     #: Friction torque of a loaded ball bearing.
     torque: BallTorque | None = None
@@ -607,7 +610,7 @@ class SetAnswers:
 
 @dataclass(frozen=True)
 class AxisAnswers:
-    """Results for several nuts or bearing rows on one shaft."""
+    """Results of a low-order model for a shaft with several nuts or bearing rows."""
 
     #: Results of each nut or row.
     sets: tuple[SetAnswers, ...]
@@ -616,10 +619,10 @@ class AxisAnswers:
     #: Displacement, from its unloaded position, of the shaft position or housing that the scene's key ``stiffness_at``
     #: names, (6,) [m, rad]; None if the unloaded shaft has no equilibrium.
     motion: Array | None
-    #: Share of all loads that each support and the contacts take; None without loads.
+    #: Parts of all loads that each support and the contacts carry; None without loads.
     path: LoadPath | None = None
-    #: The same shares for the loads on the shaft and on each housing separately. In the sum over all bodies, loads on other
-    #: bodies may hide a load that the frame carries.
+    #: The same parts, for the loads on the shaft and on each housing separately: the sum over all loads may hide that the
+    #: frame carries the load of one body.
     paths: tuple[LoadPath, ...] = ()
 
     @property
@@ -630,7 +633,9 @@ class AxisAnswers:
         return sorted(shares, key=lambda i: -shares[i])
 
     @property
-    @QuantityDescription("worst_set", "set whose highest pressure is the largest share of its allowed pressure")
+    @QuantityDescription(
+        "worst_set", "nut or bearing row whose highest pressure is the largest share of its allowed pressure"
+    )
     def worst_set(self) -> int | None:
         """Number (from 1) of the nut or row with the largest ratio of highest to allowed pressure; None without load."""
         return next((i + 1 for i in self.sets_by_pressure), None)
@@ -671,10 +676,11 @@ def compute_axis_results(assembly: Assembly, result: AxisResult) -> AxisAnswers:
 
 
 def _load_paths_by_body(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
-    """Return the load path of each loaded body: the change of all reactions when the loads on that body are removed.
+    """Return for each loaded body (shaft or housing) how supports and contacts share the loads on this body.
 
-    A body is the shaft or a housing; ``result``: solution of the assembly under all loads; ``path``: load path of all
-    loads, which is returned alone if only one body is loaded. The tuple is empty without loads.
+    The shares are the changes of the reactions when the loads on the body are removed. ``result``: solution of the assembly
+    under all loads; ``path``: how supports and contacts share all loads, returned alone if only one body is loaded. The
+    tuple is empty without loads.
     """
     bodies, options = assemblies_by_loaded_body(assembly), Options(member=result.member)
     if len(bodies) < 2:
@@ -694,7 +700,7 @@ def solve_assembly_with_results(assembly: Assembly, model: str, member: int = 0)
     model
         Name of the model.
     member
-        Number of the specimen of a scene with random errors.
+        Number of the random draw of the geometric errors, from 0; 0 without random errors.
 
     Returns
     -------
@@ -723,10 +729,10 @@ def solve_assembly_with_results(assembly: Assembly, model: str, member: int = 0)
 
 
 def _results_of_set(assembly: Assembly, s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
-    """Return the results of one nut or bearing row on a shaft.
+    """Return pressure, safety, life, preload and friction torque of one nut or bearing row on a shaft.
 
-    ``s``: solution of the row under the scene's loads; ``member``: number of the specimen with random errors; ``bare``:
-    solution of the row without the scene's loads; None if the unloaded shaft has no equilibrium.
+    ``s``: solution of the row under the scene's loads; ``bare``: solution of the row without these loads; None if the
+    unloaded shaft has no equilibrium; ``member``: number of the random draw of the geometric errors, from 0.
     """
     parts, torque = s.of.parts, None
     if isinstance(parts, RollerRow):

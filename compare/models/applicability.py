@@ -46,7 +46,7 @@ def _largest_lateral_displacement(scene: Scene) -> float:
 
 
 def _relative_oversize(scene: Scene) -> float:
-    """Return the preload of a scene as ball oversize over ball diameter [1e-3]."""
+    """Return the oversize of the ball radius over the ball diameter, which measures the preload of a scene [1e-3]."""
     return 1e3 * scene.errors.balls.oversize / (2.0 * scene.balls.radius)
 
 
@@ -107,7 +107,10 @@ DESCRIPTORS = (
 
 @dataclass(frozen=True)
 class DescriptorInRange:
-    """Value of one descriptor of a scene, and the range of the compared scenes."""
+    """Value of one descriptor of a scene (such as lead over pitch diameter), and its range over the compared scenes.
+
+    Compared scenes are those whose results were compared with the 3D reference.
+    """
 
     #: The descriptor.
     descriptor: Descriptor
@@ -120,13 +123,13 @@ class DescriptorInRange:
 
     @property
     def outside(self) -> bool:
-        """Whether the value exceeds the range of the compared scenes by more than the margin."""
+        """Whether the scene's value lies outside the range of the compared scenes by more than the descriptor's margin."""
         d = self.descriptor.margin * (1.0 + 1e-9)
         return not self.low - d <= self.value <= self.high + d
 
     @property
     def text(self) -> str:
-        """Sentence with the scene's value and the range of the compared scenes."""
+        """Sentence that states the scene's value of the descriptor and the range of the compared scenes."""
         unit = f" {self.descriptor.unit}" if self.descriptor.unit else ""
         compared = f"{self.low:.4g} to {self.high:.4g}{unit}"
         return f"{self.descriptor.name} is {self.value:.4g}{unit}, that of compared scenes is {compared}"
@@ -149,7 +152,10 @@ KNOWN_SCREWS = 240
 
 @cache
 def records_of_drawn_screws() -> tuple[dict[str, Any], ...]:
-    """Read the records of the first `KNOWN_SCREWS` random screws; empty if their file cannot be used."""
+    """Read how models compare with the 3D reference on the first `KNOWN_SCREWS` randomly drawn screws, as JSON records.
+
+    The tuple is empty if the file with the records cannot be used.
+    """
     try:
         scenes = json.loads(files.text(f"references/{SURVEY}"))["scenes"]
         return tuple(row for row in scenes if row["number"] < KNOWN_SCREWS and row.get("points"))
@@ -159,7 +165,7 @@ def records_of_drawn_screws() -> tuple[dict[str, Any], ...]:
 
 @cache
 def descriptors_of_drawn_screws() -> tuple[dict[str, float], ...]:
-    """Return the descriptors, by name, of each of the first `KNOWN_SCREWS` random screws."""
+    """Return the values of all descriptors, by name, for each of the first `KNOWN_SCREWS` randomly drawn screws."""
     return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in records_of_drawn_screws())
 
 
@@ -168,7 +174,10 @@ PLACES = "places.json"
 
 
 def save_descriptors(store: Path) -> None:
-    """Write the descriptors of all compared built-in screws and bearings to the file `PLACES` in a folder of 3D runs."""
+    """Write the descriptors of all compared built-in screws and bearings to the file `PLACES` in the folder ``store``.
+
+    The folder holds runs of the 3D reference.
+    """
     from rollbench.compare.files import replace_file
 
     by_kind = {
@@ -180,7 +189,7 @@ def save_descriptors(store: Path) -> None:
 
 @cache
 def descriptors_of_shipped_scenes(*, ring: bool) -> tuple[dict[str, float], ...]:
-    """Read the descriptors of each compared built-in bearing if ``ring``, else of each screw.
+    """Read the stored descriptor values of each compared built-in bearing if ``ring``, else of each compared screw.
 
     Empty if the file `PLACES` is missing or damaged.
     """
@@ -200,7 +209,7 @@ def descriptor_values_of_compared(descriptor: Descriptor, *, ring: bool) -> list
 
 
 def descriptors_with_ranges(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[DescriptorInRange, ...]:
-    """Return each descriptor of a scene with the range of the compared scenes of its kind (screws or bearings).
+    """Return each descriptor of a scene with its range over the compared scenes of the same kind (screws or bearings).
 
     Parameters
     ----------
@@ -229,7 +238,7 @@ def descriptors_with_ranges(scene: Scene, among: Sequence[Scene] | None = None) 
 
 
 def descriptors_outside_range(scene: Scene) -> tuple[str, ...]:
-    """Return a sentence for each descriptor of a scene that is outside the range of the compared scenes.
+    """Return a sentence for each descriptor whose value in the scene lies outside the range of the compared scenes.
 
     Parameters
     ----------
@@ -248,5 +257,5 @@ def descriptors_outside_range(scene: Scene) -> tuple[str, ...]:
         If no dimensions of the 3D parts follow from the scene (`meshes.solid.dimensions_of_3d_parts`).
     """
     if not descriptors_of_shipped_scenes(ring=scene.track.lead == 0.0):
-        return (f"the range of the compared scenes is not known; references/{PLACES} is missing or damaged",)
+        return (f"the range of the compared scenes is not known, because references/{PLACES} is missing or damaged",)
     return tuple(place.text for place in descriptors_with_ranges(scene) if place.outside)

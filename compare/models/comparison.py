@@ -1,4 +1,4 @@
-"""Comparison of low-order models with the 3D reference: errors of each contact load, with the reference's uncertainty.
+"""Comparison of low-order models with the 3D reference: errors of contact loads, and the uncertainty of the reference.
 
 A scene with one nut or bearing row is compared as a whole. Of several nuts or rows on one shaft, each is compared
 separately, with the force and moment that the model computes for it.
@@ -65,14 +65,14 @@ def suitable_models(scene: Scene | Assembly) -> list[Model]:
 
 
 def models_by_name(names: tuple[str, ...], argument: str = "models") -> list[Model]:
-    """Return the records of the models that a user named.
+    """Return the models that a user named.
 
     Parameters
     ----------
     names
         Names of models.
     argument
-        Name of the argument that error messages refer to.
+        Name of the argument with these names, for error messages.
 
     Returns
     -------
@@ -88,10 +88,10 @@ def models_by_name(names: tuple[str, ...], argument: str = "models") -> list[Mod
 
 
 def path_of_condensed_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> Path | None:
-    """Return the path of the file with the stiffness of screw and nut, condensed to the contacts, of the finest 3D run.
+    """Return the path of the stiffness of screw and nut by the finest 3D run, condensed to the contacts, if it is stored.
 
-    ``stores``: folders with runs of the 3D reference; None: that included with rollbench. None is returned if no folder has
-    the file, or if the reference is a user's file.
+    ``reference``: 3D reference of the scene; ``stores``: folders with its runs; None: that included with rollbench. None if
+    no folder has the file, or if the user gave the reference as a file.
     """
     if reference.stated:
         return None
@@ -105,9 +105,9 @@ def path_of_condensed_bodies(scene: Scene, reference: Reference, stores: Sequenc
 def comparison_options(
     model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None, engine: str = "auto"
 ) -> Options:
-    """Return the solver options with which a low-order model is compared with the 3D reference.
+    """Return the options with which a low-order model is solved for its comparison with the 3D reference.
 
-    The model "condensed" uses the condensed bodies of the reference's finest mesh level.
+    The model "condensed" gets the stiffness of screw and nut by the finest run of the reference.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def comparison_options(
     stores
         Folders with runs of the 3D reference; None: those included with rollbench.
     engine
-        "interpreted" (plain Python), "compiled", or "auto" as suits the problem.
+        How numerical kernels run: "interpreted" (plain Python), "compiled" (machine code), or "auto" (by number of balls).
 
     Returns
     -------
@@ -130,7 +130,7 @@ def comparison_options(
     Raises
     ------
     InputError
-        If no folder has the condensed bodies.
+        If the model is "condensed" and no folder has that stiffness.
     """
     if model.name != "condensed":
         return Options(discretisation=False, engine=engine)
@@ -144,7 +144,7 @@ def comparison_options(
 
 @dataclass(frozen=True)
 class ComparisonRow:
-    """Value of one quantity by a model and by the 3D reference; a row of ``rollbench compare --json``."""
+    """Value of one quantity (such as one contact load) by a model and by the 3D reference: a row of ``compare --json``."""
 
     #: Name of the scene.
     scene: str
@@ -170,42 +170,42 @@ class ComparisonRow:
     error_percent: float | None
     #: Computing time of the model or 3D run [s].
     seconds: float | None
-    #: Version and machine with which the time was measured; empty: in this process.
+    #: Program version and machine with which the time was measured; empty: in this process.
     measured_with: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Return the fields of the row as JSON values; nan and infinity become None."""
+        """Return the fields of this row by name as JSON values; nan and infinity become None."""
         return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in asdict(self).items()}
 
 
-#: Function that returns a row of a comparison: `_comparison_row` with its scene and loads already bound.
+#: Function that returns a row of a comparison: `_comparison_row`, of which the first two arguments are already given.
 RowOf = Callable[..., ComparisonRow]
 
 
 @dataclass(frozen=True)
 class Loads:
-    """Contact loads, contact angles and displacements of a scene, computed by a model or by a run of the 3D reference."""
+    """Contact loads, contact angles and displacements of a scene, by a low-order model or by a run of the 3D reference."""
 
-    #: Name of the model or run.
+    #: Name of the model or of the 3D run.
     model: str
     #: Contact loads, (n, 4) [N].
     load: Array
     #: Contact angles, (n, 4) [deg].
     angle: Array
-    #: Axial positions on the screw, (k,) [m].
+    #: Axial positions at which the displacement of the screw is given, (k,) [m].
     stations: Array
     #: Displacement (x, y, z) of the screw's axis at these positions, (k, 3) [m].
     line: Array
     #: Computing time of the model or 3D run [s]; None: not measured.
     seconds: float | None
-    #: Version and machine with which the time was measured; empty: this version and machine.
+    #: Program version and machine with which the time was measured; empty: the present ones.
     measured: str = ""
-    #: Largest pressure of each contact, (n, 4) [Pa]; None: not given by the model, and computed by Hertz' equations.
+    #: Largest pressure of each contact, (n, 4) [Pa]; None: the model gives none, so it is computed from the loads by Hertz.
     pressure: Array | None = None
 
 
 def loads_from_result(result: StaticResult, seconds: float | None = None) -> Loads:
-    """Return the contact loads and displacements of a low-order model's result.
+    """Return the contact loads and displacements of a low-order model's result in the form used for comparisons.
 
     Parameters
     ----------
@@ -261,16 +261,16 @@ def solve_and_time(
 
 
 def loads_from_run(run: Run, name: str) -> Loads:
-    """Return the contact loads and displacements of a stored run of the 3D reference.
+    """Return the contact loads and displacements of a stored 3D run in the form used for comparisons.
 
-    The computing time in the record includes meshing and condensing all parts.
+    The computing time includes meshing all parts and condensing their stiffness.
 
     Parameters
     ----------
     run
         The run.
     name
-        Name of the run in the returned record.
+        Name of the run in tables.
 
     Returns
     -------
@@ -282,9 +282,10 @@ def loads_from_run(run: Run, name: str) -> Loads:
 
 
 def loads_of_reference_runs(reference: Reference, source_mesh_run: Run | None) -> list[Loads]:
-    """Return the loads of the 3D reference on the mesh of Lin's thesis and on each mesh level, coarse to fine.
+    """Return the contact loads and displacements of every run of the 3D reference, from the coarsest mesh to the finest.
 
-    ``source_mesh_run``: run on the mesh of the thesis; None if there is none. The list is empty for a user's reference.
+    ``source_mesh_run``: run on the mesh of Lin's thesis, which comes first; None if there is none. The list is empty for a
+    reference that the user gave as a file.
     """
     if reference.stated:
         return []
@@ -295,7 +296,7 @@ def loads_of_reference_runs(reference: Reference, source_mesh_run: Run | None) -
 
 
 def comparison_rows(scene: Scene, answer: Loads, ref: Reference) -> list[ComparisonRow]:
-    """Return a row for each compared quantity of a scene: loads, contact angles, displacements, load ratio, errors.
+    """Compare a model's results with the 3D reference: loads, contact angles, displacements, load ratio, errors.
 
     Parameters
     ----------
@@ -326,20 +327,21 @@ def _comparison_row(
     at: tuple[int | None, str | None] = (None, None),
     printed: float | None = None,
 ) -> ComparisonRow:
-    """Return the comparison of one quantity between a model and the reference.
+    """Return the row that compares one quantity by a model with its value by the 3D reference.
 
-    ``answer``: results of the model; ``pair``: values by the model and by the reference in ``unit``; ``error``: uncertainty
-    of the reference in this unit; ``percent``: error of the model [%]; ``at``: number of the ball and name of its flank;
-    None: a quantity of the whole screw; ``printed``: value that the scene's publication prints; None: none.
+    ``answer``: results of the model; ``quantity``: name of the quantity; ``pair``: its values by model and reference in
+    ``unit``; ``error``: uncertainty of the reference in this unit; ``percent``: error of the model [%]; ``at``: number of
+    the ball and name of its flank, both None for a quantity of the whole screw; ``printed``: value that the scene's
+    publication prints; None: none.
     """
     values, time = (*pair, error, percent, answer.seconds), answer.measured
     return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *values, measured_with=time)
 
 
 def grid_uncertainties(reference: Reference, quantities_of_run: Callable[[Run], Array]) -> Array:
-    """Return the discretisation uncertainty of similar quantities of a 3D reference, such as all its contact angles.
+    """Return the uncertainty due to the mesh of similar quantities of a 3D reference, such as all its contact angles.
 
-    It is estimated with one order of convergence for all quantities.
+    All of them are assumed to converge with the same order.
 
     Parameters
     ----------
@@ -367,10 +369,9 @@ def _finite_or_none(value: float) -> float | None:
 
 
 def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield comparisons of load and contact angle for each contact that carries load by the model or in the reference.
+    """Yield the rows that compare the load and the contact angle of each contact that the model or the reference loads.
 
-    ``row``: function that makes a comparison record (`_comparison_row` with scene and model bound); ``answer``: results of
-    the model.
+    ``row``: function that returns a row from quantity, values and errors; ``answer``: results of the model.
     """
     best, turns = reference.best, grid_uncertainties(reference, lambda run: run.angle)
     for i, s in np.ndindex(answer.load.shape):
@@ -387,11 +388,11 @@ def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[C
 
 
 def _centreline_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield comparisons of the displacement of the screw's axis at the axial positions where the reference gives it.
+    """Yield the rows that compare the displacement of the screw's axis at the axial positions where the reference gives it.
 
-    ``row``: function that makes a comparison record (`_comparison_row` with scene and model bound); ``answer``: results of
-    the model. Errors are in per cent of the largest displacement in the same direction. There are no rows if the model
-    gives the displacement at one position only and the reference at several.
+    ``row``: function that returns a row from quantity, values and errors; ``answer``: results of the model. Errors are in
+    per cent of the largest displacement in the same direction. There are no rows if the model gives the displacement at one
+    position only and the reference at several.
     """
     line = reference.best.centreline
     if answer.stations.size < min(2, len(line)):
@@ -406,10 +407,9 @@ def _centreline_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterato
 
 
 def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield comparisons of largest error, RMS error and load ratio, with printed values for the scenes of Lin's thesis.
+    """Yield the rows with largest error, RMS error and load ratio of a model, with values printed in Lin's thesis.
 
-    ``row``: function that makes a comparison record (`_comparison_row` with scene and model bound); ``answer``: results of
-    the model.
+    ``row``: function that returns a row from quantity, values and errors; ``answer``: results of the model.
     """
     e = load_error(answer.load, reference.load, reference.contacts)
     keys = PRINTED.get(scene.name, ("", "", ""))
@@ -443,9 +443,7 @@ def load_ratio(load: Array) -> float:
 
 
 def load_ratio_uncertainty(reference: Reference) -> float | None:
-    """Return the uncertainty, due to the mesh, of the ratio of largest to smallest load on the screw's left flank.
-
-    None if the ratio is infinite.
+    """Return the uncertainty of `load_ratio` of a 3D reference due to its mesh; None if the ratio is infinite.
 
     The relative uncertainties of both loads are added, because the loads may err in opposite directions.
     """
@@ -459,7 +457,7 @@ def load_ratio_uncertainty(reference: Reference) -> float | None:
 
 @dataclass(frozen=True)
 class Exceedance:
-    """Contact of a built-in scene on which the error of the model lin is known to exceed the error limit."""
+    """Contact of a built-in scene whose load by the model "lin" is known to exceed the error limit, with the cause."""
 
     #: Name of the scene.
     scene: str
@@ -467,18 +465,18 @@ class Exceedance:
     ball: int
     #: Flank: SL, SR, NL, NR.
     side: str
-    #: Cause of the error, as text.
+    #: Text on the cause of the error.
     cause: str
 
 
 def known_exceedances() -> list[Exceedance]:
-    """Return the contacts on which the error of the model lin is known to exceed the error limit, from a built-in file."""
+    """Return the contacts whose load by the model "lin" is known to exceed the error limit, from a built-in file."""
     return [Exceedance(**row) for row in files.read_shipped_toml("references/known_exceedances.toml").get("row", [])]
 
 
 @dataclass(frozen=True)
 class GatePoint:
-    """Error of one contact load of a model, and whether it exceeds the limit."""
+    """Error of one contact load by a model against the 3D reference, and whether it exceeds the error limit."""
 
     #: Name of the scene.
     scene: str
@@ -495,7 +493,7 @@ class GatePoint:
 
 
 def contact_load_errors(name: str, reference: Reference, max_error: float, load: Array) -> list[GatePoint]:
-    """Return for each contact the error of its load by a model, and whether it exceeds the error limit.
+    """Return the error of each contact load by a model against the reference, and whether it exceeds the error limit.
 
     Contacts that are unloaded both by the model and in the reference are omitted.
 
@@ -506,7 +504,7 @@ def contact_load_errors(name: str, reference: Reference, max_error: float, load:
     reference
         Reference of the scene.
     max_error
-        Limit of the error of a contact load [%].
+        Largest allowed error of a contact load [%].
     load
         Contact loads of the model, (n, 4) [N].
 
@@ -527,7 +525,7 @@ def contact_load_errors(name: str, reference: Reference, max_error: float, load:
 
 @dataclass(frozen=True)
 class SetOfAssembly:
-    """Nut or bearing (a nut or a bearing row) on a shaft that has several."""
+    """One of several nuts or bearing rows on a shaft."""
 
     #: Shaft with all nuts or bearings.
     assembly: Assembly
@@ -541,7 +539,7 @@ class SetOfAssembly:
 
     @property
     def scene(self) -> Scene:
-        """Nut or bearing as a separate scene, named after assembly and set; ValueError for a row of rollers."""
+        """Nut or bearing row as a separate scene, named after assembly and nut or row; ValueError for a row of rollers."""
         parts = self.assembly.sets[self.number].parts
         if not isinstance(parts, Scene):
             raise ValueError(f"{self.name} has rollers instead of balls")
@@ -549,13 +547,13 @@ class SetOfAssembly:
 
     @property
     def contacts(self) -> int:
-        """Number of loaded contacts of the nut or bearing without geometric errors, but with its preload."""
+        """Number of contacts of the nut or bearing that carry load without geometric errors, but with its preload."""
         return _loaded_contact_counts(self.assembly)[self.number]
 
 
 @dataclass(frozen=True)
 class Referenced:
-    """Scene with one nut or bearing, or one of several nuts or bearings on a shaft, with its 3D or user's reference."""
+    """Nut or bearing (alone in its scene or one of several on a shaft) with its 3D reference, or that given by a user."""
 
     #: Nut or bearing as a separate scene.
     scene: Scene
@@ -577,11 +575,11 @@ class Referenced:
 
 @dataclass(frozen=True)
 class SetSolution:
-    """Solution of a low-order model for one of several nuts or bearings on a shaft, with and without loads."""
+    """Solution of a low-order model for one of several nuts or bearings on a shaft, under the loads and without them."""
 
     #: Result under the loads of the assembly.
     result: StaticResult
-    #: Result without these loads.
+    #: Result without the loads of the assembly.
     bare: StaticResult
     #: Computing time of the solution under load [s].
     seconds: float
@@ -592,7 +590,7 @@ class SetSolution:
 def stored_references(
     described: Solvable, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS), fitted: int = FITTED
 ) -> list[Referenced]:
-    """Return the stored 3D reference of each nut or bearing of a scene, from the finest runs.
+    """Return the stored 3D reference of each nut or bearing of a scene, formed from the stored runs on the finest meshes.
 
     Parameters
     ----------
@@ -601,7 +599,7 @@ def stored_references(
     stores
         Folders with runs of the 3D reference; None: those included with rollbench.
     levels
-        Mesh levels that are used.
+        Mesh levels whose runs may be used.
     fitted
         Number of runs, counted from the finest, from which the uncertainty is estimated.
 
@@ -633,23 +631,24 @@ def references_from_runs(described: Solvable, runs: tuple[Run, ...]) -> list[Ref
 
 @lru_cache(maxsize=64)
 def _loaded_contact_counts(assembly: Assembly) -> tuple[int, ...]:
-    """Return the number of loaded contacts of each nut or bearing by the model lin, without any errors but the preload."""
+    """Return the number of loaded contacts of each nut or bearing by the model "lin", with preload and without errors."""
     sets = tuple(replace(s, parts=nominal_scene(s.parts)) if isinstance(s.parts, Scene) else s for s in assembly.sets)
     result = run_model(replace(assembly, sets=sets), "lin")
     return tuple(_loaded_contact_count(result, k) for k in range(len(sets)))
 
 
 def _loaded_contact_count(result: AxisResult, k: int) -> int:
-    """Return the number of loaded contacts of the nut or bearing ``k`` (from 0); 0 for rollers, or without equilibrium."""
+    """Return the number of loaded ball contacts of nut or bearing ``k`` (from 0); 0 for rollers or without equilibrium."""
     balls = result.sets[k].balls if result.converged else None
     return 0 if balls is None else int(np.count_nonzero(balls.load > 0.0))
 
 
 @lru_cache(maxsize=16)
 def _solve_loaded_and_unloaded(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, float]:
-    """Solve an assembly with and without its loads; the last results are cached.
+    """Solve a shaft with several nuts or bearings by the model ``model`` under its loads and without them.
 
-    Returns the result under load, the result without loads, and the computing time of the first [s].
+    Returns the result under the loads, the result without them, and the computing time of the first [s]. The last results
+    are cached.
     """
     start = perf_counter()
     result = run_model(assembly, model, Options(engine="interpreted"))
@@ -658,7 +657,7 @@ def _solve_loaded_and_unloaded(assembly: Assembly, model: str) -> tuple[AxisResu
 
 
 def solution_of_set(set_of_assembly: SetOfAssembly, model: str) -> SetSolution | str:
-    """Return a model's solution for one of several nuts or bearings on a shaft, with and without the loads of the assembly.
+    """Return a model's solution for one of several nuts or bearings on a shaft, under the shaft's loads and without them.
 
     Parameters
     ----------

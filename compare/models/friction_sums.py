@@ -1,4 +1,4 @@
-"""Friction torques and efficiencies of a ball screw from its contact loads, summed over all contacts, as JSON values."""
+"""Friction torques and efficiencies of a ball screw or bearing, summed over its contacts, as JSON values."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ def friction_sums_json(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
 
 
 def direction_of_motion(torque: ScrewTorque) -> str | None:
-    """Return whether the axial motion of a screw or nut is ``with the load`` or ``against the load``, as text.
+    """Return the text "with the load" or "against the load" for the axial motion of screw or nut; None without such motion.
 
-    None if no part moves axially.
+    ``torque``: friction torques, axial load and speed of the screw.
     """
     if not torque.moves_axial_load:
         return None
@@ -51,7 +51,7 @@ def direction_of_motion(torque: ScrewTorque) -> str | None:
 
 
 def percent_or_none(share: float) -> float | None:
-    """Return a ratio (1: 100 %) in per cent as a JSON value; None if it is not finite."""
+    """Return a ratio such as an efficiency in per cent (0.9 gives 90) as a JSON value; None if it is not finite."""
     return json_number(100.0 * share)
 
 
@@ -59,9 +59,9 @@ def percent_or_none(share: float) -> float | None:
 def _cached_torque(scene: Scene, result: StaticResult, friction: Friction, drive: Motion, member: int) -> ScrewTorque:
     """Return the friction torque and efficiencies of a screw or bearing under its contact loads; cached on disk.
 
-    ``result``: solution with the contact loads; ``drive``: motion of the scene; ``member``: number of the specimen of a
-    scene with random errors. ValueError if they cannot be computed (`lowfi.friction.whole.state.friction_state`), or only
-    after compiling a kernel.
+    ``result``: solution with the contact loads; ``friction``: coefficients of friction; ``drive``: speed of screw or nut;
+    ``member``: number of the random draw of the geometric errors, from 0. ValueError if `friction_state` cannot compute
+    them, or if a kernel must be compiled first.
     """
     if compiling_saves_time(scene, friction) and not is_machine_code_cached(CONTACT):
         raise ValueError("the friction kernels are not compiled yet; run rollbench friction SCENE once")
@@ -83,7 +83,7 @@ def cached_friction_sums(scene: Scene, result: StaticResult, options: Options) -
     result
         Converged result of the scene.
     options
-        Options of the model, of which the number of the specimen is used.
+        Options of the model, of which only ``member``, the number of the random draw of the geometric errors, is used.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def torque(
     Parameters
     ----------
     sets
-        Each nut or row as a scene, with its result.
+        Each nut or ball bearing as a separate scene, with its static result.
     friction
         Coefficients of friction.
     motion
@@ -121,7 +121,7 @@ def torque(
     Returns
     -------
     float or None
-        Torque [N mm]; None if the iteration does not converge, or the friction model does not cover a nut or row.
+        Torque [N mm]; None if friction does not converge, or if the friction model does not cover a nut or bearing.
     """
     from rollbench.lowfi.friction.whole.state import friction_state
 

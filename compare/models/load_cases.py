@@ -1,4 +1,4 @@
-"""Solution of a scene with all results, torques of a feed axis, and life and extreme values over a duty cycle."""
+"""Solutions of scenes with all their results, motor torques of a feed axis, and lives over a duty cycle."""
 
 from __future__ import annotations
 
@@ -47,25 +47,29 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 #: Smallest and largest efficiency of a nut that accelerates a mass, if the scene states none (Smith 4.3.1) [1].
 EFFICIENCY: Band = (0.90, 0.95)
 NOT_RUNNING = "the running torque of a bearing needs the tables [lubricant] and [motion]"
-#: For the number (from 0) of each nut: its friction torques and efficiencies as JSON values, or None and the reason why
-#: they are not known.
+#: By the number of each nut on the shaft, from 0: its friction torques and efficiencies as JSON values, or None; and the
+#: reason why they are not known, else empty.
 NutSums = Mapping[int, tuple[dict[str, Any] | None, str]]
 
 
 @result_record
 class SetDrive:
-    """Torque of one nut or bearing row on the turning shaft; ranges of torque are (low, high) [N m], None if not known."""
+    """Torque that turns the shaft in one nut or bearing row; ranges of torque are (low, high) [N m], None if not known."""
 
-    name: str = quantity_field("name", "name of the set")
+    name: str = quantity_field("name", "name of the nut or bearing row")
     running: Band | None = quantity_field(
         "running_Nmm",
-        "torque that turns the shaft in this set, without seals: of a nut what drives it against its load and the friction "
-        "of its balls, of a bearing its friction; negative where the load drives",
+        "torque, without seals, that keeps the shaft turning in this nut or bearing row: of a nut against its load and its "
+        "friction, of a bearing against its friction; negative where the load drives the shaft",
         parts="[]",
     )
-    starting: Band | None = quantity_field("starting_Nmm", "the same from rest", parts="[]")
-    seals: float = quantity_field("seals_Nmm", "friction torque of its seals and wipers, as given", default=0.0)
-    words: str = quantity_field("words", "why it is not known", show=lambda words: words or None, default="")
+    starting: Band | None = quantity_field(
+        "starting_Nmm", "the same torque, without seals, when the shaft starts from rest", parts="[]"
+    )
+    seals: float = quantity_field(
+        "seals_Nmm", "friction torque of its seals and wipers, as the scene states it", default=0.0
+    )
+    words: str = quantity_field("words", "why the torque is not known", show=lambda words: words or None, default="")
 
 
 @result_record
@@ -73,11 +77,14 @@ class AxisDrive:
     """Torques (low, high) [N m] and moments of inertia [kg m^2] at the motor of a feed axis (Smith 4.10 to 4.15)."""
 
     sets: tuple[SetDrive, ...] = quantity_field("sets")
-    seals: float = quantity_field("seals_Nmm", "friction torque of all seals and wipers, as given")
-    other: float = quantity_field("other_Nmm", "friction torque of all else, as given in [drive]")
+    seals: float = quantity_field(
+        "seals_Nmm", "friction torque of all seals and wipers on the shaft, as the scene states it"
+    )
+    other: float = quantity_field("other_Nmm", "friction torque of all other parts, as the scene states it under [drive]")
     running: Band | None = quantity_field(
         "running_torque_Nmm",
-        "torque of the motor at constant speed: all sets, seals and all else (Smith 4.10); null where one is not known",
+        "torque of the motor at constant speed: sum over all nuts, bearings, seals and other parts (Smith 4.10); null "
+        "where one of them is not known",
         heading="motor torque, running",
         form="g3",
         error="empirical; that of the coefficient of friction",
@@ -85,7 +92,7 @@ class AxisDrive:
     )
     starting: Band | None = quantity_field(
         "starting_torque_Nmm",
-        "the same from rest",
+        "torque of the motor that starts the shaft from rest: of all nuts, bearings, seals and other parts",
         error="empirical; that of the coefficient of friction",
         parts="[]",
         heading="motor torque from rest",
@@ -93,20 +100,22 @@ class AxisDrive:
     )
     accelerating: Band | None = quantity_field(
         "accelerating_torque_Nmm",
-        "torque of the motor while it comes to speed: at constant speed and for the inertias, that of the mass over the "
-        "efficiency of the nut (Smith 4.11); null without a time",
+        "torque of the motor during acceleration: torque at constant speed plus that for the inertias, of which the moved "
+        "mass counts over the efficiency of the nut (Smith 4.11); null without an acceleration time",
         heading="motor torque, accelerating",
         form="g3",
         error="as at constant speed",
         parts="[]",
     )
     shaft_inertia: float = quantity_field(
-        "shaft_inertia_kg_mm2", "moment of inertia of the shaft (Smith 4.14), without rings"
+        "shaft_inertia_kg_mm2", "moment of inertia of the shaft (Smith 4.14), without inner rings"
     )
     reflected_inertia: float = quantity_field(
         "reflected_inertia_kg_mm2", "moment of inertia that the moved mass adds, m (p/(2 pi))^2 (Smith 4.15)"
     )
-    inertia: float = quantity_field("inertia_kg_mm2", "both and that of the motor", heading="moment of inertia")
+    inertia: float = quantity_field(
+        "inertia_kg_mm2", "sum of the moments of inertia of shaft, moved mass and motor", heading="moment of inertia"
+    )
 
 
 def friction_of_nuts(assembly: Assembly, result: AxisResult) -> NutSums:
@@ -197,15 +206,15 @@ def motor_torques_and_inertias(
 
 
 def lead_of_first_nut(assembly: Assembly) -> float:
-    """Return the lead of the first nut on the shaft [m]; 0 without a nut."""
+    """Return the lead [m] of the first nut on a shaft with several nuts or bearing rows; 0 without a nut."""
     return next((s.parts.track.lead for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead), 0.0)
 
 
 def _sum_of_torques(other: float, sets: list[Band | None], seals: float) -> Band | None:
-    """Return the sum of all torques on the shaft as (low, high) [N m] (Smith 4.10).
+    """Return the sum of the friction torques on a shaft as a range (low, high) [N m] (Smith 4.10).
 
-    ``sets``: torque of each nut or bearing, (low, high); if one of them is None (not known), the result is None; ``seals``,
-    ``other``: torques of all seals and of all else [N m].
+    ``sets``: torque of each nut or bearing, (low, high) [N m]; the sum is None if one of them is None (not known);
+    ``seals``: torque of all seals [N m]; ``other``: torque of all other parts [N m].
     """
     known = [x for x in sets if x is not None]
     if len(known) < len(sets):
@@ -215,10 +224,10 @@ def _sum_of_torques(other: float, sets: list[Band | None], seals: float) -> Band
 
 
 def _torque_of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> SetDrive:
-    """Return the torque with which the screw drives a nut.
+    """Return the torque with which the turning screw drives a nut.
 
-    ``name``: name of the nut; ``sums``: its friction results as JSON values; None: not known, for the reason ``why``;
-    ``sign``: -1 if the shaft turns in the negative direction, else 1.
+    ``name``: name of the nut; ``sums``: its friction torques as JSON values; None: not known, for the reason ``why``;
+    ``sign``: -1 if the screw turns in the negative direction, else 1.
     """
     if sums is None or sums["driving_torque_on_screw_Nmm"] is None:
         return SetDrive(name, None, None, words=why or "the friction of the balls did not converge")
@@ -227,9 +236,9 @@ def _torque_of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float
 
 
 def _torque_of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | None) -> SetDrive:
-    """Return the friction torque of a bearing row, running and from rest; zero without load.
+    """Return the friction torque of a bearing row, while it runs and when it starts from rest; zero without load.
 
-    ``s``: solution of the row; ``torque``: friction torque of a row of balls; None for rollers or without load.
+    ``s``: solution of the row; ``torque``: friction torque if the row has balls; None for rollers or without load.
     """
     ends: tuple[Band | None, Band | None] = (0.0, 0.0), (0.0, 0.0)
     if torque is not None:
@@ -243,9 +252,10 @@ def _torque_of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | No
 
 
 def combined_axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnswers) -> SystemLife | None:
-    """Compute the combined life of all nuts and bearings that turn with the shaft; None if none of them has a life.
+    """Compute the combined rating life of all nuts and bearings on a turning shaft; None if none of them has a life.
 
-    ``result``: converged solution; ``answers``: results that follow from it, with the life of each nut or bearing.
+    ``result``: converged solution of the shaft; ``answers``: results that follow from it, with the life of each nut or
+    bearing. Bearings on a moving housing, which do not turn with the shaft, are left out.
     """
     lives = {}
     for s, one in zip(result.sets, answers.sets, strict=True):
@@ -262,9 +272,9 @@ def combined_axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnsw
 
 @dataclass(frozen=True)
 class SolvedSet:
-    """Contact loads and force of one solved nut or bearing row, from which its life over a duty cycle is computed."""
+    """Contact loads and force of one nut or bearing row in one load case, from which its life over a duty cycle follows."""
 
-    #: Geometry of the nut or row; if it has balls, with the loads and supports of the whole scene.
+    #: Geometry of the nut or row; if it has balls, as a scene with all loads and supports of the shaft.
     parts: Scene | RollerRow
     #: Contact loads (n, 4) [N]; line loads of rollers (count, slices) [N/m].
     load: Array
@@ -276,7 +286,7 @@ class SolvedSet:
 
 @dataclass(frozen=True)
 class Solved:
-    """Solution by one model of a scene with one nut or bearing row, with all results that follow from the loads."""
+    """Solution of a scene with one nut or bearing row by one model, with all results that follow from the contact loads."""
 
     #: The scene.
     scene: Scene
@@ -289,12 +299,12 @@ class Solved:
 
     @property
     def contacts(self) -> tuple[LoadAnswers, ...]:
-        """Pressure, static safety and life from the contact loads, as one item; empty without equilibrium."""
+        """Pressure, static safety and life of the nut or row, as a tuple of one item; empty without equilibrium."""
         return () if self.answers is None else (self.answers.loads,)
 
     @property
     def sets(self) -> dict[str, SolvedSet]:
-        """Contact loads and force of the nut or row, under an empty name; empty without equilibrium."""
+        """Contact loads and force of the scene's only nut or row, under the name ""; empty without equilibrium."""
         if self.answers is None or self.result.equilibrium is None:
             return {}
         preload = absolute_axial_preload(self.answers.preload) if self.scene.errors.lead_offset else 0.0
@@ -304,7 +314,7 @@ class Solved:
 
 @dataclass(frozen=True)
 class SolvedAxis:
-    """Solution by one model of a shaft with several nuts or bearing rows, with all results that follow from the loads."""
+    """Solution of a shaft with several nuts or bearing rows by one model, with all results that follow from the loads."""
 
     #: The assembly.
     scene: Assembly
@@ -314,7 +324,7 @@ class SolvedAxis:
     answers: AxisAnswers | None = None
     #: Always None: expected errors are estimated for scenes with one nut or row only.
     expected: None = None
-    #: Torques and inertias at the motor; None without equilibrium, or if the nuts turn instead of the shaft.
+    #: Torques and moments of inertia at the motor; None without equilibrium, or if the nuts turn instead of the shaft.
     drive: AxisDrive | None = None
     #: Combined life of all nuts and rows that turn with the shaft; None if none of them has a life.
     life: SystemLife | None = None
@@ -398,7 +408,7 @@ def solve_scene_with_results(scene: Scene, model: str, options: Options) -> Solv
 
 @dataclass(frozen=True)
 class Extreme:
-    """Largest or smallest value over the load cases of a duty cycle."""
+    """Largest or smallest value of a quantity over the load cases of a duty cycle, and the load case with this value."""
 
     #: The value, in SI units; errors in per cent.
     value: float
@@ -408,17 +418,20 @@ class Extreme:
 
 @result_record
 class Lives:
-    """Lives of one nut or bearing row over a duty cycle: by its contact loads, and by the standards' equivalent loads."""
+    """Rating lives of one nut or bearing row over a duty cycle: from its contact loads, and from equivalent loads.
+
+    Equivalent loads are those of the standards for ball screws and bearings.
+    """
 
     #: Life by the contact loads; if None, ``life_words`` states the reason.
     life: Life | None
     life_words: str = quantity_field(
-        "life_words", "why there is no life over the duty cycle", show=lambda words: words or None
+        "life_words", "why no life over the duty cycle can be computed", show=lambda words: words or None
     )
     #: Life by the equivalent loads of the standards; if None, ``standard_words`` states the reason.
     standard: EquivalentLife | None = quantity_field("standard_life")
     standard_words: str = quantity_field(
-        "standard_life_words", "why the standard does not apply", show=lambda words: words or None
+        "standard_life_words", "why there is no life by the standard", show=lambda words: words or None
     )
     #: Name of the nut or row; empty if the scene has only one.
     set: str = ""
@@ -429,7 +442,8 @@ class Lives:
     @property
     @QuantityDescription(
         "life_difference_percent",
-        "life over the duty cycle by the contact loads against that by the standard; a result, not an error",
+        "difference of the life over the duty cycle by the contact loads from that by the standard's equivalent loads; a "
+        "result, not an error",
     )
     def difference_percent(self) -> float | None:
         """Difference of the life by the contact loads from the life by the standard [%]."""
@@ -445,8 +459,10 @@ class CycleResults:
     #: Largest contact pressure [Pa] of the load cases with equilibrium; None if no contact is loaded.
     pressure: Extreme | None = quantity_field(
         "largest_pressure_MPa",
-        "largest pressure of all cases",
-        QuantityDescription("largest_pressure_case", "its case", show=lambda found: found and found.case),
+        "largest pressure of all load cases",
+        QuantityDescription(
+            "largest_pressure_case", "load case with that pressure", show=lambda found: found and found.case
+        ),
         error="`model_form.pressure_percent` of its case",
         show=lambda found: found and found.value,
         heading="peak pressure of all cases",
@@ -455,8 +471,10 @@ class CycleResults:
     #: Smallest static safety of the load cases with equilibrium; None if no contact is loaded.
     safety: Extreme | None = quantity_field(
         "least_static_safety",
-        "least static safety of all cases",
-        QuantityDescription("least_static_safety_case", "its case", show=lambda found: found and found.case),
+        "least static safety of all load cases",
+        QuantityDescription(
+            "least_static_safety_case", "load case with that safety", show=lambda found: found and found.case
+        ),
         error="that of the load",
         show=lambda found: found and found.value,
         heading="least static safety",
@@ -466,8 +484,10 @@ class CycleResults:
     #: Largest expected error of a contact load in the load cases with equilibrium [% of the mean load]; None: not known.
     error: Extreme | None = quantity_field(
         "largest_expected_error_percent",
-        "largest error to expect of a contact load in any case, in per cent of the mean load",
-        QuantityDescription("largest_expected_error_case", "its case", show=lambda found: found and found.case),
+        "largest expected error of a contact load in any load case, in per cent of the mean load",
+        QuantityDescription(
+            "largest_expected_error_case", "load case with that error", show=lambda found: found and found.case
+        ),
         show=lambda found: found and found.value,
         heading="largest error to expect",
         form="g2",
@@ -475,7 +495,7 @@ class CycleResults:
     )
     #: Names of the load cases with equilibrium whose expected error is not known.
     uncovered: tuple[str, ...] = quantity_field("expected_error_not_covered")
-    #: Reason why there is no equilibrium, by the name of each load case without equilibrium.
+    #: Why there is no equilibrium, by the name of each load case without equilibrium.
     unsolved: dict[str, str] = quantity_field("unsolved")
     #: Lives of every nut or bearing row.
     lives: tuple[Lives, ...]
@@ -486,7 +506,7 @@ class CycleResults:
 
     @property
     @QuantityDescription(
-        "life_set", "of several sets that of the shortest life over the duty cycle, which the summary gives"
+        "life_set", "nut or bearing row with the shortest life over the duty cycle, which the summary gives"
     )
     def shortest(self) -> str:
         """Name of the nut or row with the shortest life over the duty cycle."""
@@ -494,7 +514,7 @@ class CycleResults:
 
     @property
     def least(self) -> Lives:
-        """Lives of the nut or row with the shortest life; of the first one whose life is not known, if there is one."""
+        """Lives of the nut or row with the shortest life over the cycle; a life that is not known counts as zero."""
         return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions)
 
 
@@ -529,7 +549,7 @@ def compute_cycle_results(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis
 
 
 def _axis_life_over_cycle(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
-    """Return the combined life over a duty cycle of all nuts and rows that turn with the shaft.
+    """Return the combined rating life of all nuts and bearing rows that turn with the shaft, over a duty cycle.
 
     ``lives``: lives of each nut or row. None for a scene with one nut or row, or if no life is known.
     """
@@ -561,7 +581,7 @@ def life_over_cycle(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) 
     Life or None
         The life.
     str
-        Why there is no life; else empty.
+        Why there is no life; empty if there is one.
     """
     lacking = [case.name for case, load in zip(cycle.cases, loads, strict=True) if load is None and case.share > 0.0]
     if lacking:
@@ -598,10 +618,10 @@ def contact_loads_by_set(result: StaticResult | AxisResult) -> dict[str, Array]:
 
 
 def _lives_of_set(cycle: DutyCycle, name: str, each: Sequence[SolvedSet | None]) -> Lives:
-    """Return the lives of a nut or row over a duty cycle.
+    """Return the rating lives of one nut or bearing row over a duty cycle.
 
-    ``name``: name as in `DutyCycle.sets`; ``each``: contact loads and force of the nut or row in every load case; None for
-    a case without equilibrium.
+    ``name``: name of the nut or row as in `DutyCycle.sets`; ``each``: its contact loads and force in every load case; None
+    for a load case without equilibrium.
     """
     rated, words = life_over_cycle(cycle, name, [None if s is None else s.load for s in each])
     if rated is None:
@@ -624,9 +644,9 @@ def _lives_of_set(cycle: DutyCycle, name: str, each: Sequence[SolvedSet | None])
 def _extreme_over_cases(
     pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]
 ) -> Extreme | None:
-    """Return the largest or smallest known value over load cases, with the name of its case; None if no value is known.
+    """Return the largest or smallest value over load cases, with the name of its load case; None if no value is known.
 
-    ``pick``: the function max or min; ``values``: pairs of load case and value; None: value not known.
+    ``pick``: the function max or min; ``values``: pairs of a load case and its value, None for a value that is not known.
     """
     known = [(value, case.name) for case, value in values if value is not None]
     return Extreme(*pick(known, key=lambda one: one[0])) if known else None

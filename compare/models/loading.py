@@ -1,4 +1,4 @@
-"""Response of a scene to its loads: internal preload, load at which a contact opens, and load path to the supports."""
+"""Preload of a scene, load at which a contact opens, and shares of the loads that supports and contacts carry."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ NEAR = 0.9
 
 @result_record
 class Preload:
-    """Contact loads without external loads, caused by ball oversize, geometry errors and misaligned supports."""
+    """Contact loads that remain without external loads, due to ball oversize, geometric errors and misaligned supports."""
 
     #: Mean load of the loaded contacts (`compare.measure.mean_load`) [N].
     mean: float = quantity_field(
@@ -45,45 +45,48 @@ class Preload:
     )
     #: Largest contact load [N].
     largest: float = quantity_field(
-        "max_N", "largest load of a contact or roller without the scene's loads", error="as above"
+        "max_N", "largest load of a contact or roller without the scene's loads", error="as `preload.mean_N`"
     )
     #: Number of loaded contacts.
-    loaded: int = quantity_field("loaded_contacts", "contacts that preload loads; of a row of rollers, rollers")
+    loaded: int = quantity_field(
+        "loaded_contacts",
+        "number of contacts that carry load without the scene's loads; for a row of rollers, number of rollers",
+    )
     #: Internal axial force [N]: the smaller of the axial forces with which contacts push the screw in the two directions;
     #: zero if they push in one direction only.
     axial: float = quantity_field(
         "axial_N",
-        "axial sum of one direction's contacts without the scene's loads; of one of several sets the axial force on the "
-        "shaft then",
-        error="as above",
+        "without the scene's loads, axial force with which the contacts press the screw in one direction, balanced by that "
+        "in the other; for one of several nuts or bearing rows, its axial force on the shaft",
+        error="as `preload.mean_N`",
         heading="preload, axial",
     )
 
 
 @result_record
 class LiftOff:
-    """Load at which the first preloaded contact opens when all loads of the scene grow in proportion."""
+    """External load at which the first preloaded contact opens, when all loads of the scene grow in proportion."""
 
-    #: Factor on the loads of the scene; None if none was found.
+    #: Factor on the loads of the scene at which the contact opens; None if none was found.
     factor: float | None = quantity_field(
         "load_factor",
-        "factor of the scene's loads at which the first preloaded contact opens",
+        "factor on the scene's loads at which the first preloaded contact opens",
         heading="contact lost at load factor",
         form="g3",
         note="ball {ball} {side}",
     )
-    #: Ball of this contact, from 1.
-    ball: int = quantity_field("ball", "ball of that contact", show=lambda ball: ball or None, default=0)
+    #: Number of the ball of this contact, from 1; 0 if none was found.
+    ball: int = quantity_field("ball", "ball of the contact that opens", show=lambda ball: ball or None, default=0)
     #: Flank of this contact: SL, SR, NL, NR.
-    side: str = quantity_field("side", "its flank", show=lambda side: side or None, default="")
+    side: str = quantity_field("side", "flank of the contact that opens", show=lambda side: side or None, default="")
     #: Axial force on the nut at this factor [N]; 0 if none was found.
     axial: float = 0.0
-    #: Number of solutions that were needed.
+    #: Number of times that the scene was solved for the search.
     solves: int = 0
     words: str = quantity_field("words", "why no such load was found", show=lambda words: words or None, default="")
 
     @property
-    @QuantityDescription("axial_force_N", "axial force at that factor")
+    @QuantityDescription("axial_force_N", "axial force on the nut when the contact opens")
     def force(self) -> float | None:
         """Axial force on the nut at which the contact opens [N]; None if no such load was found."""
         return None if self.factor is None else self.axial
@@ -155,7 +158,7 @@ def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> S
 
 
 def preload_from_unloaded(scene: Scene, unloaded: StaticResult) -> Preload:
-    """Return contact loads and axial force due to preload; ``unloaded``: result of the scene without its loads."""
+    """Return the preload of a scene: contact loads and axial force in its result ``unloaded`` without external loads."""
     loads = unloaded.load[unloaded.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
@@ -164,12 +167,15 @@ def preload_from_unloaded(scene: Scene, unloaded: StaticResult) -> Preload:
 
 
 def axial_preload(scene: Scene, unloaded: StaticResult) -> float:
-    """Return the axial force of the preload [N] (`Preload.axial`); ``unloaded``: result without the scene's loads."""
+    """Return the internal axial force due to preload [N]; ``unloaded``: result of the scene without external loads.
+
+    It is the smaller of the axial forces with which the contacts push the screw in the two directions.
+    """
     return min(float(unloaded.load[:, s].sum()) for s in (0, 1)) * approach_per_displacement(scene)
 
 
 def absolute_axial_preload(preload_result: Preload | None) -> float:
-    """Return the magnitude of the axial preload [N]; zero if the preload ``preload_result`` is not known (None)."""
+    """Return the magnitude of the internal axial force due to preload [N]; zero if the preload is None (not known)."""
     return 0.0 if preload_result is None else abs(preload_result.axial)
 
 
@@ -221,7 +227,7 @@ def find_lift_off_load(
     for solves in range(MOST):
         root = _secant_root(known)
         if root > FURTHEST and high == np.inf and len(known) > 1:
-            return LiftOff(None, solves=solves, words=f"none up to {FURTHEST:g} times the loads")
+            return LiftOff(None, solves=solves, words=f"no contact opens up to {FURTHEST:g} times the loads")
         low = known[-1][0]
         if root < high and abs(root - before) <= TOLERANCE * root:
             return LiftOff(root, contact // 4 + 1, SIDES[contact % 4], root * unit, solves)
@@ -231,7 +237,11 @@ def find_lift_off_load(
         factor = low + NEAR * (root - low) if root < high else 0.5 * (low + high)
         trial = solve_scaled(scene, factor, model, options)
         if not trial.converged:
-            return LiftOff(None, solves=solves + 1, words=f"not found: at {factor:.3g} times the loads {trial.status}")
+            return LiftOff(
+                None,
+                solves=solves + 1,
+                words=f"not found, because the solution at {factor:.3g} times the loads is {trial.status}",
+            )
         value, nearest = smallest_preloaded_load(trial)
         if value > 0.0:
             known.append((factor, value))
@@ -242,9 +252,9 @@ def find_lift_off_load(
 
 
 def _secant_root(known: Sequence[tuple[float, float]]) -> float:
-    """Return the zero x of the line through the last two points (x, y); infinite with one point or if y does not fall.
+    """Return where the line through the last two points (x, y) crosses y = 0; infinite if y does not decrease with x.
 
-    ``known``: points in the order in which they were computed.
+    ``known``: points in the order in which they were computed; with a single point the result is infinite, too.
     """
     if len(known) < 2:
         return float("inf")
@@ -253,7 +263,7 @@ def _secant_root(known: Sequence[tuple[float, float]]) -> float:
 
 
 def sum_of_axial_loads(assembly: Assembly) -> float:
-    """Return the sum of the axial loads on shaft and housings [N]."""
+    """Return the sum of the axial forces of all external loads on the shaft and its housings [N]."""
     return sum(x.force[2] for x in assembly.loads) + sum(h.force[2] for h in assembly.housings)
 
 
@@ -279,17 +289,16 @@ COMPONENTS = tuple(f"{way} {axis}" for way in ("along", "about") for axis in "xy
 
 @result_record
 class LoadTaker:
-    """Part of the loads that one support of the shaft, or the frame that holds a housing, carries."""
+    """Share of the external loads that one support of the shaft, or the frame that holds a housing, carries."""
 
     #: Name of the support (its axial position) or of the housing.
-    name: str = quantity_field("name", "support of the shaft by its station, or frame of a housing")
+    name: str = quantity_field("name", "support of the shaft, named by its axial position, or frame that holds a housing")
     #: Force and moment that it carries, (6,) [N, N m].
     part: Array = quantity_field(
         "force_N",
-        "what the support of this name (of several sets also the frame of a housing) takes of the loads: the force on it, "
-        "less that without the loads",
+        "share of the loads that this support or frame carries: force on it, less the force on it without the loads",
         QuantityDescription(
-            "moment_Nm", "the same of the moment on it, at its station", show=lambda part: part[3:], parts="[]"
+            "moment_Nm", "the same for the moment on it, at its axial position", show=lambda part: part[3:], parts="[]"
         ),
         show=lambda part: part[:3],
         parts="[]",
@@ -298,7 +307,7 @@ class LoadTaker:
 
 @result_record
 class LoadPath:
-    """Parts of the external loads that each support and the rolling contacts carry.
+    """Shares of the external loads that each support and the rolling contacts carry.
 
     All values are differences from the scene without its loads, so preload and prescribed displacements are not included.
     """
@@ -309,7 +318,7 @@ class LoadPath:
         "sum of the forces of the scene's loads, on shaft and housings, along x, y, z",
         QuantityDescription(
             "applied.moment_Nm",
-            "sum of the couples of its loads about x, y, z, as they are written",
+            "sum of the moments of the scene's loads about x, y, z, as stated there; lever arms of forces are not included",
             show=lambda applied: applied[3:],
             parts="[]",
         ),
@@ -318,31 +327,31 @@ class LoadPath:
     )
     #: Force and moment of the loads on the shaft, (6,) [N, N m].
     on_shaft: Array
-    #: Parts that supports and frames carry.
+    #: Shares that the supports of the shaft and the frames of housings carry.
     takers: tuple[LoadTaker, ...] = quantity_field("supports")
-    #: Force of the contacts, and its moment about the centre of their nut or ring, (6,) [N, N m]; for several nuts or rows
-    #: the sum of the absolute values.
+    #: Force and moment that the contacts carry, about the centre of their nut or ring, (6,) [N, N m]; for several nuts or
+    #: rows the sum of the absolute values.
     contacts: Array = quantity_field(
         "contacts.force_N",
-        "what the loads change of the force that the contacts take from the screw; of several sets the sum of the changes' "
-        "sizes",
+        "change, due to the loads, of the force of the screw on the contacts; of several nuts or bearing rows the sum of "
+        "the absolute changes",
         QuantityDescription(
             "contacts.moment_Nm",
-            "the same of the moment about the centre of the nut or ring",
+            "the same for the moment about the centre of the nut or ring",
             show=lambda contacts: contacts[3:],
             parts="[]",
         ),
         show=lambda contacts: contacts[:3],
         parts="[]",
     )
-    #: Pitch radius, which converts moments to forces [m].
+    #: Pitch radius, the lever arm by which moments are compared with forces [m].
     arm: float
-    #: Name of the body (housing, or "the shaft") whose loads alone are considered; empty: the loads on all bodies.
+    #: Name of the only body (housing, or "the shaft") whose loads are considered; empty: the loads on all bodies.
     where: str = ""
 
 
 def load_path_of_set(scene: Scene, result: StaticResult, unloaded: StaticResult) -> LoadPath | None:
-    """Return the parts of the loads that supports and contacts carry, for a scene with one nut or bearing row.
+    """Return the shares of the loads that supports and contacts carry, for a scene with one nut or bearing row.
 
     Parameters
     ----------
@@ -370,7 +379,7 @@ def load_path_of_set(scene: Scene, result: StaticResult, unloaded: StaticResult)
 def load_path_of_assembly(
     assembly: Assembly, result: AxisResult, unloaded: AxisResult, loaded_body: str = ""
 ) -> LoadPath | None:
-    """Return the parts of the loads that supports, frames and contacts carry, for several nuts or rows on one shaft.
+    """Return the shares of the loads that supports, frames of housings and contacts carry, for several nuts or rows.
 
     Parameters
     ----------
@@ -381,7 +390,7 @@ def load_path_of_assembly(
     unloaded
         Result of the assembly without loads.
     loaded_body
-        Name of the body (housing, or "the shaft") on which alone loads act in ``assembly``; empty: on all bodies.
+        Name of the only loaded body in ``assembly`` (a housing, or "the shaft"); empty: several bodies may be loaded.
 
     Returns
     -------
@@ -405,9 +414,9 @@ def load_path_of_assembly(
 
 
 def assemblies_by_loaded_body(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
-    """Return two copies of the assembly for each loaded body (shaft or housing), by the name of the body.
+    """Split the loads of an assembly by body: return two copies for each loaded shaft or housing, by its name.
 
-    In the first copy only the loads on this body act, in the second all other loads.
+    In the first copy only the loads on this body act, in the second only the loads on all other bodies.
     """
     none, out = (0.0, 0.0, 0.0), dict[str, tuple[Assembly, Assembly]]()
     bare = tuple(replace(h, force=none, moment=none) for h in assembly.housings)
@@ -422,7 +431,7 @@ def assemblies_by_loaded_body(assembly: Assembly) -> dict[str, tuple[Assembly, A
 
 
 def sum_of_loads(loads: Sequence[Load]) -> Array:
-    """Return the sum of all forces and the sum of all moments of loads, (6,) [N, N m].
+    """Return the sum of the forces and the sum of the moments of external loads, (6,) [N, N m].
 
     Moments of the forces about a common point are not included.
     """
@@ -430,7 +439,7 @@ def sum_of_loads(loads: Sequence[Load]) -> Array:
 
 
 def _support_shares(scene: Scene | Assembly, result: Solved, bare: Solved) -> tuple[LoadTaker, ...]:
-    """Return the part of the loads that each support carries; empty if the model does not compute support reactions.
+    """Return the share of the loads that each support of the shaft carries; empty if the model computes no reactions.
 
     ``result``: solution under the scene's loads; ``bare``: solution without them.
     """
@@ -442,24 +451,25 @@ def _support_shares(scene: Scene | Assembly, result: Solved, bare: Solved) -> tu
 
 
 def _contact_wrench_on_screw(result: StaticResult) -> Array:
-    """Return the force of all contacts on the screw and its moment about the origin, (6,) [N, N m]; else zero.
+    """Return the force of all contacts on the screw and its moment about the origin, (6,) [N, N m].
 
-    It is zero without equilibrium.
+    Both are zero for a result without equilibrium.
     """
     e = result.equilibrium
     return np.zeros(6) if e is None or not result.converged else np.concatenate([e.contact_force, e.contact_moment])
 
 
 def _wrench_about_station(station: float, wrench: Array) -> Array:
-    """Convert a force with its moment about the origin, ``wrench`` (6,) [N, N m], to its moment about a point on the axis.
+    """Return a force and its moment about a point on the screw's axis, from the force and its moment about the origin.
 
-    ``station``: axial position of this point [m]. The force, the first three components, stays the same.
+    ``station``: axial position of the point [m]; ``wrench``: force and moment about the origin, (6,) [N, N m], of which the
+    first three components do not change.
     """
     return resultant_about_origin(np.array([-station]), wrench[None])
 
 
 def load_path_text(path: LoadPath) -> str:
-    """Return a text with the part of each component of the load that each support carries; empty if they carry none."""
+    """Return a text with the share of each load component that each support carries; empty if supports carry nothing."""
     out = []
     for k in np.flatnonzero(path.applied):
         load, unit = float(path.applied[k]), "N" if k < 3 else "N m"
@@ -473,9 +483,9 @@ def load_path_text(path: LoadPath) -> str:
 
 
 def load_path_warnings(path: LoadPath | None) -> Iterator[Warned]:
-    """Yield a warning if supports carry most of the axial force, or of all loads on the shaft, past the contacts.
+    """Yield a warning if supports carry nearly all of the axial load, or nearly all loads on the shaft, past the contacts.
 
-    The contact loads then do not represent the applied load. Loads on several bodies are judged for each body separately.
+    The contact loads then do not represent the applied load. ``path``: shares of the loads on all bodies, or on one body.
     """
     if path is None:
         return

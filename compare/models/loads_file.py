@@ -71,7 +71,7 @@ EXAMPLE = "write a first line ball,flank,newton and rows such as 1,SL,225.4"
 
 
 class Column(NamedTuple):
-    """Quantity and unit of a column of a file."""
+    """Contact quantity of a column of a CSV file, and the factor from the unit of the column to SI units."""
 
     #: Name by `WORDS` or `NAMES`; ``uncertain share`` for the relative uncertainty of a load; empty if unknown.
     name: str
@@ -80,7 +80,7 @@ class Column(NamedTuple):
 
 
 def parse_heading(heading: str) -> Column:
-    """Return the quantity and unit of a column of contact data from its heading.
+    """Return which contact quantity a column of a CSV file holds, and in which unit, from the heading of the column.
 
     A heading that is only a unit of force, such as ``newton``, is the contact load.
 
@@ -112,10 +112,10 @@ def parse_heading(heading: str) -> Column:
 
 
 def _column_in_unit(name: str, text: str, dimension: str) -> Column:
-    """Return the column of a quantity from its name and the rest of its heading, which states the unit.
+    """Return the quantity of a CSV column and the factor from the unit in its heading to SI units.
 
-    ``name``: name of the quantity; ``text``: rest of the heading; ``dimension``: required dimension, such as "force". The
-    name of the returned column is empty if the unit has another dimension.
+    ``name``: name of the quantity; ``text``: rest of the heading, which states the unit; ``dimension``: required dimension
+    of the unit, such as "force". The name of the returned column is empty if the unit has another dimension.
     """
     unit = standard_unit_spelling(text.strip(" _[]()/"))
     if name == "uncertainty" and unit in ("%", "percent"):
@@ -128,17 +128,17 @@ def _column_in_unit(name: str, text: str, dimension: str) -> Column:
 
 @dataclass(frozen=True)
 class GivenLoads:
-    """Contact loads that were read from a CSV file, with other contact quantities of the file."""
+    """Contact loads of a scene as read from a user's CSV file, with further contact quantities and notes of the file."""
 
     #: Contact loads (n, 4) [N]; zero on flanks without rows in the file.
     load: Array
     #: Flanks that have rows in the file.
     flanks: tuple[str, ...]
-    #: Number of balls whose number differs between file and scene.
+    #: Number of balls that the file numbers in another way than the scene, and which were matched by their positions.
     renumbered: int = 0
-    #: Other quantities of each contact, (n, 4) in SI units, by the names of `FURTHER`; nan in empty cells.
+    #: Further quantities of each contact, such as pressure, by the names of `FURTHER`, (n, 4) in SI units; nan: empty cell.
     further: Mapping[str, Array] = field(default_factory=dict)
-    #: Headings that were not recognised.
+    #: Headings of the file whose quantity or unit is not known.
     unknown: tuple[str, ...] = ()
     #: Notes of the file (lines ``# name: text`` above the headings): text by name.
     notes: Mapping[str, str] = field(default_factory=dict)
@@ -250,10 +250,10 @@ class CsvTable:
 
 
 def _cells_by_line(path: Path, lines: Sequence[str], above: int, separator: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield each row of a CSV table as (line number in the file, cells); InputError for unmatched quotes.
+    """Yield the rows of a CSV table as pairs: number of the line in the file, texts of the cells.
 
-    ``lines``: lines of the table; ``above``: number of lines of the file before them; ``separator``: character between two
-    cells.
+    ``path``: the file, for error messages; ``lines``: lines of the table; ``above``: number of lines of the file before
+    them; ``separator``: character between two cells. InputError for a quotation mark without its partner.
     """
     reader = csv.reader(lines, delimiter=separator, strict=True)
     try:
@@ -265,9 +265,10 @@ def _cells_by_line(path: Path, lines: Sequence[str], above: int, separator: str)
 
 
 def _check_cells(path: Path, number: int, titles: Sequence[str], row: Sequence[str], separator: str) -> None:
-    """Raise InputError for a row with text in a column without heading, other than the first column (row numbers).
+    """Raise InputError if a row of a CSV file has text in a column that has no heading.
 
-    ``number``: number of the line; ``titles``: headings; ``row``: cells; ``separator``: character between two cells.
+    The first column may lack a heading, as spreadsheets write row numbers there. ``path`` and ``number``: file, and number
+    of the line, for the message; ``titles``: headings; ``row``: texts of the cells; ``separator``: character between cells.
     """
     if not any(cell and not title for cell, title in [*zip_longest(row, titles, fillvalue="")][1:]):
         return
@@ -282,7 +283,7 @@ def _check_cells(path: Path, number: int, titles: Sequence[str], row: Sequence[s
 
 
 def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filter: Only = EVERY) -> GivenLoads:
-    """Read contact loads and other contact quantities (angle, pressure, approach) from a CSV file.
+    """Read contact loads and other contact quantities (angle, pressure, approach) of one load case from a CSV file.
 
     Headings state the units (`parse_heading`). On each flank that the file contains, every ball must have a row, with load
     0 if the contact carries none: a missing row is an error.
@@ -297,7 +298,8 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
         Scene. If the file has both azimuth and axial position of the balls, they are matched by position to the balls of
         this scene. None, or if one column is missing: balls are matched by their numbers.
     row_filter
-        Accepted texts of the columns ``case`` (load case) and ``set`` (nut or bearing); rows with other texts are skipped.
+        Accepted texts of the columns ``case`` (name of the load case) and ``set`` (name of the nut or bearing); rows with
+        other texts are skipped.
 
     Returns
     -------
@@ -337,7 +339,7 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
             " and ".join(row_filter),
             " of ".join(f"{name} {words[0]}" for name, words in reversed([*row_filter.items()])),
         )
-        advice = f"add the rows; solve with `loads_csv=FILE` writes a complete file with the column {which}"
+        advice = f"add the rows; `solve` with `loads_csv=FILE` writes a complete file with the column {which}"
         raise InputError(str(path), which, f"no rows of {value}", f"rows of every {which} of the scene", advice)
     unknown = tuple(f'"{head}"' for head, c in columns.items() if not c.name)
     further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in columns.values()}}
@@ -352,13 +354,16 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
 
 
 def _note_above_table(line: str) -> tuple[str, str]:
-    """Return name and text of a comment line ``# name: text``, without separators that a spreadsheet appended."""
+    """Return name and text of a comment line ``# name: text`` of a CSV file, without separators added by a spreadsheet."""
     name, _, text = line.strip("#;, \t").partition(":")
     return name.strip().lower(), text.strip()
 
 
 def _columns_by_heading(path: Path, table: CsvTable) -> dict[str, Column]:
-    """Return quantity and unit of each column by its heading; InputError without loads, or if a quantity occurs twice."""
+    """Return quantity and unit of each column of a CSV file by its heading.
+
+    ``path``: the file, for error messages. InputError if no column has contact loads, or if two columns have one quantity.
+    """
     columns = {head: parse_heading(head) for head in table.titles}
     where, names = f"line {table.line}", [parse_heading(head).name for head in table.titles]
     if "load" not in names:
@@ -371,20 +376,20 @@ def _columns_by_heading(path: Path, table: CsvTable) -> dict[str, Column]:
 
 
 class _LoadsRow:
-    """Row of a CSV file with contact loads, whose cells are read by the name of their quantity in `NAMES` or `WORDS`."""
+    """One row of a CSV file with contact loads; cells are read by the name of a column, such as "ball"."""
 
     def __init__(self, path: Path, line: str, cells: Mapping[str, tuple[str, float, str]], *, decimal_comma: bool) -> None:
         self._path, self._line, self._cells_by_line, self._comma = path, line, cells, decimal_comma
 
     def fault(self, name: str, value: str, allowed: str, advice: str) -> InputError:
-        """Return the InputError for a wrong cell.
+        """Return the InputError for a cell of this row that cannot be used.
 
         ``name``: column of the cell; ``value``: its text; ``allowed``: allowed texts or range; ``advice``: what to do.
         """
         return InputError(str(self._path), f"{self._line}: {name}", value or "nothing", allowed, advice)
 
     def word(self, name: str) -> str:
-        """Return the text of the cell in the column ``name``; empty if the file has no such column."""
+        """Return the text of this row's cell in the column ``name``; empty if the file has no such column."""
         return self._cells_by_line.get(name, ("", 1.0, ""))[2]
 
     def ball(self, balls: int) -> int:
@@ -417,9 +422,9 @@ class _LoadsRow:
         return value * factor
 
     def non_negative_value(self, name: str) -> float:
-        """Return the quantity ``name`` of the row in SI units; nan for an empty cell.
+        """Return this row's value of the quantity ``name`` in SI units; nan for an empty cell.
 
-        InputError if the text is not a number of at least 0, or if the cell of the contact load is empty.
+        InputError if the text of the cell is not a number of at least 0, or if the contact load is missing.
         """
         value, factor, text = self._number(name)
         if not text and name != "load":
@@ -430,7 +435,7 @@ class _LoadsRow:
         return value * factor
 
     def _number(self, name: str) -> tuple[float, float, str]:
-        """Return the number in a cell (nan if the text is no number), the factor to SI units, and the text."""
+        """Return the number in this row's cell of column ``name`` (nan: no number), factor to SI, and text of the cell."""
         _, factor, text = self._cells_by_line.get(name, ("", 1.0, ""))
         return number_in_cell(text, decimal_comma=self._comma), factor, text
 
@@ -453,7 +458,7 @@ class _BallFinder:
             place = f"{np.degrees(azimuth):g} deg, {1e3 * z:g} mm"
             allowed = f"the position of a ball; the nearest, ball {ball + 1}, is {1e3 * away[ball]:.3g} mm away"
             advice = (
-                "use the positions that solve with `loads_csv=FILE` writes, or delete both columns to identify balls by "
+                "use the positions that `solve` with `loads_csv=FILE` writes, or delete both columns to identify balls by "
                 "their numbers"
             )
             raise row.fault("azimuth, z", place, allowed, advice)
@@ -477,7 +482,7 @@ def number_in_cell(text: str, *, decimal_comma: bool) -> float:
 
 
 def decimal_comma_advice(advice: str, text: str) -> str:
-    """Return the advice for a cell that is no number: ``advice``, or one on the decimal mark if the text has a comma.
+    """Return advice for a CSV cell that should be a number: on the decimal mark if it has a comma, else ``advice``.
 
     Parameters
     ----------
@@ -515,9 +520,10 @@ def read_csv_text(path: Path) -> str:
 
 
 def _check_complete_loads(path: Path, load: Array) -> GivenLoads:
-    """Return contact loads (n, 4) [N] read from the file ``path`` as a record; nan: no row in the file.
+    """Check that contact loads read from a CSV file are complete, and return them as a record.
 
-    InputError if there is no load at all, or if a ball has none (nan) on a flank on which other balls have one.
+    ``path``: the file, for error messages; ``load``: contact loads of n balls, (n, 4) [N]; nan: no row in the file.
+    InputError if there is no load at all, or if a ball has none on a flank on which other balls have one.
     """
     given = ~np.isnan(load)
     if not given.any():

@@ -109,7 +109,7 @@ WITH_FLANGE = SCALES | {FLANGE: ("nut held by its flange", 1.0)}
 class ModelForm:
     """Expected error of a model for one scene, estimated from its errors against the 3D reference on other scenes.
 
-    Percentages are None if no similar scene was compared (not covered).
+    Percentages are None if no similar scene was compared: the scene is then "not covered".
     """
 
     #: Largest error of a contact load [% of the mean contact load].
@@ -118,36 +118,41 @@ class ModelForm:
         "whether scenes like this one were compared with the 3D reference",
         QuantityDescription(
             "largest_percent_of_mean",
-            "error of the worst contact load that holds for nine of ten such scenes, in per cent of the mean load",
+            "largest error of a contact load to expect, in per cent of the mean load; at least nine of ten compared scenes "
+            "had a smaller one",
         ),
         show=lambda percent: percent is not None,
     )
     #: Root mean square error of the loads [% of the mean contact load].
-    rms_percent: float | None = quantity_field("rms_percent_of_mean", "the same of the root mean square over all contacts")
+    rms_percent: float | None = quantity_field("rms_percent_of_mean", "expected RMS error of all contact loads")
     #: Distance to the nearest compared scene: Euclidean norm of the differences of the features, each divided by its unit
     #: of difference (`SCALES`).
     distance: float = quantity_field(
-        "distance", "distance to the nearest compared scene, in the space of what decides the error"
+        "distance", "distance to the most similar compared scene in the features that decide the error, in scaled units"
     )
     #: Name of the nearest compared scene; empty if there is none.
-    nearest: str = quantity_field("nearest", "its name")
+    nearest: str = quantity_field("nearest", "name of the most similar compared scene")
     #: Number of compared scenes of the same kind (screws or bearings).
-    compared: int = quantity_field("compared", "number of compared scenes")
+    compared: int = quantity_field("compared", "number of compared scenes of the same kind (screws or bearings)")
     #: Sentences on which parts the model contains, and in what the scene differs from the compared scenes.
     words: tuple[str, ...] = quantity_field("words")
-    #: Error of the axial displacement of the loaded cross-section [%].
+    #: Error of the axial displacement of the cross-section on which the axial load acts [%].
     displacement_percent: float | None = quantity_field(
-        "displacement_percent", "the same of the axial displacement", default=None
+        "displacement_percent", "expected error of the axial displacement", default=None
     )
-    #: Error of the tangent rigidity of the loaded cross-section [%].
-    rigidity_percent: float | None = quantity_field("rigidity_percent", "the same of the tangent rigidity", default=None)
+    #: Error of the axial tangent rigidity of this cross-section [%].
+    rigidity_percent: float | None = quantity_field(
+        "rigidity_percent", "expected error of the tangent rigidity", default=None
+    )
     #: Error of the largest pressure against that by Hertz from the contact loads of the 3D reference [%].
-    pressure_percent: float | None = quantity_field("pressure_percent", "the same of the largest pressure", default=None)
+    pressure_percent: float | None = quantity_field(
+        "pressure_percent", "expected error of the largest pressure", default=None
+    )
 
 
 @dataclass(frozen=True)
 class Point:
-    """Errors of a model on one scene that was compared with the 3D reference, in per cent as in `ModelForm`.
+    """Measured errors [%] of a low-order model against the 3D reference on one scene, and the features of the scene.
 
     Errors that were not measured are None.
     """
@@ -160,10 +165,13 @@ class Point:
     percent: float
     #: Root mean square error of the contact loads [% of the mean load].
     rms_percent: float
-    #: Features of the scene by name, as `features_of_scene` returns them.
+    #: Numbers that describe the scene, by name, as `features_of_scene` returns them.
     features: dict[str, float]
+    #: Error of the axial displacement of the cross-section on which the axial load acts [%].
     displacement_percent: float | None = None
+    #: Error of the axial tangent rigidity of this cross-section [%].
     rigidity_percent: float | None = None
+    #: Error of the largest pressure [%].
     pressure_percent: float | None = None
     #: Largest error of a contact load in per cent of its own load, as it is compared with the limit (`measure.LoadError`).
     gate_percent: float | None = None
@@ -247,15 +255,15 @@ def _median(values: Array) -> float:
 
 
 def _scaled_features(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -> Array:
-    """Return the features of a scene as an array (k,), each divided by its unit of difference; a missing one is zero.
+    """Return the k features of a scene as an array (k,), each divided by its scale; a missing feature counts as zero.
 
-    ``values``: features by name; ``scales``: definition and unit of each of the k features, as in `SCALES`.
+    ``values``: features by name; ``scales``: definition and scale of each feature by its name, as in `SCALES`.
     """
     return np.array([values.get(name, 0.0) / unit for name, (_, unit) in scales.items()])
 
 
 def save_model_errors(store: Path, points: Sequence[Point]) -> None:
-    """Write the errors of models on compared scenes (``points``) to the file `FILE` in the folder ``store`` of 3D runs."""
+    """Write the measured errors ``points`` of models on compared scenes to the file `FILE` in the folder ``store``."""
     text = json.dumps([asdict(p) for p in points], indent=1, sort_keys=True) + "\n"
     from rollbench.compare.files import replace_file
 
@@ -264,21 +272,21 @@ def save_model_errors(store: Path, points: Sequence[Point]) -> None:
 
 @cache
 def errors_on_compared_scenes() -> tuple[Point, ...]:
-    """Return the errors of models on the built-in scenes and on the random screws that are included with rollbench.
+    """Return the measured errors of the models on the built-in scenes, then on the randomly drawn screws.
 
-    A file that is missing or damaged contributes nothing.
+    They are read from files that are included with rollbench; a missing or damaged file contributes nothing.
     """
     return (*_model_errors_from_json(lambda: json.loads(files.text(f"references/{FILE}"))), *errors_on_drawn_screws())
 
 
 @cache
 def errors_on_drawn_screws() -> tuple[Point, ...]:
-    """Return the errors of models on all random screws; empty if their file is missing or damaged."""
+    """Return the stored errors of the models on the randomly drawn screws; empty if their file is missing or damaged."""
     return _model_errors_from_json(lambda: [point for scene in records_of_drawn_screws() for point in scene["points"]])
 
 
 def _model_errors_from_json(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
-    """Return the errors of models on compared scenes from JSON records; empty if these cannot be read.
+    """Return the measured errors of models on scenes from JSON records; empty if the records cannot be read.
 
     ``rows``: function that reads the records, each with the fields of `Point`.
     """
@@ -290,7 +298,7 @@ def _model_errors_from_json(rows: Callable[[], Iterable[dict[str, Any]]]) -> tup
 
 
 def why_kind_not_compared(scene: Scene) -> str:
-    """Return the reason why no scene of this kind was compared with the 3D reference; empty if some were."""
+    """Return why no scene like this one was compared with the 3D reference (such as a rigid nut); empty if some were."""
     if scene.solid.nut == "rigid":
         return "its nut is rigid; the nuts of all compared scenes are elastic"
     if scene.ingredients.screw == "rigid" and scene.track.lead > 0.0:
@@ -301,7 +309,7 @@ def why_kind_not_compared(scene: Scene) -> str:
 
 
 def held_by_flange(scene: Scene) -> bool:
-    """Return whether the nut has a flange and is fixed at its face."""
+    """Return whether the nut of the scene has a flange and is fixed at the face of the flange."""
     return scene.nut.flange is not None and scene.solid.nut_held in (None, "flange face")
 
 
@@ -314,13 +322,13 @@ def error_bound(known: Array, errors: Array, here: Array, least: float) -> float
     Parameters
     ----------
     known
-        Scaled features of the compared scenes, (n, k).
+        The k features of the n compared scenes, each divided by its scale, (n, k).
     errors
         Errors of the model on these scenes, (n,) [%].
     here
-        Scaled features of the scene, (k,).
+        The k features of the scene, each divided by its scale, (k,).
     least
-        Value to which smaller errors are raised [%].
+        Least error [%], to which smaller errors are raised before their logarithm is taken.
     """
     A = np.column_stack([np.ones(len(known)), known - known.mean(axis=0)])
     y = np.log(np.maximum(np.abs(errors), least))
@@ -331,7 +339,7 @@ def error_bound(known: Array, errors: Array, here: Array, least: float) -> float
 
 
 def estimate_model_error(scene: Scene, result: StaticResult, points: Iterable[Point] | None = None) -> ModelForm:
-    """Estimate the expected error of a model's result for a scene.
+    """Estimate the error of a model's result for a scene, from the model's errors against the 3D reference on other scenes.
 
     The estimate does not cover models that were not compared with the 3D reference (Mei's, those of users), kinds of scenes
     that were not compared (bearings are compared with bearings only), and scenes outside the range of the compared scenes.
@@ -343,7 +351,7 @@ def estimate_model_error(scene: Scene, result: StaticResult, points: Iterable[Po
     result
         Converged result of the model for the scene.
     points
-        Errors of the model on compared scenes; None: those included with rollbench.
+        Measured errors of models on compared scenes; None: those included with rollbench.
 
     Returns
     -------
@@ -393,20 +401,20 @@ def estimate_model_error(scene: Scene, result: StaticResult, points: Iterable[Po
 
 
 def _features_beyond_compared(known: Array, here: Array) -> list[str]:
-    """Return the definitions of the features in which a scene lies outside the range of the compared scenes.
+    """Return, as text, the definition of each feature in which a scene lies outside the range of the compared scenes.
 
-    ``here``: scaled features of the scene, (k,); ``known``: scaled features of the n compared scenes, (n, k). A feature is
-    outside the range if it exceeds it by more than `MARGIN`.
+    ``here``: the k features of the scene, each divided by its scale, (k,); ``known``: those of the n compared scenes, (n,
+    k). A scene is outside if it exceeds the range by more than `MARGIN`.
     """
     far = np.maximum(known.min(axis=0) - here, here - known.max(axis=0)) > MARGIN
     return [what for (what, _), beyond in zip(WITH_FLANGE.values(), far, strict=False) if beyond]
 
 
 def _expected_errors(similar: Sequence[Point], known: Array, features_here: Array) -> dict[str, float | None]:
-    """Return the expected error [%] of each quantity on a scene, from the errors ``similar`` on similar scenes.
+    """Return the expected error [%] of each quantity in `QUANTITIES` on a scene, from the errors on n similar scenes.
 
-    ``features_here``: scaled features of the scene, (k,); ``known``: scaled features of the similar scenes, (n, k). A
-    quantity is None if too few similar scenes have an error of it.
+    ``similar``: measured errors on these scenes; ``known``: their k features, each divided by its scale, (n, k);
+    ``features_here``: those of the scene, (k,). An expected error is None if too few similar scenes have an error of it.
     """
     out: dict[str, float | None] = {}
     for name in QUANTITIES:
@@ -419,9 +427,9 @@ def _expected_errors(similar: Sequence[Point], known: Array, features_here: Arra
 
 @dataclass(frozen=True)
 class LeftOutScene:
-    """Compared scene with its measured errors and the errors estimated from all other compared scenes."""
+    """Errors of a model on one compared scene: as measured, and as estimated from all other compared scenes."""
 
-    #: Measured errors of the scene.
+    #: Measured errors of a model on the scene.
     point: Point
     #: Expected errors [%] by name of the quantity (`QUANTITIES`); None if the scene is outside the range of the others.
     expected: dict[str, float | None] | None
@@ -430,8 +438,8 @@ class LeftOutScene:
 def leave_one_out(points: Sequence[Point], model: str) -> list[LeftOutScene]:
     """Estimate the error of a model on each compared screw from its errors on all other compared screws.
 
-    ``points``: errors of models on compared scenes; ``model``: name of the model. Screws whose nut is not fixed at a flange
-    are estimated only from other screws whose nut is not fixed at a flange.
+    ``points``: measured errors of models on compared scenes; ``model``: name of the model. Screws whose nut is not fixed at
+    a flange are estimated only from other screws whose nut is not fixed at a flange.
     """
     out = []
     for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):
@@ -455,7 +463,7 @@ Raised: TypeAlias = "tuple[Scene, StaticResult, Run]"
 
 @dataclass(frozen=True)
 class SectionAnswer:
-    """Axial displacement of that cross-section of the screw on which the load acts, and axial force on the nut."""
+    """Axial displacement of the screw's cross-section on which the axial load acts, and axial force on the nut."""
 
     #: Axial displacement of the cross-section [m].
     moved: float
@@ -464,9 +472,9 @@ class SectionAnswer:
 
 
 def loaded_section_state(scene: Scene, answer: Loads) -> SectionAnswer:
-    """Return the axial displacement of the screw's loaded cross-section, and the axial force on the nut.
+    """Return the axial displacement of the screw's cross-section under the axial load, and the axial force on the nut.
 
-    The loaded cross-section is where the largest axial load acts, or the nut's centre if the scene has no loads.
+    The cross-section is where the largest axial load acts, or the nut's centre if the scene has no loads.
 
     Parameters
     ----------
@@ -478,7 +486,7 @@ def loaded_section_state(scene: Scene, answer: Loads) -> SectionAnswer:
     Returns
     -------
     SectionAnswer
-        Axial displacement of the loaded cross-section and axial force on the nut.
+        Axial displacement of this cross-section [m] and axial force on the nut [N].
     """
     place = max(scene.loads, key=lambda load: abs(load.force[2])).at if scene.loads else scene.nut.position
     moved = float(np.interp(place, answer.stations, answer.line[:, 2]))
@@ -515,8 +523,8 @@ def measure_model_error(name: str, scene: Scene, result: StaticResult, run: Run,
     run
         Run of the 3D reference.
     raised
-        Scene with increased loads, with the model's result and the 3D run for it, from which the rigidity between both load
-        states is computed; None: the rigidity is not compared.
+        The same scene under increased loads, with the model's result and the 3D run for it. The rigidities of model and 3D
+        reference follow from the differences between both load states; None: the rigidity is not compared.
 
     Returns
     -------
@@ -552,5 +560,5 @@ def measure_model_error(name: str, scene: Scene, result: StaticResult, run: Run,
 
 
 def error_percent_or_none(value: float | None, reference: float | None) -> float | None:
-    """Return the error of a value [% of the reference value]; None if a value is missing or the reference is zero."""
+    """Return the error of ``value`` [% of ``reference``]; None if one of them is None, or if ``reference`` is zero."""
     return None if value is None or not reference else round(float(error_percent(value, reference)), 4)

@@ -1,4 +1,4 @@
-"""Effect of modelling choices on contact loads: in the 3D reference, and in the sequence of low-order models.
+"""Effects of modelling choices on contact loads: in the 3D reference, and in the sequence of low-order models.
 
 The modelling uncertainty of the 3D reference is the effect of its idealisations, and of dimensions that Lin's thesis does
 not print. Each choice is varied separately on the coarsest mesh level, and each mesh setting is refined separately on the
@@ -42,7 +42,7 @@ VARIED = ("lin-case1", "lin-case3")
 #: Scene on which each setting of the finest mesh is refined separately: the preloaded one, with loads on all flanks.
 REFINED = "lin-case3"
 
-#: For each scene: the scene with the same parts on which choices were varied, and whose effects are used for it.
+#: By the name of a scene: name of the scene with the same parts on which choices were varied, and whose effects are used.
 SPOKEN_FOR = {"lin-case1": "lin-case1", "lin-case2": "lin-case1", "lin-case3": "lin-case3", "lin-case3-offset": "lin-case3"}
 
 
@@ -54,7 +54,7 @@ class Effect:
     scene: str
     #: Name of the variant.
     variant: str
-    #: Description of the variant.
+    #: Description of the variant in tables.
     label: str
     #: Name of the modelling choice that the variant changes.
     choice: str
@@ -62,7 +62,7 @@ class Effect:
     kind: Kind
     #: Changes of the contact loads, (n, 4) [% of the mean load].
     change: Array
-    #: Largest change with its contact, and root mean square change.
+    #: Largest change of a contact load and the contact with it, and root mean square change [% of the mean load].
     error: LoadError
     #: Change of the ratio of largest to smallest load on the flank SL [%]; nan if a smallest load is zero.
     ratio: float
@@ -70,7 +70,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class Modelling:
-    """Modelling uncertainty of the 3D reference on one scene, combined from the effects of all modelling choices."""
+    """Modelling uncertainty of the 3D reference on one scene: root of the summed squares of the effects of all choices."""
 
     #: Name of the scene.
     scene: str
@@ -87,16 +87,16 @@ class Modelling:
 
 
 def unchanged_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
-    """Return the stored 3D run of a scene with which its variants on a mesh level are compared; None if none is stored.
+    """Return the stored 3D run of a scene on a mesh level without changed modelling choices; None if none is stored.
 
-    ``stores``: folders with runs; None: that included with rollbench. The result is the run of the variant ``base`` if one
-    is stored, else the regular run.
+    Runs with a changed choice are compared with it. ``stores``: folders with runs; None: that included with rollbench. The
+    result is the run of the variant ``base`` if one is stored, else the regular run.
     """
     return load_run(scene, level, "base", stores) or load_run(scene, level, stores=stores)
 
 
 def effects_of_variants(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
-    """Return the effect of each variant of the 3D reference on a scene, from stored runs that converged.
+    """Return the effects of changed modelling choices of the 3D reference on a scene, from stored runs that converged.
 
     ``stores``: folders with runs; None: that included with rollbench. Outside the 3D part of the shaft, the 3D reference
     neglects that an axial force twists a grooved shaft. The effect of this twist is computed by the refined model and
@@ -120,16 +120,16 @@ def effects_of_variants(scene: Scene, stores: Sequence[Path] | None = None) -> l
 
 
 def effect_of_variant(scene: str, variant: str, label: str, choice: str, kind: Kind, changed: Array, base: Array) -> Effect:
-    """Compute the effect of a variant of the 3D reference from its contact loads and those of the unchanged run.
+    """Compute by how much a changed modelling choice of the 3D reference changes the contact loads of a scene.
 
     Parameters
     ----------
     scene, variant, label, choice, kind
         Fields of the returned `Effect`.
     changed
-        Contact loads of the variant, (n, 4) [N].
+        Contact loads of n balls by the 3D run with the changed choice, (n, 4) [N].
     base
-        Contact loads of the unchanged 3D run, (n, 4) [N].
+        Contact loads by the unchanged 3D run, (n, 4) [N].
 
     Returns
     -------
@@ -144,9 +144,10 @@ def effect_of_variant(scene: str, variant: str, label: str, choice: str, kind: K
 
 
 def combine_effects(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
-    """Return the modelling uncertainty of a scene: root of the sum of squares of the effects of all choices.
+    """Return the modelling uncertainty of the 3D reference on a scene: root of the sum of squares of all effects.
 
-    ``effects``: effects of variants, also those on other scenes. None if no choice was varied on the scene.
+    ``effects``: effects of changed modelling choices; those on other scenes are ignored. None if no choice was varied on
+    the scene.
     """
     of_scene = [e for e in effects if e.kind == "modelling" and e.scene == scene.name]
     if all(e.variant == "coupling" for e in of_scene):
@@ -170,9 +171,10 @@ def combine_effects(scene: Scene, effects: Sequence[Effect]) -> Modelling | None
 
 
 def largest_modelling_uncertainty(scene: str, by_scene: Mapping[str, Modelling]) -> float | None:
-    """Return the largest modelling uncertainty of a contact load that applies to a scene [% of the mean load].
+    """Return the modelling uncertainty of the 3D reference that applies to the scene named ``scene`` [% of the mean load].
 
-    ``by_scene``: modelling uncertainty of each varied scene. None if choices were varied on no scene with the same parts.
+    It is the largest one of a contact load, on the scene with the same parts on which choices were varied; None without
+    such a scene. ``by_scene``: modelling uncertainty of each scene on which choices were varied, by its name.
     """
     spoken = by_scene.get(SPOKEN_FOR.get(scene, ""))
     return None if spoken is None else spoken.largest
@@ -181,7 +183,8 @@ def largest_modelling_uncertainty(scene: str, by_scene: Mapping[str, Modelling])
 #: Screws and a bearing that were not used while the refined model was developed.
 UNSEEN = names_with_role("unseen")
 
-#: Scenes with an uncertainty above 0.3 % on four mesh levels, due to lightly loaded contacts next to heavily loaded ones.
+#: Scenes whose 3D reference has an uncertainty above 0.3 % on four mesh levels, because lightly loaded contacts lie next to
+#: heavily loaded ones.
 DEEP = ("two-balls", "unseen-25x5")
 
 #: Models of the refinement sequence, each of which refines the one before it: from the model of Lin's thesis to the refined
@@ -191,7 +194,7 @@ RUNGS = tuple(sorted((m for m in MODELS.values() if m.ladder_step), key=lambda m
 
 @dataclass(frozen=True)
 class Rung:
-    """Result of one model of the refinement sequence on one scene, with its errors against the 3D reference."""
+    """Result of one model of the refinement sequence (from Lin's to the refined model) on a scene, with its errors."""
 
     #: Name of the scene.
     scene: str
@@ -201,7 +204,7 @@ class Rung:
     result: StaticResult
     #: Errors of the contact loads against the 3D reference.
     error: LoadError
-    #: Largest uncertainty of a contact load of the 3D reference [% of the mean load].
+    #: Uncertainty of the most uncertain contact load of the 3D reference [% of the mean load].
     uncertainty: float | None
     #: Relative difference of the sum of the contact loads from that of the 3D reference [%].
     bias: float
@@ -243,18 +246,18 @@ def solve_refinement_sequence(scene: Scene, reference: Reference, stores: Sequen
 
 @dataclass(frozen=True)
 class BodyShareErrors:
-    """Errors of the refined model on one scene if its screw, nut or both are replaced by those of the finest 3D run."""
+    """Errors of the refined model on one scene when its screw, nut or both have the stiffness of the finest 3D run."""
 
     #: Name of the scene.
     scene: str
-    #: Errors of the contact loads, by the names of the replaced bodies: (), ("screw",), ("nut",) or both.
+    #: Errors of the contact loads, by the bodies that have the 3D stiffness: (), ("screw",), ("nut",) or both.
     errors: dict[tuple[str, ...], LoadError]
-    #: Relative difference of the sum of the contact loads from that of the 3D reference [%], by the same names.
+    #: Relative difference of the sum of the contact loads from that of the 3D reference [%], by the same bodies.
     bias: dict[tuple[str, ...], float]
 
 
 def errors_by_replaced_body(study: Study) -> list[BodyShareErrors]:
-    """Compute the errors of the refined model with screw, nut, both or none of them replaced by condensed 3D bodies.
+    """Compute the errors of the refined model with the 3D stiffness of the screw, of the nut, of both or of none of them.
 
     All built-in scenes with a stored 3D reference and condensed bodies are solved.
     """
@@ -279,7 +282,7 @@ def errors_by_replaced_body(study: Study) -> list[BodyShareErrors]:
 def ladder(study: Study) -> list[Rung]:
     """Solve every scene that has a stored 3D reference with every model of the refinement sequence.
 
-    The results are stored in the study.
+    ``study``: cache of scenes, results and 3D references, which also keeps the results.
     """
     references = study.references((*REFERENCED, *UNSEEN))
     rungs = [
@@ -292,9 +295,9 @@ def ladder(study: Study) -> list[Rung]:
 
 
 def model_errors_on_shipped_scenes(study: Study, rungs: Sequence[Rung]) -> list[Point]:
-    """Return the errors of the models on the built-in scenes, from which expected errors are estimated.
+    """Return the errors of the models on the built-in scenes; errors to expect on other scenes are estimated from them.
 
-    ``rungs``: result of each model of the refinement sequence on each of these scenes.
+    ``study``: cache of scenes and 3D references; ``rungs``: result of each model of the refinement sequence on each scene.
     """
     references = study.references((*REFERENCED, *UNSEEN))
     return [measure_model_error(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]

@@ -44,6 +44,7 @@ LEAST = 1e-9
 DISPLACEMENT = "displacement"
 #: Bytes at the end of a program's output that are searched for its last line.
 TAIL = 4096
+#: Advice in the error message for a program that failed.
 MEND = (
     "run the program by hand on a file of `rollbench export SCENE --format json`; "
     "increase its time limit by `model_seconds` if necessary"
@@ -62,7 +63,7 @@ def is_command(name: str) -> bool:
 
 
 def model_command(command: str, seconds: float = SECONDS) -> str:
-    """Return a model name for the command of an external program, for all functions with an argument ``model``.
+    """Return the model name that stands for an external program; any function with an argument ``model`` takes it.
 
     Parameters
     ----------
@@ -93,7 +94,7 @@ def model_command(command: str, seconds: float = SECONDS) -> str:
 
 
 def model_title(name: str) -> str:
-    """Return the name of a model for headings; of a command, its words without folders and placeholders.
+    """Return the name of a model for headings; for a command, its words without folders and placeholders.
 
     Parameters
     ----------
@@ -115,7 +116,7 @@ def model_title(name: str) -> str:
 
 @cache
 def parse_command(name: str) -> Program:
-    """Split the command of an external program into its words and its time limit.
+    """Check the command of an external program, and split it into its words and its time limit.
 
     Parameters
     ----------
@@ -165,13 +166,13 @@ class Program:
 
     @property
     def label(self) -> str:
-        """Short name of the program: words of the command without placeholders, paths shortened to the file name."""
+        """Short name of the program: its command without placeholders and without the folders in paths."""
         words = [Path(word).name or word for word in self.words if SCENE not in word and LOADS not in word]
         return one_line(" ".join(words), 40)
 
     @property
     def files(self) -> str:
-        """Names of the files in the command, each with a hash of its contents, by which a changed program is recognised."""
+        """Names of the files in the command, each with a hash of its contents, which changes with the program."""
         import hashlib
 
         paths = [Path(shutil.which(self.words[0]) or self.words[0]), *map(Path, self.words[1:])]
@@ -219,9 +220,9 @@ class Program:
                 raise self._failure_error(scene, f"wrote loads that cannot be used, {what}", said) from None
 
     def _run(self, words: list[str], said: Path) -> str:
-        """Run the program and return the reason why it failed; an empty text if it did not fail.
+        """Run the program, and return why it failed; empty if it ended with exit code 0 within its time limit.
 
-        ``words``: command with the paths of its files; ``said``: file to which its printed output is written.
+        ``words``: words of the command with the paths of its files; ``said``: file that takes its printed output.
         """
         import subprocess
 
@@ -242,7 +243,7 @@ class Program:
         return "" if code == 0 else f"ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
 
     def _failure_error(self, scene: Scene, why: str, said: Path) -> ProgramError:
-        """Return the ProgramError for a program that failed on a scene, with the last line of its output.
+        """Return the ProgramError for this program's failure on a scene, with the last line that it printed.
 
         ``why``: reason of the failure; ``said``: file with the program's printed output.
         """
@@ -251,7 +252,7 @@ class Program:
         return ProgramError(self.label, scene.name, why + words, MEND)
 
     def _read_answer(self, path: Path, scene: Scene) -> tuple[GivenLoads, Array | None]:
-        """Read the contact loads and the screw's displacement that the program wrote to its file.
+        """Read the contact loads and the displacement of the screw at the nut's centre from the program's output file.
 
         ``path``: the file. The displacement (6,) [m, rad] is None if the program wrote none. InputError if loads or
         displacement cannot be used.
@@ -289,7 +290,7 @@ def _kill_process(process: subprocess.Popen[bytes]) -> None:
 
 
 def last_output_line(path: Path) -> str | None:
-    """Return the last non-empty line of a program's output.
+    """Return the last non-empty line that an external program printed.
 
     Parameters
     ----------

@@ -29,20 +29,21 @@ if TYPE_CHECKING:
 class Options:
     """Options with which a low-order model is run."""
 
-    #: Whether terms of the model that cannot change the contact loads of the scene are computed, too.
+    #: Whether the model also computes those of its terms that cannot change the contact loads of the scene.
     everything: bool = False
-    #: Number of the specimen, from 0, of a scene with random geometric errors.
+    #: Number of the random draw of the scene's geometric errors, from 0; 0 without random errors.
     member: int = 0
-    #: How numerical kernels run: ``interpreted``, ``compiled``, or ``auto`` (depends on the number of balls).
+    #: How numerical kernels run: ``interpreted`` (plain Python), ``compiled`` (machine code), or ``auto`` (which of both
+    #: depends on the number of balls).
     engine: str = "auto"
-    #: Whether the error due to the beam's division into elements is estimated.
+    #: Whether the error due to the division of the screw into beam elements is estimated.
     discretisation: bool = True
-    #: File with the condensed stiffness of screw and nut, which the model "condensed" needs; None: none.
+    #: File with the stiffness of screw and nut condensed to the contacts, for the model "condensed"; None: no file.
     condensed: Path | None = None
 
 
 def _solve_lin(scene: Scene, options: Options) -> StaticResult:
-    """Solve a scene by the low-order model of Lin's thesis ("lin")."""
+    """Solve a scene by the model "lin", the low-order model of Lin's thesis: beam screw, rigid nut, Hertz contacts."""
     from rollbench.lowfi.statics.static import solve_static
 
     return solve_static(
@@ -55,7 +56,7 @@ def _solve_lin(scene: Scene, options: Options) -> StaticResult:
 
 
 def read_condensed_bodies(scene: Scene, options: Options) -> Condensed:
-    """Read the condensed stiffness of screw and nut from the file ``options.condensed``.
+    """Read the stiffness of screw and nut, condensed to the contacts, from the file ``options.condensed``.
 
     Parameters
     ----------
@@ -67,12 +68,12 @@ def read_condensed_bodies(scene: Scene, options: Options) -> Condensed:
     Returns
     -------
     Condensed
-        Condensed screw and nut.
+        Condensed stiffness of screw and nut.
 
     Raises
     ------
     InputError
-        If the options name no file, or the file is missing or belongs to other parts than those of the scene.
+        If the options name no file, or the file is missing or was made for other parts than those of the scene.
     """
     from rollbench.lowfi.compliance.bodies import Condensed
 
@@ -91,7 +92,7 @@ def read_condensed_bodies(scene: Scene, options: Options) -> Condensed:
 
 
 def _solve_elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
-    """Solve a scene by the model ``name``, which has elastic bodies; for "condensed" they are read from a file."""
+    """Solve a scene by the model ``name`` with an elastic screw and nut; those of "condensed" are read from a file."""
     from rollbench.lowfi.compliance.parts import LADDER, REFINED
     from rollbench.lowfi.statics.elastic import solve_elastic
     from rollbench.lowfi.statics.static import with_discretisation_error
@@ -112,7 +113,7 @@ def _solve_elastic(scene: Scene, options: Options, *, name: str) -> StaticResult
 
 
 def _solve_as_source(scene: Scene, options: Options) -> StaticResult:
-    """Solve a scene by the equations and the Newton iteration of Lin's thesis; InputError for a rigid screw."""
+    """Solve a scene by the model "source": equations and Newton iteration of Lin's thesis; InputError for a rigid screw."""
     from rollbench.lowfi.as_source import solve_source_as_static_result
 
     if scene.ingredients.screw == "rigid":
@@ -122,14 +123,17 @@ def _solve_as_source(scene: Scene, options: Options) -> StaticResult:
 
 
 def _solve_mei(scene: Scene, options: Options, *, elastic_nut: bool) -> StaticResult:
-    """Solve a scene by the axial bars and springs of Mei et al. (2003); ``elastic_nut``: nut as a bar instead of rigid."""
+    """Solve a scene by the model of Mei et al. (2003): axial bars and springs.
+
+    ``elastic_nut``: whether the nut is an elastic bar instead of rigid.
+    """
     from rollbench.lowfi.statics.mei import solve_mei
 
     return solve_mei(scene, member=options.member, elastic_nut=elastic_nut)
 
 
 def _solve_liu(scene: Scene, options: Options) -> StaticResult:
-    """Solve a scene by the axial chain of balls with turning contact angles of Liu et al. (2025), the model "liu"."""
+    """Solve a scene by the model of Liu et al. (2025): balls along the axis whose contact angles turn under load."""
     from rollbench.lowfi.statics.liu import solve_liu
 
     return solve_liu(scene, member=options.member, compiled=options.engine == "compiled")
@@ -143,7 +147,7 @@ def _solve_axis_lin(assembly: Assembly, options: Options) -> AxisResult:
 
 
 def _solve_axis_elastic(assembly: Assembly, options: Options, *, name: str) -> AxisResult:
-    """Solve a shaft with several nuts or bearing rows by the model ``name``, which has elastic bodies."""
+    """Solve a shaft with several nuts or bearing rows by the model ``name``, in which shaft and rings are elastic."""
     from rollbench.lowfi.compliance.parts import LADDER
     from rollbench.lowfi.statics.axis.elastic import solve_refined
 
@@ -152,23 +156,26 @@ def _solve_axis_elastic(assembly: Assembly, options: Options, *, name: str) -> A
 
 
 def covers_any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.suits
-    """Return True for every scene: the condition `Model.suits` of a model without restrictions."""
+    """Return True: the function `Model.suits` of a model that covers every scene with one nut or bearing row."""
     return True
 
 
 def has_beam(scene: Scene) -> bool:
-    """Return whether the scene asks for a screw that is modelled as a beam instead of a rigid body."""
+    """Return whether the options of the scene ask for a screw modelled as a beam instead of a rigid body."""
     return scene.ingredients.screw == "beam"
 
 
 def is_covered_by_mei(scene: Scene) -> bool:
-    """Return whether Mei's model covers a scene: axial loads only, no preload, a single support, screw as a beam."""
+    """Return whether the model of Mei et al. covers a scene: axial loads, no preload, one support, screw as a beam."""
     axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
     return axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1 and has_beam(scene)
 
 
 def is_covered_by_liu(scene: Scene) -> bool:
-    """Return whether Liu's model covers a scene: axial loads at one end of the nut, no preload, no support fixing uz."""
+    """Return whether the model of Liu et al. covers a scene.
+
+    It covers axial loads at one end of the nut, without preload and without a support that fixes the screw axially.
+    """
     from rollbench.lowfi.statics.liu import is_solvable_by_liu
 
     return is_solvable_by_liu(scene)
@@ -180,23 +187,23 @@ class Model:
 
     #: Name on the command line.
     name: str
-    #: Sentence for ``rollbench list``.
+    #: Description of the model in the output of ``rollbench list``.
     about: str
     #: Name in tables and figures.
     label: str
-    #: Text on the elasticity of screw, nut and balls in the model.
+    #: Text on how the model describes the elasticity of screw, nut and balls.
     words: str
     #: Function that solves a scene with one nut or bearing row.
     run: Callable[[Scene, Options], StaticResult]
-    #: Function that solves a shaft with several nuts or bearing rows, or the reason why the model cannot.
+    #: Function that solves a shaft with several nuts or bearing rows, or a text that says why the model cannot.
     assembly: Callable[[Assembly, Options], AxisResult] | str = "it solves one nut or bearing row"
-    #: Function that returns whether the model covers a scene.
+    #: Function that returns whether the model covers a scene with one nut or bearing row.
     suits: Callable[[Scene], bool] = covers_any_scene
     #: Whether ``rollbench compare`` shows the model by default.
     compared: bool = False
-    #: Whether the model is in the table of numerical stability.
+    #: Whether the model solves the hard scenes of the report's table of numerical stability.
     extremes: bool = False
-    #: Settings of the scene's table [ingredients] that distinguish this model from the one with the same solver.
+    #: Modelling options (scene table [ingredients]) that distinguish this model from another one with the same solver.
     ingredients: tuple[tuple[str, Any], ...] = ()
     #: Position in the sequence of models from Lin's to the refined one, and what the model adds to the one before it; None:
     #: the model is not in the sequence.
@@ -205,11 +212,11 @@ class Model:
     errors_of: str = ""
 
     def scene(self, scene: Scene) -> Scene:
-        """Return a copy of the scene with the settings (`Scene.ingredients`) that this model prescribes."""
+        """Return a copy of the scene with the modelling options (`Scene.ingredients`) that this model prescribes."""
         return replace(scene, ingredients=replace(scene.ingredients, **dict(self.ingredients)))
 
     def assembly_with_settings(self, assembly: Assembly) -> Assembly:
-        """Return a copy of the assembly, with all nuts and rows, with the settings that this model prescribes."""
+        """Return a copy of the assembly whose nuts and rows all have the modelling options that this model prescribes."""
         parts = [self.scene(s.parts) if isinstance(s.parts, Scene) else s.parts for s in assembly.sets]
         sets = tuple(replace(s, parts=p) for s, p in zip(assembly.sets, parts, strict=True))
         return replace(assembly, sets=sets, ingredients=replace(assembly.ingredients, **dict(self.ingredients)))
@@ -217,11 +224,11 @@ class Model:
 
 C_8, HALF_SPACES = "screw a beam by Lin C.8, nut rigid, balls half spaces", "balls half spaces"
 BARS = "axial bars and springs of fixed direction"
-MEI_AXIS = "its bars connect the supports to a single fixed nut"
+MEI_AXIS = "its bars connect the supports of the screw to a single fixed nut"
 _ALL = (
     Model(
         "refined",
-        "elastic grooved screw, nut and balls between Hertz contacts, no 3D solve; the default",
+        "elastic grooved screw, nut and balls with Hertz contacts, without a 3D solution; the default",
         "refined model",
         "screw, nut and balls elastic, by kernels",
         partial(_solve_elastic, name="refined"),
@@ -232,7 +239,7 @@ _ALL = (
     ),
     Model(
         "lin",
-        "beam screw, rigid nut, Hertz contacts; convex energy (Lin chapter 2, misprints mended)",
+        "model of Lin's thesis (chapter 2, misprints corrected): beam screw, rigid nut, Hertz contacts; least energy",
         "the source's low-order model",
         C_8,
         _solve_lin,
@@ -242,7 +249,7 @@ _ALL = (
     ),
     Model(
         "lin-source-partition",
-        "lin with the source's beam partition of 15 mm in the nut",
+        "lin with the 15 mm beam elements inside the nut of Lin's thesis",
         "the source's model on its 15 mm partition",
         C_8,
         _solve_lin,
@@ -252,7 +259,7 @@ _ALL = (
     ),
     Model(
         "lin-printed-hertz",
-        "lin with the Hertz constants as printed (faults of Table B.1)",
+        "lin with the Hertz constants as Lin's thesis prints them (Table B.1, which has errors)",
         "the source's model, Hertz constants as printed",
         C_8,
         _solve_lin,
@@ -262,7 +269,7 @@ _ALL = (
     ),
     Model(
         "lin-cell",
-        "the same with the section of the grooved shaft",
+        "lin with the cross-section of the grooved shaft for the beam",
         "the source's model, section of the grooved cell",
         f"screw a beam of the grooved cell's section, nut rigid, {HALF_SPACES}",
         partial(_solve_elastic, name="lin-cell"),
@@ -271,7 +278,7 @@ _ALL = (
     ),
     Model(
         "lin-nut",
-        "the same with the nut as a beam too",
+        "lin-cell with the nut as a beam, too",
         "the source's model, nut as a beam",
         f"screw and nut beams of the grooved cells' sections, {HALF_SPACES}",
         partial(_solve_elastic, name="lin-nut"),
@@ -281,7 +288,7 @@ _ALL = (
     ),
     Model(
         "condensed",
-        "refined, with the bodies of a condensed 3D model read from a file that rollbench condense made",
+        "refined, with the stiffness of screw and nut from a 3D model, read from a file that rollbench condense made",
         "refined model, bodies from the condensed 3D model",
         "screw, nut and balls from a condensed 3D model",
         partial(_solve_elastic, name="condensed"),
@@ -290,11 +297,11 @@ _ALL = (
     ),
     Model(
         "source",
-        "the same model by the equations of the source, plain Newton iteration from a designer's guess",
+        "lin by the equations of Lin's thesis and plain Newton iteration, started from a designer's guess",
         "equations and iteration of the source",
         C_8,
         _solve_as_source,
-        "the equations of the thesis describe a single fixed nut",
+        "the equations of Lin's thesis describe a single fixed nut",
         suits=has_beam,
         errors_of="lin",
     ),
@@ -310,7 +317,7 @@ _ALL = (
     ),
     Model(
         "mei-nut",
-        "the same with the nut as an elastic bar held at its left face",
+        "mei with the nut as an elastic bar fixed at its left face",
         "Mei: axial bars, nut as a bar",
         f"{BARS}, nut a bar",
         partial(_solve_mei, elastic_nut=True),
@@ -320,11 +327,11 @@ _ALL = (
     ),
     Model(
         "liu",
-        "axial chain of balls that leave and join, contact angles that turn, elastic nut (Liu et al. 2025)",
+        "chain of balls along the axis that lose and gain contact, contact angles that turn, elastic nut (Liu et al. 2025)",
         "Liu: axial bars, turning contact angles",
         "axial bars and springs whose direction turns, screw and nut loaded at one end",
         _solve_liu,
-        "it describes one row of balls, with screw and nut loaded at one end",
+        "it describes one row of balls between a screw and a nut, each loaded at one end",
         suits=is_covered_by_liu,
         compared=True,
     ),
@@ -342,7 +349,7 @@ DEFAULT = "refined"
 def default_model(scene: Scene | Assembly) -> str:
     """Return the name of the default model of a scene.
 
-    It is `DEFAULT`, or lin if an inner ring sits on a spring-supported housing, because no other model covers this.
+    It is `DEFAULT`, or "lin" if an inner ring sits on a housing that springs support, which no other model covers.
     """
     if isinstance(scene, Scene):
         return DEFAULT
@@ -357,7 +364,7 @@ def is_model(name: str) -> bool:
 
 
 def find_model(name: str, argument: str = "model", excluded: Sequence[str] = ()) -> Model:
-    """Return the record of a model: of rollbench, of an installed package (which is imported), or an external command.
+    """Return the record of a model: of rollbench, of an installed package (which is imported), or of an external command.
 
     Parameters
     ----------
@@ -394,7 +401,7 @@ def find_model(name: str, argument: str = "model", excluded: Sequence[str] = ())
     def run(scene: Scene, options: Options) -> StaticResult:
         return user_models.solve_by_user_model(name, scene, options.member)
 
-    reason = "models of users are functions of a scene with one nut or bearing row"
+    reason = "a user's model is a function of a scene with one nut or bearing row"
     return Model(name, "", programs.model_title(name), user_models.WORDS, run, reason)
 
 
@@ -442,26 +449,26 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
     Raises
     ------
     InputError
-        If the name is unknown, the model does not cover the scene, or ``options.member`` numbers a specimen of a scene
-        without random errors.
+        If the name is unknown, the model does not cover the scene, or ``options.member`` is above 0 for a scene without
+        random errors.
     """
     name, options = name or default_model(scene), options or Options()
     run = _solver_of_scene(scene, name)
     if options.member and not has_random_errors(scene):
-        allowed = "0, because the scene has no random errors"
+        allowed = "0, because the scene has no random geometric errors"
         raise ArgumentError("member", str(options.member), allowed, "leave `member` out", scene.name)
     try:
         with np.errstate(all="ignore"):
             result = run(options)
     except ValueError as error:
         single = isinstance(scene, Scene)
-        where, what = (scene_key_of_error(error), "geometry and the ingredients") if single else ("scene", "geometry")
+        where, what = (scene_key_of_error(error), "geometry and [ingredients]") if single else ("scene", "geometry")
         raise Refusal(scene.name, where, str(error), f"check the {what}") from error
     return replace(result.answers(), model=name, member=options.member)
 
 
 def _solver_of_scene(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticResult | AxisResult]:
-    """Return a function that solves the scene with the model ``name`` and given options; InputError if the model cannot."""
+    """Return a function that solves the scene with the model ``name`` for given options; InputError if the model cannot."""
     if isinstance(scene, Scene):
         model = find_model(name)
         return partial(model.run, model.scene(scene))

@@ -1,4 +1,4 @@
-"""Cache of scenes, results and 3D references that a report, a check of error limits or a test module uses repeatedly."""
+"""Cache of scenes, model results and stored 3D references that one report, error check or test module uses repeatedly."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 @dataclass
 class Study:
-    """Scenes, model results and stored 3D references of one report or check, each computed or read only once."""
+    """Cache of the scenes, model results and stored 3D references of one report or check; each is computed or read once."""
 
     #: Folders with runs of the 3D reference, in order of search; None: those included with rollbench.
     stores: Sequence[Path] | None = None
-    #: Number of specimens with random errors; None: as many as the scene states; 0: none, so that results which need them
-    #: are not computed.
+    #: Number of random draws of the geometric errors of scenes with random errors; None: as many as the scene states;
+    #: 0: results that need such draws are not computed.
     members: int | None = None
     #: Whether only coarse meshes are used, to save time.
     quick: bool = False
@@ -40,21 +40,21 @@ class Study:
     #: Built-in scenes of other types than `Scene` (shafts with several nuts or bearings, duty cycles, parts for which only
     #: friction is computed), by name.
     others: dict[str, Described] = field(default_factory=dict)
-    #: Results by scene, model and number of the specimen.
+    #: Results of low-order models by scene, name of the model, and number of the random draw of the geometric errors.
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
-    #: Values of `compute_once`, by function and arguments.
+    #: Values that `compute_once` has computed, by function and arguments.
     computed: dict[Any, Any] = field(default_factory=dict)
     #: Printed numbers and claims with their computed values (`compare.evidence.Evidence`), by printed table.
     evidence: dict[str, tuple[Any, ...]] = field(default_factory=dict)
 
     def scene(self, name: str) -> Scene:
-        """Return the built-in scene ``name``; read on first use."""
+        """Return the built-in scene ``name``, which is read from its file on first use."""
         if name not in self.scenes:
             self.scenes[name] = catalogue.scene(name)
         return self.scenes[name]
 
     def record_used_scenes(self, names: Sequence[str]) -> None:
-        """Record that results of the study depend on the built-in scenes ``names``."""
+        """Record that results of this report or check depend on the built-in scenes ``names``."""
         for name in names:
             scene = catalogue.shipped_scene(name)
             if isinstance(scene, Scene):
@@ -64,7 +64,7 @@ class Study:
 
     @property
     def used(self) -> dict[str, Described]:
-        """All scenes on which results of the study depend so far, by name and sorted."""
+        """All scenes on which results of this report or check depend so far, by name, sorted by name."""
         scenes: dict[str, Described] = {**self.scenes, **self.others}
         return dict(sorted(scenes.items()))
 
@@ -77,10 +77,10 @@ class Study:
         return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
     def solve(self, scene: Scene | str, model: str = "lin", member: int = 0) -> StaticResult:
-        """Return the result of a model for a scene; it is solved on first use.
+        """Return the cached result of a model for a scene, which is solved on first use.
 
         ``scene``: the scene, or the name of a built-in scene; ``model``: name of the model; ``member``: number of the
-        specimen, from 0, of a scene with random errors.
+        random draw of the geometric errors, from 0; 0 without random errors.
         """
         parts = self.scene(scene) if isinstance(scene, str) else scene
         key = (parts, model, member)
@@ -92,18 +92,21 @@ class Study:
         return self.results[key]
 
     def compute_once(self, make: Callable[..., T], *args: Any) -> T:
-        """Return the value of ``make(self, *args)``, computed on first use and then cached; arguments must be hashable."""
+        """Return the value of ``make(self, *args)``, which is computed on first use and then cached.
+
+        ``make``: function that takes this cache first; ``args``: its other arguments, which must be hashable.
+        """
         key = (make, *args)
         if key not in self.computed:
             self.computed[key] = make(self, *args)
         return cast(T, self.computed[key])
 
     def reference(self, name: str) -> Reference | None:
-        """Return the stored 3D reference of a built-in scene, with its uncertainty; None without a converged run."""
+        """Return the stored 3D reference of the built-in scene ``name``; None without a converged run."""
         return self.compute_once(_stored_reference, name)
 
     def references(self, names: Sequence[str]) -> dict[str, Reference]:
-        """Return the stored 3D references of built-in scenes by name, without the scenes that have none."""
+        """Return the stored 3D references of the built-in scenes ``names`` by name, without scenes that have none."""
         references = {name: self.reference(name) for name in names}
         return {name: ref for name, ref in references.items() if ref is not None}
 

@@ -73,27 +73,28 @@ CONTACTS = "contact loads"
 
 @dataclass(frozen=True)
 class Quantity:
-    """Quantity by which model and reference are compared, with the function that computes it."""
+    """Quantity by which a model is compared with the 3D reference, such as the axial displacement."""
 
     #: Name of the quantity.
     name: str
     #: Unit of its values.
     unit: str
-    #: Function that returns its values (any shape) from a scene and the results of a model or 3D run.
+    #: Function that returns the values of the quantity (array of any shape) from a scene and the results of a model or 3D
+    #: run.
     take: Take
-    #: Whether errors are in per cent of the mean contact load instead of the value.
+    #: Whether errors of the quantity are in per cent of the mean contact load instead of the quantity itself.
     of_mean: bool = False
     #: Whether the quantity is the load of the most loaded contact.
     of_largest: bool = False
 
 
 def _axial_displacement(scene: Scene, answer: Loads) -> Array:
-    """Return the screw's axial displacement at the nut's centre in the results ``answer`` as an array (1,) [um]."""
+    """Return the screw's axial displacement at the nut's centre as an array (1,) [um]; ``answer``: displacements."""
     return np.array([1e6 * float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2]))])
 
 
 def _angle_at_most_loaded(scene: Scene, answer: Loads) -> Array:  # noqa: ARG001 - every quantity takes the scene
-    """Return the contact angle of the most loaded contact in the results ``answer`` as an array (1,) [deg]."""
+    """Return the contact angle of the most loaded contact as an array (1,) [deg]; ``answer``: contact loads and angles."""
     return np.array([float(answer.angle.ravel()[int(answer.load.argmax())])])
 
 
@@ -107,11 +108,11 @@ QUANTITIES = (
 
 @dataclass(frozen=True)
 class InputTolerance:
-    """Tolerance of an input value, with the function that changes a scene by this tolerance."""
+    """Assumed tolerance of one input of a scene, such as the contact angle, and the function that changes a scene by it."""
 
-    #: Name of the input value and size of its tolerance.
+    #: Name of the input and size of its tolerance.
     name: str
-    #: Function that returns the changed scene, or None if the scene does not have this value.
+    #: Function that returns a scene with the input changed by its tolerance; None if the scene does not have this input.
     change: Callable[[Scene], Scene | None]
 
 
@@ -159,15 +160,16 @@ INPUTS = (
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Parts of the validation uncertainty of a quantity on one scene."""
+    """Parts of the validation uncertainty u_val of one quantity of one scene, by their causes."""
 
-    #: Each part by its name [%], a number or an array in the shape of the quantity; nan: not known.
+    #: Uncertainty due to each cause [%] by the name of the cause, a number or an array in the shape of the quantity; nan:
+    #: not known.
     parts: Mapping[str, Array | float]
     #: Name of the scene on which the modelling choices of the 3D reference were varied; empty: none.
     varied: str = ""
 
     def combined(self, *names: str, unknown: float = np.nan) -> Array:
-        """Return the root of the sum of squares of parts of the uncertainty.
+        """Return the root of the sum of squares of the named parts of the uncertainty, of all parts without names [%].
 
         Parameters
         ----------
@@ -186,16 +188,16 @@ class Uncertainty:
 
 
 def difference_percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
-    """Return the difference ``value - base`` in per cent of ``base``; for contact loads, in per cent of the mean load.
+    """Return ``value - base`` in per cent of ``base``; for contact loads, in per cent of the mean load ``mean`` [N].
 
-    ``quantity``: quantity to which the values belong; ``mean``: mean contact load [N].
+    ``quantity``: quantity to which the values belong, which states whether they are contact loads.
     """
     scale = mean if quantity.of_mean else None
     return np.asarray(error_percent(value, base, scale))
 
 
 def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> Array:
-    """Return the uncertainty due to the mesh [%] of a quantity in the 3D run on the finest mesh level.
+    """Return the uncertainty [%] due to the mesh of a quantity by the finest run of the 3D reference.
 
     The array has the shape of the quantity. With a single mesh level it is nan, except for contact loads, whose uncertainty
     is then estimated from other scenes.
@@ -214,9 +216,10 @@ def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> 
 
 
 def runs_with_changed_choices(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]:
-    """Return the results of all stored 3D runs of the scene ``name`` with a changed modelling choice.
+    """Return the results of stored 3D runs of the scene ``name`` with and without each changed modelling choice.
 
-    Each item is (name of the choice, results with the change, results without it). Runs that did not converge are left out.
+    Each item is a tuple: name of the choice, results with the change, results without it. Runs that did not converge are
+    left out. ``study``: cache of scenes and 3D references.
     """
     scene, out = study.scene(name), []
     bases: dict[int, Run | None] = {}
@@ -233,9 +236,10 @@ def runs_with_changed_choices(study: Study, name: str) -> tuple[tuple[str, Loads
 
 
 def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | None:
-    """Return the effect of all modelling choices of the scene ``name`` on a quantity [%]: root of the sum of squares.
+    """Return the combined effect of the 3D reference's modelling choices on a quantity of the scene ``name`` [%].
 
-    The effect of one choice is that of its most effective variant. None if no choice was varied on the scene.
+    It is the root of the sum of squares over the choices; a choice with several variants counts with the largest change.
+    None if no choice was varied on the scene. ``study``: cache of scenes and 3D references.
     """
     scene, worst = study.scene(name), dict[str, Array]()
     contacts = nominal_contacts(scene)
@@ -247,7 +251,10 @@ def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | N
 
 
 def effects_of_input_tolerances(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Array]:
-    """Return the change of a quantity [%] due to each input tolerance of a scene, computed by the model lin."""
+    """Return the change of a quantity [%] due to each input tolerance of a scene, by name; computed by the model "lin".
+
+    ``study``: cache of scenes and results.
+    """
     base = study.solve(scene, SENSITIVE)
     unchanged, out = quantity.take(scene, loads_from_result(base)), {}
     mean = mean_load(base.load, nominal_contacts(scene))
@@ -260,18 +267,18 @@ def effects_of_input_tolerances(study: Study, scene: Scene, quantity: Quantity) 
 
 
 def input_uncertainty(study: Study, scene: Scene, quantity: Quantity) -> tuple[Array, str]:
-    """Return the effect of all input tolerances on a quantity [%], and the name of the most effective tolerance.
+    """Return the combined effect of all input tolerances on a quantity [%], and the name of the most effective tolerance.
 
-    The effects of the tolerances are combined as the root of the sum of squares.
+    The effects are combined as the root of the sum of squares. ``study``: cache of scenes and results.
     """
     parts = effects_of_input_tolerances(study, scene, quantity)
     return Uncertainty(parts).combined(), max(parts, key=lambda name: float(np.abs(parts[name]).max()))
 
 
 def validation_uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | None:
-    """Compute the parts of the validation uncertainty u_val of a quantity of the scene ``name``.
+    """Compute the parts of the validation uncertainty u_val of a quantity of the scene ``name``: mesh, choices, inputs.
 
-    None if no 3D reference of the scene is stored.
+    None if no 3D reference of the scene is stored. ``study``: cache of scenes and 3D references.
     """
     reference = study.reference(name)
     if reference is None:
@@ -291,7 +298,10 @@ def validation_uncertainty(study: Study, name: str, quantity: Quantity) -> Uncer
 
 
 def choice_effects_by_scene(study: Study, quantity: Quantity) -> dict[str, Array]:
-    """Return the effect of all modelling choices on a quantity [%], for each scene on which they were varied."""
+    """Return the combined effect of the 3D reference's modelling choices on a quantity [%], by the name of the scene.
+
+    Only scenes on which choices were varied are included. ``study``: cache of scenes and 3D references.
+    """
     changes = {name: choice_uncertainty(study, name, quantity) for name in VARIED}
     return {name: u for name, u in changes.items() if u is not None}
 
@@ -319,9 +329,10 @@ class Validated:
     inputs: float
     #: Validation uncertainty u_val [%]; nan: not known.
     combined: float
-    #: Share of values whose error is within u_val [1].
+    #: Share of the quantity's values (such as all contact loads) whose error is within u_val [1].
     within: float
-    #: Share of values whose error is within sqrt(u_grid^2 + u_model^2), the part of u_val due to the 3D reference [1].
+    #: Share of these values whose error is within sqrt(u_grid^2 + u_model^2), the part of u_val due to the 3D reference
+    #: [1].
     within_own: float
     #: Ratio of the value by the model to that by the 3D reference; for contact loads, of every load above a tenth of the
     #: mean load.
@@ -331,7 +342,7 @@ class Validated:
 
     @property
     def bar(self) -> str:
-        """Text with the validation uncertainty u_val in per cent, or the reason why it is not known."""
+        """Text that states the validation uncertainty u_val in per cent, or why it is not known."""
         if np.isfinite(self.combined):
             return f"u_val {self.combined:.2f} %"
         why = "modelling choices were not varied on similar scenes" if np.isfinite(self.grid) else "only one mesh level"
@@ -339,9 +350,10 @@ class Validated:
 
 
 def validated_error(study: Study, name: str, model: str, quantity: Quantity, answer: Loads) -> Validated | None:
-    """Return the error of a model in one quantity of a scene, with its validation uncertainty.
+    """Return the error of a model in one quantity of a scene against the 3D reference, with its validation uncertainty.
 
-    ``name``: name of the scene; ``answer``: loads and displacements by the model. None without a stored 3D reference.
+    ``study``: cache of scenes and 3D references; ``name``: name of the scene; ``answer``: contact loads and displacements
+    by the model ``model``. None without a stored 3D reference.
     """
     ref, parts = study.reference(name), study.compute_once(validation_uncertainty, name, quantity)
     if ref is None or parts is None:
@@ -365,7 +377,7 @@ def validated_error(study: Study, name: str, model: str, quantity: Quantity, ans
 
 @dataclass(frozen=True)
 class Scatter:
-    """Bias and scatter of a model's errors in one quantity over all scenes."""
+    """Bias and scatter of a model's errors against the 3D reference in one quantity, over all scenes."""
 
     #: Name of the model.
     model: str
@@ -373,7 +385,7 @@ class Scatter:
     quantity: str
     #: Number of scenes.
     scenes: int
-    #: Number of values.
+    #: Number of values on all scenes together.
     values: int
     #: Relative deviation of the model from the 3D reference, as a geometric mean over all values [%].
     bias: float
@@ -386,17 +398,14 @@ class Scatter:
 
 
 def bias_and_scatter(rows: Sequence[Validated]) -> list[Scatter]:
-    """Compute bias and scatter of each model's errors in each quantity, as in fire-model validation.
+    """Compute bias and scatter of the errors of each model in each quantity, with a record for each such pair.
 
-    ``rows``: errors with their uncertainty, one row for each scene, model and quantity. Returned is a record for each pair
-    of model and quantity.
+    ``rows``: errors with their uncertainties, one for each scene, model and quantity.
 
-    Notes
-    -----
-    The method is that of NUREG-1824, supplement 1. With the ratio M/E of model to reference, the bias is
-    delta = exp(mean ln(M/E)), and the scatter is sigma_M^2 = var(ln(M/E)) - sigma_E^2, at least zero. sigma_E = u_grid / 2,
-    because u_grid is a 95 % bound, that is two standard deviations. Inputs and modelling choices are the same for model and
-    reference and cause no scatter.
+    Notes ----- The method is that of NUREG-1824, supplement 1, a validation of fire models. With the ratio M/E of model to
+    reference, the bias is delta = exp(mean ln(M/E)), and the scatter is sigma_M^2 = var(ln(M/E)) - sigma_E^2, at least
+    zero. sigma_E = u_grid / 2, because u_grid is a 95 % bound, that is two standard deviations. Inputs and modelling
+    choices are the same for model and reference and cause no scatter.
     """
     out = []
     for model, name in dict.fromkeys((r.model, r.quantity) for r in rows):
@@ -413,11 +422,11 @@ def bias_and_scatter(rows: Sequence[Validated]) -> list[Scatter]:
 
 
 def count_within_expected_error(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
-    """Count, for each model, the scenes whose measured error does not exceed the expected error.
+    """Count for each model the scenes whose measured error does not exceed the expected error, and all scenes with both.
 
     ``rows``: for each scene and model the keys ``model``, ``measured`` and ``expected`` [%], where the expected error is
-    estimated without this scene (None: no estimate). The result has, by model, (number of scenes within the expected error,
-    number of scenes with an estimate).
+    estimated without this scene (None: no estimate). The result has for each model
+    both numbers: scenes within the expected error, scenes with an estimate.
     """
     out: dict[str, tuple[int, int]] = {}
     for row in rows:
@@ -448,7 +457,7 @@ class ChoiceEffects:
 
 @result_record
 class LoadUncertainty:
-    """Uncertainty of the contact loads of the 3D reference on a scene [% of the mean load], in parts.
+    """Uncertainty of the contact loads by the 3D reference on a scene, in parts by their causes [% of the mean load].
 
     A part that is not known is None.
     """
@@ -460,45 +469,54 @@ class LoadUncertainty:
     #: Part due to modelling choices, with the dominant choice and the scene on which they were varied.
     choices: ChoiceEffects | None = quantity_field(
         "modelling_percent",
-        "what choices change that no mesh shows",
+        "largest change of a contact load by modelling choices of the 3D reference, which finer meshes do not show",
         QuantityDescription("modelling_dominated_by", show=lambda choices: choices and choices.choice),
         QuantityDescription("modelling_varied_on", show=lambda choices: choices and choices.scene),
         show=lambda choices: choices and choices.percent,
     )
     #: Part due to tolerances of the inputs.
-    inputs: float | None = quantity_field("input_percent", "what tolerances of the input change")
+    inputs: float | None = quantity_field("input_percent", "largest change of a contact load by tolerances of the inputs")
     #: Name of the input with the largest effect.
     input: str = quantity_field("input_dominated_by", show=lambda name: name or None)
     #: Part due to large displacements, which the reference neglects.
-    second_order: float = quantity_field("large_displacements_percent", "what the second order of displacements changes")
+    second_order: float = quantity_field(
+        "large_displacements_percent",
+        "change of the largest contact load by large displacements, which the 3D reference neglects",
+    )
     #: Whether all contacts share a further error, because equilibrium does not fix the sum of their loads (`SHARED`).
     shared: bool = quantity_field(
         "shared_by_all_percent",
-        "part that all contacts share and no mesh shows; null where it is not known",
+        "smallest and largest amount by which independent 3D programs obtain a larger sum of the contact loads, where "
+        "preload determines the sum; null for other scenes",
         show=lambda shared: SHARED if shared else None,
     )
-    #: Text on the uncertainty of a user's reference, shown instead of the parts; empty for a computed reference.
+    #: Text on the uncertainty of a reference that the user gave, shown instead of the parts; empty for the 3D reference.
     stated: str = ""
-    #: Part of the mesh error at the contact ``at_face`` that is due to a near free face (`compare.reference.estimate`).
+    #: Part of the mesh uncertainty at the contact ``at_face`` that is due to a near free face of the nut.
     beside_face: float = quantity_field(
         "beside_free_face_percent",
-        "of it, what the cells leave out of the lip's compliance at the contact `uncertainty.beside_free_face_at`; 0 where "
-        "it is less than the rest",
+        "part of the uncertainty due to the mesh that comes from a free face of the nut near the contact "
+        "`uncertainty.beside_free_face_at`; 0 where it is less than the rest",
         default=0.0,
     )
-    #: Ball and flank of the contact near a free face of the nut with the largest such part; empty if there is none.
+    #: Ball and flank of the contact near a free face of the nut with the largest part of this kind; empty: no such contact.
     at_face: str = quantity_field("beside_free_face_at", show=lambda contact: contact or None, default="")
 
     @property
-    @QuantityDescription("discretisation_percent", "that of the mesh, by refinement or, with one level, by experience")
+    @QuantityDescription(
+        "discretisation_percent", "part due to the mesh: from refinement, or, with one mesh level, from other scenes"
+    )
     def of_mesh(self) -> float | None:
-        """Uncertainty due to the mesh [%]; None for a user's reference, which states only a total."""
+        """Uncertainty due to the mesh [% of the mean load]; None for a reference that the user gave, with a total only."""
         return None if self.stated else self.discretisation
 
     @property
-    @QuantityDescription("total_percent", "discretisation, modelling and input as independent errors")
+    @QuantityDescription(
+        "total_percent",
+        "total: root of the sum of squares of the parts due to mesh, modelling choices, inputs and large displacements",
+    )
     def percent(self) -> float:
-        """Total uncertainty: root of the sum of squares of all parts [%]; a part that is not known counts as zero."""
+        """Total: root of the sum of squares of all parts [% of the mean load]; a part that is not known counts as zero."""
         choices = np.nan if self.choices is None else self.choices.percent
         inputs = np.nan if self.inputs is None else self.inputs
         parts = {GRID: self.discretisation, CHOICES: choices, INPUT: inputs, SECOND: self.second_order}
@@ -506,7 +524,7 @@ class LoadUncertainty:
 
     @property
     def text(self) -> str:
-        """Text with the total uncertainty and its parts."""
+        """Text that states the total uncertainty of the contact loads and its parts."""
         if self.stated:
             return self.stated
         grid = f"discretisation {self.discretisation:.2f} %{' by experience with other scenes' * self.by_experience}"
@@ -526,7 +544,7 @@ class LoadUncertainty:
 
     @property
     def beside(self) -> str:
-        """Sentence on an error that all contact loads share and no part contains; empty if equilibrium fixes their sum."""
+        """Sentence on an error of all contact loads that no part includes; empty if equilibrium determines their sum."""
         if not self.shared:
             return ""
         low, high = SHARED
@@ -571,10 +589,10 @@ def uncertainty_of_loads(scene: Scene, reference: Reference, *, inputs: bool = T
 
 
 def largest_face_error(reference: Reference) -> tuple[float, str]:
-    """Return the largest mesh error of a contact load due to a near free face of the nut, and the contact.
+    """Return the largest uncertainty of a contact load due to a near free face of the nut [% of the mean load].
 
-    The error is in per cent of the mean load; the contact is a text with ball and flank. Zero and an empty text if this
-    error does not exceed the rest of the uncertainty due to the mesh.
+    Also returned is the contact, as text with ball and flank. Zero and an empty text if this part does not exceed the rest
+    of the uncertainty due to the mesh.
     """
     share = np.zeros(1) if reference.beside_face is None else error_percent(reference.beside_face, 0.0, reference.mean)
     if share.max() <= reference.parts.bar or not reference.parts.bar:
@@ -593,9 +611,10 @@ def large_displacement_effect(scene: Scene, reference: Reference) -> float:
 
 
 def _largest_input_effect(scene: Scene) -> tuple[float | None, str]:
-    """Return the largest effect of all input tolerances on a contact load [% of the mean load], and the dominant input.
+    """Return the combined effect of all input tolerances on the most affected contact load [% of the mean load].
 
-    None and an empty text if the model lin does not cover or does not solve the scene.
+    Also returned is the name of the input with the largest effect. None and an empty text if the model "lin", which
+    computes the effects, does not cover or does not solve the scene.
     """
     study = Study()
     if not MODELS[SENSITIVE].suits(scene) or not study.solve(scene, SENSITIVE).converged:
@@ -605,19 +624,21 @@ def _largest_input_effect(scene: Scene) -> tuple[float | None, str]:
 
 
 def choice_effects_record(varied: Modelling) -> ChoiceEffects:
-    """Return the record to be stored of the effects of modelling choices on the contact loads of a scene.
+    """Return the largest effects of the 3D reference's modelling choices on one scene, as a record that can be stored.
 
-    ``varied``: effects of all choices on this scene.
+    ``varied``: effects of all choices on the contact loads of the scene.
     """
     first = max(varied.choices, key=lambda name: varied.choices[name])
     return ChoiceEffects(varied.scene, varied.largest, first, varied.choices[first])
 
 
 def applicable_choice_effects(scene: Scene, known: Mapping[str, ChoiceEffects]) -> ChoiceEffects | None:
-    """Return the effects of modelling choices that apply to a scene, from the stored effects ``known`` by scene.
+    """Return those stored effects of the 3D reference's modelling choices that apply to a scene.
 
-    They are the effects on a scene with the same parts; if there is none, those on the scene with the largest effect. None
-    if no effect is stored, or the scene is outside the range of the compared scenes.
+    ``known``: stored effects by the name of the scene on which choices were varied.
+
+    Returned are the effects on a scene with the same parts; without such a scene, the largest stored effects. None if no
+    effect is stored, or if the scene is outside the range of the compared scenes.
     """
     if descriptors_outside_range(scene):
         return None
@@ -625,13 +646,13 @@ def applicable_choice_effects(scene: Scene, known: Mapping[str, ChoiceEffects]) 
 
 
 def save_choice_effects(store: Path, known: Mapping[str, ChoiceEffects]) -> None:
-    """Write the effects of modelling choices, ``known`` by scene, to a folder of 3D runs; OSError if that fails."""
+    """Write the effects ``known`` of modelling choices, by scene, to the folder ``store``; OSError if that fails."""
     replace_file(store / FILE, json.dumps({name: asdict(c) for name, c in known.items()}, indent=1) + "\n")
 
 
 @cache
 def read_choice_effects(store: Path) -> dict[str, ChoiceEffects]:
-    """Read the effects of modelling choices, by scene, from a folder of 3D reference runs.
+    """Read the effects of the 3D reference's modelling choices, by scene, from the folder ``store`` of its runs.
 
     OSError, ValueError or TypeError if the file cannot be used.
     """

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from rollbench.lowfi.statics.result import Equilibrium, StaticResult
 
 GROUP = "rollbench.models"
-#: Largest imbalance of forces or moments without a warning, as a share of the largest force or moment.
+#: Largest imbalance of forces or moments on the screw without a warning, as a share of the largest force or moment.
 UNBALANCED = 0.01
 #: Descriptions of a user's model in results.
 WORDS = "the model is a function of an installed package, or a program"
@@ -93,7 +93,7 @@ def installed_models() -> dict[str, EntryPoint]:
 
 
 def origin_of_model(name: str) -> str:
-    """Return the origin of a user's model: its package or its program files.
+    """Return where a user's model comes from: function and package, or the files of its command with their hashes.
 
     Parameters
     ----------
@@ -150,23 +150,23 @@ def load_user_model(name: str) -> UserModel:
 
 
 def _answer_of_program(program: programs.Program, scene: Scene) -> ModelAnswer:
-    """Run an external program for a scene, and return the loads, displacement and pressures that it wrote to its file."""
+    """Run an external program for a scene, and return the contact loads, displacement and pressures that it wrote."""
     given, moved = program(scene)
     pressure = given.further.get("pressure")
     return ModelAnswer(given.load, moved, None if pressure is None else np.nan_to_num(pressure))
 
 
 def _unusable_model_error(point: EntryPoint, reason: str) -> ArgumentError:
-    """Return the ArgumentError for a model of an installed package that cannot be used, with the reason.
+    """Return the ArgumentError for a model of an installed package that cannot be used.
 
-    ``point``: entry point of the model.
+    ``point``: entry point of the model in the package; ``reason``: why it cannot be used.
     """
     advice = "correct the package that provides the model, or uninstall it"
     return ArgumentError("model", f"{point.name} ({point.value}): {reason}", "a function of a scene", advice)
 
 
 def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResult:
-    """Solve a scene with a user's model, and check that the contact loads are in equilibrium.
+    """Solve a scene with a user's model, and check its contact loads; a warning states loads that are not in equilibrium.
 
     Contact angles are the nominal ones.
 
@@ -175,9 +175,9 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
     name
         Name of an installed model, or a command.
     scene
-        The scene. If its geometric errors are random, the model gets a copy with the fixed errors of one specimen.
+        The scene. If its geometric errors are random, the model gets a copy with the values of one random draw.
     member
-        Number of this specimen, from 0.
+        Number of this draw, from 0.
 
     Returns
     -------
@@ -242,9 +242,9 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
 
 
 def _equilibrium_warnings(name: str, balance: Equilibrium) -> Iterator[Warned]:
-    """Yield a warning if the contact loads of the model ``name`` are not in equilibrium with loads and supports.
+    """Yield a warning if the contact loads of the model ``name`` do not balance the external loads and support reactions.
 
-    ``balance``: equilibrium of the screw, with what remains unbalanced.
+    ``balance``: forces and moments on the screw, with the rest that is not in balance.
     """
     if balance.largest > UNBALANCED:
         brief = f"loads of {name} out of balance by {100.0 * balance.largest:.3g} % of the largest force or moment"
@@ -252,10 +252,11 @@ def _equilibrium_warnings(name: str, balance: Equilibrium) -> Iterator[Warned]:
 
 
 def _contact_balance(scene: Scene, load_of: Array, points: Array, normal: Array) -> Equilibrium:
-    """Return the equilibrium of the screw under external loads, contact loads and support reactions.
+    """Return the balance of external loads, contact loads and support reactions on the screw.
 
-    ``load_of``: contact loads (n, 4) [N]; ``points``: contact points (n, 4, 3) [m]; ``normal``: unit vectors from the ball
-    centres to them. Reactions are fitted by least squares; what remains is the imbalance.
+    ``load_of``: contact loads of n balls (n, 4) [N]; ``points``: contact points (n, 4, 3) [m]; ``normal``: unit vectors
+    from the ball centres to these points (n, 4, 3). Support reactions are fitted by least squares; the rest is the
+    imbalance.
     """
     from rollbench.lowfi.statics.shape import rigid_transport
     from rollbench.lowfi.statics.summary import check_equilibrium, wrench_of
@@ -277,10 +278,10 @@ def _contact_balance(scene: Scene, load_of: Array, points: Array, normal: Array)
 
 
 def _checked_numbers(name: str, what: str, value: Array, shape: Sequence[int], least: float = -np.inf) -> Array:
-    """Return an array that a user's model gave, after checking its shape and values.
+    """Check shape and values of an array that a user's model returned, and return it as an array of floats.
 
-    ``name``: name of the model; ``what``: name of the quantity; ``value``: the array. ArgumentError if it is not of shape
-    ``shape``, or a number in it is not finite or below ``least``.
+    ``name``: name of the model; ``what``: name of the quantity, for error messages; ``value``: the array. ArgumentError if
+    it does not have the shape ``shape``, or if one of its numbers is not finite or is below ``least``.
     """
     advice = "correct the model"
     allowed_shape = f"an array of shape {shape}"
