@@ -16,7 +16,7 @@ from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Lubric
 from rollbench.meshes.ranges import Bore, ContactAngle, Density, Duration, Efficiency, Inertia, Mass, Size, Station, Torque
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults, scene_key_metadata
 
-#: A symmetric 6x6 stiffness matrix; rows and columns are in the order of FREEDOMS [N/m, N, N m].
+#: A symmetric 6x6 stiffness matrix as nested tuples; rows and columns are in the order of FREEDOMS [N/m, N, N m].
 Stiffness = tuple[tuple[float, ...], ...]
 #: Direction of the thrust on the shaft that a rolling set can carry. A gothic arch, or two rows, carry both directions; one
 #: row of an angular contact bearing carries one. The single arc of a deep groove carries both directions, and its contact
@@ -57,7 +57,7 @@ class Segment:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Housing:
-    """Rigid housing that carries nuts or outer rings; its motion is that of a reference point on the shaft's axis."""
+    """Rigid housing that carries nuts or outer rings; its motion is described at a reference point on the shaft's axis."""
 
     #: Name of the housing, to which rolling sets, joints and results refer.
     name: str
@@ -80,7 +80,7 @@ class Housing:
 
 @dataclass(frozen=True)
 class Joint:
-    """Springs that connect two housings."""
+    """Springs between two housings, as a stiffness matrix at one position on the shaft's axis."""
 
     #: Name of one housing.
     first: str
@@ -95,7 +95,7 @@ class Joint:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class RollerRow:
-    """One row of tapered rollers with its rings; cones of raceways and rollers have their apexes on the shaft's axis."""
+    """One row of tapered rollers with its rings: dimensions, material, and data for friction at the rib."""
 
     #: Number of rollers.
     count: int
@@ -132,7 +132,7 @@ class RollerRow:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class RollingSet:
-    """One ball nut, ball bearing or row of tapered rollers on the shaft, and how it is mounted."""
+    """Rolling set: one ball nut, ball bearing or row of tapered rollers on the shaft, and how it is mounted."""
 
     #: Name of the rolling set, to which results refer.
     name: str
@@ -219,19 +219,19 @@ class Assembly:
     kind: ClassVar[str] = "axis"
 
     def to_toml(self) -> str:
-        """Write the shaft with its rolling sets as text of a TOML scene file, from which the same record can be read."""
+        """Return the shaft with its ball nuts and bearings as the text of a TOML scene file."""
         from rollbench.meshes.scene_text import axis_tables, toml_of_tables
 
         return toml_of_tables(axis_tables(self))
 
     @property
     def ball_count(self) -> int:
-        """Number of balls of all ball nuts and ball bearings together."""
+        """Number of balls of all ball nuts and ball bearings on the shaft together."""
         return sum(s.parts.ball_count for s in self.sets if isinstance(s.parts, Scene))
 
 
 def diagonal_stiffness(values: tuple[float, float, float, float, float, float]) -> Stiffness:
-    """Return the stiffness matrix of six uncoupled springs.
+    """Return the stiffness matrix of six uncoupled springs, one for each degree of freedom.
 
     Parameters
     ----------
@@ -257,7 +257,7 @@ def diagonal_stiffness(values: tuple[float, float, float, float, float, float]) 
 
 
 def checked_stiffness(matrix: NDArray[np.float64]) -> Stiffness:
-    """Check a stiffness matrix, and convert it to nested tuples as stored in records.
+    """Check that a stiffness matrix is symmetric and positive semidefinite, and convert it to nested tuples.
 
     Parameters
     ----------

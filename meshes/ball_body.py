@@ -1,8 +1,8 @@
-"""Coarse mesh of a ball by gmsh: second-order tetrahedra, with a box left free around every contact (socket).
+"""Coarse mesh of a ball: second-order tetrahedra by gmsh, with a refinement box left free around every contact.
 
-A socket of a ball is a truncated pyramid, which a fine contact patch fills. Each half of the sphere is triangulated in a
-plane, by stereographic projection from the opposite pole; sockets become holes, and no seam is needed. The projection
-preserves angles, and scales lengths by a known factor between 1/2 and 1.
+A refinement box of a ball is a truncated pyramid, which a finer mesh (the contact patch) fills. Each half of the sphere is
+triangulated in a plane, by stereographic projection from the opposite pole; refinement boxes become holes, and no seam is
+needed. The projection preserves angles, and scales lengths by a known factor between 1/2 and 1.
 """
 
 from __future__ import annotations
@@ -33,37 +33,42 @@ from rollbench.meshes.sockets import (
 
 Flags = NDArray[np.bool_]
 
-#: Distances from the sockets between which the element size grows from `fine` to `coarse`, as ratios to the ball's radius.
+#: Distances from the refinement boxes between which the element size grows from `fine` to `coarse`, as ratios to the ball's
+#: radius.
 GROWTH = (0.072, 0.72)
-#: SHALLOWER: ratio of the depth of a ball's socket to that of the groove's socket. CORNER: least depth of the corners of a
-#: ball's socket, as a ratio to the ball's radius.
+#: SHALLOWER: ratio of the depth of a ball's refinement box to that of the groove's refinement box. CORNER: least depth of
+#: the corners of a ball's refinement box, as a ratio to the ball's radius.
 SHALLOWER, CORNER = 0.75, 0.12
 
 
 @dataclass(frozen=True)
 class BallSocket:
-    """Socket of a ball: the box that the ball's coarse mesh leaves free around one contact, for a fine contact patch."""
+    """Refinement box of a ball: the box around one contact that the ball's coarse mesh leaves free for a finer mesh."""
 
     #: Flank 0 to 3 with which the ball is in contact.
     side: int
-    #: Size of the groove's socket at the same contact.
+    #: Size of the groove's refinement box at the same contact.
     groove: SocketSize
-    #: Depth below the sphere [m].
+    #: Depth of the bottom below the sphere, along the contact normal [m].
     depth: float
-    #: Fraction of the socket's length, about its middle, in which the rays from the ball's centre meet the groove's surface
-    #: at the points with the same local coordinates (see `rays_from_ball_centre`).
+    #: Fraction of the refinement box's length, about its middle, in which the rays from the ball's centre meet the groove's
+    #: surface at the points with the same local coordinates (see `rays_from_ball_centre`).
     exact: float = 0.5
 
 
 @dataclass(frozen=True)
 class BallBody(MeshedBody):
-    """Coarse mesh of a ball at azimuth 0, with its centre at the origin; boundaries "sphere", "socket SL" (SR, NL, NR)."""
+    """Coarse mesh of a ball with refinement boxes left free around its contacts; the ball's centre is the origin.
+
+    Contacts are those of a ball at azimuth 0. Names of boundaries: "sphere"; "socket SL" (SR, NL, NR), the faces of the
+    refinement box at the contact with this flank.
+    """
 
     #: Mesh of second-order tetrahedra.
     mesh: Mesh
-    #: Nodes on the inner faces of each socket, by flank 0 to 3.
+    #: Nodes on the inner faces of each refinement box, by flank 0 to 3.
     socket_nodes: dict[int, Index]
-    #: Mesh of each socket's faces, by flank 0 to 3.
+    #: Mesh of each refinement box's faces, by flank 0 to 3.
     sockets: dict[int, SocketMesh]
     #: Number of cells and nodes, and the scaled Jacobians of the cells.
     quality: Quality
@@ -92,11 +97,11 @@ def contact_frame_vectors(m: GrooveMap, side: int) -> Array:
 
 
 def rays_from_ball_centre(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
-    """Return the directions from a ball's centre to points that have given local coordinates in a socket of the ball.
+    """Return rays from a ball's centre through the points with given local coordinates in a refinement box of the ball.
 
-    In the middle of the socket, each ray meets the groove's surface at the point with the same section angle and azimuth.
-    Beyond the fraction ``socket.exact`` of the length, rays are adjusted so that those at the ends of the socket lie in
-    planes through the ball's centre. Otherwise the end faces would be concave in their middle.
+    In the middle of the refinement box, each ray meets the groove's surface at the point with the same section angle and
+    azimuth. Beyond the fraction ``socket.exact`` of the length, rays are adjusted so that those at the ends of the
+    refinement box lie in planes through the ball's centre. Otherwise the end faces would be concave in their middle.
 
     Parameters
     ----------
@@ -105,7 +110,7 @@ def rays_from_ball_centre(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
     socket : BallSocket
         Socket of the ball.
     xi : (n, 3) Array
-        Local coordinates in the socket: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
+        Local coordinates in the refinement box: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
 
     Returns
     -------
@@ -131,14 +136,14 @@ def rays_from_ball_centre(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
 
 
 def points_in_ball_socket(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
-    """Return the points that have given local coordinates in a socket of a ball; they lie on rays from its centre.
+    """Map local coordinates in a refinement box of a ball to points, which lie on rays from the ball's centre.
 
     Points at depth 0 are on the sphere, points at depth 1 on a plane normal to the contact normal.
 
     Parameters
     ----------
     m, socket, xi
-        Groove surfaces, socket of the ball and local coordinates, as for `rays_from_ball_centre`.
+        Groove surfaces, refinement box of the ball and local coordinates, as for `rays_from_ball_centre`.
 
     Returns
     -------
@@ -151,17 +156,17 @@ def points_in_ball_socket(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
 
 
 def ball_socket_depth(m: GrooveMap, groove_socket: SocketSize, side: int) -> float:
-    """Compute the depth of a ball's socket from the size of the groove's socket at the same contact.
+    """Compute the depth of a ball's refinement box from the size of the groove's box at the same contact.
 
-    It is `SHALLOWER` times the depth of the groove's socket, or more where the corners need it to be `CORNER` ball radii
-    deep.
+    It is `SHALLOWER` times the depth of the groove's box, or more where the corners of the box would otherwise be less than
+    `CORNER` ball radii deep.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
     groove_socket : SocketSize
-        Size of the groove's socket.
+        Size of the groove's refinement box.
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
 
@@ -186,32 +191,32 @@ def mesh_ball_with_sockets(
     far_size: float,
     socket_divisions: tuple[int, int, int] = (2, 2, 2),
 ) -> BallBody:
-    """Mesh a ball with a socket (box left free for a fine contact patch) at each contact.
+    """Mesh a ball coarsely, and leave a refinement box free around each contact for a finer mesh.
 
-    The mesh of a right flank's socket is that of the left flank's, rotated. Where two sockets are close to each other, this
-    can lead gmsh to fill the gap with flat cells. Then each socket is meshed independently, and no contact patch of the
-    ball is a rotated copy of another.
+    The face mesh of the box at a right flank is that of the box at the left flank, rotated. Where two boxes are close to
+    each other, gmsh may then fill the gap between them with flat cells; in this case each box is meshed independently.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
     sockets : tuple[BallSocket, ...]
-        Sockets of the ball, one for each contact.
+        Refinement boxes of the ball, one for each contact.
     socket_size, far_size : float
-        Element sizes at the sockets and far from them [m].
+        Edge lengths of cells at the refinement boxes and far from them [m].
     socket_divisions : tuple[int, int, int], optional
-        Number of equal parts into which the sockets' edges are divided: across the groove, in depth, and along the groove.
+        Number of equal parts into which the edges of the boxes are divided: across the groove, in depth and along the
+        groove.
 
     Returns
     -------
     BallBody
-        The mesh.
+        The mesh of the ball.
 
     Raises
     ------
     ValueError
-        There is no socket, sockets overlap, or no attempt of gmsh gives a good mesh.
+        There is no refinement box, refinement boxes overlap, or no attempt of gmsh gives a good mesh.
     """
 
     def socket_map(side: int) -> Callable[[Array], Array]:
@@ -242,11 +247,11 @@ def mesh_ball_with_sockets(
 def _mesh_ball_around_boxes(
     m: GrooveMap, sockets: tuple[BallSocket, ...], boxes: list[tuple[SocketMesh, Array]], fine: float, coarse: float
 ) -> BallBody:
-    """Mesh a ball around its sockets, whose faces are meshed already.
+    """Mesh a ball around its refinement boxes, whose faces are meshed already.
 
-    ``m``: groove surfaces of the track; ``sockets``: sockets of the ball; ``boxes``: for each socket, the mesh of its
-    faces, and the local coordinates of the corner nodes while gmsh fills the ball, at which the faces bulge; ``fine``,
-    ``coarse``: element sizes at the sockets and far from them [m].
+    ``m``: groove surfaces of the track; ``sockets``: refinement boxes of the ball; ``boxes``: for each of them the mesh of
+    its faces, and the local coordinates of its corner nodes in the bulging shape that the faces have while gmsh fills the
+    ball; ``fine``, ``coarse``: edge lengths of cells at the refinement boxes and far from them [m].
     """
     near = np.concatenate(
         [points_in_ball_socket(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)]
@@ -275,7 +280,7 @@ def _mesh_ball_around_boxes(
 
 
 def triangulate_sphere(m: GrooveMap, shell: Shell, socket_rims: list[Index], edge_factor: float) -> None:
-    """Triangulate the surface of a ball outside its sockets, in two halves.
+    """Triangulate the surface of a ball outside its refinement boxes, one hemisphere after the other.
 
     Parameters
     ----------
@@ -284,7 +289,7 @@ def triangulate_sphere(m: GrooveMap, shell: Shell, socket_rims: list[Index], edg
     shell : Shell
         Surface mesh to which the faces are added.
     socket_rims : list[Index]
-        Corner nodes around the rim of each socket.
+        Corner nodes around the rim of each refinement box.
     edge_factor : float
         Factor on the default length of the longest edge.
     """
@@ -311,9 +316,10 @@ def triangulate_sphere(m: GrooveMap, shell: Shell, socket_rims: list[Index], edg
 
 
 def parting_plane_normal(m: GrooveMap) -> Array:
-    """Return the unit normal of a plane through the ball's centre, far from all contacts, which halves the ball.
+    """Return the unit normal of the plane through the ball's centre in which its two hemispheres are meshed separately.
 
-    The plane separates the contacts on the screw from those on the nut, or those on left flanks from those on right ones.
+    It is far from all contacts. It separates the contacts on the screw from those on the nut up to a contact angle of 45
+    deg; beyond, the contacts on left flanks from those on right flanks.
 
     Parameters
     ----------
@@ -327,15 +333,15 @@ def parting_plane_normal(m: GrooveMap) -> Array:
 
 
 def _check_sockets_of_ball(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
-    """Raise ValueError if ``sockets`` is empty, a socket is too deep or too wide for the ball, or two sockets overlap."""
+    """Raise ValueError unless there are refinement boxes (``sockets``), and all fit into the ball without overlap."""
     if not sockets:
-        raise ValueError("the ball has no contacts to mesh: give at least one socket")
-    remedy = "make the sockets smaller (rollbench.meshes.sockets.largest_fitting_socket finds a size that fits)"
+        raise ValueError("a ball mesh without contacts: give a refinement box for at least one contact")
+    remedy = "make the refinement boxes smaller (the module rollbench.meshes.sockets computes a size that fits)"
     a, b = np.linspace(-1.0, 1.0, 41)[:-1], np.ones(40)
     around = np.concatenate([np.stack(x, 1) for x in ((a, 0 * a, -b), (b, 0 * a, a), (-a, 0 * a, b), (-b, 0 * a, -a))])
     outlines = {socket.side: points_in_ball_socket(m, socket, 1.02 * around) for socket in sockets}
     for socket in sockets:
-        name = f"socket {SIDES[socket.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
+        name = f"refinement box {SIDES[socket.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
         if not 0.0 < socket.depth < 0.8 * m.ball:
             raise ValueError(f"the {name} is {1e3 * socket.depth:.4g} mm deep, not between 0 and 0.8 ball radii: {remedy}")
         points = points_in_ball_socket(m, socket, around)
@@ -348,11 +354,11 @@ def _check_sockets_of_ball(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> Non
                 other is not socket
                 and _are_inside_cone(outlines[other.side], points, contact_frame_vectors(m, other.side)).any()
             ):
-                raise ValueError(f"the {name} and its socket {SIDES[other.side]} overlap: {remedy}")
+                raise ValueError(f"the {name} and its box {SIDES[other.side]} overlap: {remedy}")
 
 
 def _are_inside_cone(outline: Array, points: Array, frame: Array) -> Flags:
-    """Find the points inside the cone that runs from the ball's centre through a closed outline; returns a mask ``(n,)``.
+    """Return whether each point is inside the cone from the ball's centre through a closed outline ``(n,)``.
 
     ``outline``: points of the outline in order ``(k, 3)``; ``points``: points to test ``(n, 3)``; ``frame``: unit vectors
     in its rows ``(3, 3)``: the normal of a plane, and two axes in the plane. Points and outline are projected from the

@@ -28,10 +28,10 @@ from rollbench.meshes.shell import gmsh_session
 
 @dataclass(frozen=True)
 class BlockMesh(MeshedBody):
-    """Mesh of a quarter block, which models a half-space in contact.
+    """Mesh of a quarter of a block that stands for an elastic half-space in contact.
 
-    Boundaries: "contact" (the plane z = 0), "x = 0" and "y = 0" (the planes of symmetry), "cut" (where the half-space is
-    cut off).
+    Names of boundaries: "contact" (the plane z = 0), "x = 0" and "y = 0" (the planes of symmetry), "cut" (the planes where
+    the half-space is cut off).
     """
 
     #: The mesh.
@@ -46,14 +46,14 @@ class BlockMesh(MeshedBody):
 
 
 def graded_coordinates(cell_length: float, fine_length: float, block_edge: float, growth_ratio: float) -> Array:
-    """Return grid coordinates along one axis of a block: cells of equal length near 0, then cells of increasing length.
+    """Return the grid coordinates along one axis of a block: equal cells near 0, then cells of increasing length.
 
     Parameters
     ----------
     cell_length : float
         Length of the equal cells [m].
     fine_length : float
-        Length from 0 that the equal cells cover at least [m].
+        Smallest length from 0 that the equal cells cover [m].
     block_edge : float
         Last coordinate, the edge of the block [m].
     growth_ratio : float
@@ -130,7 +130,7 @@ def mesh_block_with_hexahedra(
 
 @dataclass(frozen=True)
 class BodyOfInfluence:
-    """Sizes of the tetrahedra inside and outside an ellipsoid around the contact (body of influence)."""
+    """Edge lengths of tetrahedra: constant inside an ellipsoid around the contact, growing with the distance outside it."""
 
     #: Edge length of the cells inside the ellipsoid [m].
     fine: float
@@ -142,15 +142,15 @@ class BodyOfInfluence:
     coarse: float
 
     def scaled(self, factor: float) -> BodyOfInfluence:
-        """Return a copy in which all lengths are multiplied by a factor."""
+        """Return a copy of these edge lengths and semi-axes, multiplied by ``factor``."""
         x, y, z = (factor * length for length in self.semi)
         return replace(self, fine=factor * self.fine, semi=(x, y, z), coarse=factor * self.coarse)
 
     def size_expression(self) -> str:
         """Return the edge length [m] as a formula of x, y, z for gmsh.
 
-        The length grows with the distance between the ellipsoid and the similar ellipsoid through the point, measured along
-        the shortest semi-axis.
+        Outside the ellipsoid the length grows with a distance: the one between the ellipsoid and the similar ellipsoid
+        through the point, along the shortest semi-axis.
         """
         x, y, z = self.semi
         away = f"({min(self.semi)!r}*Max(0, Sqrt((x/{x!r})^2+(y/{y!r})^2+(z/{z!r})^2)-1))"
@@ -165,7 +165,7 @@ def mesh_block_with_tetrahedra(order: int, influence: BodyOfInfluence, size: flo
     order : int
         Order of the elements: 1 (4 nodes) or 2 (10 nodes).
     influence : BodyOfInfluence
-        Sizes of the cells.
+        Edge lengths of the tetrahedra inside and outside the ellipsoid around the contact.
     size : float
         Edge of the block [m].
 
@@ -211,7 +211,7 @@ def _block_with_named_boundaries(mesh: Mesh, size: float) -> BlockMesh:
 
 
 def _set_element_sizes(gmsh: Any, influence: BodyOfInfluence) -> None:
-    """Set the element sizes of gmsh's model to those of ``influence``, and disable all other rules for sizes."""
+    """Make gmsh use the edge lengths ``influence`` for its model, and disable its other rules for element sizes."""
     field = gmsh.model.mesh.field.add("MathEval")
     gmsh.model.mesh.field.setString(field, "F", influence.size_expression())
     gmsh.model.mesh.field.setAsBackgroundMesh(field)

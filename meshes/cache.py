@@ -47,16 +47,16 @@ from rollbench.meshes.record_keys import digest_of_values
 
 
 class StageDone(str):
-    """Progress message of a finished stage of a computation.
+    """Progress message on a stage of a computation that has ended, such as meshing.
 
-    The attribute ``stage`` is the stage's name; ``cached`` tells whether all its results were read from the cache.
+    The attribute ``stage`` is the name of the stage; ``cached`` tells whether all its results were read from the cache.
     """
 
     stage: str
     cached: bool
 
     def __new__(cls, stage: str, text: str, *, cached: bool = False) -> StageDone:
-        """Create the message ``stage: text``; ``cached``: whether all results of the stage were read from the cache."""
+        """Create the message "STAGE: TEXT"; ``cached``: whether all results of the stage were read from the cache."""
         done = super().__new__(cls, f"{stage}: {text}")
         done.stage, done.cached = stage, cached
         return done
@@ -65,7 +65,7 @@ class StageDone(str):
 P = ParamSpec("P")
 T = TypeVar("T")
 
-#: Subfolder of a cache for its files, and the one that versions before 0.5 used.
+#: Subfolder of a cache for its files; and the subfolder that versions before 0.5 used, which is deleted.
 RECORDS, BEFORE = "records", ("joblib", "rollbench")
 #: Length of the digest at the beginning of a file [bytes].
 _DIGEST = 32
@@ -83,12 +83,12 @@ _BEGAN = time.time()
 
 
 def default_cache_folder() -> Path | None:
-    """Return the folder of the cache: environment variable ROLLBENCH_CACHE, else "rollbench" in the user's cache folder.
+    """Return the folder for all caches of this user: ROLLBENCH_CACHE, or else "rollbench" in the user's cache folder.
 
     Returns
     -------
     Path | None
-        The folder; None where the variable is "off", which switches the cache off.
+        The folder; None where the environment variable ROLLBENCH_CACHE is "off", which switches caches off.
     """
     named = os.environ.get("ROLLBENCH_CACHE", "").strip()
     if named.lower() == "off":
@@ -101,12 +101,13 @@ def default_cache_folder() -> Path | None:
 
 
 class Cache:
-    """Cache on disk for results of functions, found again by the functions' names and arguments.
+    """Cache on disk for results of functions; a result is found again by the function's name and arguments.
 
     If the folder cannot be written to, if other users may write to it, or if the disk is full, one message is printed on
-    standard error, and the computation continues without the cache. ``hits`` and ``misses`` count the results that `get`
-    read and computed. ``cold_seconds`` is the sum of the computing times of all these results, also of those it read.
-    ``fault`` is the message, empty without an error; with ``quiet`` it is not printed, because another process prints it.
+    standard error, and the computation continues without the cache. ``hits`` counts the results that `get` read from files,
+    ``misses`` those that it computed. ``cold_seconds`` is the sum of the computing times of all these results, also of
+    those it read. ``fault`` is the message, empty without an error; with ``quiet`` it is not printed, because another
+    process prints it.
 
     Parameters
     ----------
@@ -167,13 +168,13 @@ class Cache:
         return value
 
     def report(self, fault: str) -> None:
-        """Store ``fault``, the reason for which the cache is not used any more, and print it once on standard error."""
+        """Stop the use of the cache because of ``fault``, a reason in words, and print it once on standard error."""
         if fault and not self.fault and not self.quiet:
             print(f"rollbench: cache {self.root}: {fault}; the computation continues without the cache", file=sys.stderr)
         self.fault = self.fault or fault
 
     def _path(self, build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> Path | None:
-        """Return the path of the file for a result; None without a folder to which only this user can write.
+        """Return the path of the file for a result of a function; None without a folder to which only this user can write.
 
         ``build``, ``arguments``, ``type_``: function, its arguments and the class of its result, as for `Cache.get`.
         """
@@ -208,7 +209,7 @@ class Cache:
 
 
 def _remove_oldest_files(folder: Path, limit: int) -> None:
-    """Delete files of a folder, those not used for the longest time first, until the rest is not larger than ``limit``.
+    """Delete files of the cache folder, those not used for the longest time first, until the others fit into ``limit``.
 
     ``limit``: largest size of all files together [bytes].
     """
@@ -225,9 +226,9 @@ def _remove_oldest_files(folder: Path, limit: int) -> None:
 
 
 def _read_stored_result(path: Path, type_: type[T]) -> tuple[T, float] | None:
-    """Read a result and its computing time [s] from a file; None where the file is missing, damaged or of another class.
+    """Read the result of a function and its computing time [s] from its file in the cache.
 
-    ``type_``: class of the result.
+    ``type_``: class of the result. None is returned where the file is missing or damaged, or has a result of another class.
     """
     try:
         with path.open("rb") as file:
@@ -243,7 +244,7 @@ def _read_stored_result(path: Path, type_: type[T]) -> tuple[T, float] | None:
 
 
 def key_of_result(function: Callable[..., object], arguments: tuple[object, ...], result_class: type) -> str:
-    """Compute the key under which the result of a function with its arguments is stored.
+    """Compute the key under which the cache stores the result of a function for some arguments.
 
     Parameters
     ----------
@@ -278,10 +279,10 @@ def _package_of_module(module: str) -> str:
 
 @lru_cache
 def digest_of_sources(package: str) -> str:
-    """Compute a digest of all Python sources of an installed package; empty where there are none (built-ins, archives).
+    """Compute a digest of all Python sources of an installed package; empty where it has none (built-ins, archives).
 
-    If a source was changed after the start of this process, the digest is made unique, so that no other process finds the
-    results: whether the old or the new source is running cannot be known.
+    If a source was changed after the start of this process, it is unknown whether the old or the new source is running.
+    Then the digest is made unique, so that no other process finds results stored under it.
     """
     spec = find_spec(package)
     digest, count = hashlib.sha256(), 0
@@ -315,12 +316,12 @@ def _installed_version(package: str) -> str:
         return "not installed"
 
 
-#: The cache of the functions decorated by `cached_on_disk`; empty while it is switched off.
+#: The cache of functions decorated by `cached_on_disk`, as the only entry; empty while it is switched off.
 _stores: list[Cache] = []
 
 
 def switch_on_geometry_cache() -> None:
-    """From now on, store results of `cached_on_disk` functions in the user's cache folder, and read them from there.
+    """Use the user's cache folder from now on for the results of all functions decorated by `cached_on_disk`.
 
     Where the environment variable ROLLBENCH_CACHE is "off", results are computed, and neither stored nor read.
     """
@@ -334,13 +335,13 @@ def is_geometry_cache_on() -> bool:
 
 
 def switch_off_geometry_cache() -> None:
-    """Stop the use of the cache on disk: all results are computed from now on."""
+    """Stop the use of the cache on disk: functions decorated by `cached_on_disk` compute all results from now on."""
     _stores.clear()
 
 
 @contextmanager
 def without_geometry_cache() -> Iterator[None]:
-    """Disable the cache on disk during a ``with`` block, for timings."""
+    """Disable the cache of functions decorated by `cached_on_disk` during a ``with`` block, for timings."""
     before, _stores[:] = list(_stores), []
     try:
         yield
@@ -349,7 +350,7 @@ def without_geometry_cache() -> Iterator[None]:
 
 
 def cached_on_disk(result_class: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Make a decorator for functions whose results are stored in the cache on disk, if that is switched on.
+    """Return a decorator that stores the results of a function in the cache on disk, while that is switched on.
 
     Parameters
     ----------
@@ -359,7 +360,7 @@ def cached_on_disk(result_class: type[T]) -> Callable[[Callable[P, T]], Callable
     Returns
     -------
     decorator
-        Decorator for a function whose arguments are plain records. Only calls with positional arguments use the cache.
+        Decorator for a function whose arguments are plain records. Calls with keyword arguments do not use the cache.
     """
 
     def decorate(build: Callable[P, T]) -> Callable[P, T]:
@@ -375,7 +376,7 @@ def cached_on_disk(result_class: type[T]) -> Callable[[Callable[P, T]], Callable
 
 
 def record_to_bytes(value: object) -> bytes:
-    """Convert a record to bytes.
+    """Convert a dataclass record, or another plain value, to the bytes of an .npz file without pickled objects.
 
     Parameters
     ----------
@@ -385,7 +386,7 @@ def record_to_bytes(value: object) -> bytes:
     Returns
     -------
     bytes
-        Contents of an .npz file.
+        Contents of the .npz file.
 
     Raises
     ------
@@ -405,7 +406,7 @@ def record_to_bytes(value: object) -> bytes:
 
 
 def record_from_bytes(content: bytes, *packages: str) -> Any:
-    """Convert bytes from `record_to_bytes` back to the record.
+    """Convert bytes that `record_to_bytes` returned back to the record or other value.
 
     Parameters
     ----------
@@ -429,14 +430,14 @@ def record_from_bytes(content: bytes, *packages: str) -> Any:
             tree, *arrays = (file[name] for name in file.files)
         return _unpack_value(json.loads(tree.tobytes()), arrays, (*TRUSTED, *packages))
     except (AttributeError, EOFError, ImportError, LookupError, RecursionError, TypeError, BadZipFile, zlib.error) as error:
-        raise ValueError(f"the bytes do not contain a record: {error}") from error
+        raise ValueError(f"the cached data are damaged, or were not written by record_to_bytes: {error}") from error
 
 
 def _json_structure(value: Any, arrays: list[Any]) -> Any:
-    """Return a description of a value that JSON can store: plain values unchanged, others as a list.
+    """Return a description of a value that can be written as JSON; plain values are unchanged, others become a list.
 
-    The list begins with the type of the value, such as "tuple". ``arrays``: list to which the value's arrays are appended;
-    the description refers to them by their indices in this list.
+    The list begins with the type of the value, such as "tuple". ``arrays``: list to which the arrays in the value are
+    appended; the description refers to them by their indices in this list.
     """
     if value is None or type(value) in (bool, int, float, str):
         return value
@@ -460,11 +461,11 @@ def _json_structure(value: Any, arrays: list[Any]) -> Any:
     if dataclasses.is_dataclass(value):
         fields = {f.name: _json_structure(getattr(value, f.name), arrays) for f in dataclasses.fields(value)}
         return ["record", _qualified_class_name(type(value)), fields]
-    raise TypeError(f"a value of type {type(value).__name__} cannot be stored")
+    raise TypeError(f"a value of type {type(value).__name__} cannot be stored in the cache")
 
 
 def _sparse_matrix_arrays(matrix: Any) -> tuple[Any, Any, Any]:
-    """Return the arrays of a compressed sparse matrix: values, indices and index pointers."""
+    """Return the three arrays of a compressed sparse matrix (scipy): values, indices and index pointers."""
     return matrix.data, matrix.indices, matrix.indptr
 
 
@@ -474,7 +475,7 @@ def _qualified_class_name(class_: type) -> str:
 
 
 def _unpack_value(structure: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
-    """Build a value from its description as returned by `_json_structure`.
+    """Rebuild a value from its description, as returned by `_json_structure`.
 
     ``structure``: the description; ``arrays``: the arrays to which it refers; ``packages``: names of the packages whose
     classes may occur.
@@ -500,13 +501,13 @@ def _unpack_value(structure: Any, arrays: list[Any], packages: tuple[str, ...]) 
 
 
 def _import_class(name: str, packages: tuple[str, ...]) -> Any:
-    """Import a class by its name ``module:class``; ValueError for one of a package that is not allowed.
+    """Return the class with the name ``module:class``; ValueError where its package is not allowed.
 
     ``packages``: names of the allowed packages.
     """
     module, _, path = name.partition(":")
     if module.split(".")[0] not in packages:
-        raise ValueError(f"{name} does not belong to one of the packages {', '.join(packages)}")
+        raise ValueError(f"the class {name} does not belong to one of the packages {', '.join(packages)}")
     found: Any = import_module(module)
     for attribute in path.split("."):
         found = getattr(found, attribute)
@@ -516,12 +517,12 @@ def _import_class(name: str, packages: tuple[str, ...]) -> Any:
 
 
 def _build_record(class_: type, fields: dict[str, Any]) -> Any:
-    """Create a record of the dataclass ``class_`` without calling its constructor.
+    """Create an object of the dataclass ``class_`` from the values of its fields, without calling its constructor.
 
     ``fields``: values by the names of the fields. ValueError unless these are exactly the fields of the class.
     """
     if not dataclasses.is_dataclass(class_) or fields.keys() != {f.name for f in dataclasses.fields(class_)}:
-        raise ValueError(f"{class_.__name__} is not a record with the fields {', '.join(fields)}")
+        raise ValueError(f"{class_.__name__} is not a dataclass with the fields {', '.join(fields)}")
     record = object.__new__(class_)
     for name, value in fields.items():
         object.__setattr__(record, name, value)

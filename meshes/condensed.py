@@ -1,4 +1,4 @@
-"""Compliance matrices of screw, nut and ball between their contacts, condensed from the 3D model, and their file.
+"""Compliance matrices of screw, nut and ball between their contacts, condensed from the 3D model; writing and reading.
 
 Low-order models read the file. It is an ordinary .npz file without pickled objects, and is checked completely before use.
 """
@@ -29,7 +29,7 @@ from rollbench.meshes.record_keys import digest_of_values
 FORMAT = 2
 #: Largest size of all arrays in a file together [bytes]; those of a screw with 1000 contacts need a tenth of it.
 LARGEST_FILE = 200_000_000
-#: Exceptions that reading a damaged archive can raise.
+#: Exceptions that reading a damaged zip archive can raise.
 DAMAGE = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, NotImplementedError, OverflowError, ValueError)
 #: Compression methods that numpy uses.
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
@@ -62,7 +62,7 @@ class CondensedBodies:
     level: int
     #: Flanks (0 to 3) that carry contacts ``(k,)``, ascending.
     sides: Array
-    #: Axial position of the section at which the screw is fixed [m].
+    #: Axial position of the cross-section at which the screw is fixed for its compliance matrix [m].
     base: float
     #: Compliance of the screw ``(N k', N k')`` [m/N].
     screw: Array
@@ -70,8 +70,8 @@ class CondensedBodies:
     nut: Array
     #: Compliance of one ball between its contacts ``(k, k)`` [m/N].
     ball: Array
-    #: Approach of a contact divided by its force F, without the part C F^(-1/3) after Hertz and without the part that the
-    #: matrices give; for each flank at f forces, equal for all balls ``(k, f)`` [m/N].
+    #: Remaining approach of a contact divided by its force F: without the part C F^(-1/3) after Hertz, and without the part
+    #: that the matrices give. For each flank at f forces, equal for all balls ``(k, f)`` [m/N].
     local: Array
     #: Forces at which ``local`` is sampled ``(k, f)`` [N].
     force: Array
@@ -79,7 +79,7 @@ class CondensedBodies:
     hertz: Array
 
     def fit_local_approach_over_load(self, side: int) -> tuple[float, float]:
-        """Fit e F + h F^(4/3) to the part of the approach of a flank's contacts that neither Hertz nor the matrices give.
+        """Fit e F + h F^(4/3) to the part of the contacts' approach that neither Hertz nor the compliance matrices give.
 
         F is the contact force. The first term is the linear elasticity of the bodies. The next term for a smooth contact is
         of the order of F times the contact area, that is F^(4/3); a logarithm of the contact's size does not fit better.
@@ -101,14 +101,15 @@ class CondensedBodies:
         return float(e), float(h)
 
     def scatter(self, side: int) -> float:
-        """Return the RMS deviation of the samples from `fit_local_approach_over_load`, divided by the whole approach.
+        """Return the RMS deviation of the computed approaches from their fit (`fit_local_approach_over_load`).
 
-        It is the error due to the finite contact grid of the 3D model. ``side``: flank 0 to 3 (SL, SR, NL, NR).
+        Each deviation is divided by the whole approach of the contact. It is due to the finite contact grid of the 3D
+        model. ``side``: flank 0 to 3 (SL, SR, NL, NR).
         """
         return self._fit_local_approach_of_flank(list(self.sides).index(side))[1]
 
     def _fit_local_approach_of_flank(self, k: int) -> tuple[Array, float]:
-        """Fit the coefficients of `fit_local_approach_over_load` to the samples of a flank.
+        """Fit the coefficients of `fit_local_approach_over_load` to the approaches of one flank's contacts.
 
         ``k``: index of the flank in ``sides``. Returns the coefficients e [m/N] and h [m/N^(4/3)] ``(2,)``, and the RMS
         deviation of the samples from the fit, divided by the whole approach.
@@ -120,7 +121,7 @@ class CondensedBodies:
         return line, float(np.sqrt(np.mean((rows @ line - wanted) ** 2)))
 
     def save(self, path: Path) -> None:
-        """Write the compliance to a file; after an error, no incomplete file remains.
+        """Write these compliance matrices to a file; after an error, no incomplete file remains.
 
         Parameters
         ----------
@@ -137,7 +138,7 @@ class CondensedBodies:
 
 
 def _write_arrays(path: Path, values: Mapping[str, Any]) -> None:
-    """Write arrays to a compressed .npz file, which replaces an existing file only when it is complete.
+    """Write arrays to a compressed .npz file; an existing file is replaced only when the new one is complete.
 
     ``values``: the arrays, by their names in the file.
     """
@@ -153,7 +154,7 @@ def _write_arrays(path: Path, values: Mapping[str, Any]) -> None:
 
 
 def digest_of_geometry(scene: Scene) -> str:
-    """Compute a digest of all parameters of a scene on which the compliance of its bodies depends.
+    """Compute a digest of all parameters of a scene on which the compliance of screw, nut and balls depends.
 
     Parameters
     ----------
@@ -169,7 +170,7 @@ def digest_of_geometry(scene: Scene) -> str:
 
 
 def read_condensed_bodies(path: Path) -> CondensedBodies:
-    """Read the compliance of condensed bodies from its file, and check it.
+    """Read the compliance matrices of screw, nut and balls from their file, and check them.
 
     Parameters
     ----------
@@ -204,7 +205,7 @@ def read_condensed_bodies(path: Path) -> CondensedBodies:
 
 
 def _read_arrays(path: Path) -> dict[str, Array]:
-    """Read all arrays of a file of condensed bodies after checking their sizes, types and checksum.
+    """Read all arrays of a file of compliance matrices, and check their sizes, types and checksum.
 
     Raises ValueError for a file that fails a check, OSError for one that cannot be read.
     """
@@ -247,7 +248,7 @@ def _read_archive_members(content: bytes) -> dict[str, bytes]:
 
 
 def _parse_array(name: str, content: bytes) -> Array:
-    """Read an array from bytes in numpy's format.
+    """Convert bytes in the format of numpy's .npy files to an array.
 
     ``name``: name of the array, for messages; ``content``: the bytes. ValueError for another format, or for a size other
     than that in the header.
@@ -267,7 +268,7 @@ def _parse_array(name: str, content: bytes) -> Array:
 
 
 def checksum_of_arrays(values: Mapping[str, Any]) -> str:
-    """Compute the checksum of the arrays of a file, including their names, types and shapes.
+    """Compute the checksum of the arrays of a file of compliance matrices, with their names, types and shapes.
 
     Parameters
     ----------

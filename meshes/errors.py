@@ -1,4 +1,4 @@
-"""Geometric errors of a screw or bearing: random errors are drawn, and all errors are evaluated at the balls.
+"""Geometric errors of a screw or bearing: random errors are drawn, and all errors are evaluated at the balls' positions.
 
 After Lin (2019), eqs. (2.27), (4.1) and (4.3).
 """
@@ -24,11 +24,12 @@ _UNUSED = cast("np.random.Generator", None)
 
 @dataclass(frozen=True)
 class Specimen:
-    """Geometry of one specimen of a screw or bearing at its n balls, with nominal dimensions and errors added up."""
+    """Geometry with errors of one screw or bearing (specimen) at its n balls: ball radii, groove centres, groove radii."""
 
     #: Ball radii ``(n,)`` [m].
     ball_radius: Array
-    #: Groove centres (x3, z3) of the flanks SL, SR, NL, NR in the section of each ball ``(n, 4, 2)`` [m].
+    #: Centres of the arcs of the flanks SL, SR, NL, NR in the section normal to the track at each ball ``(n, 4, 2)`` [m]:
+    #: coordinates x3 radial, z3 across the track.
     centre: Array
     #: First and second derivatives of the groove centres with respect to azimuth ``(2, n, 4, 2)`` [m/rad, m/rad2].
     centre_slopes: Array
@@ -40,7 +41,7 @@ class Specimen:
 
 
 def _draw_fourier_amplitudes(terms: tuple[FourierTerm, ...], rng: np.random.Generator) -> list[tuple[float, float, float]]:
-    """Draw random amplitudes of Fourier terms: for each term, normal random numbers are added to its two amplitudes.
+    """Add normal random numbers to the amplitudes of the Fourier terms of an error along the track.
 
     ``rng``: generator of random numbers. Returns, for each term, its harmonic and its amplitudes of sine and cosine [m].
     """
@@ -52,7 +53,7 @@ def _draw_fourier_amplitudes(terms: tuple[FourierTerm, ...], rng: np.random.Gene
 
 
 def _fourier_series_and_slopes(drawn: list[tuple[float, float, float]], phi: Array) -> Array:
-    """Return a Fourier series and its first two derivatives at azimuths, ``(3, n)`` [m, m/rad, m/rad2].
+    """Return the value of a Fourier series and its first two derivatives at n azimuths ``(3, n)`` [m, m/rad, m/rad2].
 
     ``drawn``: terms from `_draw_fourier_amplitudes`, each with its harmonic and its amplitudes of sine and cosine [m];
     ``phi``: azimuths ``(n,)`` [rad].
@@ -65,7 +66,7 @@ def _fourier_series_and_slopes(drawn: list[tuple[float, float, float]], phi: Arr
 
 
 def _draw_profile_coefficients(side: SideErrors, rng: np.random.Generator) -> list[float]:
-    """Draw the coefficients of a flank's profile error [m].
+    """Return the coefficients of a flank's profile error [m], after normal random numbers are added to them.
 
     The error is an inward offset of the groove's surface, a polynomial in the section angle in rad. Returns its
     coefficients in ascending powers. ``side``: errors of the flank; ``rng``: generator of random numbers.
@@ -75,7 +76,7 @@ def _draw_profile_coefficients(side: SideErrors, rng: np.random.Generator) -> li
 
 
 def draw_ball_radii(scene: Scene, rng: np.random.Generator, return_path_balls: int | None = None) -> Array:
-    """Draw the radii of all balls: nominal radius plus oversize, the error listed for the ball, and a random error.
+    """Return the radii of all balls: nominal radius, oversize, the error listed for the ball, and a drawn random error.
 
     A uniform distribution has the half width sqrt(3) sigma, so that its standard deviation is sigma.
 
@@ -111,7 +112,7 @@ def draw_ball_radii(scene: Scene, rng: np.random.Generator, return_path_balls: i
 
 @dataclass(frozen=True)
 class DrawnErrors:
-    """Errors of one specimen after random ones are drawn: ball radii, and the errors of the flanks as functions."""
+    """Errors of one screw or bearing (specimen) after random ones are drawn: ball radii, and errors along the flanks."""
 
     #: Radii of the balls ``(n,)`` [m].
     ball_radius: Array
@@ -123,14 +124,14 @@ class DrawnErrors:
     profile: tuple[list[float], ...]
 
     def at(self, scene: Scene, on_screw: Array, on_nut: Array, station: Array, ball_radius: Array) -> Specimen:
-        """Evaluate the errors at the positions of balls.
+        """Evaluate the drawn errors at the positions of balls.
 
         Parameters
         ----------
         scene : Scene
             Scene with the nominal geometry.
         on_screw, on_nut : (n,) Array
-            Azimuths of the balls relative to the screw, and relative to the nut [rad].
+            Azimuths of the balls in the axes of the screw, and in those of the nut [rad].
         station : (n,) Array
             Axial positions of the balls [m].
         ball_radius : (n,) Array
@@ -171,7 +172,7 @@ class DrawnErrors:
 
 
 def are_in_shifted_half(scene: Scene, axial_positions: Array) -> Mask:
-    """Find the balls in that half of the nut whose groove a lead offset shifts, the half at larger z.
+    """Return whether each ball is in the half of the nut whose groove a lead offset shifts, the half at larger z.
 
     The groove steps between two balls. A ball at the nut's centre belongs to the half that is not shifted.
 
@@ -191,7 +192,7 @@ def are_in_shifted_half(scene: Scene, axial_positions: Array) -> Mask:
 
 
 def _groove_centres_with_lead_offset(scene: Scene, axial_positions: Array) -> Array:
-    """Return the groove centres at the balls ``(n, 4, 2)`` [m]: the nominal ones, shifted by the nut's lead offset.
+    """Return the nominal groove centres at the balls, shifted by the nut's lead offset ``(n, 4, 2)`` [m].
 
     ``axial_positions``: axial positions of the balls ``(n,)`` [m]. A groove shifted along the axis by d is shifted across
     the track by d cos(alpha), with the lead angle alpha. The shift along the track has no effect, because the groove is the
@@ -207,7 +208,7 @@ def _groove_centres_with_lead_offset(scene: Scene, axial_positions: Array) -> Ar
 
 
 def draw_errors(scene: Scene, member: int = 0) -> DrawnErrors:
-    """Draw the random errors of one specimen of a screw or bearing.
+    """Draw the random errors of one specimen, that is, one screw or bearing with its own random errors.
 
     The same seed and number give the same specimen. Random numbers are drawn first for the ball radii, then for each flank
     SL, SR, NL, NR for pitch, roundness and profile.
@@ -222,7 +223,7 @@ def draw_errors(scene: Scene, member: int = 0) -> DrawnErrors:
     Returns
     -------
     DrawnErrors
-        Ball radii, and the errors of the flanks as functions.
+        Ball radii, and the errors along the flanks.
     """
     rng = np.random.default_rng([scene.errors.seed, member]) if scene.errors.random else _UNUSED
     radii = draw_ball_radii(scene, rng)
@@ -240,7 +241,7 @@ def draw_errors(scene: Scene, member: int = 0) -> DrawnErrors:
 
 
 def draw_specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
-    """Draw the errors of one specimen of a screw or bearing, and evaluate them at its balls; see `draw_errors`.
+    """Draw the random errors of one screw or bearing (specimen), and return its geometry at the balls; see `draw_errors`.
 
     Parameters
     ----------
@@ -268,13 +269,13 @@ def draw_specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen
 
 
 def _evaluate_at_balls(scene: Scene, layout: BallLayout, drawn: DrawnErrors) -> Specimen:
-    """Evaluate errors at the positions of a scene's balls; ``layout``: these positions; ``drawn``: errors of a specimen."""
+    """Return the geometry with the errors ``drawn`` at a scene's balls, whose positions are ``layout``."""
     return drawn.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, layout.z, drawn.ball_radius)
 
 
 @dataclass(frozen=True)
 class Specimens:
-    """Geometry of m specimens at their n balls, for specimens whose grooves have the same radii."""
+    """Geometry of m screws or bearings with different random errors, at their n balls; all have the same groove radii."""
 
     #: Ball radii ``(m, n)`` [m].
     ball_radius: Array
@@ -287,7 +288,7 @@ class Specimens:
 def have_equal_circular_grooves(scene: Scene) -> bool:
     """Return whether the grooves of all specimens are circular arcs with the same radii, as `draw_specimens` requires.
 
-    A specimen is one screw or bearing with random errors.
+    A specimen is one screw or bearing with its own random errors.
 
     Parameters
     ----------
@@ -304,7 +305,9 @@ def have_equal_circular_grooves(scene: Scene) -> bool:
 
 
 def draw_specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Specimens:
-    """Draw the errors of several specimens and evaluate them at the balls; all grooves must be equal circular arcs.
+    """Draw the errors of several screws or bearings (specimens), and return their geometry at the balls.
+
+    The grooves of all must be equal circular arcs (`have_equal_circular_grooves`).
 
     Parameters
     ----------
@@ -325,7 +328,7 @@ def draw_specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> 
 
 
 def scene_with_drawn_errors(scene: Scene, member: int = 0) -> Scene:
-    """Return a scene in which the drawn errors of one specimen replace the random ones.
+    """Return a scene with fixed errors: the errors drawn for one specimen replace the random ones.
 
     Parameters
     ----------
@@ -359,7 +362,7 @@ def scene_with_drawn_errors(scene: Scene, member: int = 0) -> Scene:
 
 
 def scene_without_random_errors(scene: Scene) -> Scene:
-    """Return a scene without random errors: all standard deviations are set to 0, other errors are unchanged.
+    """Return a scene whose errors have standard deviations of 0; errors that are not random are unchanged.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Finite element meshes as objects of scikit-fem: built from arrays in gmsh's node order, with named boundaries; quality.
+"""Finite element meshes as objects of scikit-fem: built from arrays in gmsh's node order; named boundaries; mesh quality.
 
 P1, P2 tetrahedra and Q1, Q2 hexahedra are MeshTet1, MeshTet2, MeshHex1 and MeshHex2; second-order cells are curved.
 Boundaries have names, in ``mesh.boundaries``. In the vector space on a mesh's element, the degree of freedom
@@ -22,6 +22,7 @@ from skfem.element import Element
 
 from rollbench.meshes.arrays import Array, Index
 
+#: Mesh class of scikit-fem for each element type.
 MESHES: dict[str, Any] = {"P1": MeshTet1, "P2": MeshTet2, "Q1": MeshHex1, "Q2": MeshHex2}
 
 # Number, in gmsh's cell, of the node that is node k of scikit-fem's cell; found by comparing coordinates (see the tests).
@@ -139,7 +140,7 @@ def with_boundaries_from_facets(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh
 
 
 def _integers_of_faces(corners: Index, count: int) -> Index:
-    """Compute one integer for each edge or face of a mesh from its corners ``(k,)``, to find and sort edges and faces.
+    """Compute an integer that identifies each edge or face of a mesh by its corners ``(k,)``, for sorting and searching.
 
     ``corners``: numbers of the corners, ascending in each row ``(k, 2 or more)``; ``count``: number of nodes of the mesh.
     The integers sort like the rows of corners. Of a face with four corners only three are used, which identify it.
@@ -301,7 +302,7 @@ def mesh_rectangular_grid(x: Array, y: Array, z: Array, element_type: str, *, le
 
 
 def to_second_order(mesh: Mesh) -> Mesh:
-    """Convert a linear mesh to second-order cells with straight edges on the same vertices.
+    """Convert a mesh of linear cells to second-order cells with the same vertices and straight edges.
 
     Named boundaries are not copied.
 
@@ -339,7 +340,7 @@ def with_node_coordinates(mesh: Mesh, points: Array) -> Mesh:
 
 
 def _with_attributes(mesh: Mesh, **fields: Any) -> Mesh:
-    """Return a copy of a mesh with the attributes ``fields``, by their names; its cells, edges and faces are unchanged."""
+    """Return a copy of a mesh of scikit-fem in which the attributes ``fields`` have new values; cells are unchanged."""
     changed = copy(mesh)
     for name in ("_cached_mapping", "_cached_tree"):
         changed.__dict__.pop(name, None)
@@ -353,7 +354,7 @@ CHUNK = 8192
 
 @dataclass(frozen=True)
 class Quality:
-    """Number of cells and nodes of a mesh, and the scaled Jacobians of its cells as a measure of quality."""
+    """Size and quality of a mesh: numbers of cells and nodes, and smallest and median scaled Jacobian of the cells."""
 
     #: Number of cells.
     cells: int
@@ -365,7 +366,7 @@ class Quality:
     median: float
     #: Number of the cell with the smallest scaled Jacobian.
     worst: int
-    #: Centre of that cell [m].
+    #: Coordinates of the centre of the cell `worst` [m].
     where: tuple[float, float, float]
 
 
@@ -420,7 +421,7 @@ def scaled_jacobians(mesh: Mesh) -> Array:
 
 
 def _smallest_jacobian_of_cells(mesh: Mesh, cells: Index, at: Array | None = None) -> Array:
-    """Return the smallest scaled Jacobian of each of some cells of a mesh ``(c,)``.
+    """Return, for each of the given cells of a mesh, the smallest scaled Jacobian at some points ``(c,)``.
 
     ``cells``: nodes of the cells ``(c, nodes)``; ``at``: reference coordinates ``(3, q)`` of the points at which it is
     evaluated, None for the cells' nodes.
@@ -433,7 +434,7 @@ def _smallest_jacobian_of_cells(mesh: Mesh, cells: Index, at: Array | None = Non
 
 
 def _scaled_jacobians_at_points(x: Array, gradients: Array) -> Array:
-    """Return the scaled Jacobians of cells at q points of the reference cell.
+    """Return the scaled Jacobians of m cells at q points of the reference cell.
 
     Parameters
     ----------
@@ -459,7 +460,7 @@ def _scaled_jacobians_at_points(x: Array, gradients: Array) -> Array:
 
 
 def mesh_quality(mesh: Mesh) -> Quality:
-    """Count the cells and nodes of a mesh, and compute the smallest and the median of its cells' `scaled_jacobians`."""
+    """Return the quality of a mesh, from the smallest scaled Jacobian of each cell (`scaled_jacobians`)."""
     jacobians = scaled_jacobians(mesh)
     worst = int(jacobians.argmin())
     x, y, z = mesh.doflocs[:, mesh.dofs.element_dofs[:, worst]].mean(axis=1)
@@ -474,14 +475,14 @@ def mesh_quality(mesh: Mesh) -> Quality:
 
 
 def check_no_inverted_cells(quality: Quality, name: str) -> None:
-    """Raise ValueError where the worst cell of a mesh is inverted, that is, where its scaled Jacobian is not positive.
+    """Raise ValueError if a mesh has an inverted cell, that is, a cell whose scaled Jacobian is not positive.
 
     Parameters
     ----------
     quality : Quality
         Quality of the mesh.
     name : str
-        Name of the body, for the message.
+        Name of the meshed body, for the message.
     """
     if quality.smallest > 0.0:
         return
@@ -506,9 +507,9 @@ BENT, STRAIGHTENED = 0.05, 0.01
 def move_inner_midside_nodes(mesh: Mesh, fixed_nodes: Index, at: Array | None = None) -> Mesh:
     """Move the inner midside nodes of badly curved P2 tetrahedra until their scaled Jacobians are large enough.
 
-    A curved edge on the surface may cut into its cell; then this function curves the inner edges of that cell too. One
-    midside node after the other is moved by a step in that one of 26 directions which most improves the worst cell at the
-    node; steps become shorter from pass to pass.
+    A curved edge on the surface may cut into its cell; this function then curves the inner edges of that cell too. It moves
+    the midside nodes one after the other, each by a step in that one of 26 directions which most improves the worst cell at
+    the node; the steps become shorter from pass to pass.
 
     Parameters
     ----------
@@ -556,7 +557,7 @@ def move_inner_midside_nodes(mesh: Mesh, fixed_nodes: Index, at: Array | None = 
 
 
 def straighten_bent_edges(mesh: Mesh, fixed_nodes: Index, at: Array | None = None) -> tuple[Mesh, int]:
-    """Straighten the edges of badly curved P2 tetrahedra: midside nodes move to the middle between the corners.
+    """Straighten the edges of badly curved P2 tetrahedra: midside nodes are moved midway between the corners.
 
     Parameters
     ----------
@@ -607,8 +608,7 @@ def improve_curved_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> 
     surface : Index
         Numbers of the nodes that `move_inner_midside_nodes` does not move: all nodes on the body's surface.
     keep : Index
-        Numbers of the nodes that `straighten_bent_edges` does not move. It may move other midside nodes off the exact
-        surface.
+        Numbers of the nodes that `straighten_bent_edges` does not move; it may move other midside nodes off the surface.
 
     Returns
     -------
@@ -622,7 +622,7 @@ def improve_curved_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> 
     Raises
     ------
     ValueError
-        A cell is still inverted.
+        A cell is still inverted after both steps.
     """
     found, straight = straighten_bent_edges(move_inner_midside_nodes(mesh, surface), keep)
     if (_smallest_jacobian_of_cells(found, found.dofs.element_dofs.T, INSIDE) <= 0.0).any():
@@ -634,12 +634,12 @@ def improve_curved_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> 
 
 
 def largest_arc_deviation(x3: Array, z3: Array, centre: Array, radius: float) -> float:
-    """Return the largest distance between points in the groove section and the circular arc of the groove.
+    """Return the largest distance of points in the groove section from a circular arc of the groove.
 
     Parameters
     ----------
     x3, z3 : Array
-        Coordinates of the points in the groove section [m]: x3 radial, z3 along the binormal of the track.
+        Coordinates of the points in the section normal to the track [m]: x3 radial, z3 across the track.
     centre : (2,) Array
         Coordinates x3, z3 of the centre of the arc [m].
     radius : float

@@ -23,7 +23,7 @@ OLD = 86_400.0
 
 
 def temporary_path(path: Path, ending: str = "tmp") -> Path:
-    """Return a name for a temporary file in the folder of its target, and remove abandoned temporary files of the target.
+    """Return a path for a temporary file in the folder of its target, and delete abandoned temporary files there.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def temporary_path(path: Path, ending: str = "tmp") -> Path:
 
 
 def make_readable_for_group(path: Path) -> None:
-    """Make a file of this user readable for its group, whatever the umask, because stored files are meant to be shared.
+    """Make a file of this user readable for its group, whatever the umask says; stored files are meant to be shared.
 
     Parameters
     ----------
@@ -69,9 +69,9 @@ def create_folder_for_group(path: Path) -> None:
 
 
 def remove_abandoned_files(path: Path, ending: str = "tmp") -> None:
-    """Remove the abandoned temporary files and folders of a target.
+    """Delete the abandoned temporary files and folders of a target.
 
-    Abandoned ones were written by a process of this machine that has ended, or by another machine more than a day ago.
+    A file is abandoned if a process of this machine that has ended wrote it, or another machine more than a day ago.
 
     Parameters
     ----------
@@ -94,9 +94,9 @@ def remove_abandoned_files(path: Path, ending: str = "tmp") -> None:
 
 
 def _is_abandoned(path: Path, machine: str, process: int) -> bool:
-    """Return whether a temporary file is left over: its process has ended, or another machine wrote it over a day ago.
+    """Return whether a temporary file is abandoned: its process has ended, or another machine wrote it over a day ago.
 
-    ``path``: the file; ``machine``: digits of the machine in the file's name; ``process``: id of the process that wrote it.
+    ``path``: the file; ``machine``: code of the machine in the file's name; ``process``: id of the process that wrote it.
     """
     try:
         if machine != _machine_code():
@@ -110,12 +110,12 @@ def _is_abandoned(path: Path, machine: str, process: int) -> bool:
 
 
 def _machine_code() -> str:
-    """Return eight hexadecimal digits that identify this machine."""
+    """Return eight hexadecimal digits, computed from this machine's network name, that identify the machine."""
     return hashlib.sha256(platform.node().encode()).hexdigest()[:8]
 
 
 def create_private_folder(root: Path, *below: str) -> Path:
-    """Create a folder to which only this user can write, inside a root folder, and check the permissions.
+    """Create nested folders in a root folder to which only this user can write, and check the permissions.
 
     On Windows permissions are not checked.
 

@@ -1,4 +1,4 @@
-"""Geometry of a grooved screw, nut or ring for meshing: dimensions, section of its groove, contour of its flange, curves.
+"""Geometry of a grooved screw, nut or ring for meshing: dimensions, groove section, contour of a flange, and curves.
 
 Curves are functions of one parameter. They return points in space, or plane coordinates on the faces that they bound.
 """
@@ -30,26 +30,27 @@ SAME = 1e-8
 
 @dataclass(frozen=True)
 class GrooveEnds:
-    """Azimuths at which a nut's groove ends beyond its loaded balls, as where balls leave it for recirculation.
+    """Azimuths at which a nut's groove ends beyond its loaded balls, as it does where balls leave it for the return path.
 
-    The groove has its full depth up to `WHOLE` ball diameters (or the length of a socket) beyond the outermost balls. Over
-    the next `RUN_OUT` ball diameters its depth below the land decreases to zero, as a smoothstep of the azimuth. Further on
-    its flanks lie on the land's cylinder, so that the same strips form the surface everywhere and are meshed alike.
+    The groove has its full depth up to `WHOLE` ball diameters (or the length of a refinement box) beyond the outermost
+    balls. Over the next `RUN_OUT` ball diameters its depth below the land decreases to zero, as a smoothstep of the
+    azimuth. Further on, its flanks lie on the cylinder of the land, so that the surface consists of the same faces
+    everywhere.
     """
 
-    #: Constant z - r_g phi of each start's groove ``(n,)`` [m].
+    #: Constant z - r_g phi of the helix of each start's groove ``(n,)`` [m], with the lead per radian r_g.
     lines: Array
     #: Azimuths, counted along the helix, between which the groove has its full depth ``(n, 2)`` [rad]; NaN for a start
     #: without balls.
     whole: Array
     #: Angle over which the depth decreases to zero [rad].
     length: float
-    #: Lead per radian [m/rad].
+    #: Lead per radian r_g [m/rad].
     rg: float
 
     @classmethod
     def of(cls, m: GrooveMap, sockets: Iterable[tuple[float, float, int]], size: SocketSize) -> GrooveEnds:
-        """Compute the ends of a groove from the positions of the loaded balls.
+        """Compute where the groove of each start ends, from the positions of the loaded balls.
 
         Parameters
         ----------
@@ -58,7 +59,7 @@ class GrooveEnds:
         sockets : Iterable[tuple[float, float, int]]
             For each contact, azimuth [rad] and axial position [m] of its ball, and flank 0 to 3.
         size : SocketSize
-            Size of the sockets (boxes left free for the fine contact patches).
+            Size of the refinement boxes (boxes left free for the fine contact patches).
 
         Returns
         -------
@@ -84,7 +85,7 @@ class GrooveEnds:
         return cls(np.array(lines), whole, RUN_OUT * ball, m.rg)
 
     def depth(self, line: float, phi: Array) -> Array:
-        """Return the ratio of a groove's depth to its full depth: 1 between its ends, 0 where the groove is filled.
+        """Return the ratio of a groove's depth to its full depth: 1 where it is whole, 0 where no groove is left.
 
         Parameters
         ----------
@@ -103,7 +104,7 @@ class GrooveEnds:
         return np.asarray(np.nan_to_num(1.0 - t * t * (3.0 - 2.0 * t)))
 
     def has_full_depth(self, points: Array) -> NDArray[np.bool_]:
-        """Find the points on the flanks at which the groove has its full depth.
+        """Return whether the groove has its full depth at points on its flanks.
 
         Parameters
         ----------
@@ -127,7 +128,7 @@ class GrooveEnds:
 
 @dataclass(frozen=True)
 class BodySpec:
-    """Dimensions, contact positions and element sizes from which a screw, nut or ring with flat ends is meshed."""
+    """Dimensions, contact positions and element sizes for the mesh of a grooved screw, nut or ring with flat ends."""
 
     #: Inner radius [m]; 0 for a body without bore.
     r_in: float
@@ -140,13 +141,13 @@ class BodySpec:
     #: Whether the groove is in the outer surface (True, screw) or in the inner one (False, nut).
     outer: bool
     #: For each contact, azimuth [rad] of the ball including the offset of its start, axial position [m] of the ball, and
-    #: flank 0 to 3. Each contact gets a socket, a box left free for a fine contact patch.
+    #: flank 0 to 3. Around each contact the mesh leaves a refinement box free for a finer mesh.
     sockets: tuple[tuple[float, float, int], ...]
-    #: Size of the sockets.
+    #: Size of the refinement boxes.
     size: SocketSize
-    #: Element size at the sockets [m].
+    #: Element size at the refinement boxes [m].
     fine: float
-    #: Element size far from the sockets [m].
+    #: Element size far from the refinement boxes [m].
     coarse: float
     #: Whether the groove ends beyond the outermost balls (`GrooveEnds`), or runs through the whole body.
     ends: bool = False
@@ -179,7 +180,7 @@ def points_from_cylindrical(r: float | Array, phi: float | Array, z: float | Arr
 
 @dataclass(frozen=True)
 class Groove:
-    """Cross-section of the groove of a screw, nut or ring: range of its flanks, opening, and wall thickness."""
+    """Cross-section of the groove of a screw, nut or ring: section angles of its flanks, opening, wall thickness."""
 
     #: Groove surfaces of the track.
     m: GrooveMap
@@ -191,7 +192,7 @@ class Groove:
     behind: float
     #: Section angle of the apex between the two arcs [rad].
     apex: float
-    #: Section angle of the edge at the land [rad].
+    #: Section angle of the edge at which a flank meets the land [rad].
     edge: float
     #: Axial distance from the groove's centre line to the middle of its opening [m].
     middle: float
@@ -273,7 +274,7 @@ class Groove:
         return self.m.section_to_unrolled(*self.m.polar_to_section(side, gamma, np.full(gamma.shape, self.m.radius[side])))
 
     def profile(self, side: int, gamma: Array) -> tuple[Array, Array]:
-        """Return points on the profile of a flank: their radii, and their axial coordinates on the unrolled groove.
+        """Return radius and unrolled axial coordinate of points on the profile of a flank.
 
         Parameters
         ----------
@@ -290,7 +291,7 @@ class Groove:
         return self.unrolled_coordinates(side, gamma)[:2]
 
     def radius(self, line: float, r: float | Array, phi: Array) -> float | Array:
-        """Return the radius of points on a flank, which approaches the land's radius where the groove ends.
+        """Return the radius of points on a flank; where the groove ends, it passes into the radius of the land.
 
         Parameters
         ----------
@@ -310,22 +311,22 @@ class Groove:
 
 
 def line_along_first_axis(second_coordinate: float) -> Placing:
-    """Make the curve with plane coordinates (t, ``second_coordinate``), a line with the first coordinate t as parameter."""
+    """Return the straight curve with the plane coordinates (t, ``second_coordinate``), as a function of its parameter t."""
     return lambda t: np.stack([t, np.full(t.size, second_coordinate)], axis=1)
 
 
 def line_along_second_axis(first_coordinate: float) -> Placing:
-    """Make the curve with plane coordinates (``first_coordinate``, t), a line with the second coordinate t as parameter."""
+    """Return the straight curve with the plane coordinates (``first_coordinate``, t), as a function of its parameter t."""
     return lambda t: np.stack([np.full(t.size, first_coordinate), t], axis=1)
 
 
 def point_map_at_z(z: float) -> Placing:
-    """Make the function that maps plane coordinates (x, y) to points at the axial position z [m]."""
+    """Return the function that maps plane coordinates (x, y) [m] to points in space at the axial position ``z`` [m]."""
     return lambda x: np.column_stack([x, np.full(len(x), z)])
 
 
 def circle_in_space(r: float, z: float) -> Placing:
-    """Make the curve in space that is a circle about the axis; its parameter is the azimuth [rad].
+    """Return a circle about the screw's axis as a curve in space: a function that maps azimuths [rad] to points [m].
 
     ``r``: radius of the circle [m]; ``z``: its axial position [m].
     """
@@ -333,14 +334,14 @@ def circle_in_space(r: float, z: float) -> Placing:
 
 
 def circle_in_plane(r: float) -> Placing:
-    """Make the curve in the plane (x, y) of a flat face that is a circle of radius r [m]; its parameter is the azimuth."""
+    """Return a circle of radius ``r`` [m] in a flat face as a function that maps azimuths [rad] to coordinates x, y [m]."""
     return lambda t: points_from_cylindrical(r, t, 0.0)[:, :2]
 
 
 def helix_in_plane_coordinates(
     helix_constant: float, zeta: float, rg: float, second_coordinate: float | None = None
 ) -> Placing:
-    """Make the curve along a helical groove in the plane coordinates of a face; its parameter is the axial position z [m].
+    """Return a curve along a helical groove in the plane coordinates of a face, as a function of the axial position z.
 
     Parameters
     ----------
@@ -366,7 +367,7 @@ def helix_in_plane_coordinates(
 
 
 def azimuth_of_widest_gap(spec: BodySpec) -> float:
-    """Return the azimuth in the middle of the widest angular gap between sockets, where a ring is cut open for meshing.
+    """Return the azimuth midway in the widest angular gap between the contacts of a ring, where its faces are cut open.
 
     Parameters
     ----------
@@ -376,7 +377,7 @@ def azimuth_of_widest_gap(spec: BodySpec) -> float:
     Returns
     -------
     float
-        Azimuth [rad]; 0 for a body without sockets.
+        Azimuth [rad]; 0 for a body without refinement boxes.
     """
     if not spec.sockets:
         return 0.0
@@ -389,7 +390,7 @@ def azimuth_of_widest_gap(spec: BodySpec) -> float:
 def outer_surfaces_of_flanged_nut(
     flange: Flange, outer_radius: float, end_positions: tuple[float, float], smallest_width: float = SAME
 ) -> tuple[list[str], list[tuple[float, float]]]:
-    """List the outer surfaces of a flanged nut, from its end at smaller z to that at larger z.
+    """List the outer surfaces of a flanged nut, and the circles between them, from smaller to larger z.
 
     Parameters
     ----------
@@ -409,7 +410,7 @@ def outer_surfaces_of_flanged_nut(
     names : list of str
         Names of the surfaces.
     circles : list of (r, z)
-        Radius and axial position [m] of the circles that bound the surfaces, one more than surfaces.
+        Radius and axial position [m] of the circles that bound the surfaces; there is one more circle than surfaces.
     """
     rim = flange.diameter / 2.0
     end, face, fit = flange.stations(*end_positions)

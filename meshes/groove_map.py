@@ -1,4 +1,4 @@
-"""Exact coordinate transformations between space, the section of a groove, and unrolled coordinates along its helix.
+"""Exact coordinate transformations between space, the groove section and unrolled coordinates along the groove's helix.
 
 A point (x3, z3) of the groove section at azimuth phi has the radius r = |(R_p + x3, z3 sin alpha)|, the azimuth phi + psi
 with psi = atan2(-z3 sin alpha, R_p + x3), and z = zeta + r_g (phi + psi) with zeta = z3 cos alpha - r_g psi. Here R_p is
@@ -25,7 +25,7 @@ from rollbench.meshes.record_keys import frozen_default, register_frozen_default
 @register_frozen_defaults
 @dataclass(frozen=True, eq=False)
 class GrooveMap:
-    """Nominal groove surfaces of a scene, with exact maps between space, groove section and unrolled coordinates."""
+    """Nominal groove surfaces of a scene, with coordinate transformations between space and the groove section."""
 
     #: Pitch radius [m].
     R: float
@@ -39,7 +39,7 @@ class GrooveMap:
     ball: float
     #: Signs (s_x, s_z) of the contact direction of each flank ``(4, 2)``.
     signs: Array
-    #: Groove centres (x3, z3) of each flank in the section ``(4, 2)`` [m].
+    #: Centre of each flank's arc ``(4, 2)`` [m]: x3 radial, z3 across the track, in the section normal to the helix.
     centre: Array
     #: Groove radii ``(4,)`` [m].
     radius: Array
@@ -112,18 +112,18 @@ class GrooveMap:
         return flanks_with_contacts_of_arcs(self.rg, self.arcs, self.touches_at_apex)
 
     def axes(self) -> Array:
-        """Return the unit vectors of the section frame at azimuth 0.
+        """Return the unit vectors of the frame of the groove section (normal to the helix) at azimuth 0.
 
         Returns
         -------
         (3, 3) Array
-            Rows: x3 (radial), y3 (along the track) and z3 (across the track, in the section), as components x, y, z.
+            Rows: x3 (radial), y3 (along the track) and z3 (across the track), as components x, y, z.
         """
         c, s = cos(self.alpha), sin(self.alpha)
         return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
 
     def relative_curvature_radii(self, side: int, angle: float) -> tuple[float, float]:
-        """Compute the relative radii of curvature of ball and groove, across and along the groove.
+        """Compute the relative radii of curvature of ball and groove at a contact, across and along the groove.
 
         Along the groove the screw is convex and the nut concave. Its curvature is that of a tube around a helix,
         cos(angle) cos^2(alpha) / r at the radius r of the contact, with the lead angle alpha.
@@ -154,39 +154,39 @@ class GrooveMap:
         return 1.0 / (1.0 / self.ball - 1.0 / float(self.radius[side])), 1.0 / (1.0 / self.ball - along)
 
     def polar_to_section(self, side: int, gamma: Array, rho: Array) -> tuple[Array, Array]:
-        """Convert polar coordinates about the centre of a flank's arc to section coordinates.
+        """Convert polar coordinates about the centre of a flank's arc to coordinates x3, z3 in the groove section.
 
         Parameters
         ----------
         side : int
             Flank 0 to 3 (SL, SR, NL, NR).
         gamma : Array
-            Section angle [rad].
+            Section angle, measured from the radial direction [rad].
         rho : Array
             Distance from the centre of the arc [m].
 
         Returns
         -------
         x3, z3 : Array
-            Section coordinates [m].
+            Coordinates in the groove section: x3 radial, z3 across the track [m].
         """
         sx, sz = self.signs[side]
         return self.centre[side, 0] + sx * rho * np.cos(gamma), self.centre[side, 1] + sz * rho * np.sin(gamma)
 
     def section_to_unrolled(self, x3: Array, z3: Array) -> tuple[Array, Array, Array]:
-        """Convert section coordinates to unrolled coordinates.
+        """Convert coordinates x3, z3 in the groove section to unrolled coordinates along the groove's helix.
 
         Parameters
         ----------
         x3, z3 : Array
-            Section coordinates [m].
+            Coordinates in the groove section: x3 radial, z3 across the track [m].
 
         Returns
         -------
         r : Array
             Distance of the point from the screw's axis [m].
         zeta : Array
-            Axial position of the point minus r_g times its azimuth, with the lead per radian r_g [m], for a section whose
+            Axial position of the point minus r_g times its azimuth [m], with the lead per radian r_g, for a section whose
             origin is at azimuth 0 and z = 0.
         psi : Array
             Azimuth of the point minus that of the section's origin [rad].
@@ -196,7 +196,7 @@ class GrooveMap:
         return r, z3 * cos(self.alpha) - self.rg * psi, psi
 
     def roll(self, r: Array, zeta: Array) -> tuple[Array, Array]:
-        """Convert unrolled coordinates to section coordinates; the inverse of `section_to_unrolled`.
+        """Convert unrolled coordinates to coordinates x3, z3 in the groove section; inverse of `section_to_unrolled`.
 
         Newton's method for z3, which converges near the groove, where abs(z3 sin alpha) < 0.9 r.
 
@@ -208,7 +208,7 @@ class GrooveMap:
         Returns
         -------
         x3, z3 : Array
-            Section coordinates [m].
+            Coordinates in the groove section: x3 radial, z3 across the track [m].
 
         Examples
         --------
@@ -230,7 +230,9 @@ class GrooveMap:
         return np.sqrt(np.maximum(r * r - (z3 * s) ** 2, 0.0)) - self.R, z3
 
     def section_to_polar(self, side: int, x3: Array, z3: Array) -> tuple[Array, Array]:
-        """Convert section coordinates to polar ones about the centre of a flank's arc; inverse of `polar_to_section`.
+        """Convert coordinates x3, z3 in the groove section to polar ones about the centre of a flank's arc.
+
+        This is the inverse of `polar_to_section`.
 
         Parameters
         ----------
@@ -251,7 +253,7 @@ class GrooveMap:
         return np.arctan2(sz * wz, sx * wx), np.hypot(wx, wz)
 
     def space(self, r: Array, zeta: Array, phi: Array) -> Array:
-        """Convert unrolled coordinates to Cartesian ones.
+        """Convert unrolled coordinates along the groove's helix to Cartesian coordinates.
 
         Parameters
         ----------

@@ -1,9 +1,9 @@
-"""Coarse mesh of a screw, nut or ring: second-order tetrahedra by gmsh, with a box left free around every contact (socket).
+"""Coarse mesh of a screw, nut or ring: second-order tetrahedra by gmsh, with a refinement box left free at each contact.
 
 The surface consists of smooth faces. Each has plane coordinates in which its shape is known exactly: (azimuth, section
 angle gamma) for flanks, (azimuth, z) for lands and bores, (x, y) for the flat ends. On a helix, flanks and lands are strips
-that end at the flat ends. On a ring, faces are closed around the axis; they are cut open midway between two sockets.
-``meshes.shell`` fills the closed surface with tetrahedra.
+that end at the flat ends. On a ring, faces are closed around the axis; they are cut open midway between two refinement
+boxes. ``meshes.shell`` fills the closed surface with tetrahedra.
 """
 
 from __future__ import annotations
@@ -78,20 +78,20 @@ SLIVER = 0.1
 
 @dataclass(frozen=True)
 class GroovedBody(MeshedBody):
-    """Coarse mesh of a screw, nut or ring with sockets, the boxes left free for fine contact patches.
+    """Coarse mesh of a screw, nut or ring, with a refinement box left free around each contact for a finer mesh.
 
     Names of its boundaries: "low end", "high end", "flank SL" (SR, NL, NR), "land"; "bore" of a hollow screw or "outside"
-    of a nut; "sockets" if there are any. A flanged nut also has "rim", "seat" (the ring at which the flange may be fixed),
-    "flange" (the rest of that face) and "centring" (the cylindrical fit next to it).
+    of a nut; "sockets", the faces of the refinement boxes, if there are any. A flanged nut also has "rim", "seat" (the ring
+    at which the flange may be fixed), "flange" (the rest of that face) and "centring" (the cylindrical fit next to it).
     """
 
     #: Mesh of second-order tetrahedra.
     mesh: Mesh
-    #: Nodes on the inner faces of each socket ``(count, k)``, in the order of the mesh in ``sockets`` for its flank.
+    #: Nodes on the faces of each refinement box ``(count, k)``, in the order of the nodes of its mesh in ``sockets``.
     socket_nodes: Index
-    #: Mesh of a socket's faces, for each flank 0 to 3 that has sockets.
+    #: Mesh of the faces of a refinement box, by the flank (0 to 3) on which the box lies.
     sockets: dict[int, SocketMesh]
-    #: Largest distance of the flanks' nodes, including the sockets' rims, from the exact flanks [m].
+    #: Largest distance of the flanks' nodes, including the refinement boxes' rims, from the exact flanks [m].
     deviation: float
     #: Number of cells and nodes, and the scaled Jacobians of the cells.
     quality: Quality
@@ -108,7 +108,8 @@ class GroovedBodySurface:
     ) -> None:
         """Divide the curves of the body's surface and triangulate its faces.
 
-        Afterwards the attribute ``corners`` holds the corner nodes of every socket, in the order of ``spec.sockets``.
+        Afterwards the attribute ``corners`` holds the corner nodes of every refinement box, in the order of
+        ``spec.sockets``.
 
         Parameters
         ----------
@@ -117,7 +118,7 @@ class GroovedBodySurface:
         m : GrooveMap
             Groove surfaces of the track.
         spec : BodySpec
-            Dimensions and sockets of the body.
+            Dimensions and refinement boxes of the body.
         share : float, default 1.0
             Factor on the default lengths of the longest edges on curved faces.
         groove : Groove | None, default None
@@ -142,7 +143,7 @@ class GroovedBodySurface:
         self._triangulate_end_faces(self._triangulate_helical_groove() if m.rg else self._triangulate_ring_groove())
 
     def _socket_rims_on_flank(self, side: int, line: float) -> list[list[Side]]:
-        """Return the rims of the sockets on a flank of one start's groove, which are holes in the face of the flank.
+        """Return the rims of the refinement boxes on a flank of one start's groove, the holes in the face of the flank.
 
         ``side``: flank 0 to 3; ``line``: constant z - r_g phi of the groove [m], with the lead per radian r_g. Each rim is
         a closed loop of one side, in the plane coordinates (azimuth, section angle gamma) [rad].
@@ -186,7 +187,7 @@ class GroovedBodySurface:
         self.shell.face(f"flank {SIDES[side]}", loops, space, self.flank_limit)
 
     def _triangulate_on_cylinder(self, name: str, r: float, boundary: list[Side], limit: float) -> None:
-        """Triangulate a face on the cylinder of radius r [m], with edges of at most ``limit`` [m].
+        """Triangulate a face on the cylinder of radius ``r`` [m] about the axis, with edges of at most ``limit`` [m].
 
         ``name``: name of the boundary of the mesh to which the face belongs; ``boundary``: sides of the face in the
         coordinates (azimuth [rad], z [m]).
@@ -196,13 +197,13 @@ class GroovedBodySurface:
         self.shell.face(name, [loop], lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1]), limit)
 
     def _divide_circle(self, r: float, z: float, limit: float) -> DividedCurve:
-        """Divide a circle of radius r about the axis at z [m] into edges of at most ``limit`` [m]."""
+        """Divide the circle of radius ``r`` about the axis, at the position ``z``, into edges of at most ``limit`` [m]."""
         return self.shell.curve(circle_in_space(r, z), self.start, self.start + 2.0 * np.pi, limit)
 
     def _around(
         self, low: DividedCurve, high: DividedCurve, at: tuple[float, float], seam: Placing, limit: float
     ) -> list[Side]:
-        """Return the four sides of a face between two circles about the axis, which is cut open along a seam.
+        """Return the four sides of a face between two circles about the axis, after the face is cut open along a seam.
 
         ``low``, ``high``: the two divided circles; ``at``: the second plane coordinate (z or section angle) of ``low`` and
         of ``high``; ``seam``: function that maps the second plane coordinate to points in space, from ``low`` to ``high``;
@@ -215,7 +216,7 @@ class GroovedBodySurface:
     def _triangulate_tube(
         self, name: str, r: float, low: DividedCurve, high: DividedCurve, z: tuple[float, float], limit: float
     ) -> None:
-        """Triangulate the face on the cylinder of radius r [m] between two divided circles, ``low`` and ``high``.
+        """Triangulate the face between two divided circles, ``low`` and ``high``, on the cylinder of radius ``r`` [m].
 
         ``name``: name of the boundary of the mesh to which the face belongs; ``z``: axial positions of ``low`` and ``high``
         [m]; ``limit``: length of the longest edge [m].
@@ -324,7 +325,7 @@ class GroovedBodySurface:
         return [self._boundary_of_end_face(threads, [pair[end] for pair in arcs], end) for end in (0, 1)]
 
     def _boundary_of_end_face(self, threads: list[GrooveThread], arcs: list[DividedCurve], end: int) -> list[Side]:
-        """Return the boundary of a flat end at the grooves, in order: for each start, right flank, land, next left flank.
+        """Return the sides of a flat end's boundary at the grooves: per start, right flank, land, and the next left flank.
 
         ``threads``: curves of each start's groove; ``arcs``: for each start, the arc of its land at this end; ``end``: 0
         for the end at smaller z, 1 for that at larger z. Plane coordinates are (x, y) [m].
@@ -383,7 +384,7 @@ class GrooveThread:
         ]
 
     def _azimuth(self, place: int, end: int, gamma: Array) -> tuple[float | Array, Array]:
-        """Return radius [m] and azimuth [rad] of points at which a flank meets a flat end.
+        """Return radius [m] and azimuth [rad] of points on the curve in which a flank meets a flat end.
 
         ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z; ``gamma``: section
         angles of the points [rad].
@@ -393,14 +394,14 @@ class GrooveThread:
         return self.groove.radius(self.line, r, phi), phi
 
     def _end_curve_in_space(self, place: int, end: int) -> Placing:
-        """Make the curve in space in which a flank meets a flat end; its parameter is the section angle gamma [rad].
+        """Return the curve in space in which a flank meets a flat end, as a function of the section angle gamma [rad].
 
         ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z.
         """
         return lambda gamma: points_from_cylindrical(*self._azimuth(place, end, gamma), self.z[end])
 
     def flat(self, place: int, end: int) -> Placing:
-        """Make the curve in which a flank meets a flat end, in the plane coordinates (x, y) [m] of the end.
+        """Return the curve in which a flank meets a flat end, in the plane coordinates (x, y) [m] of the end.
 
         ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z. The parameter of the
         curve is the section angle gamma [rad].
@@ -425,14 +426,14 @@ class GrooveThread:
 
 
 def mesh_grooved_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
-    """Mesh a screw, nut or ring with boxes left free around its contacts (sockets).
+    """Mesh a screw, nut or ring coarsely, and leave a refinement box free around each contact for a finer mesh.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
     spec : BodySpec
-        Dimensions, sockets and element sizes of the body.
+        Dimensions, refinement boxes and element sizes of the body.
 
     Returns
     -------
@@ -442,7 +443,7 @@ def mesh_grooved_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
     Raises
     ------
     ValueError
-        A socket does not fit, or no attempt of gmsh gives a good mesh.
+        A refinement box does not fit, or no attempt of gmsh gives a good mesh.
     """
     land, behind = (spec.r_out, spec.r_in) if spec.outer else (spec.r_in, spec.r_out)
     check_sockets_fit(m, spec.size, spec.sockets, land, behind, (spec.z_low, spec.z_high))

@@ -1,4 +1,6 @@
-"""Nominal path of the balls (a helix or circle), positions of the balls on it, and section frames along it.
+"""Nominal path of the balls (a helix or circle), positions of the balls on it, and frames of the groove section along it.
+
+A section frame has the axes x3 (radial), y3 (along the track) and z3 (across the track).
 
 After Lin (2019), eqs. (2.1), (2.2), (2.5), (2.6) and Appendix A, whose printed rotation about y is corrected.
 """
@@ -68,7 +70,7 @@ def lead_angle(track: Track) -> float:
 
 @dataclass(frozen=True)
 class BallLayout:
-    """Nominal positions of n balls, and the section frames at their centres; sorted by start."""
+    """Nominal positions of n balls, sorted by start, and frames at their centres: radial, across and along the track."""
 
     #: Azimuths ``(n,)`` [rad], counted on over whole turns, each with the offset of its start.
     azimuth: Array
@@ -85,7 +87,7 @@ class BallLayout:
 
 
 def ball_layout(scene: Scene) -> BallLayout:
-    """Compute the nominal centres of all balls of a scene, and the section frames there.
+    """Compute the nominal centres of all balls of a scene, and at each the frame of the groove section.
 
     The helix of start k has the azimuth ``phase + 2 pi k / starts`` at the nut's centre.
 
@@ -119,7 +121,7 @@ def ball_layout(scene: Scene) -> BallLayout:
 
 
 def ball_layout_at_positions(track: Track, azimuth: Array, z: Array) -> BallLayout:
-    """Compute the centres of balls from their azimuths and axial positions, and the section frames there.
+    """Compute the centres of balls, and the frames of the groove section there, from azimuths and axial positions.
 
     Parameters
     ----------
@@ -171,7 +173,7 @@ def _listed_groove_radii(scene: Scene) -> list[float]:
 
 
 def nominal_groove_centres(scene: Scene) -> Array:
-    """Return the nominal centres of the groove arcs of the flanks SL, SR, NL, NR in the section frame.
+    """Return the nominal centres of the arcs of the flanks SL, SR, NL, NR, relative to the ball's centre.
 
     Parameters
     ----------
@@ -181,7 +183,8 @@ def nominal_groove_centres(scene: Scene) -> Array:
     Returns
     -------
     (4, 2) Array
-        Coordinates (x3, z3) [m], at the distance r_G - r_B from the ball's centre, opposite to the contact.
+        Coordinates x3 (radial) and z3 (across the track) [m]: at the distance r_G - r_B from the ball's centre, opposite
+        to the contact, with the radii r_G of the groove and r_B of the ball.
 
     References
     ----------
@@ -197,7 +200,7 @@ def nominal_groove_centres(scene: Scene) -> Array:
 
 
 def nominal_contact_points(scene: Scene) -> Array:
-    """Return the nominal contact points on the flanks SL, SR, NL, NR in the section frame.
+    """Return the nominal contact points of a ball on the flanks SL, SR, NL, NR, relative to the ball's centre.
 
     Parameters
     ----------
@@ -207,7 +210,7 @@ def nominal_contact_points(scene: Scene) -> Array:
     Returns
     -------
     (4, 2) Array
-        Coordinates (x3, z3) [m], at the distance r_B from the ball's centre, in the contact direction.
+        Coordinates x3 (radial) and z3 (across the track) [m]: at the distance r_B, the ball's radius, from its centre.
 
     Examples
     --------
@@ -219,7 +222,7 @@ def nominal_contact_points(scene: Scene) -> Array:
 
 
 def _points_along_contact_directions(scene: Scene, distance: list[float]) -> Array:
-    """Return one point for each flank, at a given distance from the ball's centre in the contact direction.
+    """Return one point for each flank, at a given distance from the ball's centre along the contact direction.
 
     ``distance``: distance for each of the flanks SL, SR, NL, NR [m]. The points are given by their coordinates (x3, z3) in
     the section ``(4, 2)`` [m]; a negative distance is opposite to the contact.
@@ -231,7 +234,7 @@ def _points_along_contact_directions(scene: Scene, distance: list[float]) -> Arr
 def evenly_spaced_azimuths(
     balls_of_circuit: int, turns: float, helix_azimuth: float, circuits: int = 1, circuit_gap: float = 0.0
 ) -> tuple[float, ...]:
-    """Return the azimuths of balls that are evenly spaced over the loaded turns of each circuit.
+    """Return the azimuths of balls that are evenly spaced over the loaded turns of each ball circuit.
 
     Parameters
     ----------
@@ -240,7 +243,7 @@ def evenly_spaced_azimuths(
     turns : float
         Number of loaded turns of one circuit.
     helix_azimuth : float
-        Azimuth of the centre of all circuits together [rad].
+        Azimuth of the middle of all circuits together [rad].
     circuits : int, default 1
         Number of circuits of one start.
     circuit_gap : float, default 0.0

@@ -55,7 +55,7 @@ _MODULES = {"scikit-fem": "skfem", "pillow": "PIL"}
 
 
 def pip_command(package: str) -> str:
-    """Return the pip command that installs a Python package: with the extra of rollbench to which it belongs, if any.
+    """Return the pip command that installs a Python package, by an optional extra of rollbench where one contains it.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def pip_command(package: str) -> str:
 
 @cache
 def reason_of_failed_import(package: str) -> str:
-    """Return the reason for which a Python package cannot be imported.
+    """Return in words why a Python package cannot be imported.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def reason_of_failed_import(package: str) -> str:
     Returns
     -------
     str
-        The reason; empty where the package can be imported.
+        The reason; an empty text where the package can be imported.
 
     Examples
     --------
@@ -119,7 +119,7 @@ def apt_command(*lists: Mapping[str, str]) -> str:
     Parameters
     ----------
     *lists : dict
-        Debian package of each library, such as `MESHING`.
+        Debian package of each system library by the library's name, such as `MESHING`.
 
     Examples
     --------
@@ -136,7 +136,7 @@ def missing_system_libraries(libraries: Mapping[str, str]) -> list[str]:
     Parameters
     ----------
     libraries : Mapping[str, str]
-        Debian package of each library, such as `MESHING`.
+        Debian package of each system library by the library's name, such as `MESHING`.
     """
     lacking = []
     for name in libraries:

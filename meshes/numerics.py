@@ -1,4 +1,4 @@
-"""Brent's method for roots, and a search for pairs of close points; importing scipy, which takes seconds, is avoided."""
+"""Brent's method for roots, and a search for pairs of close points, without importing scipy, which takes seconds."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LEAST = 8.881784197001252e-16
 
 
 def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2e-12, rtol: float = LEAST) -> float:
-    """Find a root of a function in an interval by Brent's method, with the same digits as ``scipy.optimize.brentq``.
+    """Return a root of a function in an interval by Brent's method; all digits equal those of ``scipy.optimize.brentq``.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ FEW = 500
 
 
 def pairs_of_close_points(points: Array, largest_distance: float) -> Index:
-    """Find the pairs of points whose distance does not exceed a limit.
+    """Return the pairs of points whose distance does not exceed a limit.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ LEAST = 1e-7
 
 
 def has_single_arc_grooves(scene: Scene) -> bool:
-    """Return whether each groove of a bearing is a single arc, so that a ball has one contact with each ring.
+    """Return whether each groove of a scene is a single arc, so that a ball has one contact with each ring.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def flanks_with_contacts(scene: Scene) -> tuple[int, ...]:
 
 
 def flanks_with_contacts_of_arcs(lead: float, arcs: str, near: bool) -> tuple[int, ...]:
-    """Return the flanks that carry the contacts where grooves are single arcs, for callers that have no scene.
+    """Return the flanks that carry the contacts of single-arc grooves, from lead and arcs instead of a scene.
 
     The groove of a screw is always a gothic arch: with a single arc near the apex its nut would carry no thrust.
 
@@ -68,7 +68,7 @@ def flanks_with_contacts_of_arcs(lead: float, arcs: str, near: bool) -> tuple[in
     arcs : str
         Arcs of each groove, as in ``Track.arcs``: ``"two"``, ``"+z"`` or ``"-z"``.
     near : bool
-        Whether the contacts of both flanks of a gothic arch count as one, as returned by `contacts_merge_at_apex`.
+        Whether the contacts on both flanks of a gothic arch count as one, as returned by `contacts_merge_at_apex`.
 
     Returns
     -------
@@ -106,7 +106,7 @@ def contacts_merge_at_apex(groove_radius: float, contact_angle: float, ball_radi
 
 
 def with_single_arc_grooves(scene: Scene) -> Scene:
-    """Replace a bearing's gothic arches by single arcs where the contacts of both flanks overlap.
+    """Return a bearing in which single arcs replace gothic arches where the contacts of both flanks overlap.
 
     The single arc touches the ball, without clearance, where the ridge between the two arcs was. The gap between ball and
     ridge that is thus neglected, (r_G - r_B) r_B beta^2 / (2 r_G) of the larger groove [m], is stated in the scene's
@@ -136,7 +136,7 @@ def with_single_arc_grooves(scene: Scene) -> Scene:
 
 @result_record
 class Clearance:
-    """Internal clearance of a bearing whose grooves are single arcs: total displacements of one ring against the other."""
+    """Internal clearance of a bearing with single-arc grooves: total free travel of one ring against the other."""
 
     radial: float = quantity_field(
         "radial_um",
@@ -156,7 +156,7 @@ class Clearance:
 
 
 def distance_of_groove_centres(scene: Scene) -> float:
-    """Return the distance between the groove centres of both rings at which a nominal ball touches both grooves.
+    """Return the distance between the groove centres of both rings when a nominal ball touches both grooves.
 
     Parameters
     ----------
@@ -176,9 +176,9 @@ def distance_of_groove_centres(scene: Scene) -> float:
 
 
 def free_contact_angle(centre_distance: float, radial: float | None, axial: float | None) -> float:
-    """Compute the free contact angle alpha of a bearing with single-arc grooves from its internal clearance.
+    """Compute the contact angle alpha of an unloaded bearing with single-arc grooves from its internal clearance.
 
-    The clearances are P_d = 2 A (1 - cos alpha) and P_e = 2 A sin alpha.
+    The radial clearance is P_d = 2 A (1 - cos alpha), the axial one P_e = 2 A sin alpha.
 
     Parameters
     ----------

@@ -72,10 +72,10 @@ NutHeld = Literal[
 
 
 class UnfitKey(ValueError):
-    """Error raised where the parts of a scene cannot be built or a model cannot solve the scene; names the key at fault."""
+    """Error of a scene that cannot be built or solved; it names the key of the scene file that is the cause."""
 
     def __init__(self, key: str, reason: str) -> None:
-        """Store the key of the scene file at fault, such as ``"nut.outer_diameter"``, and the reason as the message."""
+        """Store the key that is the cause, such as ``"nut.outer_diameter"``, and the reason, which is the message."""
         super().__init__(key, reason)
         self.key = key
 
@@ -108,7 +108,7 @@ class Material:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Track:
-    """Nominal path of the balls in a screw or bearing, and the number of arcs in its grooves (Lin 2019, 2.1, 2.2, 2.5)."""
+    """Nominal path of the ball centres in a screw or bearing, and number of arcs per groove (Lin 2019, 2.1, 2.2, 2.5)."""
 
     #: Pitch radius R_p [m].
     pitch_radius: Radius
@@ -228,7 +228,7 @@ class Balls:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class FourierTerm:
-    """One harmonic of a geometric error along the track: sin * sin(harmonic * phi) + cos * cos(harmonic * phi).
+    """One harmonic of a manufacturing error along the track: sin * sin(harmonic * phi) + cos * cos(harmonic * phi).
 
     Amplitudes and standard deviation are in metres; phi is the azimuth.
     """
@@ -245,7 +245,7 @@ Terms = Annotated[tuple[FourierTerm, ...], ListLength(0, 1000)]
 @register_frozen_defaults
 @dataclass(frozen=True)
 class SideErrors:
-    """Geometric errors of one groove flank: screw left (SL), screw right (SR), nut left (NL) or nut right (NR).
+    """Manufacturing errors of one groove flank: screw left (SL), screw right (SR), nut left (NL) or nut right (NR).
 
     Lengths are in metres, the section angle gamma in radians (Lin 2019, 2.27, 4.1, 4.3).
     """
@@ -270,7 +270,7 @@ class SideErrors:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class BallErrors:
-    """Errors of the balls' radii: one for all balls, further ones for single balls, and random ones."""
+    """Errors of the balls' radii: one for all balls, additional ones for single balls, and random ones."""
 
     #: Error of all radii [m].
     oversize: Deviation = frozen_default(0.0)
@@ -285,7 +285,7 @@ class BallErrors:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Errors:
-    """All geometric errors of a scene, and the seed of the random ones."""
+    """All manufacturing errors of balls and grooves of a scene, and the seed of the random ones."""
 
     #: Errors of the balls' radii.
     balls: BallErrors = frozen_default(BallErrors())
@@ -354,9 +354,9 @@ class Load:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Ingredients:
-    """Options of the low-order models: contact constants, screw as a beam or rigid, its elements, and lever arms.
+    """Options of the low-order models: contact constants, screw as a beam or rigid, beam elements, and lever arms.
 
-    Three details: with ``hertz = "nominal"`` each contact's constants follow from its own radii. With
+    With ``hertz = "nominal"`` each contact's constants follow from its own radii. With
     ``partition = "source"`` the beam's nodes outside the nut are about one pitch diameter apart. With ``arm = "ball"`` only
     the lever arm is that of the ball's centre; the force still acts at the current contact point.
     """
@@ -392,7 +392,7 @@ class Ingredients:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Solid:
-    """Inputs of the 3D reference only; for a missing key the program makes an assumption and prints it."""
+    """Inputs that only the 3D finite-element reference needs; a missing value is assumed, and the assumption printed."""
 
     nut_inner_diameter: Size | None = frozen_default(
         None,
@@ -450,7 +450,7 @@ class Friction:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Motion:
-    """The part that rotates and its angular speed, for the command ``rollbench friction``.
+    """Which part of a scene rotates, and its angular speed, for the command ``rollbench friction``.
 
     The angular speed is in rad/s.
     """
@@ -500,7 +500,7 @@ class Lubricant:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Circulation:
-    """Ball circuits of a screw and how full they are, for the command ``rollbench friction``."""
+    """Ball circuits of a screw, and how far its balls fill them, for the command ``rollbench friction``."""
 
     circuits: Annotated[int, IntegerRange(1, 1000)] = frozen_default(
         1, "number of closed circuits of each start; each has the same number of balls", 1
@@ -542,7 +542,7 @@ class Time:
     )
 
     def span(self, motion: Motion) -> float:
-        """Return the computed time: the given duration, or the given angle divided by the angular speed.
+        """Return the length of the computed time: the given duration, or the given angle divided by the angular speed.
 
         Parameters
         ----------
@@ -580,7 +580,7 @@ class GateLimits:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Operation:
-    """Operating conditions for the modified life (ISO 281), and the speed limit of the ball return."""
+    """Operating conditions for the modified rating life (ISO 281), and the speed limit of the ball return."""
 
     reliability: Reliability | None = frozen_default(
         None, "fraction of specimens that reach the modified life, in per cent", 95
@@ -650,7 +650,7 @@ class Scene:
     lubricant: Lubricant | None = frozen_default(None)
 
     def __hash__(self) -> int:
-        """Return a hash of the fields that ``==`` compares; it is stored, because many caches look up scenes."""
+        """Return a hash of the fields that ``==`` compares; it is computed once, because many caches look up scenes."""
         found: int | None = self.__dict__.get("_hash")
         if found is None:
             found = self.__dict__["_hash"] = hash(tuple(getattr(self, f.name) for f in fields(self) if f.compare))
@@ -661,7 +661,7 @@ class Scene:
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def to_toml(self) -> str:
-        """Write the scene as text of a TOML scene file, from which the same scene can be read."""
+        """Return the scene as the text of a TOML scene file, from which the same scene can be read."""
         from rollbench.meshes.scene_text import scene_tables, toml_of_tables
 
         return toml_of_tables(scene_tables(self))

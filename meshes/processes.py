@@ -31,7 +31,7 @@ VARIABLES = tuple(f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "
 
 
 def one_thread_environment() -> dict[str, str]:
-    """Return the environment variables that must be set so that linear algebra uses one thread.
+    """Return the environment variables that still have to be set so that linear algebra uses one thread.
 
     Returns
     -------
@@ -69,9 +69,9 @@ def limited_to_one_thread() -> Iterator[None]:
 
 
 def _loaded_blas_libraries() -> list[Any]:
-    """Return the BLAS libraries already loaded whose number of threads the user has not set.
+    """Return those loaded libraries for linear algebra (BLAS) whose number of threads the user has not set.
 
-    Loaded libraries do not read environment variables any more, so that their number of threads must be set directly.
+    A loaded library does not read environment variables any more, so that its number of threads must be set directly.
     """
     left = one_thread_environment()
     if not left:
@@ -82,12 +82,12 @@ def _loaded_blas_libraries() -> list[Any]:
     return [library for library in libraries if f"{library.internal_api.upper()}_NUM_THREADS" in left]
 
 
-#: Time between two checks whether the process that started a worker is still running [s].
+#: Interval [s] at which a worker checks whether the process that started it is still running.
 LOOK = 0.5
 
 
 def single_thread_workers() -> Any:
-    """Return a context manager of joblib in which ``Parallel`` starts local workers, each with one thread.
+    """Return a context manager in which joblib's ``Parallel`` starts worker processes, each with one thread.
 
     Where the user has set `VARIABLES`, these give the number of threads. A worker ends within a second after the process
     that started it, for whatever reason that process ended. On Windows, where a worker cannot detect this, workers end
@@ -126,13 +126,13 @@ def end_process_with_parent(parent_id: int) -> None:
 
 
 def _wait_for_parent_to_end(parent_id: int) -> None:
-    """Wait until the process ``parent_id`` is not the parent of this process any more, then end this process."""
+    """Wait until this process has another parent than ``parent_id``, because that one has ended; then end this process."""
     while os.getppid() == parent_id:
         time.sleep(LOOK)
     os._exit(1)
 
 
-#: Whether the system's record of peak memory may include earlier work, because resetting it failed.
+#: Whether the system's record of peak memory may include earlier computations, because resetting it failed.
 _stale = False
 
 

@@ -1,4 +1,4 @@
-"""Records of results whose fields carry a definition of their quantity: key, unit, definition and format.
+"""Result records whose fields describe their quantities: key, unit, definition and number format.
 
 JSON output, tables and the manual use these definitions.
 """
@@ -15,7 +15,7 @@ Getter = TypeVar("Getter", bound=Callable[..., object])
 
 @dataclass(frozen=True)
 class QuantityDescription:
-    """Description of a quantity in the results: its key, definition and format."""
+    """Description of a quantity in the results: its key in JSON, its definition, and how it is shown in tables."""
 
     #: Key in JSON, whose ending gives the unit; a dot in the key separates the name of a JSON table from the name in it.
     key: str
@@ -28,22 +28,24 @@ class QuantityDescription:
     heading: str = ""
     #: Format of a number in tables.
     form: str = "g5"
-    #: Suffix of the key in the paths of its parts: ``[]`` for a list, ``.*`` for any keys, ``.FLANK`` for the four flanks.
+    #: Suffix of the key for the parts of a value that is a list or table: ``[]`` for a list, ``.*`` for any keys,
+    #: ``.FLANK`` for the four flanks.
     parts: str = ""
     #: Function that converts the field's value (SI units) to the value shown; None: the value is shown unchanged.
     show: Callable[[Any], object] | None = field(default=None, compare=False)
-    #: Expected error of a model: field of `compare.models.model_form.ModelForm`, and a factor on it.
+    #: Expected error of a low-order model for this quantity: field of `compare.models.model_form.ModelForm` that has it,
+    #: and a factor on it.
     expected: tuple[str, float] = ("", 0.0)
     #: Text after the value in the table of answers; keys of the record in braces are replaced, as in
     #: ``"ball {ball} {side}"``.
     note: str = ""
 
     def shown(self, value: object) -> object:
-        """Convert a value of the field (SI units) to the value that is shown, in the unit of the key."""
+        """Return the value shown in results, in the unit of the key, for a value of the field in SI units."""
         return value if self.show is None else self.show(value)
 
     def __call__(self, getter: Getter) -> Getter:
-        """Attach this description to the getter of a property, as a decorator."""
+        """Attach this description to the function of a property (use as a decorator), and return the function."""
         getter.__dict__["stated"] = (self, *getter.__dict__.get("stated", ()))
         return getter
 
@@ -62,7 +64,7 @@ def quantity_field(
     default: Any = MISSING,
     default_factory: Any = MISSING,
 ) -> Any:
-    """Make a field of a result record with the description of its quantity.
+    """Return a dataclass field of a result record, with the description of its quantity attached.
 
     Parameters
     ----------
@@ -99,7 +101,7 @@ def result_record(cls: type[Class], /) -> type[Class]: ...
 def result_record(*, eq: bool = True, repr: bool = True, kw_only: bool = False) -> Callable[[type[Class]], type[Class]]: ...
 @dataclass_transform(frozen_default=True, field_specifiers=(field, quantity_field))
 def result_record(cls: type[Class] | None = None, /, **options: bool) -> Any:
-    """Make a class a frozen dataclass for results, whose fields may be defined by `quantity_field` (a class decorator).
+    """Make a class a frozen dataclass whose fields may be defined by `quantity_field` (a class decorator).
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ RATES = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """Dimension and allowed range of a quantity in scene files, used as the annotation of a field."""
+    """Physical dimension and allowed range of a quantity in scene files; used to annotate the type of a field."""
 
     #: Dimension, one of `meshes.units.DIMENSIONS`; for `Rate`, one of `RATES`.
     dimension: str
@@ -99,7 +99,7 @@ class Quantity:
         raise self._refused_value_error(self.allowed, advice)
 
     def _number(self, value: object) -> float:
-        """Convert a value to SI units without checking its range; raise pydantic's error if it is not such a quantity."""
+        """Convert a value to SI units without checking its range; raise pydantic's error for another dimension or unit."""
         try:
             return units.parse_quantity(value, self.dimension)
         except units.UnitError as error:
@@ -107,7 +107,7 @@ class Quantity:
             raise self._refused_value_error(allowed, f"the value {error.reason}: {error.advice}") from None
 
     def text_with_unit(self, value: float, added: float = 0.0) -> str | float:
-        """Write a value as the shortest text, in the unit of the example, that is read as exactly the same value.
+        """Return the shortest text, in the unit of the example, from which exactly the same value is read.
 
         Parameters
         ----------
@@ -167,7 +167,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class ShareOfRating:
-    """Force given as a fraction of the basic dynamic load rating C."""
+    """Force that a scene file states as a fraction of the basic dynamic load rating C."""
 
     #: Ratio of the force to C.
     share: float
@@ -175,13 +175,13 @@ class ShareOfRating:
 
 @dataclass(frozen=True)
 class ForceOrShare(Quantity):
-    """Allowed range of a force, which may also be given in per cent of the dynamic load rating C: ``5 % of C``."""
+    """Allowed range of a force that may also be stated in per cent of the dynamic load rating C, as ``5 % of C``."""
 
-    #: Largest percentage of C.
+    #: Largest allowed percentage of C.
     most: float = 50.0
 
     def si_value(self, value: object) -> float | ShareOfRating:  # type: ignore[override]
-        """Convert a force of a scene file to a value in N, or to a fraction of the dynamic load rating C.
+        """Convert a force as written in a scene file to N, or to a fraction of the dynamic load rating C.
 
         Arguments and errors are those of `Quantity.si_value`.
 
@@ -228,7 +228,7 @@ class Rate(Quantity):
 
 @dataclass(frozen=True)
 class IntegerRange:
-    """Allowed range of an integer in scene files, used as the annotation of a field."""
+    """Allowed range of an integer in scene files; used to annotate the type of a field."""
 
     #: Smallest number.
     low: int
@@ -244,7 +244,7 @@ class IntegerRange:
 
 @dataclass(frozen=True)
 class ListLength:
-    """Allowed number of entries of a list in scene files, which is read as a tuple; used as the annotation of a field."""
+    """Allowed number of entries of a list in scene files, which is read as a tuple; used to annotate a field's type."""
 
     #: Smallest number of entries.
     low: int
@@ -260,7 +260,7 @@ class ListLength:
 
 
 def quantity_of_type(annotated_type: Any) -> Quantity:
-    """Return the quantity with which an annotated type such as `Size` is annotated.
+    """Return dimension and allowed range of an annotated type such as `Size`.
 
     Parameters
     ----------

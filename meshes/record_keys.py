@@ -31,7 +31,7 @@ _NONE: Any = object()
 
 
 def scene_key_metadata(description: str, example: object = None) -> dict[str, Any]:
-    """Make the metadata of a dataclass field that is also a key of scene files.
+    """Return the metadata of a dataclass field that is also a key of scene files: description and example.
 
     Parameters
     ----------
@@ -51,9 +51,9 @@ def scene_key_metadata(description: str, example: object = None) -> dict[str, An
 def frozen_default(
     default: Any, description: str = "", example: object = None, *, now: Any = _NONE, compare: bool = True
 ) -> Any:
-    """Make a dataclass field with a default; a value equal to this default does not enter the keys of stored runs.
+    """Return a dataclass field with a frozen default: a value equal to it does not change the keys of stored 3D runs.
 
-    The default given here is frozen: it must never be changed, because the keys of stored runs depend on it.
+    The frozen default must never be changed, because the keys of stored runs depend on it.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def frozen_default(
 
 
 def register_frozen_defaults(record: type[T]) -> type[T]:
-    """Register the frozen defaults of a dataclass whose fields enter the keys of stored runs (a class decorator).
+    """Register the frozen defaults of a dataclass from whose fields keys of stored 3D runs are made (a class decorator).
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ FORM = 1
 
 @dataclass(frozen=True)
 class RecordFields:
-    """Class and fields of a record as read from a file; has the same canonical text as the record."""
+    """Class and field values of a record as read from a file; its canonical text is that of the record itself."""
 
     #: Class of the record.
     record: type
@@ -120,7 +120,7 @@ class RecordFields:
 
 
 def digest_of_values(*parts: object) -> str:
-    """Compute the digest of values from their canonical text.
+    """Compute a digest of values from their canonical texts; equal values have equal digests.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def canonical_text(value: object) -> str:
 
 
 def _record_text(record: type, values: Mapping[str, object]) -> str:
-    """Return the canonical text of a record of the class ``record`` from the values of its fields, by the fields' names."""
+    """Return the canonical text of a record; ``record``: its class; ``values``: its values by the fields' names."""
     name, usual = record.__name__, _frozen_default_texts(record)
     texts = {field: canonical_text(value) for field, value in values.items()}
     return f"{name}({', '.join(f'{field}={texts[field]}' for field in sorted(texts) if texts[field] != usual.get(field))})"
@@ -206,7 +206,7 @@ def _frozen_default_texts(record: type) -> Mapping[str, str]:
 
 
 def _float_text(value: float) -> str:
-    """Return the canonical text of a number; whole numbers are written as integers."""
+    """Return the canonical text of a floating-point number; whole numbers are written as integers."""
     if value.is_integer():
         return str(int(value)) if value or math.copysign(1.0, value) > 0.0 else "-0"
     return repr(value)

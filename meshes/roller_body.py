@@ -30,7 +30,7 @@ _EDGES = ((0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5)
 
 @dataclass(frozen=True)
 class RollerContactZone:
-    """Strip along the contact line in which roller and raceway may come into contact, and the cells of its mesh."""
+    """Strip along the contact line in which roller and raceway may touch, and the sizes of the cells in it."""
 
     #: Half width of the strip [m].
     width: float
@@ -52,11 +52,12 @@ class SectionMesh:
 
 @dataclass(frozen=True)
 class SweptBody(MeshedBody):
-    """Mesh of half a raceway or of a quarter of a tapered roller, with the nodes of its zone of contact."""
+    """Mesh of half a raceway or of a quarter of a tapered roller, with the nodes in the zone of possible contact."""
 
     #: Mesh of hexahedra, an object of scikit-fem.
     mesh: object
-    #: Nodes in the zone of contact ``(rows, columns)``: rows along the contact line, columns from the line outwards.
+    #: Nodes in the zone of possible contact ``(rows, columns)``: one row for each distance from the apex, with columns from
+    #: the contact line outwards.
     contact: Index
     #: Distance of each column of nodes from the contact line, where the roller has its mean diameter ``(columns,)`` [m].
     across: Array
@@ -67,12 +68,12 @@ class SweptBody(MeshedBody):
 
 
 def mesh_section(zone: RollerContactZone, width: float, depth: float, *, round: bool) -> SectionMesh:
-    """Mesh the cross-section of a raceway (half a rectangle) or of a roller (a quarter of a disc) by gmsh.
+    """Mesh the cross-section of a raceway (half of a rectangle) or of a roller (a quarter of a disc) by gmsh.
 
     Parameters
     ----------
     zone
-        Strip of possible contact.
+        Strip along the contact line in which roller and raceway may touch, and its cells.
     width, depth
         Half width and depth of the raceway's section [m]; for a roller both are its radius.
     round
@@ -131,7 +132,7 @@ def mesh_section(zone: RollerContactZone, width: float, depth: float, *, round: 
 
 
 def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
-    """Return the depth of points in a cross-section below the contact surface of a raceway or roller ``(n,)`` [m].
+    """Return the depths of points in a cross-section below the surface of the raceway or roller ``(n,)`` [m].
 
     ``points``: section coordinates y, z ``(n, 2)`` [m]; ``depth``: depth of the section, for a roller its radius [m];
     ``round``: whether it is the section of a roller, a quarter of a disc.
@@ -140,7 +141,7 @@ def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
 
 
 def _sweep_section_to_hexahedra(section: SectionMesh, layer_distances: Array) -> tuple[Index, Array, Index]:
-    """Extrude the plane mesh ``section`` to layers of hexahedra that end at ``layer_distances`` [m] from the apex.
+    """Extrude a plane mesh along rays from the apex to layers of hexahedra between given distances from the apex [m].
 
     Returns three arrays: for each node of the hexahedra its node of the section, and its distance from the apex [m]; then
     the nodes of each hexahedron, in gmsh's order.
@@ -194,16 +195,16 @@ def build_swept_body(
     round: bool = False,
     mirrored: bool = False,
 ) -> SweptBody:
-    """Build the mesh of a roller or raceway by extruding its section along rays from the apex.
+    """Mesh a tapered roller or a raceway: its plane section mesh is extruded along rays from the cones' apex.
 
     Parameters
     ----------
     section
         Mesh of the section.
     zone
-        Strip of possible contact.
+        Strip along the contact line in which roller and raceway may touch.
     layer_distances
-        Distances of the cells' ends from the apex, ascending ``(k,)`` [m].
+        Distances from the apex at which layers of cells begin and end, ascending ``(k,)`` [m].
     zone_ends
         Distances from the apex at which the zone of contact begins and ends, two values of ``layer_distances`` [m].
     point_map
@@ -242,7 +243,7 @@ def build_swept_body(
 
 
 def _inward_direction(at: Array, depth: float, round: bool) -> Array:
-    """Return the unit normals into the body ``(n, 2)`` at points on the contact surface of a cross-section.
+    """Return the unit normals into the body at points on the contour of a cross-section ``(n, 2)``.
 
     ``at``: section coordinates y, z ``(n, 2)`` [m]; ``depth``: depth of the section, for a roller its radius [m];
     ``round``: whether it is the section of a roller, a quarter of a disc.
@@ -254,7 +255,7 @@ def _inward_direction(at: Array, depth: float, round: bool) -> Array:
 def roller_point_map(
     radius: float, angle: float, profile_drop: Callable[[Array], Array]
 ) -> Callable[[Array, Array], Array]:
-    """Return the function that maps nodes of the section, and distances from the apex, to points of a tapered roller.
+    """Return the function that maps points of the section, at distances from the apex, to points of a tapered roller.
 
     Parameters
     ----------
@@ -276,7 +277,7 @@ def roller_point_map(
 
 
 def raceway_point_map(middle: float, angle: float, outward: float) -> Callable[[Array, Array], Array]:
-    """Return the function that maps nodes of the section, and distances from the apex, to points of a raceway's ring.
+    """Return the function that maps points of the section, at distances from the apex, to points of a raceway's ring.
 
     Parameters
     ----------

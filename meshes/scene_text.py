@@ -1,6 +1,6 @@
-"""Write a scene as text of a TOML scene file, with units, and without keys that have their default values.
+"""Write a scene as the text of a TOML scene file, with units, and without keys that have their default values.
 
-Tables are in the order of the scene file's schema.
+Tables are in the order of the schema of scene files. A table is a dict of keys, values and inner tables.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ Table = dict[str, Any]
 
 
 def toml_of_tables(tables: Mapping[str, Any]) -> str:
-    """Write keys and tables as TOML text; a short table inside another one is written on one line with its key.
+    """Return keys and tables as TOML text; a short inner table is written on one line with its key.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def toml_of_tables(tables: Mapping[str, Any]) -> str:
 
 
 def scene_tables(scene: Scene) -> Table:
-    """Collect the keys and tables of the scene file that describes a screw or bearing.
+    """Return the keys and tables of the scene file that describes a screw or bearing.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def scene_tables(scene: Scene) -> Table:
 
 
 def axis_tables(axis: Assembly) -> Table:
-    """Collect the keys and tables of the scene file that describes a shaft with its bearings and ball nuts.
+    """Return the keys and tables of the scene file that describes a shaft with its bearings and ball nuts.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def axis_tables(axis: Assembly) -> Table:
 def load_case_table(
     share: float, time: float | None, speed: float | None, parts: Scene | Assembly, case: Scene | Assembly
 ) -> Table:
-    """Collect the keys of one load case of a duty cycle: only those that differ from the scene without load cases.
+    """Return the keys of one load case of a scene file: only those that differ from the scene without load cases.
 
     Parameters
     ----------
@@ -197,13 +197,13 @@ def load_case_table(
 
 
 def _ball_oversizes(parts: Scene | Assembly) -> list[float]:
-    """Return the oversizes of balls [m]: one for a ball screw or bearing; for a shaft, one for each set that has balls."""
+    """Return the oversize of the ball radii [m] of each ball nut and ball bearing of a scene."""
     scenes = [parts] if isinstance(parts, Scene) else [s.parts for s in parts.sets if isinstance(s.parts, Scene)]
     return [scene.errors.balls.oversize for scene in scenes]
 
 
 def _displaced_support_table(before: Support, after: Support) -> Table:
-    """Collect the keys of a support whose prescribed displacement changes in a load case; empty where none changes.
+    """Return the keys of a support whose prescribed displacement changes in a load case; empty where none changes.
 
     ``before``: the support in the scene without load cases; ``after``: the same support in the load case.
     """
@@ -217,7 +217,7 @@ def _displaced_support_table(before: Support, after: Support) -> Table:
 
 
 def _head_table(scene: Scene | Assembly, material: Material, kind: str = "") -> Table:
-    """Collect the first keys of a scene file: title, source, assumptions, kind of scene, and material of the parts.
+    """Return the first keys of a scene file: title, source, assumptions, kind of scene, and material of the parts.
 
     ``material``: material of all parts that have no key for their material; ``kind``: value of the key ``kind``, or empty
     if the file needs none.
@@ -227,7 +227,7 @@ def _head_table(scene: Scene | Assembly, material: Material, kind: str = "") -> 
 
 
 def _material_table(material: Material, shared: Material | None) -> Table:
-    """Return the key ``material`` of a part with its value; empty where the part has the material ``shared``.
+    """Return the key ``material`` of a part with its value; empty where the part has the common material ``shared``.
 
     ``shared``: material at the head of the scene file, or None if the key is always wanted.
     """
@@ -238,7 +238,7 @@ def _material_table(material: Material, shared: Material | None) -> Table:
 
 
 def _track_table(scene: Scene, *, by_thrust: bool = False) -> Table:
-    """Collect the keys of the ball path (table ``track``).
+    """Return the keys of the table ``track``, the path of the ball centres.
 
     For a bearing whose grooves are single arcs, the clearance from which its contact angle follows is written instead of
     the angle. ``by_thrust``: whether the key ``thrust`` of a rolling set states the direction of the single arcs; then the
@@ -263,7 +263,7 @@ def _track_table(scene: Scene, *, by_thrust: bool = False) -> Table:
 
 
 def groove_table(radius: float, ball: float) -> Table:
-    """Return the key for a groove: its conformity r_G / (2 r_B) where that is shorter and exact, else its radius r_G.
+    """Return the key that states a groove's radius r_G: as conformity r_G / (2 r_B) where that is shorter and exact.
 
     Parameters
     ----------
@@ -288,7 +288,7 @@ def groove_table(radius: float, ball: float) -> Table:
 
 
 def _body_table(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
-    """Collect the keys of the screw or nut ``part``: its dimensions, its groove and its material.
+    """Return the keys of the screw or nut ``part`` in a scene file: dimensions, groove and material.
 
     ``scene``: scene with the ball radius; ``shared``: material at the head of the scene file, for which a part gets no key.
     """
@@ -297,7 +297,7 @@ def _body_table(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
 
 
 def _nut_table(scene: Scene, shared: Material) -> Table:
-    """Collect the keys of a nut, with its flange and the surface at which it is fixed (table ``nut.held``).
+    """Return the keys of a nut, with its flange and the surface at which it is fixed (table ``nut.held``).
 
     ``shared``: material at the head of the scene file; a nut of this material gets no key for it.
     """
@@ -313,7 +313,7 @@ def _nut_table(scene: Scene, shared: Material) -> Table:
 
 
 def _balls_table(scene: Scene, shared: Material) -> Table:
-    """Collect the keys of the balls: number and turns where they are evenly spaced in each circuit, else their azimuths.
+    """Return the keys of the balls: number and turns where they are evenly spaced in each circuit, else their azimuths.
 
     ``shared``: material at the head of the scene file; balls of this material get no key for it.
     """
@@ -333,7 +333,7 @@ def _balls_table(scene: Scene, shared: Material) -> Table:
 
 
 def _errors_table(errors: Errors, *, seed: bool = False) -> Table:
-    """Collect the keys of the geometric errors; ``seed``: whether the seed of random errors is written even if it is 0."""
+    """Return the keys of the table ``errors``; ``seed``: whether the seed of random errors is written even if it is 0."""
     listed = {str(number): value_with_unit_text(Deviation, error) for number, error in errors.balls.listed}
     balls = keys_of_record(errors.balls, "listed") | without_empty_values(listed=listed)
     sides = {side: keys_of_record(errors.side(side)) for side in SIDES}
@@ -341,7 +341,7 @@ def _errors_table(errors: Errors, *, seed: bool = False) -> Table:
 
 
 def _support_table(support: Support) -> Table:
-    """Collect the keys of a support: its axial position, its fixed degrees of freedom, and prescribed displacements."""
+    """Return the keys of a support: its axial position, its fixed degrees of freedom, and prescribed displacements."""
     fix = [name for name, value in support.fixed if value == 0.0]
     moved = {
         name: value_with_unit_text(Shift if name[0] == "u" else Turn, value)
@@ -352,7 +352,7 @@ def _support_table(support: Support) -> Table:
 
 
 def _friction_table(friction: Friction | None) -> Table:
-    """Collect the keys of the table ``friction``; empty without friction.
+    """Return the keys of the table ``friction``; empty for a scene without friction.
 
     Where screw and nut have the same coefficient, one key ``coefficient`` replaces the keys ``screw`` and ``nut``.
     """
@@ -365,7 +365,7 @@ def _friction_table(friction: Friction | None) -> Table:
 
 
 def _rolling_set_table(axis: Assembly, rolling_set: RollingSet, shared: Material) -> Table:
-    """Collect the keys of ``rolling_set``, a bearing or ball nut on the shaft of ``axis``.
+    """Return the keys of ``rolling_set``, a bearing or ball nut on the shaft of ``axis``.
 
     Its inner ring (table ``screw``) is written only where groove, diameter or material differ from those of the shaft.
     ``shared``: material at the head of the scene file.
@@ -407,14 +407,14 @@ def _rolling_set_table(axis: Assembly, rolling_set: RollingSet, shared: Material
 
 
 def _force_and_moment(force: Sequence[float], moment: Sequence[float]) -> Table:
-    """Collect the keys ``force`` [N] and ``moment`` [N m] of a load, with units; a zero vector is left out."""
+    """Return the keys ``force`` and ``moment`` of a load [N, N m], with units; a zero vector is left out."""
     from rollbench.meshes.parts import Load
 
     return {name: text for name, text in keys_of_record(Load(0.0, tuple(force), tuple(moment))).items() if name != "at"}  # type: ignore[arg-type]
 
 
 def _stiffness_table(matrix: Stiffness | None) -> Table:
-    """Return the key for a 6x6 stiffness matrix: ``springs`` where it is diagonal, else ``matrix``; empty for None."""
+    """Return the key that states a 6x6 stiffness: ``springs`` for a diagonal matrix, else ``matrix``; empty for None."""
     if matrix is None:
         return {}
     if any(x for i, row in enumerate(matrix) for j, x in enumerate(row) if i != j):
@@ -430,7 +430,7 @@ def _stiffness_table(matrix: Stiffness | None) -> Table:
 
 
 def without_empty_values(**table: Any) -> Table:
-    """Collect the keyword arguments that are neither None nor empty, as keys of a table.
+    """Return the keyword arguments that are neither None nor empty as a dict, the keys of a table of a scene file.
 
     Examples
     --------
@@ -441,7 +441,7 @@ def without_empty_values(**table: Any) -> Table:
 
 
 def value_with_unit_text(annotated_type: Any, value: float) -> str | float:
-    """Write a value in SI units as text with a unit, as in a scene file.
+    """Return a value in SI units as text with a unit, as in a scene file.
 
     Parameters
     ----------
@@ -460,13 +460,13 @@ def value_with_unit_text(annotated_type: Any, value: float) -> str | float:
 
 @cache
 def _quantities_of_fields(record: type) -> dict[str, Quantity]:
-    """Return the physical quantities, with units and ranges, of the fields of the class ``record``, by field names."""
+    """Return the quantity (unit and range) of each field of the class ``record`` that has one, by the field's name."""
     hints = get_type_hints(record, include_extras=True)
     return {name: found[0] for name, hint in hints.items() if (found := [*_quantities_in_type(hint)])}
 
 
 def _quantities_in_type(hint: Any) -> Iterator[Quantity]:
-    """Yield the physical quantities in an annotated type, also inside tuples and unions."""
+    """Yield the quantities with which an annotated type is annotated, also inside tuples and unions."""
     if isinstance(hint, Quantity):
         yield hint
     for part in (*get_args(hint), *getattr(hint, "__metadata__", ())):
@@ -474,7 +474,7 @@ def _quantities_in_type(hint: Any) -> Iterator[Quantity]:
 
 
 def keys_of_record(record: Any, *left_out: str) -> Table:
-    """Collect the fields of a record that differ from their defaults, as keys of a scene file.
+    """Return those fields of a record that differ from their defaults, as keys of a scene file.
 
     Parameters
     ----------
@@ -499,7 +499,7 @@ def keys_of_record(record: Any, *left_out: str) -> Table:
 
 
 def _value_with_unit(value: Any, quantity: Quantity | None) -> Any:
-    """Write the value of a record's field with its unit; for a tuple, return a list with each of its values so written.
+    """Return the value of a record's field with its unit as in a scene file; a tuple becomes a list of such values.
 
     ``quantity``: quantity of the field, which defines the unit; None for a field without unit.
     """
@@ -530,7 +530,7 @@ def _table_lines(table: Mapping[str, Any], path: str) -> Iterator[str]:
 
 
 def _toml_value(value: Any, *, wrapped: bool = False) -> str:
-    """Write a value as TOML text; ``wrapped``: whether a list longer than `LINE` gets one line for each entry."""
+    """Return a value as TOML text; ``wrapped``: whether a list longer than `LINE` gets one line for each entry."""
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{name} = {_toml_value(x)}" for name, x in value.items()) + " }"
     if isinstance(value, list):

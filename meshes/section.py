@@ -1,4 +1,4 @@
-"""The grooved screw modelled as a beam: stiffnesses of its cross-section with a homogenised groove, and the beam's nodes.
+"""The grooved screw as a beam: stiffnesses of a cross-section whose diameter is reduced for the groove, and beam nodes.
 
 After Lin (2019), Appendix C, eqs. (C.3) to (C.8), and section 2.4.1.
 """
@@ -17,7 +17,7 @@ from rollbench.meshes.parts import Material, Scene
 
 @dataclass(frozen=True)
 class GrooveSection:
-    """Cross-section of the screw's gothic-arch groove below its outer surface (Lin 2019, Figure C.1)."""
+    """Section angles and area of the screw's gothic-arch groove below the screw's outer surface (Lin 2019, Figure C.1)."""
 
     #: Section angle of the apex, where both arcs meet [rad].
     gamma_1: float
@@ -28,9 +28,10 @@ class GrooveSection:
 
 
 def groove_section(scene: Scene) -> GrooveSection:
-    """Compute the section angles and the area of the screw's groove from its nominal radius and the outer diameter.
+    """Compute the section angles at which the screw's groove begins and ends, and the area of its cross-section.
 
-    Valid while the outer surface intersects both arcs: abs(D_2) < r_G.
+    Valid while the screw's outer surface intersects both arcs: abs(D_2) < r_G, with the radial distance D_2 from
+    that surface to the centres of the arcs.
 
     Parameters
     ----------
@@ -74,7 +75,7 @@ def groove_section(scene: Scene) -> GrooveSection:
 
 
 def axial_range_of_nut_groove(scene: Scene) -> tuple[float, float]:
-    """Return the range of the section angle on a flank of the nut, from the apex of the groove to pi/2.
+    """Return the section angles between which a flank of the nut's groove extends: from the apex to pi/2.
 
     No publication gives the diameter of the nut's lands; so pi/2 is taken instead of the angle at which the flank ends.
 
@@ -132,7 +133,7 @@ def grooved_volume_ratio(scene: Scene) -> float:
 
 @dataclass(frozen=True)
 class BeamSection:
-    """Axial, bending, torsional and shear stiffness of a beam's cross-section."""
+    """Stiffnesses of a beam's cross-section: axial EA, bending EI, torsional GJ and shear kappa G A."""
 
     #: Axial stiffness [N].
     EA: float
@@ -174,7 +175,7 @@ def shear_coefficient(diameter_ratio: float, poisson: float) -> float:
 
 
 def tube_section(outer: float, bore: float, material: Material) -> BeamSection:
-    """Return the stiffnesses of a solid or hollow circular cross-section.
+    """Return the beam stiffnesses of a solid or hollow circular cross-section.
 
     Parameters
     ----------
@@ -206,7 +207,7 @@ def tube_section(outer: float, bore: float, material: Material) -> BeamSection:
 
 
 def screw_section(scene: Scene) -> BeamSection:
-    """Return the stiffnesses of the grooved screw's cross-section: circular, with a diameter reduced for the groove.
+    """Return the beam stiffnesses of the grooved screw: of a circular section with a diameter reduced for the groove.
 
     The outer diameter is multiplied by a factor, which the scene's ``ingredients.section`` selects. With k the
     `grooved_volume_ratio`: ``"groove"`` sqrt(k), which preserves the volume; ``"groove squared"`` k, that is, eq. (C.8)
@@ -275,7 +276,7 @@ def contact_force_positions(scene: Scene, layout: BallLayout) -> Array:
 
 
 def support_and_load_positions(scene: Scene) -> Array:
-    """Return the axial positions of a scene's supports, then of its loads; the beam must reach all of them.
+    """Return the axial positions of a scene's supports, then those of its loads.
 
     Parameters
     ----------
@@ -291,14 +292,14 @@ def support_and_load_positions(scene: Scene) -> Array:
 
 
 def merge_close_positions(stations: Array, preferred: Array) -> Array:
-    """Sort axial positions, and merge positions that are closer together than `MERGE`.
+    """Sort axial positions, and keep only one of several that are closer together than `MERGE`.
 
     Parameters
     ----------
     stations : (n,) Array
         Axial positions [m], in any order.
     preferred : Array
-        Axial positions [m]; of several close positions, one that is in this array is kept instead of the others.
+        Axial positions [m] that are kept rather than others close to them.
 
     Returns
     -------
@@ -331,11 +332,12 @@ def _nodes_of_equal_elements(start: float, end: float, length: float) -> Array:
 
 
 def nodes_of_whole_beam(scene: Scene, *others: Scene) -> Array:
-    """Return the nodes of the beam over the whole screw, for ``ingredients.partition`` ``"source"`` or ``"uniform"``.
+    """Return the nodes of a beam over the whole screw, divided as in Lin's thesis or into equal elements in the nut.
 
-    ``"source"`` is the partition of Lin's thesis: inside the nut as many elements of 15 mm as fit, centred on it; outside,
-    equal elements of at most the pitch diameter. For the screw of Table 2.1 these are 12 + 3 + 12 = 27 elements, the number
-    in Table 2.2. ``"uniform"``: inside the nut, elements of at most ``ingredients.element_length``; outside as before.
+    ``ingredients.partition`` of the scene selects one of the two. ``"source"`` is the partition of Lin's thesis: inside the
+    nut as many elements of 15 mm as fit, centred on it; outside, equal elements of at most the pitch diameter. For the
+    screw of Table 2.1 these are 12 + 3 + 12 = 27 elements, the number in Table 2.2. ``"uniform"``: inside the nut, elements
+    of at most ``ingredients.element_length``; outside as before.
 
     Parameters
     ----------
@@ -387,7 +389,7 @@ def beam_nodes(scene: Scene, contact_positions: Array, *, whole_screw: bool = Fa
     contact_positions : Array of any shape
         Axial positions of the contacts [m].
     whole_screw : bool, default False
-        Whether to include the elements beyond the outermost support, load or contact, which are free of load.
+        Whether to include the nodes beyond the outermost support, load or contact, where the screw carries no load.
 
     Returns
     -------
@@ -407,7 +409,7 @@ def beam_nodes(scene: Scene, contact_positions: Array, *, whole_screw: bool = Fa
 
 
 def enclosing_nodes(nodes: Array, enclosed: Array) -> tuple[Array, int]:
-    """Select the nodes of a beam that enclose some axial positions; at least two nodes.
+    """Return the part of a beam's nodes that encloses given axial positions; at least two nodes.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Mesh a body from its exactly known faces: gmsh triangulates the faces and fills the body with second-order tetrahedra.
+"""Mesh a body whose faces are known exactly: gmsh triangulates the faces and fills the body with second-order tetrahedra.
 
 Each curve between two faces is divided once. gmsh triangulates the faces in plane coordinates and fills the closed surface
 with tetrahedra. Then the midside nodes on the surface are moved onto the exact surface. Lengths are in metres; only gmsh
@@ -32,7 +32,7 @@ RESET = ("SIGHUP", "SIGQUIT", "SIGPIPE", "SIGTERM")
 
 @contextmanager
 def gmsh_session(options: Mapping[str, float] = MappingProxyType({})) -> Iterator[Any]:
-    """Initialise gmsh at the start of a ``with`` block, set its options, and finalise it at the end of the block.
+    """Initialise gmsh for a ``with`` block, set its options, and finalise it at the end of the block.
 
     If gmsh is initialised already, only the options are set, and gmsh is not finalised.
 
@@ -84,6 +84,7 @@ def _import_gmsh() -> Any:
     return gmsh
 
 
+#: Function that maps an array of coordinates or parameters to an array of coordinates or lengths.
 Placing = Callable[[Array], Array]
 
 #: One side of a face: its nodes in order, and their plane coordinates ``(n, 2)`` [m].
@@ -93,8 +94,8 @@ Body = TypeVar("Body")
 
 MM = 1e3
 
-#: Distances from the sockets between which the element size grows from the fine to the coarse size, as ratios to the
-#: ball's radius.
+#: Distances from the refinement boxes between which the element size grows from the fine to the coarse size, as ratios to
+#: the ball's radius.
 GROWTH = (0.18, 2.9)
 
 #: Longest edges on curved faces, as ratios to the face's radius: on flanks; on lands, bores and outer surfaces.
@@ -141,7 +142,7 @@ POOREST = 0.005
 
 @dataclass(frozen=True)
 class DividedCurve:
-    """A curve on the surface of a body, divided into n edges."""
+    """A curve on the surface of a body, divided into n edges of a triangle mesh."""
 
     #: Numbers of the n + 1 nodes along the curve, in order; the first and last are the same for a closed curve.
     nodes: Index
@@ -149,36 +150,36 @@ class DividedCurve:
     t: Array
 
     def on(self, plane: Placing) -> Side:
-        """Return the curve as one side of a face: its nodes, and their plane coordinates on the face ``(n + 1, 2)``.
+        """Return the curve as one side of a face: its nodes in order, and their plane coordinates on the face.
 
-        ``plane``: function that maps values of the curve's parameter to these coordinates.
+        ``plane``: function that maps values of the curve's parameter ``(n + 1,)`` to plane coordinates ``(n + 1, 2)``.
         """
         return self.nodes, plane(self.t)
 
     def back(self, plane: Placing) -> Side:
-        """Return the curve as one side of a face with its nodes in reverse order; ``plane`` and result as for `on`."""
+        """Return the curve as one side of a face, with its nodes in reverse order; argument and result as for `on`."""
         return self.nodes[::-1], plane(self.t[::-1])
 
 
 @dataclass
 class TriangulatedFace:
-    """One triangulated face of a body's surface, with n nodes."""
+    """One smooth face of a body's surface, divided into triangles with n nodes."""
 
     #: Name of the boundary of the mesh to which the face belongs, such as a flank.
     name: str
-    #: Numbers of its nodes in the shell ``(n,)``.
+    #: Numbers of its nodes in the `Shell` ``(n,)``.
     number: Index
-    #: Plane coordinates of its nodes ``(n, 2)``; a node on a seam occurs twice.
+    #: Plane coordinates of its nodes ``(n, 2)``; a node on the seam of a face that closes around the axis occurs twice.
     plane: Array
     #: Triangles ``(t, 3)``, as indices into `number`.
     local: Index
-    #: Function that maps plane coordinates ``(k, 2)`` to points in space ``(k, 3)`` [m]; None for the faces of a socket,
-    #: whose triangles and nodes must not be changed.
+    #: Function that maps plane coordinates ``(k, 2)`` to points in space ``(k, 3)`` [m]; None for the faces of a refinement
+    #: box around a contact, whose triangles and nodes must not be changed.
     space: Placing | None
 
     @property
     def tris(self) -> Index:
-        """Triangles of the face ``(t, 3)``, as numbers of nodes of the shell."""
+        """Corner nodes of the face's triangles ``(t, 3)``, by their numbers in the `Shell`."""
         return self.number[self.local]
 
     @property
@@ -187,7 +188,7 @@ class TriangulatedFace:
         return np.concatenate([self.local[:, [0, 1]], self.local[:, [1, 2]], self.local[:, [2, 0]]])
 
     def flip_common_edge(self, first: int, second: int) -> bool:
-        """Replace the common edge of two triangles by the other diagonal, if both triangles remain well shaped.
+        """Replace the common edge of two triangles by the other diagonal of their quadrilateral, if both stay well shaped.
 
         Parameters
         ----------
@@ -238,22 +239,22 @@ def sine_of_smallest_angle(corners: Array) -> Array:
 
 
 class Shell:
-    """The closed surface of a body while its mesh is built: nodes, divided curves and triangulated faces.
+    """Closed triangulated surface of a body while the body's mesh is built: nodes, divided curves and faces.
 
-    It stores the exact midpoints of its edges, which become the midside nodes of second-order tetrahedra.
+    It also stores the exact midpoints of edges, which become the midside nodes of second-order tetrahedra.
     """
 
     def __init__(self, gmsh: Any, size: Placing, fine: float, algorithm: int) -> None:
-        """Create a surface without nodes and faces.
+        """Create a surface that has no nodes and faces yet.
 
         Parameters
         ----------
         gmsh : Any
             The module gmsh, in a `gmsh_session`.
         size : Placing
-            Function that returns the wanted edge length [m] at points ``(n, 3)`` [m].
+            Function that returns the wanted edge lengths ``(n,)`` [m] at points ``(n, 3)`` [m].
         fine : float
-            Smallest edge length [m].
+            Smallest wanted edge length [m].
         algorithm : int
             Number of gmsh's algorithm for plane faces.
         """
@@ -272,14 +273,14 @@ class Shell:
     def curve(
         self, space: Placing, start: float, end: float, limit: float, ends: tuple[int, int] | None = None
     ) -> DividedCurve:
-        """Divide a curve into edges of the wanted length, and add its nodes to the surface.
+        """Divide a curve into edges of the wanted length, and add its nodes to this surface.
 
         Parameters
         ----------
         space : Placing
             Function that maps parameters ``(n,)`` of the curve to points ``(n, 3)`` [m].
         start, end : float
-            Range of the parameter.
+            First and last value of the curve's parameter.
         limit : float
             Length of the longest edge [m].
         ends : tuple[int, int] | None, default None
@@ -306,7 +307,7 @@ class Shell:
     def face(
         self, name: str, loops: Sequence[Sequence[Side]], space: Placing, limit: float, stretch: Placing | None = None
     ) -> None:
-        """Triangulate a face in its plane coordinates, and add it to the surface.
+        """Triangulate a face in its plane coordinates, and add it to this surface.
 
         Parameters
         ----------
@@ -338,18 +339,18 @@ class Shell:
         self.faces.append(TriangulatedFace(name, number, plane, tris, space))
 
     def socket(self, name: str, mesh: SocketMesh, points: Array, raised: Array) -> Index:
-        """Add the inner faces of a socket (box left free for a fine contact patch) to the surface.
+        """Add the faces of a refinement box, which is left free around a contact for a finer mesh, to this surface.
 
         Parameters
         ----------
         name : str
             Name of the boundary of the mesh to which the faces belong.
         mesh : SocketMesh
-            Mesh of the socket's faces, with k nodes, of which the first c are corner nodes.
+            Mesh of the refinement box's faces, with k nodes, of which the first c are corner nodes.
         points : (k, 3) Array
             Coordinates of these nodes [m].
         raised : (c, 3) Array
-            Coordinates of the corner nodes while gmsh fills the body [m]; with them the faces bulge into the body.
+            Coordinates that the corner nodes have only while gmsh fills the body [m]; the faces then bulge into the body.
 
         Returns
         -------
@@ -365,14 +366,14 @@ class Shell:
         return number
 
     def tris(self, name: str = "") -> Index:
-        """Return the nodes of the triangles of all faces with the name ``name`` ``(t, 3)``; of all faces if it is empty."""
+        """Return the corner nodes of all triangles on the boundary ``name``, or on all faces if it is empty ``(t, 3)``."""
         return np.concatenate([f.tris for f in self.faces if name in ("", f.name)])
 
     def exact(self) -> tuple[Index, Array]:
-        """Return the midpoints of the surface's edges on the exact curves and faces, which become midside nodes.
+        """Return the midpoint of each edge on the exact curve or face, where the midside node of the edge is placed.
 
-        Edges of curves and sockets come first, then those of faces. An edge that lies on a curve or in two triangles occurs
-        several times; its first midpoint is the one to use.
+        Edges of curves and refinement boxes come first, then those of faces. An edge that lies on a curve or in two
+        triangles occurs several times; its first midpoint is the one to use.
 
         Returns
         -------
@@ -387,7 +388,9 @@ class Shell:
 
 
 def gmsh_size_callback(length_function: Placing, cube_edge: float, block: tuple[int, int, int]) -> Callable[..., float]:
-    """Make the function that gmsh calls for the element size at a point; it computes and stores the sizes of many points.
+    """Make the function that gmsh calls for the element size at a point; it computes sizes for many points at once.
+
+    The sizes are stored for later calls.
 
     Parameters
     ----------
@@ -421,7 +424,7 @@ def gmsh_size_callback(length_function: Placing, cube_edge: float, block: tuple[
 def triangulate_plane_region(
     gmsh: Any, counts: Sequence[int], plane: Array, sizes: Callable[..., float], algorithm: int
 ) -> tuple[Index, Array]:
-    """Triangulate a plane region, which may have holes, with gmsh; no nodes are added on its boundary.
+    """Triangulate a plane region, which may have holes, by gmsh; no nodes are added on its boundary.
 
     Parameters
     ----------
@@ -469,7 +472,7 @@ def triangulate_plane_region(
     boundary, at, _ = mesh.getNodes(0, -1)
     inner = xyz.reshape(-1, 3)[:, :2] / MM
     if len(boundary) != len(plane) or not np.allclose(at.reshape(-1, 3)[:, :2], MM * plane, atol=1e-9):
-        raise ValueError("gmsh changed the nodes on the boundary of a face")
+        raise ValueError("gmsh added or moved nodes on the boundary of a face, which it must not change")
     number = np.full(int(max(tags.max(initial=0), boundary.max())) + 1, -1, dtype=np.int64)
     number[boundary.astype(np.int64)] = np.arange(len(plane))
     number[tags.astype(np.int64)] = len(plane) + np.arange(len(tags))
@@ -514,7 +517,7 @@ def fill_with_tetrahedra(
     """
     edges = np.sort(np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]]), axis=1)
     if np.any(np.unique(edges @ np.array([len(points), 1]), return_counts=True)[1] != 2):
-        raise ValueError("the surface is not closed")
+        raise ValueError("the triangles do not form a closed surface: some of their edges do not belong to two triangles")
     gmsh.model.add("volume")
     surface = gmsh.model.addDiscreteEntity(2)
     count = len(points)
@@ -535,13 +538,13 @@ def fill_with_tetrahedra(
     cells = number[corners.astype(np.int64)].reshape(-1, 4)
     gmsh.model.remove()
     if not len(cells):
-        raise ValueError("gmsh left the volume empty")
+        raise ValueError("gmsh made no tetrahedra inside the closed surface")
     return cells, xyz.reshape(-1, 3) / MM
 
 
 @dataclass(frozen=True)
 class FilledShell:
-    """Mesh of second-order tetrahedra that fills a `Shell`; corner nodes on the surface have the shell's numbers."""
+    """Mesh of second-order tetrahedra inside a closed surface (`Shell`), whose corner nodes keep their numbers."""
 
     #: The mesh.
     mesh: Mesh
@@ -551,7 +554,7 @@ class FilledShell:
     middles: Index
 
     def middle(self, pairs: Index) -> Index:
-        """Find the midside nodes of edges.
+        """Return the midside nodes of edges, each given by its two corner nodes.
 
         Parameters
         ----------
@@ -571,18 +574,18 @@ class FilledShell:
         keys = np.sort(pairs, axis=1) @ np.array([self.mesh.nvertices, 1])
         place = np.minimum(np.searchsorted(self.keys, keys), len(self.keys) - 1)
         if not np.array_equal(self.keys[place], keys):
-            raise ValueError("gmsh lost an edge of the surface")
+            raise ValueError("an edge of the surface triangles is not an edge of gmsh's tetrahedra")
         return np.asarray(self.middles[place])
 
     def box_nodes(self, corners: Index, box: SocketMesh) -> Index:
-        """Find the nodes on the faces of a socket (box left free for a fine contact patch).
+        """Return all nodes on the faces of a refinement box, which is left free around a contact for a finer mesh.
 
         Parameters
         ----------
         corners : (c,) Index
-            Numbers of the socket's corner nodes in this mesh.
+            Numbers of the refinement box's corner nodes in this mesh.
         box : SocketMesh
-            Mesh of the socket's faces.
+            Mesh of the refinement box's faces.
 
         Returns
         -------
@@ -592,12 +595,12 @@ class FilledShell:
         return np.concatenate([corners, self.middle(corners[np.array(list(box.edges), dtype=np.int64)])])
 
     def named(self, shell: Shell) -> Mesh:
-        """Return the mesh with the faces of ``shell``, the surface that it fills, as named boundaries.
+        """Return the mesh with named boundaries: the faces of ``shell``, the closed surface that it fills.
 
         Raises
         ------
         ValueError
-            The mesh does not contain a triangle of the shell.
+            A triangle of the surface is not a face of the mesh.
         """
         return with_boundaries_from_corners(
             self.mesh, {name: shell.tris(name) for name in dict.fromkeys(f.name for f in shell.faces)}
@@ -613,9 +616,9 @@ class FilledShell:
 
 
 def with_positive_volumes(points: Array, cells: Index) -> Index:
-    """Return the nodes of the tetrahedra ``cells`` ``(m, 4)``, reordered where needed to make all volumes positive.
+    """Return the corner nodes of tetrahedra ``(m, 4)``, reordered where needed so that all volumes are positive.
 
-    ``points``: coordinates of the mesh's nodes ``(n, 3)`` [m].
+    ``points``: coordinates of the mesh's nodes ``(n, 3)`` [m]; ``cells``: corner nodes of the tetrahedra ``(m, 4)``.
     """
     a, b, c, d = (points[cells[:, k]] for k in range(4))
     turned = np.einsum("ni,ni->n", np.cross(b - a, c - a), d - a) < 0.0
@@ -623,15 +626,15 @@ def with_positive_volumes(points: Array, cells: Index) -> Index:
 
 
 def drop_flat_surface_cells(shell: Shell, points: Array, cells: Index) -> Index:
-    """Remove tetrahedra that have two triangles on one smooth face, and replace these triangles on the surface.
+    """Remove tetrahedra with two triangles on one smooth face; their other two triangles become part of the surface.
 
-    Such a tetrahedron degenerates along the common edge of the two triangles when that edge is curved. It is removed, and
-    its other two triangles replace these two on the surface, unless they would be badly shaped.
+    When the common edge of two such triangles is curved, the tetrahedron degenerates along it. A tetrahedron is kept where
+    the new surface triangles would be badly shaped.
 
     Parameters
     ----------
     shell : Shell
-        Surface of the mesh; its triangles are changed in place.
+        Closed surface of the mesh; its triangles are changed in place.
     points : (n, 3) Array
         Coordinates of the mesh's corner nodes [m].
     cells : (m, 4) Index
@@ -670,7 +673,7 @@ def drop_flat_surface_cells(shell: Shell, points: Array, cells: Index) -> Index:
 
 
 def fill_shell(shell: Shell, algorithm: int) -> FilledShell:
-    """Fill a closed surface with second-order tetrahedra, whose edge lengths grow with the distance from the surface.
+    """Fill a closed surface with second-order tetrahedra, whose edges become longer with the distance from the surface.
 
     Parameters
     ----------
@@ -726,7 +729,7 @@ def fill_shell(shell: Shell, algorithm: int) -> FilledShell:
 def graded_size_function(
     fine_points: Array, smallest_size: float, largest_size: float, fine_distance: float, coarse_distance: float
 ) -> Placing:
-    """Make a function for the wanted edge length, which grows with the distance from the nearest of given points.
+    """Return a function for the wanted edge length, which grows with the distance from the nearest of given points.
 
     Parameters
     ----------
@@ -754,14 +757,14 @@ def graded_size_function(
 
 
 def mesh_with_smallest_fault(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
-    """Mesh a body with the algorithms and sizes of `ATTEMPTS` in turn, until a mesh has no fault.
+    """Mesh a body with gmsh's algorithms and element sizes of `ATTEMPTS` in turn, until a mesh has no fault.
 
     Parameters
     ----------
     name : str
         Name of the body, for the error message.
     attempt : Callable[[Any, int, int, float], tuple[Body, float]]
-        Function that meshes the body once, and returns the mesh and the size of its fault (0: none). Its arguments: the
+        Function that meshes the body once, and returns the mesh and a measure of its fault (0: none). Its arguments: the
         module gmsh, the number of gmsh's algorithm for faces, that of its algorithm for volumes, and a factor on the
         element sizes.
 

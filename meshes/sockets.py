@@ -1,9 +1,9 @@
-"""Sockets, the boxes that the mesh of a screw or nut leaves free around its contacts: shape, faces and largest size.
+"""Refinement boxes around the contacts of a screw or nut, which its coarse mesh leaves free: shape, faces, largest size.
 
-A fine mesh (the contact patch) fills each socket. A socket is bounded by surfaces of constant depth below the groove and of
-constant azimuth; its width in the section angle gamma (around the arc of the groove's cross-section) decreases with depth.
-The local coordinates xi in a socket are the section angle in [-1, 1], the depth in [0, 1] and the azimuth in [-1, 1]. All
-sockets of a flank are congruent, so that one patch fits them all.
+A finer mesh (the contact patch) fills each box. A box is bounded by surfaces of constant depth below the groove and of
+constant azimuth; its width in the section angle gamma (around the arc of the groove's cross-section)
+decreases with depth. The local coordinates xi in a refinement box are the section angle in [-1, 1], the depth in [0, 1] and
+the azimuth in [-1, 1]. All refinement boxes of a flank are congruent, so that one patch fits them all.
 """
 
 from __future__ import annotations
@@ -20,44 +20,49 @@ from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import SIDES
 
-#: Default size of a socket: half width in the section angle gamma [rad]; depth, and half length along the track, both as
-#: ratios to the ball's radius (1.2 mm and 1.24 mm for the ball radius 2.778 mm of case 1 of Lin's thesis).
+#: Default size of a refinement box: half width in the section angle gamma [rad]; depth, and half length along the track,
+#: both as ratios to the ball's radius (1.2 mm and 1.24 mm for the ball radius 2.778 mm of case 1 of Lin's thesis).
 GAMMA, DEPTH, ALONG = 0.30, 1.2 / 2.778, 1.24 / 2.778
-#: Smallest accepted ratio of a socket's size to the default size.
+#: Smallest accepted ratio of a refinement box's size to the default size.
 LEAST = 0.4
-#: Smallest accepted ratio of a socket's size to the default size near a flat end of the part, where the wall is too thin
-#: for a deeper socket. Width and length are never smaller than the contact needs.
+#: Smallest accepted ratio of a refinement box's size to the default size near a flat end of the part, where the wall is too
+#: thin for a deeper refinement box. Width and length are never smaller than the contact needs.
 LIP = 0.1
-#: Ratio of the half width and half length of the contact zone to those of the socket: default, and largest accepted.
+#: Ratio of the half width and half length of the contact zone to those of the refinement box: default, and largest
+#: accepted.
 FILLED, ZONE = 0.6, 0.95
-#: Ratio of a socket's width to the width that the contact needs, unless that takes more than half of the remaining flank.
+#: Ratio of a refinement box's width to the width that the contact needs, unless that takes more than half of the remaining
+#: flank.
 SPARE = 1.15
-#: Width of the flank that a socket leaves free beside it, as a ratio to the socket's half width: default, and where the
-#: contact needs more width.
+#: Width of the flank that a refinement box leaves free beside it, as a ratio to the refinement box's half width: default,
+#: and where the contact needs more width.
 BESIDE, CLOSE = 0.25, 0.03
-#: Length of the track that is left free between two sockets, as a ratio to the half length of a socket.
+#: Length of the track that is left free between two refinement boxes, as a ratio to the half length of a refinement box.
 BETWEEN = 0.6
-#: Thickness of the material under a socket, as a ratio to the socket's depth; and of the material between the socket and a
-#: flat end or the next turn of the groove, as a ratio to the ball's radius.
+#: Thickness of the material under a refinement box, as a ratio to the refinement box's depth; and of the material between
+#: the refinement box and a flat end or the next turn of the groove, as a ratio to the ball's radius.
 UNDER, AWAY = 0.5, 0.12
-#: Thickness of the material between a socket and a flat end where there is less room, as a ratio to the ball's radius.
+#: Thickness of the material between a refinement box and a flat end where there is less room, as a ratio to the ball's
+#: radius.
 THIN = 0.05
-#: Relative reduction of a socket's width at its bottom. It leaves room for the faces to bulge next to the groove's edge.
+#: Relative reduction of a refinement box's width at its bottom. It leaves room for the faces to bulge next to the groove's
+#: edge.
 TAPER = 0.2
 #: Largest accepted distance of a ball's centre from the groove's centre line, as a ratio to the ball's radius.
 ON_GROOVE = 1e-3
-#: RAISED: relative bulges of a socket's faces that are tried while a body is filled with cells, see `mesh_socket_faces`.
-#: RIDGE: smallest height of the protruding diagonals as a ratio to their lengths. TWIST: terms that twist the rectangles of
-#: side faces and of the bottom, so that one diagonal protrudes. SKEW: the same for rectangles in the middle of symmetric
-#: faces.
+#: RAISED: relative bulges of a refinement box's faces that are tried while a body is filled with cells, see
+#: `mesh_socket_faces`. RIDGE: smallest height of the protruding diagonals as a ratio to their lengths. TWIST: terms that
+#: twist the rectangles of side faces and of the bottom, so that one diagonal protrudes. SKEW: the same for rectangles in
+#: the middle of symmetric faces.
 RAISED, RIDGE, TWIST = (0.04, 0.06, 0.08), 1e-4, (0.8, 0.4)
 SKEW = 0.2
+#: Factors on the local coordinates that reverse the azimuth: a box on a left flank becomes one on the right flank.
 AZIMUTH_TURNED = np.array([1.0, 1.0, -1.0])
 
 
 @dataclass(frozen=True)
 class SocketSize:
-    """Size of a socket: the box that a part's mesh leaves free around a contact, to be filled by a fine mesh."""
+    """Size of a refinement box: the box around a contact that a body's coarse mesh leaves free for a finer mesh."""
 
     #: Half width, as an angle around the arc of the groove's cross-section (section angle) [rad].
     gamma: float
@@ -65,46 +70,48 @@ class SocketSize:
     depth: float
     #: Half length along the track, as an azimuth [rad].
     phi: float
-    #: Number of equal parts into which the socket's edges are divided across the groove, in depth and along the groove.
+    #: Number of equal parts into which the refinement box's edges are divided across the groove, in depth and along the
+    #: groove.
     cuts: tuple[int, int, int] = (2, 2, 2)
 
 
 @dataclass(frozen=True)
 class SocketMesh:
-    """Triangle mesh of the five inner faces of a socket, where a part's coarse mesh meets the fine contact patch."""
+    """Triangle mesh of the five inner faces of a refinement box, where a body's coarse mesh meets the finer one."""
 
     #: Local coordinates of the nodes ``(k, 3)``: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
     xi: Array
-    #: Nodes of the second-order triangles ``(t, 6)``.
+    #: Nodes of the second-order triangles ``(t, 6)``, as row indices of ``xi``.
     triangles: Index
-    #: Face on which each triangle lies ``(t,)``: 0 and 1 at the ends of the section angle, 2 the bottom, 3 and 4 at the
-    #: ends of the azimuth.
+    #: Number of the face on which each triangle lies ``(t,)``: 0 and 1 at the smallest and largest section angle, 2 the
+    #: bottom, 3 and 4 at the smallest and largest azimuth.
     face: Index
-    #: Midside node of every edge; the key holds the edge's two corner nodes.
+    #: Midside node of each edge of the triangles; the key holds the edge's two corner nodes in ascending order.
     edges: dict[tuple[int, int], int]
 
 
 def mesh_socket_faces(point_map: Callable[[Array], Array], divisions: tuple[int, int, int]) -> tuple[SocketMesh, Array]:
-    """Mesh the inner faces of a socket, and compute how they bulge into the body while gmsh fills the body.
+    """Mesh the inner faces of a refinement box, and compute the shape in which they bulge while gmsh works.
 
-    While gmsh fills a body with tetrahedra, the corner nodes of its sockets are at the bulging coordinates; the rim at the
-    groove does not move. The bulging faces make the socket convex: no flat tetrahedron fits between nodes of one face. Each
-    rectangle is cut along the diagonal that protrudes into the body. The bulge is the smallest of `RAISED` at which every
-    diagonal protrudes by `RIDGE` of its length, or else the one at which the smallest height is largest.
+    While gmsh fills the body around the box with tetrahedra, the corner nodes of the box are displaced into the body; only
+    the rim at the groove does not move. The bulging faces make the box convex: no flat tetrahedron fits between nodes of
+    one face. Each rectangle is cut along the diagonal that protrudes into the body. The bulge is the smallest of
+    `RAISED` at which every diagonal protrudes by `RIDGE` of its length, or else the one at which the smallest height is
+    largest.
 
     Parameters
     ----------
     point_map : Callable[[Array], Array]
-        Function that maps local coordinates in the socket ``(n, 3)`` to points of the body ``(n, 3)`` [m].
+        Function that maps local coordinates in the refinement box ``(n, 3)`` to points of the body ``(n, 3)`` [m].
     divisions : tuple[int, int, int]
-        Number of equal parts into which the socket's edges are divided: across the groove, in depth, and along the groove.
+        Number of equal parts into which the edges of the box are divided: across the groove, in depth and along the groove.
 
     Returns
     -------
     mesh : SocketMesh
         Mesh of the five faces in their final shape, without bulge.
     bulging : (c, 3) Array
-        Local coordinates of the mesh's c corner nodes while the body is filled.
+        Local coordinates of the mesh's c corner nodes in the bulging shape.
     """
     lines = (
         np.linspace(-1.0, 1.0, divisions[0] + 1),
@@ -138,7 +145,7 @@ def mesh_socket_faces(point_map: Callable[[Array], Array], divisions: tuple[int,
 def mesh_socket_of_flank(
     point_map_of_flank: Callable[[int], Callable[[Array], Array]], side: int, divisions: tuple[int, int, int]
 ) -> tuple[SocketMesh, Array]:
-    """Mesh the inner faces of the sockets on one flank of the groove; for details see `mesh_socket_faces`.
+    """Mesh the inner faces of the refinement boxes on one flank of the groove; for details see `mesh_socket_faces`.
 
     A rotation by 180 degrees about the radial line through the ball's centre maps left flanks onto right ones and reverses
     the azimuth. So the mesh for a right flank (SR, NR) is that for the left flank with reversed azimuth, node by node.
@@ -146,19 +153,19 @@ def mesh_socket_of_flank(
     Parameters
     ----------
     point_map_of_flank : Callable[[int], Callable[[Array], Array]]
-        Function that returns, for the number of a flank, the function that maps local coordinates in its socket ``(n, 3)``
-        to points of the body ``(n, 3)`` [m].
+        Function that returns, for the number of a flank, the function that maps local coordinates in its refinement box
+        ``(n, 3)`` to points of the body ``(n, 3)`` [m].
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     divisions : tuple[int, int, int]
-        Number of equal parts into which the socket's edges are divided: across the groove, in depth, and along the groove.
+        Number of equal parts into which the edges of the box are divided: across the groove, in depth and along the groove.
 
     Returns
     -------
     mesh : SocketMesh
         Mesh of the five faces in their final shape, without bulge.
     bulging : (c, 3) Array
-        Local coordinates of the mesh's c corner nodes while gmsh fills the body.
+        Local coordinates of the mesh's c corner nodes in the bulging shape that they have while gmsh fills the body.
     """
     if side % 2 == 0:
         return mesh_socket_faces(point_map_of_flank(side), divisions)
@@ -169,14 +176,14 @@ def mesh_socket_of_flank(
 
 
 def bulge_faces(xi: Array, bulge_ratio: float) -> Array:
-    """Move points on a socket's faces away from its centre, so that the faces bulge; points on the rim do not move.
+    """Move points on the faces of a refinement box away from its centre, so that the faces bulge; its rim does not move.
 
     Parameters
     ----------
     xi : (n, 3) Array
         Local coordinates of the points: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
     bulge_ratio : float
-        Approximate ratio of the displacement to the size of the faces.
+        Approximate ratio of the largest displacement to the half width of the faces.
 
     Returns
     -------
@@ -191,11 +198,11 @@ def bulge_faces(xi: Array, bulge_ratio: float) -> Array:
 
 
 def _heights_of_diagonals(points: Array, square: Index, inside: Array) -> Array:
-    """Return how far the first diagonal of each quadrilateral lies above the second one, relative to their lengths.
+    """Return how far the first diagonal of each quadrilateral lies outside the second one, relative to their lengths.
 
     ``points``: coordinates of the nodes ``(n, 3)`` [m]; ``square``: nodes of the quadrilaterals ``(s, 4)``, of which the
-    first diagonal joins nodes 0 and 2, the second one nodes 1 and 3; ``inside``: a point ``(3,)`` [m]. The ratios ``(s,)``
-    are positive where the first diagonal is farther from this point.
+    first diagonal joins nodes 0 and 2, the second one nodes 1 and 3; ``inside``: a point inside the surface that the
+    quadrilaterals form ``(3,)`` [m]. The ratios ``(s,)`` are positive where the first diagonal is farther from this point.
     """
     a, b, c, d = (points[square[:, k]] for k in range(4))
     out = np.cross(c - a, d - b)
@@ -205,7 +212,7 @@ def _heights_of_diagonals(points: Array, square: Index, inside: Array) -> Array:
 
 
 def _add_midside_nodes(xi: Array, corners: Index, owner: Index) -> SocketMesh:
-    """Return the mesh of a socket's faces with second-order triangles, made by adding midside nodes to linear triangles.
+    """Add midside nodes to the linear triangles on the faces of a refinement box, and return the second-order mesh.
 
     ``xi``: local coordinates of the corner nodes ``(c, 3)``; ``corners``: corner nodes of the triangles ``(t, 3)``;
     ``owner``: face 0 to 4 on which each triangle lies ``(t,)``.
@@ -220,12 +227,12 @@ def _add_midside_nodes(xi: Array, corners: Index, owner: Index) -> SocketMesh:
 
 
 def nodes_of_socket_rim(socket: SocketMesh) -> Index:
-    """Return the corner nodes around the open top of a socket, in order.
+    """Return the corner nodes around the rim of a refinement box, its open top at the groove's surface, in order.
 
     Parameters
     ----------
     socket : SocketMesh
-        Mesh of the socket's faces.
+        Mesh of the refinement box's faces.
 
     Returns
     -------
@@ -245,7 +252,7 @@ def nodes_of_socket_rim(socket: SocketMesh) -> Index:
 
 
 def unrolled_socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float]:
-    """Return the coordinates, on the unrolled groove, of a flank's nominal contact with a ball at azimuth 0 and z = 0.
+    """Return the unrolled coordinates of the nominal contact point on a flank, for a ball at azimuth 0 and z = 0.
 
     Parameters
     ----------
@@ -266,14 +273,14 @@ def unrolled_socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float
 
 
 def points_in_reference_socket(m: GrooveMap, size: SocketSize, side: int, xi: Array) -> Array:
-    """Return the points that have given local coordinates in a socket, for the socket of a ball at azimuth 0 and z = 0.
+    """Map local coordinates in a refinement box to points of the body, for the contact of a ball at azimuth 0 and z = 0.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
     size : SocketSize
-        Size of the socket (box left free for a fine contact patch).
+        Size of the refinement box.
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     xi : (n, 3) Array
@@ -291,14 +298,14 @@ def points_in_reference_socket(m: GrooveMap, size: SocketSize, side: int, xi: Ar
 
 
 def points_in_socket(m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], xi: Array) -> Array:
-    """Return the points of a screw or nut that have given local coordinates in the socket of a ball.
+    """Map local coordinates in a refinement box to points of the screw or nut, for the contact of a ball at any position.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
     size : SocketSize
-        Size of the socket (box left free for a fine contact patch).
+        Size of the refinement box.
     socket : tuple[float, float, int]
         Azimuth [rad] and axial position z [m] of the ball, and flank 0 to 3.
     xi : (n, 3) Array
@@ -318,13 +325,13 @@ def points_in_socket(m: GrooveMap, size: SocketSize, socket: tuple[float, float,
 def local_coordinates_in_socket(
     m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], phi: Array, z: Array, r: Array
 ) -> Array:
-    """Return the local coordinates of points of a screw or nut in the socket of a ball; inverse of `points_in_socket`.
+    """Map points of a screw or nut to local coordinates in a refinement box; the inverse of `points_in_socket`.
 
     Parameters
     ----------
     m, size, socket
-        Groove surfaces of the track; size of the socket; and azimuth [rad] and axial position [m] of the ball with its
-        flank 0 to 3, as for `points_in_socket`.
+        Groove surfaces of the track; size of the refinement box; and azimuth [rad] and axial position [m] of the ball with
+        its flank 0 to 3, as for `points_in_socket`.
     phi, z, r : (n,) Array
         Cylindrical coordinates of the points [rad, m, m].
 
@@ -386,7 +393,9 @@ def section_angles_of_flank(m: GrooveMap, side: int, land_radius: float) -> tupl
 
 
 def turns_to_groove(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, float]:
-    """Return the turns to add to a ball's azimuth to count it along a helical groove, and the ball's distance from it.
+    """Return the whole turns between a ball's azimuth and its azimuth counted along a groove, and its distance from it.
+
+    Azimuths along a helical groove are counted on over whole turns.
 
     Parameters
     ----------
@@ -411,9 +420,9 @@ def turns_to_groove(m: GrooveMap, phi: float, z: float, line: float) -> tuple[in
 
 
 def helix_constants_of_grooves(m: GrooveMap) -> list[float]:
-    """Return the constant z - r_g phi of each start's groove [m], with the lead per radian r_g.
+    """Return the constant z - r_g phi of the helix of each start's groove [m], with the lead per radian r_g.
 
-    It is the axial position at which the groove's helix crosses azimuth 0; for a bearing ring, that of its one groove.
+    It is the axial position at which the helix crosses azimuth 0; for a bearing ring, that of its one groove.
 
     Parameters
     ----------
@@ -470,7 +479,7 @@ def gaps_between_balls(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, I
 
 
 def _largest_fitting_factor(fits: Callable[[float], bool]) -> float:
-    """Find the largest factor in [0, 1] for which ``fits`` returns True, by bisection; 0 if it is at most 1e-6."""
+    """Return the largest factor in [0, 1] for which ``fits`` returns True, by bisection; 0 where it is at most 1e-6."""
     if fits(1.0):
         return 1.0
     low, high = 0.0, 1.0
@@ -481,23 +490,23 @@ def _largest_fitting_factor(fits: Callable[[float], bool]) -> float:
 
 
 def _sample_points_in_socket(m: GrooveMap, size: SocketSize, side: int) -> Array:
-    """Return points on a regular grid that fills a socket, ``(n, 3)`` [m], for a ball at azimuth 0 and z = 0.
+    """Return points on a regular grid that fills a refinement box, ``(n, 3)`` [m], for a ball at azimuth 0 and z = 0.
 
-    ``m``: groove surfaces of the track; ``size``: size of the socket; ``side``: flank 0 to 3 (SL, SR, NL, NR).
+    ``m``: groove surfaces of the track; ``size``: size of the refinement box; ``side``: flank 0 to 3 (SL, SR, NL, NR).
     """
     axes = (np.linspace(-1.0, 1.0, 7), np.linspace(0.0, 1.0, 3), np.linspace(-1.0, 1.0, 3))
     return points_in_reference_socket(m, size, side, np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3))
 
 
 def wall_under_socket(m: GrooveMap, size: SocketSize, side: int, wall_radius: float) -> float:
-    """Return the wall thickness between the bottom of a socket and the bore of the screw or the outside of the nut.
+    """Return the thickness of the material between a refinement box and the screw's bore, or the nut's outer surface.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
     size : SocketSize
-        Size of the socket (box left free for a fine contact patch).
+        Size of the refinement box.
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     wall_radius : float
@@ -506,23 +515,23 @@ def wall_under_socket(m: GrooveMap, size: SocketSize, side: int, wall_radius: fl
     Returns
     -------
     float
-        Thickness [m]; negative where the socket reaches through the wall.
+        Thickness [m]; negative where the refinement box reaches through the wall.
     """
     r = np.hypot(*_sample_points_in_socket(m, size, side)[:, :2].T)
     return float(r.min() - wall_radius if side < 2 else wall_radius - r.max())
 
 
 def axial_reach_of_sockets(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> tuple[float, float]:
-    """Return the axial distances by which the sockets of a ball extend from its centre, towards smaller and larger z.
+    """Return how far the refinement boxes at the contacts of a ball extend along the axis from the ball's centre.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
     size : SocketSize
-        Size of the sockets (boxes left free for the fine contact patches).
+        Size of the refinement boxes.
     sides : tuple[int, ...]
-        Flanks with sockets: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
+        Flanks with refinement boxes: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
 
     Returns
     -------
@@ -534,7 +543,7 @@ def axial_reach_of_sockets(m: GrooveMap, size: SocketSize, sides: tuple[int, ...
 
 
 def distance_to_next_turn(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
-    """Return the smallest distance between the sockets of a screw or nut and the next turn of its groove.
+    """Return the smallest distance from the refinement boxes of a screw or nut to the next turn of its groove.
 
     Where both flanks carry contacts, the axial distance to the middle between this turn and the next counts too.
 
@@ -543,14 +552,14 @@ def distance_to_next_turn(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]
     m : GrooveMap
         Groove surfaces of the track.
     size : SocketSize
-        Size of the sockets (boxes left free for the fine contact patches).
+        Size of the refinement boxes.
     sides : tuple[int, ...]
-        Flanks with sockets: one or both of 0 and 1 (left and right on the screw), or of 2 and 3 (on the nut).
+        Flanks with refinement boxes: one or both of 0 and 1 (left and right on the screw), or of 2 and 3 (on the nut).
 
     Returns
     -------
     float
-        Distance [m]; negative where a socket reaches into the next turn, infinite for a bearing ring.
+        Distance [m]; negative where a refinement box reaches into the next turn, infinite for a bearing ring.
     """
     if m.rg == 0.0:
         return np.inf
@@ -579,10 +588,11 @@ def largest_fitting_socket(
     ends: tuple[float, float],
     contact_half_lengths: tuple[float, float] = (0.0, 0.0),
 ) -> SocketSize:
-    """Find the largest size of socket (box left free for a fine contact patch) that fits at every contact of a scene.
+    """Find the largest size, up to the default, of a refinement box that fits at every contact of a scene.
 
-    The size starts from the default: a half width of 0.30 rad (more if the contacts fill more than 0.6 of it), a depth of
-    0.43 ball radii and a half length of 0.45 ball radii. The width is reduced next to the groove's edge and apex, but not
+    A refinement box is the box around a contact that a body's coarse mesh leaves free for a finer mesh. The default size is
+    a half width of 0.30 rad (more if the contacts fill more than 0.6 of it), a depth of 0.43 ball radii and a half length
+    of 0.45 ball radii. The width is reduced next to the groove's edge and apex, but not
     below what the contacts need; the depth, over a thin wall; the length, between close balls. Next to a flat end or to
     the next turn of the groove all three are reduced.
 
@@ -597,10 +607,10 @@ def largest_fitting_socket(
     land_screw, bore_screw, land_nut, outer_nut : float
         Radii of the screw's lands and bore (0 for a solid screw), and of the nut's lands and outer surface [m].
     ends : tuple[float, float]
-        Axial positions of the nut's flat ends, which are nearer to the balls than the screw's [m].
+        Axial positions of the nut's flat ends [m]; they are nearer to the balls than the ends of the screw.
     contact_half_lengths : tuple[float, float], default (0.0, 0.0)
-        Lengths that the contact zone needs on either side of the nominal contact point: across the groove, along its arc;
-        and along the track [m].
+        Half lengths of the contact zone about the nominal contact point: along the arc of the groove's section, and along
+        the track [m].
 
     Returns
     -------
@@ -693,7 +703,7 @@ def largest_fitting_socket(
             left, wanted = getattr(size, name) / getattr(usual, name), floor / getattr(usual, name)
             raise ValueError(
                 f"no room for the fine mesh around the contacts: only {100.0 * left:.0f} % of its default size remains, "
-                f"less than {100.0 * wanted:.0f} % (too {word}), because {cause[name]}"
+                f"less than the required {100.0 * wanted:.0f} % (too {word}), because {cause[name]}"
             )
     return size
 
@@ -701,7 +711,7 @@ def largest_fitting_socket(
 def _allowed_half_width(
     m: GrooveMap, sides: tuple[int, ...], land_screw: float, land_nut: float, wanted: float, need: float
 ) -> tuple[float, str]:
-    """Return the half width of sockets that edge and apex of the grooves allow, and which of the two limits it.
+    """Return the half width of refinement boxes that the edge and the apex of the grooves allow, and what limits it.
 
     Parameters
     ----------
@@ -714,14 +724,14 @@ def _allowed_half_width(
     wanted : float
         Half width that is returned where nothing limits it [rad].
     need : float
-        Half width that the contact zone needs, along the groove's arc [m].
+        Half length of the contact zone along the arc of the groove's section [m].
 
     Returns
     -------
     gamma : float
         Allowed half width, at most ``wanted`` [rad].
     reason : str
-        Which edge or apex limits the width, and what to change, for an error message; empty where nothing limits it.
+        Which edge or apex limits the width, and how to change the groove, for an error message; empty without limit.
 
     Raises
     ------
@@ -764,46 +774,46 @@ def check_sockets_fit(
     wall_radius: float,
     ends: tuple[float, float],
 ) -> None:
-    """Raise ValueError where sockets of a screw or nut overlap or extend beyond the part's surfaces.
+    """Raise ValueError where refinement boxes of a screw or nut overlap, or extend beyond the surfaces of the part.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
     size : SocketSize
-        Size of the sockets (boxes left free for the fine contact patches).
+        Size of the refinement boxes.
     sockets : tuple[tuple[float, float, int], ...]
-        For each socket, azimuth [rad] and axial position [m] of its ball, and its flank: 0 and 1 are left and right on the
-        screw, 2 and 3 on the nut.
+        For each refinement box, azimuth [rad] and axial position [m] of its ball, and its flank: 0 and 1 are left and right
+        on the screw, 2 and 3 on the nut.
     land_radius, wall_radius : float
         Radius of the lands; radius of the surface behind the groove: the screw's bore or the nut's outer surface [m].
     ends : tuple[float, float]
         Axial positions of the part's flat ends [m].
     """
-    remedy = "make the sockets smaller (rollbench.meshes.sockets.largest_fitting_socket finds a size that fits)"
+    remedy = "make the refinement boxes smaller (the module rollbench.meshes.sockets computes a size that fits)"
     sides = tuple(sorted({s for _, _, s in sockets}))
     for phi, z, _ in sockets:
         if min(turns_to_groove(m, phi, z, line)[1] for line in helix_constants_of_grooves(m)) > ON_GROOVE * m.ball:
             raise ValueError(
-                f"the socket at azimuth {np.degrees(phi):.4g} deg, z = {1e3 * z:.4g} mm does not lie on a groove: place "
-                "the balls with rollbench.meshes.helix.ball_layout"
+                f"the refinement box at azimuth {np.degrees(phi):.4g} deg, z = {1e3 * z:.4g} mm does not lie on a groove: "
+                "place the balls with rollbench.meshes.helix.ball_layout"
             )
     for side in sides:
         apex, edge = section_angles_of_flank(m, side, land_radius)
         if not (apex < m.beta - size.gamma and m.beta + size.gamma < edge):
             raise ValueError(
-                f"a socket on flank {SIDES[side]}, from {m.beta - size.gamma:.3g} to {m.beta + size.gamma:.3g} rad, "
+                f"a refinement box on flank {SIDES[side]}, {m.beta - size.gamma:.3g} to {m.beta + size.gamma:.3g} rad, "
                 f"extends beyond the flank, from {apex:.3g} to {edge:.3g} rad: {remedy}"
             )
         if wall_under_socket(m, size, side, wall_radius) <= 0.0:
-            raise ValueError(f"a socket on flank {SIDES[side]} reaches through the wall of the part: {remedy}")
+            raise ValueError(f"a refinement box on flank {SIDES[side]} reaches through the wall of the part: {remedy}")
         places = np.array([(a, z) for a, z, s in sockets if s == side])
         gaps, pairs = gaps_between_balls(m, places[:, 0], places[:, 1])
         if gaps.size and gaps.min() <= 2.0 * size.phi:
             first, second = pairs[gaps.round(9).argmin()] + 1
-            raise ValueError(f"the sockets of balls {first} and {second} overlap along the track: {remedy}")
+            raise ValueError(f"the refinement boxes of balls {first} and {second} overlap along the track: {remedy}")
         below, above = axial_reach_of_sockets(m, size, (side,))
         if places[:, 1].min() - below <= ends[0] or places[:, 1].max() + above >= ends[1]:
-            raise ValueError(f"a socket on flank {SIDES[side]} reaches a flat end of the part: {remedy}")
+            raise ValueError(f"a refinement box on flank {SIDES[side]} reaches a flat end of the part: {remedy}")
     if sides and distance_to_next_turn(m, size, sides) <= 0.0:
-        raise ValueError(f"a socket reaches the next turn of the groove: {remedy}")
+        raise ValueError(f"a refinement box reaches the next turn of the groove: {remedy}")

@@ -1,4 +1,4 @@
-"""Dimensions of the parts that only the 3D reference needs: given in the scene file, or assumed.
+"""Dimensions of screw and nut that only the 3D finite-element reference needs: from the scene file, or assumed.
 
 Each assumption is stated in a sentence for the report.
 """
@@ -28,7 +28,7 @@ WHOLE, RUN_OUT = 1.0, 1.0
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Dimensions:
-    """Dimensions and fixed surfaces of screw and nut in the 3D model, with assumptions for those that a scene lacks."""
+    """Dimensions and fixed surfaces of screw and nut in the 3D model, with sentences on those that had to be assumed."""
 
     #: Radius of the nut's lands [m].
     land: float
@@ -52,7 +52,7 @@ class Dimensions:
     mesh_only: tuple[str, ...] = frozen_default(())
 
     def ends(self, scene: Scene) -> tuple[float, float]:
-        """Return the axial positions of the flat ends of the screw's part that is meshed in 3D.
+        """Return the axial positions between which the screw is meshed in 3D; there it has flat ends.
 
         An end closer than `SAME` to a support or load is moved to it, because the two may differ by rounding. Otherwise the
         load would act on the surface of the hole just inside the end, instead of the whole flat end.
@@ -75,7 +75,7 @@ class Dimensions:
 
 
 def largest_groove_depths(scene: Scene) -> tuple[float, float]:
-    """Return the largest depths of the nominal grooves, measured from the pitch cylinder.
+    """Return the depths of the nominal grooves of screw and nut at their deepest points, from the pitch cylinder.
 
     The deepest point is where both arcs meet, or the bottom of a single arc. For a wide groove the depth is much smaller
     than the groove radius.
@@ -102,7 +102,7 @@ def largest_groove_depths(scene: Scene) -> tuple[float, float]:
 
 
 def _check_nut_land(scene: Scene, land: float, depth: float) -> None:
-    """Raise UnfitKey where the nut has no groove, or no wall outside it, because of the radius of its lands.
+    """Raise UnfitKey where the radius of the nut's lands leaves no groove, or no wall around it.
 
     ``land``: radius of the nut's lands [m]; ``depth``: depth of the nut's groove, measured from the pitch cylinder [m].
     """
@@ -128,7 +128,7 @@ def _check_nut_land(scene: Scene, land: float, depth: float) -> None:
 
 
 def dimensions_of_3d_parts(scene: Scene) -> Dimensions:
-    """Collect the dimensions of a scene's parts for the 3D reference; those that the scene does not give are assumed.
+    """Return the dimensions of screw and nut for the 3D model; those that the scene does not give are assumed.
 
     Parameters
     ----------

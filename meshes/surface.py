@@ -1,4 +1,4 @@
-"""Exact groove surfaces S(phi, gamma) with geometric errors, and their curvatures.
+"""Exact groove surfaces S(phi, gamma) with manufacturing errors, and their curvatures.
 
 phi is the azimuth, gamma the section angle, measured from the radial direction. After Lin (2019), eqs. (2.3), (2.6), (2.27)
 and (B.3) to (B.5).
@@ -15,13 +15,14 @@ from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import lead_angle, lead_per_radian
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
 
+#: Unit factors (s_x, s_z) of the contact directions of the flanks ``(4, 2)``, see `meshes.parts.SIDE_SIGNS`.
 SIGNS = np.array(SIDE_SIGNS)
 #: Value of the argument ``side`` for all four flanks at once, in a second axis of the arrays.
 ALL = slice(None)
 
 
 def groove_radius_with_slopes(gamma: Array, radius: float | Array, profile: Array) -> Array:
-    """Compute the groove radius with its profile error at section angles, and its two derivatives by the section angle.
+    """Compute the groove radius with profile error at given section angles, and its first two derivatives.
 
     Parameters
     ----------
@@ -93,11 +94,11 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma:
     alpha = lead_angle(scene.track)
 
     def cylindrical_components(plane: Array) -> Array:
-        """Convert section components (x3, z3) of vectors to radial, azimuthal and axial ones."""
+        """Convert components x3 (radial) and z3 (across the track) of vectors to radial, azimuthal and axial ones."""
         return np.stack([plane[..., 0], -plane[..., 1] * sin(alpha), plane[..., 1] * cos(alpha)], -1)
 
     def differentiate(x: Array, dx: Array) -> Array:
-        """Differentiate a vector with respect to azimuth; its components are radial, azimuthal and axial."""
+        """Differentiate vectors ``x`` by azimuth; ``dx``: derivatives of their radial, azimuthal and axial components."""
         return np.stack([dx[..., 0] - x[..., 1], dx[..., 1] + x[..., 0], dx[..., 2]], -1)
 
     rise = np.stack([zero, zero, zero + lead_per_radian(scene.track)], -1)
@@ -116,7 +117,7 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma:
 
 
 def fundamental_forms(d: dict[str, Array]) -> tuple[Array, Array, Array]:
-    """Compute the first and second fundamental form of a surface, and its unit normal.
+    """Compute the first and second fundamental forms of a groove surface, and its unit normal, from its derivatives.
 
     Parameters
     ----------

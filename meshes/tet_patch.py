@@ -1,9 +1,9 @@
-"""Fine contact patches of first-order tetrahedra by gmsh, meshed as in Lin's thesis, and first-order coarse bodies.
+"""Contact patches of first-order tetrahedra by gmsh, meshed as in Lin's thesis, and coarse bodies of first order.
 
-A patch is a box of fine cells around a contact. It is meshed in its local coordinates (section angle gamma, depth,
-azimuth), scaled to lengths; the cells are finest in a region around the contact (gmsh's body of influence). The contact
-zone is a separate surface, so that the patches of ball and groove have the same contact nodes even where the boxes are
-triangulated differently. Lengths are in metres; only gmsh gets millimetres.
+A contact patch is the fine mesh in a box around a contact. It is meshed in its local coordinates (section angle gamma,
+depth, azimuth), scaled to lengths; the cells are finest in a region around the contact (gmsh's body of influence). The
+contact zone is a separate surface, so that the patches of ball and groove have the same contact nodes even where the boxes
+are triangulated differently. Lengths are in metres; only gmsh gets millimetres.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ SUB_TRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
 
 @dataclass(frozen=True)
 class TetBox:
-    """Dimensions of a contact patch (a box of fine cells around a contact), and the sizes of its cells."""
+    """Dimensions of a contact patch, a box of fine tetrahedra around a contact, and edge lengths of these."""
 
     #: Half widths of the patch across the groove (section angle) and along it (azimuth) [m].
     width: tuple[float, float]
@@ -41,7 +41,7 @@ class TetBox:
     depth: float
     #: Half widths of the contact zone across and along the groove, as fractions of the half widths of the patch.
     zone: tuple[float, float]
-    #: Half widths across and along the groove, and depth, of the inner box with the finest cells [m].
+    #: Half widths across and along the groove, and depth, of the inner box at the contact that has the finest cells [m].
     influence: tuple[float, float, float]
     #: Edge length of the cells in the inner box [m].
     fine: float
@@ -53,15 +53,15 @@ class TetBox:
 
 @dataclass(frozen=True)
 class LocalTets:
-    """Mesh of a contact patch: first-order tetrahedra in the patch's local coordinates."""
+    """Mesh of a contact patch, a box around a contact: first-order tetrahedra in the box's local coordinates."""
 
     #: Local coordinates of the nodes ``(n, 3)``: section angle gamma in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
     xi: Array
     #: Nodes of the tetrahedra ``(m, 4)``.
     tets: Index
-    #: Triangles on the face at depth 0, which is the contact surface ``(t, 3)``.
+    #: Nodes of the triangles on the face at depth 0, the groove's or ball's surface ``(t, 3)``.
     top: Index
-    #: Nodes of the contact zone ``(c,)``, sorted by gamma, then by azimuth.
+    #: Nodes in the zone of possible contact ``(c,)``, sorted by section angle, then by azimuth.
     contact: Index
     #: Time needed by gmsh [s].
     seconds: float
@@ -74,7 +74,7 @@ def patch_as_in_thesis(
     contact_size: float = 0.08e-3,
     edge_size: float = 0.5e-3,
 ) -> TetBox:
-    """Return the dimensions of a contact patch whose cells are as in Lin's thesis: of equal size in the contact zone.
+    """Return a contact patch with given dimensions and the cell sizes of Lin's thesis: equal in the whole contact zone.
 
     Parameters
     ----------
@@ -95,15 +95,15 @@ def patch_as_in_thesis(
 
 
 def mesh_patch_with_tetrahedra(box: TetBox, socket: SocketMesh | None = None) -> LocalTets:
-    """Mesh a contact patch with first-order tetrahedra by gmsh.
+    """Mesh a contact patch, the box of fine cells around a contact, with first-order tetrahedra by gmsh.
 
     Parameters
     ----------
     box : TetBox
         Dimensions of the patch, and sizes of its cells.
     socket : SocketMesh, optional, default None
-        Surface mesh of the box in the coarse body which the patch fills. Its triangles, each split into four first-order
-        ones, bound the patch, so that the patch conforms to a first-order coarse body. None: five plane faces.
+        Face mesh of the refinement box in the coarse body that the patch fills. Its triangles, each split into four
+        first-order ones, bound the patch, so that the patch conforms to a first-order coarse body. None: five plane faces.
 
     Returns
     -------
@@ -117,7 +117,7 @@ def mesh_patch_with_tetrahedra(box: TetBox, socket: SocketMesh | None = None) ->
     """
     if not (0.0 < max(box.zone) < 1.0 and min(box.zone) > 0.0):
         raise ValueError(
-            f"the half widths {box.zone} of the contact zone, as fractions of the patch's, must lie between 0 and 1"
+            f"the half widths {box.zone} of the contact zone, as fractions of those of the patch, must lie between 0 and 1"
         )
     begin = perf_counter()
     with gmsh_session(OPTIONS) as gmsh:
@@ -129,7 +129,7 @@ def mesh_patch_with_tetrahedra(box: TetBox, socket: SocketMesh | None = None) ->
 
 
 def _set_element_sizes(gmsh: Any, box: TetBox) -> None:
-    """Set gmsh's element sizes: ``box.fine`` in the inner box around the contact, growing with the distance from this box.
+    """Set gmsh's element sizes: ``box.fine`` in the inner box at the contact, and growing with the distance from it.
 
     Inside the volume, sizes are divided by `LARGER`, because gmsh's tetrahedra are larger than requested.
     """
@@ -148,10 +148,10 @@ def _set_element_sizes(gmsh: Any, box: TetBox) -> None:
 
 
 def _socket_faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
-    """Return the polygons of the faces between a patch and the coarse body.
+    """Return the polygons that form the faces between a contact patch and the coarse body.
 
     Returns the local coordinates of the corners ``(c, 3)``, and for each polygon the list of the indices of its corners.
-    ``socket``: surface mesh of these faces; None: five plane faces.
+    ``socket``: face mesh of the refinement box that the patch fills; None: five plane faces.
     """
     if socket is None:
         corners = np.array([[a, d, b] for a in (-1.0, 1.0) for d in (0.0, 1.0) for b in (-1.0, 1.0)])
@@ -161,7 +161,7 @@ def _socket_faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
 
 
 def _corners_around_rim(corners: Array, polygons: list[list[int]]) -> list[int]:
-    """Return the corners around the open top of a patch's faces, in order; ValueError unless there is exactly one open rim.
+    """Return in order the corners around the open top of a contact patch's faces; ValueError without exactly one rim.
 
     ``corners``: local coordinates of the corners ``(c, 3)``; ``polygons``: indices of the corners of each face.
     """
@@ -175,21 +175,21 @@ def _corners_around_rim(corners: Array, polygons: list[list[int]]) -> list[int]:
             near.setdefault(i, []).append(j)
             near.setdefault(j, []).append(i)
     if not near or any(len(ends) != 2 or abs(corners[i, 1]) > 1e-9 for i, ends in near.items()):
-        raise ValueError("the faces of a socket do not leave one open rim at its top")
+        raise ValueError("the faces of a refinement box do not leave one open rim at its top")
     loop = [min(near)]
     loop.append(near[loop[0]][0])
     while (following := next(i for i in near[loop[-1]] if i != loop[-2])) != loop[0]:
         loop.append(following)
     if len(loop) != len(near):
-        raise ValueError("the faces of a socket do not leave one open rim at its top")
+        raise ValueError("the faces of a refinement box do not leave one open rim at its top")
     return loop
 
 
 def _add_patch_volume(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[int, int]:
-    """Add the patch to gmsh's model as a volume between plane faces.
+    """Add a contact patch to gmsh's model, as a volume bounded by plane faces.
 
-    ``box``: dimensions of the patch; ``socket``: surface mesh of its faces, None for five plane faces. Returns the numbers
-    of two surfaces at depth 0 in gmsh's model: the contact zone, and the ring around it.
+    ``box``: dimensions of the patch; ``socket``: face mesh of the refinement box that it fills, None for five plane faces.
+    Returns the numbers of two surfaces at depth 0 in gmsh's model: the contact zone, and the ring around it.
     """
     geo = gmsh.model.geo
     corners, polygons = _socket_faces(socket)
@@ -219,7 +219,7 @@ def _add_patch_volume(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tupl
 
 
 def _read_patch_mesh(gmsh: Any, box: TetBox, inner: int, ring: int, begin: float) -> LocalTets:
-    """Read nodes and cells of the patch from gmsh's model, and convert the nodes to local coordinates.
+    """Read the mesh of a contact patch from gmsh's model, and convert its nodes to local coordinates.
 
     ``inner``, ``ring``: numbers of the model's surfaces for the contact zone and for the ring around it; ``begin``: time at
     which meshing began [s].
@@ -285,7 +285,7 @@ def split_into_linear_tetrahedra(points: Array, cells: Index) -> Index:
     Returns
     -------
     (8 m, 4) Index
-        Nodes of the first-order tetrahedra, eight for one cell after another.
+        Nodes of the first-order tetrahedra: eight rows for each cell, cell by cell.
 
     Raises
     ------

@@ -140,20 +140,20 @@ COMMA = "is it a decimal comma? write a point, and nothing between thousands"
 
 
 class UnitError(ValueError):
-    """Error raised where a text is not a quantity of the required dimension.
+    """Error for a text that is not a quantity of the required dimension, such as a length without unit.
 
     The attributes ``reason`` (such as "has no unit") and ``advice`` are parts of the message.
     """
 
     def __init__(self, value: object, dimension: str, reason: str, advice: str = "") -> None:
-        """Compose the message from the faulty value, the reason for the error, the required dimension and the advice."""
+        """Compose the message from the faulty value, the reason, the required dimension and the advice to the user."""
         self.reason = reason
         self.advice = advice or f"write a number and a unit, e.g. {example_quantity(dimension)}"
         super().__init__(f"{toml_text(value)} {reason}; expected {dimension_description(dimension)}; {self.advice}")
 
 
 def dimension_description(dimension: str) -> str:
-    """Return a text that names a dimension and gives an example of a quantity.
+    """Return the name of a dimension with an article, and an example of a quantity.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def example_quantity(dimension: str) -> str:
 
 
 def toml_text(value: object) -> str:
-    """Write a value as in a TOML file: text in quotes, booleans in lower case, other values by ``str``.
+    """Return a value as it is written in a TOML file: text in quotes, booleans in lower case, other values by ``str``.
 
     Parameters
     ----------
@@ -347,7 +347,7 @@ def standard_unit_spelling(unit: str) -> str:
 
 @lru_cache(maxsize=256)
 def _unit_factor(unit: str) -> tuple[str, Decimal, Decimal]:
-    """Return the dimension of a product or quotient of units, and its conversion factor to SI units.
+    """Return dimension and conversion factor to SI units of a single unit, or of a product or quotient of units.
 
     The factor is returned as numerator and denominator.
     """
@@ -369,9 +369,9 @@ def _unit_factor(unit: str) -> tuple[str, Decimal, Decimal]:
 
 
 def _single_unit_factor(name: str) -> tuple[str, Decimal, Decimal] | None:
-    """Return the dimension of a single unit, and numerator and denominator of its conversion factor to SI units.
+    """Return the dimension of a single unit, and its conversion factor to SI units as numerator and denominator.
 
-    None is returned if the unit is unknown. ``name``: name of the unit in standard spelling, with or without a prefix.
+    None is returned for an unknown unit. ``name``: name of the unit in standard spelling, with or without a prefix.
     """
     for whole in (name, name.removesuffix("s")):
         for prefix, tens in PREFIXES.items():

@@ -47,7 +47,7 @@ UNITS = {"mm": Units(1e-3, 1e6, "mm, N, MPa"), "m": Units(1.0, 1.0, "m, N, Pa")}
 
 @dataclass(frozen=True)
 class DeckBody:
-    """Elastic body of an input deck: mesh of ten-node tetrahedra, material, sets of nodes and faces, and weak springs."""
+    """Elastic body of an input deck (CalculiX, Abaqus): mesh of ten-node tetrahedra, material, named sets, weak springs."""
 
     #: Name of the body, and of its element set.
     name: str
@@ -63,14 +63,14 @@ class DeckBody:
     faces: dict[str, Index] = field(default_factory=dict)
     #: Nodes connected to the ground by weak springs.
     weak: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    #: Pairs of nodes whose displacements along an axis are set equal ``(k, 3)``: two nodes and the axis 0 to 2. They
-    #: prevent a rotation of the body without fixing it.
+    #: Pairs of nodes whose displacements along one axis are set equal, which prevents a rotation of the body without fixing
+    #: it ``(k, 3)``: two nodes, and the axis 0 to 2.
     alike: Index = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
 
 
 @dataclass(frozen=True)
 class RigidSection:
-    """Section of a body whose nodes move as a rigid plane, and the motion or load that is prescribed for it."""
+    """Rigid cross-section of a body in an input deck: its nodes move as a rigid plane with prescribed motion or load."""
 
     #: Name of the section.
     name: str
@@ -78,7 +78,7 @@ class RigidSection:
     body: str
     #: Name of the section's set of nodes.
     nodes: str
-    #: Reference point on the axis, of motion and load ``(3,)`` [m].
+    #: Point on the axis to which motion and load refer ``(3,)`` [m].
     point: Array
     #: Pairs of a degree of freedom (0 to 5) and its prescribed displacement [m] or small rotation [rad].
     held: tuple[tuple[int, float], ...]
@@ -90,7 +90,7 @@ class RigidSection:
 
 @dataclass(frozen=True)
 class ContactPair:
-    """Contact pair of an input deck: the names of the two surfaces that may come into contact."""
+    """Contact pair of an input deck: names of the slave and master surface, which may come into contact."""
 
     #: Name of the slave surface.
     slave: str
@@ -110,7 +110,7 @@ class Deck:
     fixed: tuple[str, ...]
     #: Contact pairs.
     contacts: tuple[ContactPair, ...]
-    #: Slope of the pressure-overclosure law [Pa/m].
+    #: Slope of the linear pressure-overclosure law of all contacts [Pa/m].
     stiffness: float
     #: Stiffness of every weak spring [N/m].
     spring: float
@@ -130,7 +130,7 @@ class Deck:
 
 
 def number_text(value: float) -> str:
-    """Write a number as text of at most 20 characters, the largest length that CalculiX reads.
+    """Return a number as text of at most 20 characters, the largest length that CalculiX reads.
 
     Examples
     --------
@@ -141,7 +141,7 @@ def number_text(value: float) -> str:
 
 
 def comma_separated_lines(entries: Iterable[int | str]) -> Iterator[str]:
-    """Yield lines of an input deck with at most 16 entries, separated by commas; all lines but the last end with a comma.
+    """Yield the lines of a data row of an input deck: at most 16 entries each; all but the last end with a comma.
 
     Examples
     --------
@@ -154,23 +154,23 @@ def comma_separated_lines(entries: Iterable[int | str]) -> Iterator[str]:
 
 
 def set_entry_lines(entries: Iterable[int]) -> Iterator[str]:
-    """Yield the lines of a set of an input deck, without a comma at the end of a line."""
+    """Yield the lines that list the entries of a set of an input deck, at most 16 each, without a comma at their end."""
     return (line.removesuffix(",") for line in comma_separated_lines(entries))
 
 
 def check_names(names: Sequence[str]) -> None:
-    """Raise ValueError for a name that an input deck does not allow, or that occurs twice in upper or lower case."""
+    """Raise ValueError for a name of a set that an input deck does not allow, or that occurs twice in any spelling."""
     seen = set[str]()
     for name in names:
         if not name or len(name) > LONGEST_NAME or not name.isascii() or any(c in " ,=*" for c in name):
             raise ValueError(f"set {name!r}: a name in a deck has 1 to {LONGEST_NAME} letters, digits or underscores")
         if name.upper() in seen:
-            raise ValueError(f"set {name!r} occurs twice: names in a deck do not distinguish upper and lower case")
+            raise ValueError(f"set {name!r} occurs twice: names in an input deck do not distinguish upper and lower case")
         seen.add(name.upper())
 
 
 def cells_and_numbers_of_faces(cells: Index, corners: Index) -> Index:
-    """Find the cell to which each face belongs, and the face's number in that cell.
+    """Return, for each face of a mesh, the cell to which it belongs and its number in that cell.
 
     Parameters
     ----------
@@ -197,12 +197,12 @@ def cells_and_numbers_of_faces(cells: Index, corners: Index) -> Index:
     order = np.argsort(keys, kind="stable")
     place = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
     if not np.array_equal(keys[place], wanted):
-        raise ValueError("a face of a deck's surface belongs to no cell")
+        raise ValueError("a face of a named surface belongs to no cell of the mesh")
     return np.stack([place // len(faces), place % len(faces) + 1], axis=1)
 
 
 def surface_faces(cells: Index) -> Index:
-    """Find the faces on the surface of a body, which belong to only one tetrahedron.
+    """Return the faces on the surface of a body, which belong to only one tetrahedron.
 
     Parameters
     ----------
@@ -220,7 +220,7 @@ def surface_faces(cells: Index) -> Index:
 
 
 def deck_text(deck: Deck, unit: str = "mm") -> str:
-    """Write an input deck for CalculiX or Abaqus as text.
+    """Return an input deck for CalculiX or Abaqus as text.
 
     Parameters
     ----------
@@ -281,10 +281,10 @@ def _deck_lines(deck: Deck, units: Units) -> Iterator[str]:
 
 
 def _body_lines(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterator[str]:
-    """Yield the lines with the nodes, elements and sets of a body.
+    """Yield the lines of an input deck with the nodes, elements and sets of a body.
 
-    ``nodes``, ``cells``: number of nodes and number of elements of the bodies before it in the deck; its nodes and elements
-    are numbered from the next number on.
+    ``nodes``, ``cells``: numbers of nodes and elements of the bodies before it in the deck, after which the numbers of its
+    own nodes and elements follow.
     """
     yield f"*NODE, NSET={body.name}_ALL"
     for k, x in enumerate((body.points / units.length).tolist(), start=nodes + 1):
@@ -305,11 +305,12 @@ def _body_lines(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterato
 def _section_lines(
     section: RigidSection, deck: Deck, starts: dict[str, tuple[int, int]], reference: int, units: Units
 ) -> Iterator[str]:
-    """Yield the lines of a rigid section: two reference nodes, and the equations u = t + theta x r of its other nodes.
+    """Yield the lines of a rigid section: two reference nodes, and the equation u = t + theta x r of each other node.
 
-    u is the displacement of a node at the distance x from the section's reference point. The displacements of the two
-    reference nodes are the section's translation t and rotation theta. ``starts``: number of nodes and number of elements
-    before each body in the deck, by the body's name; ``reference``: largest node number before the two reference nodes.
+    u is the displacement of a node with the position r relative to the section's reference point. The displacements of the
+    two reference nodes are the section's translation t and rotation theta. ``starts``: number of nodes and number of
+    elements before each body in the deck, by the body's name; ``reference``: largest node number before the two reference
+    nodes.
     """
     body = next(b for b in deck.bodies if b.name == section.body)
     place = ", ".join(number_text(x) for x in (section.point / units.length).tolist())
@@ -329,7 +330,7 @@ def _section_lines(
 
 
 def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, units: Units) -> Iterator[str]:
-    """Yield the lines of weak springs to the ground.
+    """Yield the lines of weak springs between nodes and the ground.
 
     ``springs``: pairs of a node, counted from 0, and a degree of freedom 0 to 5; ``cells``: number of elements before the
     springs; ``stiffness``: stiffness of each spring [N/m]. Degrees of freedom 3 to 5, the rotations of a section, are
@@ -348,7 +349,7 @@ def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: flo
 
 
 def _prescribed_motion_lines(deck: Deck, references: dict[str, int], units: Units, *, moved: bool) -> Iterator[str]:
-    """Yield the lines of the sections' prescribed motions: of those equal to zero, or with ``moved`` of the others.
+    """Yield the lines of the rigid sections' prescribed motions: those of zero, or (``moved``) all others.
 
     ``references``: largest node number before the two reference nodes of each section, by its name. Abaqus accepts
     prescribed motions other than zero only inside a step.
@@ -362,7 +363,7 @@ def _prescribed_motion_lines(deck: Deck, references: dict[str, int], units: Unit
 
 
 def _contact_lines(deck: Deck, units: Units) -> Iterator[str]:
-    """Yield the lines of the frictionless contact law and of all contact pairs."""
+    """Yield the lines of an input deck for the frictionless contact law and all contact pairs."""
     yield from ("*SURFACE INTERACTION, NAME=FRICTIONLESS", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR")
     yield number_text(deck.stiffness / units.stress * units.length)
     for contact in deck.contacts:

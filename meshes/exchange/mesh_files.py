@@ -43,19 +43,19 @@ FORMATS = {"vtu": "VTK files", "msh": "gmsh files", "med": "MED files", "inp": "
 
 
 def mesh_format(path: Path, given_format: str = "") -> str:
-    """Return the format of a mesh file, a key of `FORMATS`.
+    """Return the format of a mesh file, such as "vtu": the given one, or that of the file's suffix.
 
     Parameters
     ----------
     path : Path
         Mesh file.
     given_format : str, default ''
-        Format, a key of `FORMATS`; where empty, the suffix of the file decides.
+        Name of the format; where empty, the suffix of the file decides.
 
     Returns
     -------
     str
-        The format, a key of `FORMATS`.
+        Name of the format, a key of `FORMATS`.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def mesh_format(path: Path, given_format: str = "") -> str:
 
 
 def check_packages_for_format(file_format: str) -> None:
-    """Raise ImportError if a package that is needed to write a format is missing; the message says how to install it.
+    """Raise ImportError if a package that writes a mesh format is missing; the message says how to install it.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def check_packages_for_format(file_format: str) -> None:
 
 
 def loses_nodes_in_format(mesh: Mesh, file_format: str) -> bool:
-    """Return whether a format cannot store all nodes of a mesh: .inp and .med have no 27-node hexahedron.
+    """Return whether a file format cannot store all nodes of a mesh: .inp and .med have no 27-node hexahedron.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def write_mesh(
 
 
 def _fields_naming_boundaries(mesh: Mesh, region: str) -> dict[str, Index]:
-    """Return the cell fields from which scikit-fem reads names of boundaries and regions, as `Mesh.save` writes them.
+    """Return the cell fields in which scikit-fem stores names of boundaries and regions, as `Mesh.save` writes them.
 
     For a boundary, each bit of the field is set where that face of the cell lies on the boundary. These fields are needed
     because scikit-fem does not read names of second-order meshes from a file's groups.
@@ -220,7 +220,7 @@ def _fields_naming_boundaries(mesh: Mesh, region: str) -> dict[str, Index]:
 
 
 def _meshio_mesh_for_vtu(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[str, Index]) -> Any:
-    """Add the fields that name boundaries and region in a .vtu file to a mesh of meshio, and return it.
+    """Return a mesh of meshio for a .vtu file, after adding fields that mark its boundaries and region.
 
     ``plain``: mesh of meshio, which is changed; ``faces``: nodes of each boundary's faces ``(k, nodes)``, by its name;
     ``region``: name of the group of all cells, or empty; ``marks``: cell fields from `_fields_naming_boundaries`.
@@ -234,7 +234,7 @@ def _meshio_mesh_for_vtu(plain: Any, faces: Mapping[str, Index], region: str, ma
 
 
 def _meshio_mesh_for_msh(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[str, Index]) -> Any:
-    """Make a mesh of meshio for a .msh file, with physical groups for the region and the boundaries.
+    """Return a mesh of meshio for a .msh file, with physical groups for the region and the boundaries.
 
     A region without a name is called "other". In this format each entity must have a node that belongs to it alone. Cell
     fields are NaN on the faces of boundaries. Arguments as for `_meshio_mesh_for_vtu`; ``plain`` is not changed.
@@ -262,7 +262,7 @@ def _meshio_mesh_for_msh(plain: Any, faces: Mapping[str, Index], region: str, ma
 
 
 def _assign_nodes_to_sets(cells: list[Index], count: int) -> Index:
-    """Assign each node to one of the sets of cells that contain it, so that at least one node is assigned to each set.
+    """Assign each node to one of the cell sets that contain it, so that each set has at least one node of its own.
 
     ``cells``: for each set, the nodes of its cells ``(k, nodes)``; ``count``: number of nodes. Returns the number of the
     set to which each node is assigned ``(count,)``: the smallest set that contains it, unless a larger set would get no
@@ -280,7 +280,7 @@ def _assign_nodes_to_sets(cells: list[Index], count: int) -> Index:
 
 
 def _meshio_mesh_for_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> Any:
-    """Make a mesh of meshio for a .med file, with families for the region's cells and for faces and nodes of boundaries.
+    """Return a mesh of meshio for a .med file, with families (groups) of cells, of boundary faces and of their nodes.
 
     Faces are counter-clockwise seen from outside. Nodes of cells are reordered here, because MED orients cells in reverse,
     and meshio does not change their order. Arguments as for `_meshio_mesh_for_vtu`; the last one is not used.
@@ -311,7 +311,7 @@ def _meshio_mesh_for_med(plain: Any, faces: Mapping[str, Index], region: str, _:
 
 
 def _assign_families(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[Index, dict[int, list[str]]]:
-    """Assign nodes or faces to families of a .med file: all nodes or faces that belong to the same groups form a family.
+    """Assign nodes or faces to families of a .med file; those that belong to the same groups form one family.
 
     Parameters
     ----------

@@ -30,11 +30,11 @@ MM = 1e3
 
 
 class PlacedSet(NamedTuple):
-    """Parts of one ball nut or bearing on a shaft, and their axial positions."""
+    """Parts of one ball nut or bearing for a STEP file, and their axial positions on the shaft."""
 
     #: Parts of the ball nut or bearing.
     scene: Scene
-    #: Displacement of its nut or outer ring along z [m].
+    #: Displacement of its nut or outer ring along z from the position in ``scene`` [m].
     shift: float
     #: Axial positions of the ends of its segment of the shaft [m].
     ends: tuple[float, float]
@@ -87,7 +87,7 @@ def write_step(path: Path, sets: Sequence[PlacedSet]) -> dict[Path, float]:
 
 @contextmanager
 def _new_gmsh_model() -> Iterator[Any]:
-    """Create an empty gmsh model with lengths in mm, for the statements of a ``with`` block; yields the module gmsh."""
+    """Create an empty gmsh model with lengths in mm for a ``with`` block; yields the module gmsh."""
     with gmsh_session() as gmsh:
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
         gmsh.model.add("step")
@@ -95,7 +95,7 @@ def _new_gmsh_model() -> Iterator[Any]:
 
 
 def _write_model(gmsh: Any, path: Path) -> None:
-    """Write gmsh's model to a file, and suppress the messages that OpenCASCADE prints."""
+    """Write gmsh's model to the file ``path``, and suppress the messages that OpenCASCADE prints meanwhile."""
     sys.stdout.flush()
     kept = os.dup(1)
     try:
@@ -123,7 +123,7 @@ def _nut_face_positions(scene: Scene, shift: float) -> tuple[float, float]:
 
 
 def _land_and_wall_radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
-    """Return the radius of the lands and the radius of the surface behind the groove (screw's bore or nut's outside) [m].
+    """Return the radius of the lands, and that of the surface behind the groove: screw's bore or nut's outside [m].
 
     ``screw``: whether they are those of the screw (or inner ring), or of the nut (or outer ring).
     """
@@ -180,7 +180,7 @@ def _flanks_of_body(screw: bool) -> tuple[int, int]:
 
 
 def _flank_section_coordinates(scene: Scene, side: int, gamma: Array) -> Array:
-    """Return section coordinates (x3, z3) of points on a flank ``(k, 2)`` [m].
+    """Return the coordinates x3 (radial) and z3 (across the track) of points on a flank ``(k, 2)`` [m].
 
     ``side``: flank 0 to 3; ``gamma``: section angles of the points ``(k,)`` [rad].
     """
@@ -190,7 +190,7 @@ def _flank_section_coordinates(scene: Scene, side: int, gamma: Array) -> Array:
 
 
 def apex_section_angle(scene: Scene, side: int) -> float:
-    """Return the section angle [rad] at which the flank ``side`` (0 to 3) meets the other flank of its groove, z3 = 0."""
+    """Return the section angle [rad] at which the flank ``side`` (0 to 3) meets the other flank, at the groove's apex."""
     drawn = draw_specimen(scene, ball_layout(scene))
     return asin(-float(drawn.centre[0, side, 1]) * SIDE_SIGNS[side][1] / float(drawn.radius[side]))
 
@@ -222,7 +222,7 @@ def land_section_angle(scene: Scene, side: int, land: float) -> float:
 
 
 def _flank_points_at_azimuth(scene: Scene, side: int, gamma: Array, azimuth: float, shift: float) -> Array:
-    """Return points of a flank in the section at an azimuth [rad], ``(k, 3)`` [m].
+    """Return points of a flank in the groove section at an azimuth [rad], in space ``(k, 3)`` [m].
 
     ``side``: flank 0 to 3; ``gamma``: section angles of the points ``(k,)`` [rad]; ``shift``: displacement of the nut along
     z [m].
@@ -255,7 +255,7 @@ def _add_helical_flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, fl
 def largest_distance_from_flank(
     gmsh: Any, scene: Scene, side: int, tag: int, shift: float, samples_along: int = 120
 ) -> float:
-    """Measure the largest distance between a surface in gmsh's model and the exact surface of a flank.
+    """Return the largest distance between a surface in gmsh's model and the exact surface of a groove flank.
 
     Parameters
     ----------
@@ -284,7 +284,7 @@ def largest_distance_from_flank(
 
 
 def distances_from_flank(scene: Scene, side: int, points: Array, shift: float) -> Array:
-    """Compute the distances of points from the exact surface of a flank, each in the section normal to the helix.
+    """Return the distances of points from the exact surface of a groove flank, each in the section normal to the helix.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Meshes of screws, nuts, rings and balls for other FE programs: second-order tetrahedra, fine near the contacts.
 
-The other programs find the contacts themselves, so that these meshes have no boxes left free for contact patches. Rings and
-balls may also be cut in halves at a plane of symmetry. The surfaces are the exact ones of ``meshes.grooved_body`` and
+The other programs find the contacts themselves, so that these meshes leave no refinement boxes free around contacts. Rings
+and balls may also be cut in halves at a plane of symmetry. The surfaces are the exact ones of ``meshes.grooved_body`` and
 ``meshes.ball_body``; element sizes grow linearly with the distance from the expected contacts.
 """
 
@@ -51,7 +51,7 @@ CUT = (0.0, np.pi)
 
 
 def use_requested_element_sizes(shell: Shell) -> None:
-    """Make gmsh use the wanted element sizes inside faces, instead of extending the fine sizes of a face's boundary."""
+    """Make gmsh use the requested element sizes inside faces, instead of extending the sizes on a face's boundary."""
     shell.gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
 
 
@@ -66,7 +66,7 @@ class HalfRingSurface:
     """
 
     def __init__(self, shell: Shell, m: GrooveMap, spec: BodySpec, share: float = 1.0) -> None:
-        """Divide the curves on the surface of the half ring into edges, and triangulate its faces.
+        """Build the surface: divide the curves between the faces of the half ring into edges, and triangulate the faces.
 
         Parameters
         ----------
@@ -77,7 +77,7 @@ class HalfRingSurface:
         spec : BodySpec
             Dimensions of the ring.
         share : float, default 1.0
-            Factor on the default for the longest edges on curved faces.
+            Factor on the default lengths of the longest edges on curved faces.
 
         Raises
         ------
@@ -118,7 +118,7 @@ class HalfRingSurface:
         self._triangulate_faces()
 
     def _divide_section_edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> DividedCurve:
-        """Divide edge k of the ring's cross-section at the azimuth ``phi`` [rad], from corner k to the next corner.
+        """Divide edge k of the ring's section, from corner k to the next, into mesh edges, at the azimuth ``phi`` [rad].
 
         ``k``: number of the edge, 0 to 6; ``nodes``: numbers of the nodes at the seven corners of this cross-section.
         """
@@ -135,16 +135,16 @@ class HalfRingSurface:
         return self.shell.curve(space, 0.0, 1.0, limit, ends)
 
     def _section_angle_range(self, k: int) -> tuple[float, float]:
-        """Return the section angles [rad] at which edge k (3 or 4, a flank) of the cross-section begins and ends."""
+        """Return the section angles [rad] at which edge ``k`` of the cross-section, a flank (3 or 4), begins and ends."""
         g = self.groove
         return (g.edge, g.apex) if k == 3 else (g.apex, g.edge)
 
     def _flank_of_edge(self, k: int) -> int:
-        """Return the flank 0 to 3 of edge k (3 or 4) of the cross-section."""
+        """Return the number of the flank (0 to 3) that edge ``k`` (3 or 4) of the cross-section belongs to."""
         return self.groove.sides[1 if k == 3 else 0]
 
     def _flank(self, k: int, gamma: Array, phi: float | Array) -> Array:
-        """Return points ``(n, 3)`` [m] on the flank of edge k (3 or 4), at section angles ``gamma`` and azimuths [rad]."""
+        """Return points ``(n, 3)`` [m] on a flank at section angles ``gamma`` and azimuths ``phi`` [rad]; ``k``: 3 or 4."""
         r, zeta = self.groove.profile(self._flank_of_edge(k), gamma)
         return points_from_cylindrical(r, phi, self.line + zeta)
 
@@ -218,7 +218,7 @@ class HalfRingSurface:
         return lambda x: self._flank(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
 
     def _end(self, name: str, k: int) -> None:
-        """Triangulate the flat face that edge k of the cross-section generates; ``name``: boundary to which it belongs."""
+        """Triangulate the flat end face that edge ``k`` (1 or 6) of the cross-section generates; ``name``: its boundary."""
         first, last = (cut[k] for cut in self.cuts)
 
         def end_edge(sign: float) -> Placing:
@@ -246,17 +246,17 @@ class HalfRingSurface:
 
 
 def _cylinder_point_map(r: float) -> Placing:
-    """Return the function that maps plane coordinates (arc length, z) [m] to points on a cylinder of radius r [m]."""
+    """Return the function that maps plane coordinates (arc length, z) [m] to points on the cylinder of radius ``r`` [m]."""
     return lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1])
 
 
 def _axial_plane_point_map(phi: float) -> Placing:
-    """Return the function that maps plane coordinates (radius, z) [m] to points in the axial plane at an azimuth [rad]."""
+    """Return the function that maps (radius, z) [m] to points in the axial plane at the azimuth ``phi`` [rad]."""
     return lambda x: points_from_cylindrical(x[:, 0], phi, x[:, 1])
 
 
 def triangulate_half_sphere(radius: float, shell: Shell, edge_factor: float, sign: float) -> None:
-    """Triangulate the surface of half a ball, sign * y >= 0, about the origin; its boundaries are "sphere" and "cut".
+    """Triangulate the surface of half a ball about the origin, cut at the plane y = 0: boundaries "sphere" and "cut".
 
     Parameters
     ----------
@@ -288,7 +288,7 @@ def triangulate_half_sphere(radius: float, shell: Shell, edge_factor: float, sig
 
 @dataclass(frozen=True)
 class Refinement:
-    """Element sizes of a mesh, which grow with the distance from the nearest of given points."""
+    """Edge lengths of a mesh: fine at given points, and growing linearly with the distance from the nearest of them."""
 
     #: Points around which the mesh is fine ``(k, 3)`` [m].
     near: Array
@@ -300,14 +300,14 @@ class Refinement:
     coarse: float
 
     def size(self, share: float = 1.0) -> Placing:
-        """Return the function that gives the edge length [m] at points ``(n, 3)`` [m], multiplied by ``share``."""
+        """Return the function for the edge lengths ``(n,)`` [m] at points ``(n, 3)`` [m], multiplied by ``share``."""
         tree = cKDTree(self.near)
         return lambda x: share * np.minimum(self.fine + self.growth * tree.query(x)[0], self.coarse)
 
 
 @dataclass(frozen=True)
 class BodyMeshForExport(MeshedBody):
-    """Mesh of a whole or half body for another FE program, with the parts of its surface as named boundaries."""
+    """Mesh of a whole or half body for another FE program, with named boundaries."""
 
     #: Mesh of second-order tetrahedra.
     mesh: Mesh
@@ -321,7 +321,7 @@ class BodyMeshForExport(MeshedBody):
 
 
 def grid_points_in_ellipse(semi_axes: tuple[float, float], step: float) -> Array:
-    """Return the points of a rectangular grid inside an ellipse about the origin, and points on the ellipse.
+    """Return points that fill an ellipse about the origin: those of a rectangular grid, and some on the ellipse itself.
 
     Parameters
     ----------
@@ -349,7 +349,7 @@ def grid_points_in_ellipse(semi_axes: tuple[float, float], step: float) -> Array
 
 
 def points_on_groove(m: GrooveMap, ball_position: tuple[float, float, int], distances: Array) -> Array:
-    """Return the points on a groove's surface at given distances from the nominal contact point of a ball.
+    """Return the points on a groove's surface that lie at given distances from the nominal contact point with a ball.
 
     Parameters
     ----------
@@ -372,7 +372,7 @@ def points_on_groove(m: GrooveMap, ball_position: tuple[float, float, int], dist
 
 
 def points_on_ball_surface(m: GrooveMap, side: int, radius: float, distances: Array) -> Array:
-    """Return the points on the surface of a ball at azimuth 0 at given distances from its nominal contact point.
+    """Return the points on the surface of a ball at azimuth 0 that lie at given distances from its nominal contact point.
 
     Parameters
     ----------
@@ -396,7 +396,7 @@ def points_on_ball_surface(m: GrooveMap, side: int, radius: float, distances: Ar
 
 
 def move_to_ball_position(m: GrooveMap, ball_position: tuple[float, float], points: Array) -> Array:
-    """Move points of a ball from the ball at azimuth 0 to the ball's position in the screw or bearing.
+    """Convert points of a ball at azimuth 0, relative to its centre, to points of a ball in the screw or bearing.
 
     Parameters
     ----------
@@ -425,14 +425,15 @@ def mesh_whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> Bod
     m : GrooveMap
         Groove surfaces of the track.
     spec : BodySpec
-        Dimensions. Its sockets are used only to find where a groove ends inside the body; its element sizes are not used.
+        Dimensions. Its refinement boxes are used only to find where a groove ends inside the body; its element sizes are
+        not used.
     refinement : Refinement
         Element sizes.
 
     Returns
     -------
     BodyMeshForExport
-        The mesh, without boxes for contact patches.
+        The mesh; no refinement boxes are left free in it.
 
     Raises
     ------
@@ -497,7 +498,7 @@ def mesh_half_ring(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> Body
 
 
 def mesh_half_ball(radius: float, refinement: Refinement, sign: float) -> BodyMeshForExport:
-    """Mesh half a ball, sign * y >= 0, with its centre at the origin; the plane y = 0 is its boundary "cut".
+    """Mesh half a ball with its centre at the origin for another FE program; the plane y = 0 is its boundary "cut".
 
     Parameters
     ----------
@@ -524,7 +525,7 @@ def mesh_half_ball(radius: float, refinement: Refinement, sign: float) -> BodyMe
 
 
 def _mesh_inside_surface(name: str, surface: Callable[[Shell, float], object], refinement: Refinement) -> BodyMeshForExport:
-    """Mesh the body inside a closed surface; edges that would invert cells are straightened.
+    """Mesh the body inside a closed surface for another FE program; edges that would invert cells are straightened.
 
     ``name``: name of the body, for messages; ``surface``: function that triangulates the surface in a `Shell`, with a
     factor on the element sizes; ``refinement``: element sizes.

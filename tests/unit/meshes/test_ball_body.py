@@ -92,7 +92,7 @@ def test_ball(beta, sides):
 
 
 UNFIT = [
-    ((), "at least one socket"),
+    ((), "at least one contact"),
     ((*ball_sockets((0,)), replace(*ball_sockets((3,)), depth=2.5e-3)), "2.5 mm deep"),
     (ball_sockets((0, 1), gamma=0.68, depth=1.6e-3), "overlap"),
     (ball_sockets((0, 1), gamma=0.66), "wider than its depth of 0.9 mm allows"),

@@ -144,7 +144,7 @@ def test_bodies_are_sound_and_their_surfaces_flat_round_and_complete(body):
 
 
 UNFIT = [
-    (20e-3, {"size": replace(SIZE, phi=0.6)}, "socket"),
+    (20e-3, {"size": replace(SIZE, phi=0.6)}, "refinement box"),
     (20e-3, {"r_in": 13.9e-3, "sockets": ()}, "deeper than the wall.*change the bore"),
     (20e-3, {"r_out": 13.5e-3, "sockets": ()}, "ends before its contact.*move the land"),
     (0.0, {"z_low": 0.0995, "sockets": ()}, "only 20.5 mm: widen the ring"),

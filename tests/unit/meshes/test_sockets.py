@@ -238,7 +238,7 @@ def test_no_room_is_refused_with_cause_and_remedy(case, sides, change, match):
 )
 def test_misfits_are_refused(size, match):
     case = small_screw(6)
-    with pytest.raises(ValueError, match=rf"socket.*{match}.*make the sockets smaller"):
+    with pytest.raises(ValueError, match=rf"refinement box.*{match}.*make the refinement boxes smaller"):
         check_sockets_fit(GrooveMap.of(case), size, sockets_of(case, (0,)), 16e-3, 12.6e-3, (0.0, 0.2))
 
 
