@@ -58,8 +58,8 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
-#: Length by which the loaded zone exceeds the nut at either face, over the patch's width, so that patches near a face are
-#: complete.
+#: Length by which the loaded zone of a smooth body extends beyond either face of the nut, over the width of a load patch;
+#: patches near a face are then complete.
 BESIDE = 2.5
 
 
@@ -122,11 +122,10 @@ def grooved_ring_compliance(geometry: Scene, screw: bool) -> RingCompliance:
 
 
 def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
-    """Return the motion of a contact by a unit load on it, less the motions by Hertz's law and by the smooth body [m/N].
+    """Return the local compliance of a groove flank at a contact [m/N], in addition to Hertz's law and the smooth body.
 
-    The contact is on the true flank.
-
-    It holds for a narrow load patch; `lowfi.compliance.beyond_hertz.contact_size_correction` adds the influence of the
+    It is the motion of the contact by a unit load on itself, less the motions by Hertz's law and by the smooth body. It
+    holds for a narrow load patch; `lowfi.compliance.beyond_hertz.contact_size_correction` adds the influence of the
     contact's size.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
@@ -155,7 +154,7 @@ def smooth_body_compliance_beyond_beam(
     geometry = reduce_to_compliance_geometry(scene)
     x, axes = contact_points_and_axes(scene, layout, screw, flanks)
     if float(np.abs(x[:, 2] - scene.nut.position).max()) > 0.5 * scene.nut.length:
-        raise ValueError("a contact lies beyond the nut's faces: lengthen the nut or reduce the number of turns")
+        raise ValueError("a ball contact lies beyond the nut's faces: lengthen the nut or reduce the number of turns")
     smooth = compliance_of_smooth_body(geometry, screw, backend)
     G = contact_compliance(smooth, points_in_space(x, axes))
     tube = smooth.tube
@@ -176,11 +175,11 @@ def smooth_body_compliance_beyond_beam(
 def contact_motions_by_section_wrench(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return the motions ``(2 c, 6)`` of contacts by a unit wrench on their cross-sections, less those of the smooth body.
+    """Return the local motions ``(2 c, 6)`` of c contacts by a unit wrench on the cross-section at each contact.
 
-    The wrench consists of three forces and three moments. At a groove the body is thinner than on average and therefore
-    strains more (`NearFace.strains`). Arguments, and the c contacts with two axes each, are those of
-    `smooth_body_compliance_beyond_beam`.
+    The motions of the smooth body are subtracted. The wrench consists of three forces and three moments. At a groove the
+    body is thinner than on average and therefore strains more (`NearFace.strains`). Arguments, and the c contacts with two
+    axes each, are those of `smooth_body_compliance_beyond_beam`.
     """
     found = near_face_compliance_of_body(reduce_to_compliance_geometry(scene), screw, backend)
     points = points_in_space(*contact_points_and_axes(scene, layout, screw, flanks))
@@ -192,11 +191,12 @@ def contact_motions_by_section_wrench(
 def nut_beam_compliance(
     scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH, section_strain_motions: Array | None = None
 ) -> Array:
-    """Return the compliance ``(2 c, 2 c)`` [m/N] between the c contacts of a nut that is a Timoshenko beam of its section.
+    """Return the compliance ``(2 c, 2 c)`` [m/N] between the c contacts of a nut modelled as a Timoshenko beam.
 
-    The beam is clamped at the nut's faces or at its flange. The compliance is zero if the outer surface is fixed.
-    ``layout``: positions of the balls; ``flanks``: flanks with contacts, 0 left, 1 right; ``section_strain_motions``: local
-    motions by wrenches at the grooves, see `clamped_beam_compliance`, or None to neglect these motions.
+    The beam has the section of the grooved nut. It is clamped at the nut's faces or at its flange. The compliance is zero
+    if the outer surface is fixed. ``layout``: positions of the balls; ``flanks``: flanks with contacts, 0 left, 1 right;
+    ``section_strain_motions``: local motions by wrenches at the grooves, see `clamped_beam_compliance`, or None to neglect
+    these motions.
     """
     geometry = reduce_to_compliance_geometry(scene)
     x, axes = contact_points_and_axes(scene, layout, False, flanks)
@@ -214,7 +214,7 @@ def nut_beam_compliance(
 
 @lru_cache(maxsize=32)
 def near_face_compliance_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
-    """Return the compliance that grooves and end faces of screw or nut add between contacts of one groove turn or two.
+    """Return the compliance that grooves and end faces of screw or nut add between contacts on the same or the next turn.
 
     The result is cached in memory by the geometry, and that of `cached_near_face` on disk.
 
@@ -245,10 +245,10 @@ def cached_near_face(flank: Flank, tube: Tube, section: BeamSection, radii: tupl
 def groove_and_face_compliance(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return the compliance ``(2 c, 2 c)`` [m/N] that grooves and end faces add between c contacts on neighbouring flanks.
+    """Return the compliance ``(2 c, 2 c)`` [m/N] that grooves and end faces add between c contacts of screw or nut.
 
-    Flanks are coupled within one groove, or also with the groove behind it (`NearFace.turns`). Arguments are those of
-    `smooth_body_compliance_beyond_beam`.
+    Only contacts on the flanks of the same turn of the groove, or also of the next turn, are coupled (`NearFace.turns`).
+    Arguments are those of `smooth_body_compliance_beyond_beam`.
     """
     geometry = reduce_to_compliance_geometry(scene)
     flank, held, found = (
@@ -290,7 +290,7 @@ def groove_and_face_compliance(
 def compute_compliance_between_contacts(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Compute the compliance ``(2 c, 2 c)`` [m/N] of screw (less its beam) or nut between c contacts, without a cache.
+    """Compute the compliance ``(2 c, 2 c)`` [m/N] between c contacts of the nut, or of the screw less its beam; no cache.
 
     It is `lowfi.compliance.bodies.compliance_between_contacts` for a body that is not rigid and for balls at any positions.
     Arguments are those of `smooth_body_compliance_beyond_beam`.
@@ -316,9 +316,9 @@ def compute_compliance_between_contacts(
 
 
 def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float, float]:
-    """Return the motions of contacts and high end of a screw by a unit wrench on its high end, less those of its beam.
+    """Return the motions of a screw's contacts and its end at high z by a unit wrench on that end, less those of its beam.
 
-    The screw is fixed by the mean motions of its low end. The wrench consists of three forces and three moments.
+    The mean motions of the end at low z are fixed. The wrench consists of three forces and three moments.
 
     ``layout``: positions of the N balls; ``backend``: model of the bodies.
 
@@ -351,10 +351,10 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
 
 
 def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
-    """Compute the motions ``(4 N, 6)`` of contacts by a unit wrench on a cross-section of the screw, without a cache.
+    """Compute the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less those of its beam.
 
     ``layout``: positions of the N balls; ``at``: axial position of the cross-section [m]. The function is
-    `lowfi.compliance.bodies.screw_response_to_section_wrench` for balls at any positions.
+    `lowfi.compliance.bodies.screw_response_to_section_wrench` without a cache, for balls at any positions.
     """
     geometry = reduce_to_compliance_geometry(scene)
     tube = smooth_body(geometry, True, backend)
@@ -394,7 +394,7 @@ def section_strain_motions_by_wrench(section_strain_motions: Array, stations: Ar
 
 
 def contact_motions_by_end_wrench(compliance: TubeCompliance, x: Array, axes: Array) -> Array:
-    """Return the motions ``(2 c, 6)`` of c contacts by a unit wrench on a shaft's high end.
+    """Return the motions ``(2 c, 6)`` of c contacts on a smooth shaft by a unit wrench on its end at high z.
 
     The wrench consists of three forces and three moments, which do work on the end's mean motions. ``compliance``:
     compliance of the smooth shaft; ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their
@@ -410,7 +410,7 @@ def contact_motions_by_end_wrench(compliance: TubeCompliance, x: Array, axes: Ar
 
 
 def end_compliance(compliance: TubeCompliance) -> Array:
-    """Return the compliance ``(6, 6)`` of a shaft's high end: its six mean motions by unit forces and moments on it."""
+    """Return the compliance ``(6, 6)`` of a shaft's end at high z: six mean motions by unit forces and moments on it."""
     (axial, twist), (shift, tilt) = compliance.corner
     out = np.zeros((6, 6))
     out[2, 2], out[2, 5], out[5, 2], out[5, 5] = axial[0], axial[1], twist[0], twist[1]

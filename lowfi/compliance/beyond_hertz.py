@@ -1,4 +1,4 @@
-"""Corrections of Hertz's half space for contacts of balls and grooves: elastic sphere, and curvature of the flank.
+"""Corrections of Hertz's half space for contacts of balls and grooves: the elastic sphere, and the flank's curvature.
 
 Sphere (Lur'e's series): a point load P moves the surface inward by u(t) = P/(8 pi G R) sum (2 n + 1) c_n P_n(cos t) at the
 angle t. The term n = 1 is left out: it is a rigid motion, which equilibrium of the ball cancels. With c_n = A/n + B/n^2 +
@@ -33,7 +33,7 @@ TERMS = 400
 
 
 def sphere_series_coefficients(n: Array, poisson: float) -> Array:
-    """Return the coefficients c_n of an elastic sphere in Lur'e's series; 0 for n = 1.
+    """Return the coefficients c_n of Lur'e's series for the motion of an elastic sphere's surface; 0 for n = 1.
 
     The pressure p_n P_n(cos t) without shear moves the surface inward by c_n (R/2 G) p_n P_n(cos t).
 
@@ -58,9 +58,10 @@ def sphere_series_expansion(poisson: float) -> tuple[float, float]:
 
 @lru_cache(maxsize=64)
 def sphere_series_remainder(cosine: float, poisson: float) -> float:
-    """Return Lur'e's series at an angle less the closed sums of its terms A/n and B/n^2, which are singular at the load.
+    """Return Lur'e's series for a sphere at an angle from the load, less the closed sums of its terms A/n and B/n^2.
 
-    ``cosine``: cosine of the angle between load and point; ``poisson``: Poisson's ratio. The result is dimensionless.
+    These sums are singular at the load. ``cosine``: cosine of the angle between load and point; ``poisson``: Poisson's
+    ratio. The result is dimensionless.
     """
     from numpy.polynomial.legendre import legval
 
@@ -102,7 +103,7 @@ def sphere_self_compliance_slope(radius: float, material: Material) -> float:
 
 
 def sphere_self_compliance(semi_axes: tuple[float, float], radius: float, material: Material) -> float:
-    """Return the motion of a contact on an elastic sphere by a unit load on it, less that of a half space [m/N].
+    """Return the motion of a contact on an elastic sphere by a unit load on it, less that on a half space [m/N].
 
     The motion is averaged over the Hertz pressure.
 
@@ -120,7 +121,7 @@ def sphere_self_compliance(semi_axes: tuple[float, float], radius: float, materi
     return smooth + sphere_self_compliance_slope(radius, material) * float(log)
 
 
-#: Standard deviation over the ball's radius of the narrow load patch on the true flank.
+#: Standard deviation of the narrow load patch on the grooved body's flank, over the ball's radius.
 NARROW = 0.18
 
 #: Numbers of elements for the narrow patch: along the flank, along the land, in depth.
@@ -133,7 +134,7 @@ GAUSSIAN = float(np.log(2.0) - 1.75 + 0.5 * np.euler_gamma)
 
 @dataclass(frozen=True)
 class Flank:
-    """Groove of screw, nut or ring between mid groove and mid land, with the body below it."""
+    """Half a groove of screw, nut or bearing ring, from mid groove to mid land, with the body below it."""
 
     #: Geometry of the groove.
     map: GrooveMap
@@ -141,7 +142,7 @@ class Flank:
     land: float
     #: Radius of the plain surface: bore of the screw or outer radius of the nut [m].
     far: float
-    #: Whether the body is the screw; otherwise it is the nut.
+    #: Whether the body is the screw or inner ring; otherwise it is the nut or outer ring.
     screw: bool
     #: Axial distance from mid groove to mid land [m]: half a lead, or half the width of a ring.
     half: float
@@ -150,20 +151,20 @@ class Flank:
 
     @property
     def side(self) -> int:
-        """Number of the flank that is computed, the right one of screw or nut; the left one is its mirror image."""
+        """Number of the computed flank, the right one: 1 of the screw or 3 of the nut; the left one is its mirror image."""
         return 1 if self.screw else 3
 
     def grid(self, mesh: tuple[int, int, int] | None = None) -> Grid:
         """Return the finite-element grid of the body between mid groove and mid land.
 
-        ``mesh``: numbers of elements along the flank, along the land, and in depth; None for the usual ones.
+        ``mesh``: numbers of elements along the flank, along the land, and in depth; None for those of `MESH`.
         """
         from rollbench.lowfi.compliance.tube import cell_grid  # finite elements: for bodies that are not known yet
 
         return cell_grid(self.map, self.land, self.far, self.screw, mesh or MESH, self.half)
 
     def contact(self) -> tuple[float, float]:
-        """Return the radius r, then the axial distance zeta from mid groove, of the nominal contact [m]."""
+        """Return the position of the nominal contact [m]: distance from the axis, then axial distance from mid groove."""
         m = self.map
         x3, z3 = m.ball * m.signs[self.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
         r, zeta, _ = m.section_to_unrolled(np.array(x3), np.array(z3))
@@ -191,7 +192,7 @@ def half_space_compliance(width: float, material: Material) -> float:
 
 
 def flank_curvatures(flank: Flank) -> tuple[float, float]:
-    """Return the principal curvatures of a flank at the nominal contact [1/m], across the groove and along it.
+    """Return the principal curvatures of a groove flank at the nominal contact [1/m], across the groove and along it.
 
     Convex curvatures are positive.
     """
@@ -210,7 +211,7 @@ def contact_size_correction_slope(flank: Flank) -> float:
 
 
 def contact_size_correction(flank: Flank, semi_axes: tuple[float, float]) -> float:
-    """Return how much the compliance of a contact of given size and shape exceeds that of a narrow circular patch [m/N].
+    """Return by how much a flank's compliance at a contact of given size exceeds that at a narrow circular patch [m/N].
 
     ``flank``: groove of the body; ``semi_axes``: semi-axes of the contact ellipse, across the groove and along it [m].
     """

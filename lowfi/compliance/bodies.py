@@ -59,23 +59,24 @@ from rollbench.meshes.solid import dimensions_of_3d_parts
 
 @dataclass(frozen=True)
 class Coupling:
-    """Compliance matrix between all contacts of a body; cached and shared, so it must not be modified."""
+    """Matrix of contact motions of a body by loads, as stored in the cache; it is shared, so it must not be modified."""
 
-    #: Motions of the contacts by loads on them, two axes each ``(4 N, 4 N)`` [m/N].
+    #: Motions of all contacts along two axes each, by loads on the contacts ``(4 N, 4 N)`` [m/N], or by a unit wrench on a
+    #: cross-section ``(4 N, 6)``.
     G: Array
 
 
 @dataclass(frozen=True)
 class BodyCompliance:
-    """Compliance of screw (in addition to its beam) or nut at c contacts."""
+    """Elastic compliance of the nut, or of the screw in addition to its beam, at c ball contacts."""
 
     #: Compliance between the contacts, all left ones, then all right ones, two axes each ``(2 c, 2 c)`` [m/N].
     G: Array
-    #: Linear compliance of each contact under the load on it, in addition to Hertz's law [m/N].
+    #: Linear compliance of the flank at each contact under the load on it, in addition to Hertz's law [m/N].
     e: float
     #: Derivative of e with respect to the logarithm of the contact's size [m/N].
     slope: float
-    #: Sentences on assumed dimensions of the body.
+    #: Sentences on dimensions of the body that the scene does not state and that were assumed.
     assumed: tuple[str, ...]
 
 
@@ -87,9 +88,9 @@ class BallCompliance:
     e: float
     #: Derivative of e with respect to the logarithm of the contact's size [m/N].
     slope: float
-    #: Square root of the coupling between the pairs of opposite contacts SL-NR and SR-NL [(m/N)^(1/2)].
+    #: Square root of the compliance that couples both pairs of opposite contacts, SL-NR and SR-NL [(m/N)^(1/2)].
     g: float
-    #: Sign of the coupling between the two pairs.
+    #: Sign of the compliance that couples both pairs of opposite contacts.
     sign: float
 
 
@@ -102,7 +103,7 @@ def body_compliance(
     flanks: Sequence[int] = BOTH,
     compute_between_contacts: WholeBody | None = None,
 ) -> BodyCompliance:
-    """Return the compliance of screw (in addition to its beam) or nut between the contacts of a scene.
+    """Return the elastic compliance of the nut, or of the screw in addition to its beam, at the contacts of a scene.
 
     Parameters
     ----------
@@ -201,7 +202,7 @@ WholeBody = Callable[[Scene, BallLayout, bool, Backend, Sequence[int]], Array]
 @lru_cache(maxsize=8)
 @cached_on_disk(Coupling)
 def _cached_compliance_between_contacts(scene: Scene, screw: bool, backend: Backend) -> Coupling:
-    """Return the compliance between contacts, for both flanks and the balls of a scene, cached in memory and on disk.
+    """Return the compliance between all contacts of screw or nut on both flanks, cached in memory and on disk.
 
     ``screw``: whether the body is the screw (True) or the nut; ``backend``: model of the bodies.
     """
@@ -244,19 +245,19 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
 
 @dataclass(frozen=True)
 class EndResponse:
-    """Motions of a screw by a unit wrench (3 forces, 3 moments) on its high end, in addition to those of its beam."""
+    """Motions of a screw by a unit wrench (3 forces, 3 moments) on its end at high z, in addition to those of its beam."""
 
     #: Motions of the contacts of both flanks, all left ones, then all right ones, two axes each ``(4 N, 6)``.
     contacts: Array
-    #: Motions of the high end ``(6, 6)``.
+    #: Mean motions of the end at high z ``(6, 6)``.
     end: Array
-    #: Axial positions of the low and the high end [m].
+    #: Axial positions of the ends at low and at high z [m].
     low: float
     high: float
 
 
 def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: Backend) -> EndResponse | None:
-    """Return the motions of a screw's contacts and of its high end by a unit wrench on that end, less those of its beam.
+    """Return the motions of a screw's contacts and its end at high z by a unit wrench on that end, less those of its beam.
 
     ``layout``: positions of the balls; ``backend``: model of the bodies' compliance. The result is None for a screw that is
     rigid or only a beam, and for a bearing ring fixed at its bore. The arrays are cached for all load cases of the same
@@ -306,7 +307,7 @@ def _cached_response_to_section_wrench(scene: Scene, backend: Backend, at: float
 
 
 def clear_compliance_cache() -> None:
-    """Delete all compliances of bodies that are cached in memory, so that a timed solution computes them again."""
+    """Delete all compliances that are cached in memory, so that the next solution, which is timed, computes them again."""
     from rollbench.lowfi.compliance.between import (
         cached_near_face,
         cached_section_motions,
@@ -347,7 +348,8 @@ class Condensed:
 
     #: Contents of the file.
     bodies: CondensedBodies
-    #: Names of the bodies whose compliance, with that of the contacts in their grooves, is taken from the file.
+    #: Names of the bodies (screw, nut) whose compliance, with that of the contacts in their grooves, is taken from the
+    #: file.
     parts: tuple[str, ...] = PARTS
 
     @staticmethod
@@ -371,7 +373,7 @@ class Condensed:
 
     @property
     def whole(self) -> bool:
-        """Whether both screw and nut are taken from the file."""
+        """Whether the compliance of both screw and nut is taken from the file."""
         return self.parts == PARTS
 
     def flanks_covered_by_file(self, sides: list[int]) -> list[int]:
@@ -381,7 +383,7 @@ class Condensed:
     def replace_normal_compliance(
         self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: Backend
     ) -> Array:
-        """Return the low-order compliance of a body with the part along the contact normals replaced by that of the file.
+        """Return the low-order compliance of screw or nut, with that along the contact normals replaced by the file's.
 
         Motions that the file does not contain, across the normals and on other flanks, depend on the motions along the
         normals as in the low-order body, so that the matrix remains positive semidefinite. With the blocks A along the
@@ -421,7 +423,7 @@ class Condensed:
         return np.asarray(total + spread.T @ change[np.ix_(pick, pick)] @ spread)
 
     def ball(self, scene: Scene, semi_axes: tuple[float, float]) -> BallCompliance:
-        """Return the compliance of the ball from the file: self-compliance of contacts, and coupling between both pairs.
+        """Return the compliance of a ball at its four contacts, taken from the file of the condensed 3D model.
 
         ``semi_axes``: semi-axes of a typical contact ellipse [m], from which the coupling follows if the file contains only
         one of both pairs of opposite contacts.
@@ -437,7 +439,7 @@ class Condensed:
         return BallCompliance(alone - 2.0 * abs(across), 0.0, float(np.sqrt(abs(across))), float(np.sign(across)))
 
     def describe_source(self) -> str:
-        """Return a phrase for reports that names the bodies, the mesh level and the flanks that are taken from the file."""
+        """Return a phrase for reports: bodies, mesh level and flanks whose compliance is taken from the file."""
         names = ", ".join(SIDES[int(s)] for s in self.bodies.sides)
         level = self.bodies.level
         bodies = " and ".join(self.parts) if self.parts != PARTS else "screw, nut and balls"
@@ -445,7 +447,7 @@ class Condensed:
 
 
 def nominal_normals_matrix(scene: Scene, N: int, sides: list[int]) -> Array:
-    """Return the matrix that gives the motions of contacts along their nominal normals from those along two axes.
+    """Return the matrix that converts contact motions along two axes to those along the nominal contact normals.
 
     ``N``: number of balls; ``sides``: f flanks of one body (0, 1: screw; 2, 3: nut). The matrix is ``(N f, 4 N)``: its
     columns are two axes for each ball on the left flank, then on the right flank; its rows go ball after ball, each with
@@ -462,7 +464,7 @@ def nominal_normals_matrix(scene: Scene, N: int, sides: list[int]) -> Array:
 
 
 def normal_and_tangent_matrices(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
-    """Return two matrices that split contact motions into those along the nominal normals of some flanks, and the others.
+    """Return two matrices that split contact motions: along the nominal normals of some flanks, and all other directions.
 
     ``N``: number of balls; ``sides``: f flanks with contacts; ``known``: k of these flanks, whose motions along the normals
     are to be separated. Columns are two axes for each ball and each of its flanks ``sides``. The first matrix has a unit
@@ -493,9 +495,9 @@ FEW, INVERSES, SHIFT = 16, 20, 3e-5
 
 
 def negative_part(G: Array) -> tuple[Array, float]:
-    """Return the part of a symmetric matrix ``G`` ``(n, n)`` from its negative eigenvalues, then the smallest eigenvalue.
+    """Return the part of a symmetric matrix ``(n, n)`` that its negative eigenvalues make up, then the smallest eigenvalue.
 
-    Subtracting this part leaves the matrix positive semidefinite.
+    ``G``: the matrix. Without this part it is positive semidefinite.
     """
     values, vectors = np.linalg.eigh(G) if len(G) <= WHOLE else _smallest_eigenpairs(G)
     below = values < 0.0
@@ -503,7 +505,7 @@ def negative_part(G: Array) -> tuple[Array, float]:
 
 
 def _smallest_eigenpairs(G: Array) -> tuple[Array, Array]:
-    """Return the smallest eigenvalues of a large symmetric G, which include all negative ones, and their eigenvectors."""
+    """Return the smallest eigenvalues of a large symmetric matrix, including all negative ones, and their eigenvectors."""
     from scipy.linalg import cho_factor, cho_solve
 
     diagonal, count, shift = np.arange(len(G)), FEW, SHIFT * float(np.trace(G)) / len(G)
@@ -525,7 +527,7 @@ def _smallest_eigenpairs(G: Array) -> tuple[Array, Array]:
 
 
 def _ritz_pairs(G: Array, apply: Callable[[Array], Array], count: int) -> tuple[Array, Array]:
-    """Return approximate eigenvalues and eigenvectors (Ritz pairs) of G in a block Krylov space of its shifted inverse.
+    """Return Ritz pairs (approximate eigenpairs) of a symmetric matrix ``G``, by a block Krylov method on its inverse.
 
     ``apply``: function that multiplies vectors by the shifted inverse; it is applied `INVERSES` times to ``count`` random
     vectors. The smallest eigenvalues of G converge first.

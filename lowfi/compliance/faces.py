@@ -1,4 +1,4 @@
-"""Compliance that grooves and end faces of screw or nut add to the smooth body, between contacts of neighbouring flanks.
+"""Compliance that grooves and end faces of screw or nut add to that of the smooth body, between neighbouring contacts.
 
 It is computed from finite elements of half a lead and more, for contacts far from an end face and near one.
 """
@@ -47,26 +47,26 @@ from rollbench.meshes.section import BeamSection
 
 #: Range of radii [m] in which a face is fixed if it is fixed as a whole.
 WHOLE = (0.0, np.inf)
-#: Distance over the ball's radius within which an end face influences a contact, and at which the body is clamped on the
-#: side of the contact that is away from the face.
+#: Distance over the ball's radius within which an end face influences a contact; in the computation the body is clamped at
+#: this distance on the other side of the contact.
 REACH = 7.0
 #: Distances of the end faces from mid groove over the ball's radius for which results are computed; the first is at the
 #: groove's edge.
 CUTS = (0.0, 1.2, 1.6, 2.4, 4.0, REACH)
 #: Length of the longest element on a land over the ball's radius.
 LAND = 0.9
-#: Depth of the first element over the ball's radius.
+#: Depth of the first element below the groove's surface, over the ball's radius.
 FIRST = 0.3
-#: Factor between two computed harmonics.
+#: Ratio of successive Fourier harmonics that are computed.
 STEP = 1.5
-#: Highest harmonic that is estimated from a half space, times the patch's width over the contacts' radius.
+#: Highest harmonic, which is estimated from a half space, times the load patch's width over the contacts' radius.
 TAIL = 2.6
-#: Difference of two loads, over the largest nodal force, below which they count as equal.
+#: Difference of the nodal forces of two load cases, over the largest one, below which the cases count as equal.
 SAME = 1e-3
 
 
 class Patch(NamedTuple):
-    """Size of the load patch on a flank, with the fineness of mesh and harmonics that resolves it."""
+    """Size of the Gaussian load patch on a groove flank, with the fineness of mesh and harmonics that resolves it."""
 
     #: Standard deviation of the patch over the ball's radius.
     width: float
@@ -76,19 +76,19 @@ class Patch(NamedTuple):
     highest: float
 
 
-#: Patch far from a face, where smaller contacts differ only by the flank's curvature; and patch for distances from a face
-#: down to a contact's size, with the mean square of the contact's long axis.
+#: Load patch for contacts far from an end face, where smaller contacts differ only by the flank's curvature; and load patch
+#: for distances from a face down to a contact's size, with the mean square of the contact's long axis.
 FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 
 
 @dataclass(frozen=True)
 class NearFace:
-    """Compliance that ring grooves and an end face add between contacts of one groove.
+    """Compliance that ring grooves and an end face add between contacts on the flanks of one groove.
 
-    Arrays are for k distances of the face, n harmonics around the axis, and f loaded flanks.
+    Arrays are for k distances of the end face, n harmonics around the axis, and f loaded flanks.
     """
 
-    #: Distances of the face from mid groove ``(k,)`` [m].
+    #: Distances of the end face from mid groove ``(k,)`` [m].
     distance: Array
     #: Compliance added by a face ``(2, n, 2, 2, f, 2, k)`` [m/N]. Axes: face free or fixed; harmonic around the axis; flank
     #: that moves, the one pressed towards the face or the other one; its motion along the nominal load or across it; loaded
@@ -110,13 +110,14 @@ class NearFace:
 
     @property
     def turns(self) -> int:
-        """Number of grooves whose contacts are coupled: one, or two if the groove behind it is included."""
+        """Number of neighbouring groove turns whose contacts are coupled: one or two."""
         return int(self.far.shape[2]) // 2
 
     def face_compliance(self, held: bool, angle: Array, distance: Array) -> Array:
         """Return the compliance ``(m, 2, 2, f, 2)`` [m/N] that an end face adds between m pairs of contacts.
 
-        The axes after the first are those of ``gain``, from the flank that moves to the load's direction.
+        The axes after the first are flank that moves, its direction, loaded flank and direction of the load, as in the
+        field ``gain``.
 
         Parameters
         ----------
@@ -142,7 +143,7 @@ class NearFace:
 
 
 def sum_of_harmonics(waves: Array, angle: Array) -> Array:
-    """Return the values ``(m, ...)`` of cosine series at m angles.
+    """Return the values ``(m, ...)`` of a Fourier cosine series at m angles.
 
     ``waves`` ``(n, ...)``: coefficients of the harmonics; ``angle`` ``(m,)``: angles [rad].
     """
@@ -167,7 +168,7 @@ def near_face_compliance(
     section
         Section of the body's beam, whose motions are computed elsewhere and therefore subtracted.
     held_radii
-        Range of radii in which a face is fixed, if it is fixed [m].
+        Range of radii in which an end face is fixed, if it is fixed [m].
     near
         Whether an end face lies within `REACH` ball radii of a contact, so that its effect is computed.
 
@@ -182,7 +183,7 @@ def near_face_compliance(
     strains = contact_motions_by_tension_and_moment(flank, smooth) if a_beam else np.zeros((2, 2))
 
     def gains(finer: Patch, last: slice, kinds: int, radii: tuple[float, float]) -> tuple[Array, Grid, Array]:
-        """Return the added compliance, the grid of the grooved body, and the distances of the end faces [m].
+        """Return the compliance that grooves and end faces add, the grid of the grooved body, and the faces' distances [m].
 
         ``finer``: load patch and mesh; ``last``: selection of the end faces at the distances `CUTS`; ``kinds``: 1 for
         motions along the loads, 2 also across them; ``radii``: range of radii in which a face is fixed [m].
@@ -220,7 +221,7 @@ def _check_land(flank: Flank) -> None:
 
 
 def average_mirror_images(waves: Array) -> Array:
-    """Average the motions of flanks far from any face with those of the mirror image of the body.
+    """Average the motions of groove flanks far from any end face with those of the mirror image of the body.
 
     ``waves`` ``(n, 2, f)``: motions of 2 flanks by loads on f flanks in n harmonics [m/N]. By symmetry, flank a moves by a
     load on flank b of the groove behind as the flank opposite to b does by a load on the flank opposite to a. The computed
@@ -232,7 +233,7 @@ def average_mirror_images(waves: Array) -> Array:
 
 
 def append_high_harmonics(flank: Flank, waves: Array) -> Array:
-    """Extend computed harmonics of the motions of narrow load patches by higher ones, estimated from a half space.
+    """Append higher Fourier harmonics, estimated from a half space, to the computed motions of narrow load patches.
 
     ``waves`` ``(n, ...)``: motions of the flanks of the groove ``flank`` in n harmonics [m/N]. On a half space the mutual
     compliance of two Gaussian patches of standard deviation s in a wave of wavenumber k is proportional to exp(x) K_0(x)
@@ -247,7 +248,7 @@ def append_high_harmonics(flank: Flank, waves: Array) -> Array:
 
 
 def contact_motions_by_own_section_wrench(points: Points, side: Array, strains: Array) -> Array:
-    """Return the motions ``(k c, 6)`` of c contacts, with k axes each, by a unit wrench on the contact's cross-section.
+    """Return the local motions ``(k c, 6)`` of c contacts, k axes each, by a unit wrench on each one's own cross-section.
 
     The wrench consists of three forces and three moments; only tension and bending moments have an effect. ``points``: the
     contacts; ``side`` ``(c,)``: -1 for a flank at negative z of its groove, 1 at positive z; ``strains``: see
@@ -263,10 +264,10 @@ def contact_motions_by_own_section_wrench(points: Points, side: Array, strains: 
 def motions_beyond_smooth_beam(
     flank: Flank, smooth: Tube, section: BeamSection, strains: Array, ends: tuple[float, float]
 ) -> Array:
-    """Return the motions ``(2, 2, f)`` [m/N] of both flanks by the beam of the grooved body less those of the smooth body.
+    """Return the motions ``(2, 2, f)`` [m/N] of both flanks by the grooved body's beam, less those by the smooth beam.
 
-    The first axis is for harmonics 0 and 1, the second for the flank that moves, the third for the loaded flank.
-    ``flank``: groove of the body; ``smooth``: smooth body of revolution; ``section``: section of the grooved beam;
+    The first axis is for harmonics 0 and 1 around the axis, the second for the flank that moves, the third for the loaded
+    flank. ``flank``: groove of the body; ``smooth``: smooth body of revolution; ``section``: section of the grooved beam;
     ``ends``: axial positions at which it is clamped [m]; ``strains``: see `contact_motions_by_tension_and_moment`.
     """
     plain = smooth.section
@@ -287,7 +288,7 @@ def motions_beyond_smooth_beam(
 def motions_beyond_smooth_body(
     flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], finer: Patch, kinds: int
 ) -> Array:
-    """Return the motions of the true flanks less those of the smooth body [m/N].
+    """Return the motions of load patches on the flanks of the grooved body, less those on the smooth body [m/N].
 
     The load patches of the two bodies differ in width. ``smooth``: smooth body of revolution, with the width of its
     patches; ``grid``: grid of the grooved body; ``finer``: size of the load patch and fineness of mesh and harmonics for
@@ -312,7 +313,7 @@ def half_lead_grid(flank: Flank, grid: Grid) -> Grid:
 
 
 def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
-    """Return the grid of a grooved body, then the numbers of the grid lines in z at which an end face may be.
+    """Return the finite-element grid of a grooved body, then the numbers of its lines in z at which an end face may lie.
 
     The grid reaches from the clamped end to the end face that is furthest from the loaded groove, whose middle is at z = 0.
     ``mesh``: numbers of elements on the loaded flank and in depth.
@@ -340,7 +341,7 @@ def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
 
 
 def groove_surface_nodes(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
-    """Return the nodes (r, z) [m] of a groove's surface from mid land to mid land.
+    """Return the radii r and axial positions z [m] of the nodes on a groove's surface, from mid land to mid land.
 
     Parameters
     ----------
@@ -359,15 +360,15 @@ def groove_surface_nodes(flank: Flank, count: int, ends: Array) -> tuple[Array, 
 
 
 def perpendicular_directions(along: Array) -> Array:
-    """Return directions ``(..., 2)`` (r, z) that are given ones turned by 90 deg, from r towards z.
+    """Return directions ``(..., 2)`` in the plane (r, z), turned by 90 deg from r towards z.
 
-    ``along`` ``(..., 2)``: the given directions (r, z).
+    ``along`` ``(..., 2)``: the directions (r, z) before turning.
     """
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
 
 def flank_patch_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
-    """Return the nodal forces of unit loads on the true flanks, each a Gaussian patch about one contact.
+    """Return the nodal forces of unit loads on the flanks of the grooved body, each a Gaussian patch about one contact.
 
     Loads act along the nominal load and, if ``kinds`` is 2, also across it; the latter is the difference of two slightly
     shifted patches. Patches end at the end face. ``cuts``: numbers of the grid lines in z at which the end face may be;
@@ -410,9 +411,9 @@ def smooth_patch_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int],
 
 
 def contact_positions_and_directions(flank: Flank, low: float) -> tuple[Array, Array]:
-    """Return the axial positions ``(f,)`` [m], then the load directions ``(f, 2)`` (r, z), of the contacts on f flanks.
+    """Return axial positions ``(f,)`` [m] and nominal load directions (r, z) ``(f, 2)`` of the contacts on f flanks.
 
-    The load directions are nominal. The flank pressed towards high z comes first, then the other one. Both flanks of the
+    The flank pressed towards high z comes first, then the other one. Both flanks of the
     groove behind follow if the body, which begins at z = ``low`` [m], contains it.
     """
     m = flank.map
@@ -504,7 +505,7 @@ def patch_motions_for_end_faces(
 
 
 def merge_equal_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:
-    """Collect the different load cases among those for several end faces, so that each is solved only once.
+    """Return the distinct load cases among those for several positions of the end face, so that each is solved only once.
 
     ``loads`` ``(f, cuts, nodes of the grid, 3)``: nodal forces of f load patches for each end face; ``cuts``: numbers of
     the grid lines in z at which the end face may be. A patch that lies entirely below an end face has the same load as for

@@ -21,10 +21,10 @@ from rollbench.meshes.arrays import Array, Index
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-#: Limits below round-off: part of a unit load at a line that counts as zero, and relative difference of two element
-#: stiffnesses that count as equal.
+#: Limits below round-off: part of a unit load at a grid line that counts as zero; relative difference of the stiffnesses of
+#: two rows of elements that count as equal.
 NONE_LEFT, ALIKE = 1e-18, 1e-13
-#: Largest number of values in the motions of harmonics that are computed together.
+#: Largest number of values in the compliances of harmonics that are computed together.
 AT_ONCE = 3_000_000
 #: Gauss points of the 9-node quadrilateral, three per side.
 GAUSS = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
@@ -42,7 +42,10 @@ def quadratic_shape_functions(x: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Grid:
-    """Structured grid of 9-node quadrilaterals in (r, z); node (i, j) of lines in z and r has number i * columns + j."""
+    """Structured grid of 9-node quadrilaterals in the plane (r, z) of a body of revolution.
+
+    The node on line i in z and line j in r has the number i * columns + j.
+    """
 
     #: Radii of the nodes ``(lines in z, lines in r)`` [m]; both numbers of lines are odd.
     r: Array
@@ -55,7 +58,7 @@ class Grid:
         return int(self.r.shape[0]), int(self.r.shape[1])
 
     def cells(self) -> Index:
-        """Return the numbers of the nine nodes of every element ``(elements, 9)``; nodes along r follow each other."""
+        """Return the numbers of the nine nodes of every element ``(elements, 9)``; nodes along r follow one another."""
         rows, columns = self.shape
         i, j = np.meshgrid(np.arange(0, rows - 1, 2), np.arange(0, columns - 1, 2), indexing="ij")
         corner = (i * columns + j).ravel()
@@ -64,7 +67,7 @@ class Grid:
 
 
 def add_mid_nodes(ends: Array) -> Array:
-    """Return the positions ``(2 k + 1,)`` of the nodes of k quadratic elements in a row, which include their mid nodes.
+    """Return the positions ``(2 k + 1,)`` of the nodes of k quadratic elements in a row: ends and mid nodes.
 
     ``ends``: positions of the elements' ends (k + 1,) [m].
     """
@@ -95,7 +98,7 @@ def elasticity_matrix(young: float, poisson: float) -> Array:
 
 @dataclass(frozen=True)
 class Layer:
-    """Smooth anisotropic layer that represents the grooves of a body.
+    """Smooth anisotropic elastic layer that replaces the grooves and lands of a nut.
 
     The lands between grooves are rings. Around the axis the layer's stiffness is that of the solid part of its volume;
     along the axis it is lower, because the lands are connected only through the material under them.
@@ -103,11 +106,11 @@ class Layer:
 
     #: Radii of cylinders through the layer ``(k,)`` [m].
     radii: tuple[float, ...]
-    #: Solid part of the cylinders at these radii ``(k,)``.
+    #: Fraction of each of these cylinders that is filled with material ``(k,)``.
     shares: tuple[float, ...]
-    #: Power of the solid part in the stiffness along the axis.
+    #: Exponent of this fraction in the stiffness along the axis.
     axial: float
-    #: Power of the solid part in the shear stiffness along the axis.
+    #: Exponent of this fraction in the shear stiffness along the axis.
     shear: float
     #: Lead angle of the groove [rad].
     tilt: float
@@ -139,10 +142,10 @@ class Layer:
 
 
 def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | None = None) -> tuple[Array, Array, Array]:
-    """Return the stiffness matrices K_0, K_1, K_2 of all elements, each ``(elements, 27, 27)``, without the factor c.
+    """Return the parts K_0, K_1, K_2 of the stiffness of all elements in harmonic n, c (K_0 + n K_1 + n^2 K_2).
 
-    The degrees of freedom are U, V, W for each node. ``young`` [Pa], ``poisson``: constants of the material; ``layer``:
-    anisotropic layer that represents grooves, or None.
+    Each is ``(elements, 27, 27)``; the degrees of freedom are U, V, W for each node. ``young`` [Pa], ``poisson``: constants
+    of the material; ``layer``: anisotropic layer that represents grooves, or None.
 
     Raises
     ------
@@ -161,7 +164,7 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
             J = np.stack([r @ along_r, z @ along_r, r @ along_z, z @ along_z], axis=-1)
             det = J[:, 0] * J[:, 3] - J[:, 1] * J[:, 2]
             if not (det > 0.0).all():
-                raise ValueError("an element of the finite-element grid is turned inside out: check the body's dimensions")
+                raise ValueError("a finite element of screw or nut is turned inside out: check the dimensions of the body")
             by_r = (J[:, 3, None] * along_r - J[:, 1, None] * along_z) / det[:, None]
             by_z = (J[:, 0, None] * along_z - J[:, 2, None] * along_r) / det[:, None]
             radius = r @ N
@@ -197,7 +200,7 @@ def circumference_integral_factor(n: int) -> float:
 
 
 def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
-    """Return the displacements [m] of a body's k free degrees of freedom by loads of harmonic n, in the shape of the loads.
+    """Return the displacements of a body's k free degrees of freedom [m] by loads of harmonic n, in the loads' shape.
 
     ``bands``: stiffness parts from `Body.bands`; ``loads``: generalised forces (k, ...) [N].
 
@@ -213,7 +216,7 @@ def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
 
 
 def condense_to_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array, Array]:
-    """Condense the stiffness and loads of harmonic n to the last degrees of freedom (static condensation).
+    """Condense a body's stiffness and loads of harmonic n statically to the last degrees of freedom.
 
     ``bands``: stiffness parts from `Body.bands`; ``loads`` ``(k, c)``: c load cases on all k degrees of freedom; ``last``:
     number of degrees of freedom that remain.
@@ -252,12 +255,12 @@ def diagonal_block_of_bands(L: Array, first: int, size: int) -> Array:
 
 
 class Body:
-    """Elastic body of revolution on a finite-element grid; its element stiffnesses serve all harmonics."""
+    """Finite-element model of an elastic body of revolution; its element stiffnesses serve all harmonics."""
 
     def __init__(
         self, grid: Grid, young: float, poisson: float, layer: Layer | None = None, solid: NDArray[np.bool_] | None = None
     ) -> None:
-        """Compute the stiffness parts K_0, K_1, K_2 of all elements.
+        """Compute the stiffness parts K_0, K_1, K_2 of all finite elements of the body.
 
         ``young`` [Pa], ``poisson``: constants of the material; ``layer``: anisotropic layer that represents grooves, or
         None; ``solid``: which elements are filled with material, None for all. Raises ValueError if an element is turned
@@ -275,7 +278,7 @@ class Body:
 
     @cached_property
     def parts(self) -> tuple[csr_array, ...]:
-        """Stiffness matrices K_0, K_1, K_2 ``(3 nodes, 3 nodes)`` of the harmonics, with one sparsity pattern."""
+        """Parts K_0, K_1, K_2 ``(3 nodes, 3 nodes)`` of the stiffness in harmonic n, c (K_0 + n K_1 + n^2 K_2)."""
         from scipy.sparse import coo_array
 
         dof = self.freedoms()
@@ -301,7 +304,7 @@ class Body:
 
     @cached_property
     def alike(self) -> NDArray[np.bool_]:
-        """Whether each radial row of elements has the same stiffness as its axial neighbour before it ``(rows,)``."""
+        """Whether each radial row of elements has the same stiffness as the row before it along the axis ``(rows,)``."""
         rows = self.elements.reshape(3, self.grid.shape[0] // 2, -1)
         change = np.abs(np.diff(rows, axis=1)).max(axis=(0, 2))
         return np.append(False, change < ALIKE * np.abs(rows).max())
@@ -331,7 +334,7 @@ class Body:
         return circumference_integral_factor(n) * (self.parts[0] + n * self.parts[1] + n * n * self.parts[2])
 
     def freedoms_regular_on_axis(self, n: int) -> NDArray[np.bool_]:
-        """Return whether each degree of freedom is free in harmonic n ``(3 nodes,)``: all are, except on the axis r = 0.
+        """Return whether each degree of freedom is free in harmonic n ``(3 nodes,)``: all but those on the axis r = 0.
 
         At r = 0, harmonic 0 allows W, harmonic 1 allows U and V (U = -V follows from the minimum of energy), and higher
         harmonics allow none.
@@ -343,15 +346,15 @@ class Body:
 
 
 def end_motions(body: Body, n: int) -> Array:
-    """Return the matrix that gives the mean rigid motions of a body's low end from its nodes' displacements in harmonic n.
+    """Return the matrix that converts nodal displacements at a body's low-z end to its mean rigid motions in harmonic n.
 
-    It is `mean_motions` for the nodes of that end, ``(2, 3 columns)`` for n = 0 or 1.
+    It is `mean_motions` for the nodes at that end, ``(2, 3 columns)`` for n = 0 or 1.
     """
     return mean_motions(body.grid.r[0], n)
 
 
 def mean_motions(r: Array, n: int) -> Array:
-    """Return the matrix ``(k, 3 columns)`` that gives k mean rigid motions of a section from its nodes' displacements.
+    """Return the matrix ``(k, 3 columns)`` that converts nodal displacements of a cross-section to its mean rigid motions.
 
     ``r`` ``(columns,)``: radii of the nodes [m]; the displacements are U, V, W of harmonic ``n`` for each node. Harmonic n
     = 0 has axial motion and twist, n = 1 has lateral shift and tilt (u_z = - tilt r cos t), and higher harmonics have none.
@@ -390,7 +393,7 @@ class BlockSum:
         return out
 
     def reach(self, low: int, high: int) -> tuple[int, int]:
-        """Return the range of rows (first row, last row + 1) in which a range of columns may have nonzero entries.
+        """Return the range of rows (first, last + 1) in which the matrix may have nonzero entries in a range of columns.
 
         ``low``: first column; ``high``: last column + 1.
         """
@@ -406,7 +409,7 @@ def grid_line_compliance(
     rows: tuple[int, int],
     springs: Sequence[float] = (),
 ) -> list[BlockSum]:
-    """Return the compliance of the nodes on one axial grid line of a body, in each of several harmonics.
+    """Return the compliance between the nodes on one axial grid line of a body of revolution, in several harmonics.
 
     Parameters
     ----------
@@ -449,11 +452,11 @@ def grid_line_compliance(
 
 @dataclass(frozen=True)
 class Stretch:
-    """Axial part of a body in h harmonics, condensed to the q degrees of freedom of the grid lines at its two ends."""
+    """Axial part of a body of revolution in h harmonics, condensed to the q degrees of freedom at its two ends."""
 
     #: Stiffness of the end lines ``(h, q, q)``.
     stiffness: Array
-    #: Forces on the end lines by k unit loads on the nodes between them ``(h, q, k)``.
+    #: Equivalent forces on the end lines of k unit loads on the nodes between them ``(h, q, k)``.
     forces: Array
     #: Compliance of the loaded nodes with both end lines fixed: diagonal blocks ``(h, w, w)``, each after the index of its
     #: first load.
@@ -461,7 +464,7 @@ class Stretch:
 
 
 def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
-    """Join two neighbouring stretches of a body into one, and eliminate the grid line between them.
+    """Join two neighbouring axial parts of a body into one, and eliminate the grid line between them.
 
     ``a``: stretch at lower z; ``b``: stretch at higher z; ``loads`` ``(h, m, j)``: j unit loads on the m degrees of freedom
     of that line, in h harmonics. A stretch at an end of the body has only one line. Loads whose part at a line is below
@@ -486,7 +489,7 @@ def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
 
 
 def eliminate_freedoms(stretch: Stretch, line: slice) -> Stretch:
-    """Eliminate degrees of freedom of a stretch by static condensation.
+    """Eliminate degrees of freedom of an axial part of a body by static condensation.
 
     ``line``: range of the degrees of freedom that are eliminated. The returned stretch has the remaining ones.
     """
@@ -505,7 +508,7 @@ def eliminate_freedoms(stretch: Stretch, line: slice) -> Stretch:
 
 
 def repeat_stretch(stretch: Stretch, count: int, loads: Array) -> Stretch:
-    """Join ``count`` equal stretches in a row into one, by repeated doubling.
+    """Join ``count`` equal axial parts of a body in a row into one, by repeated doubling.
 
     ``loads`` ``(h, m, j)``: unit loads on each grid line between two stretches.
     """
@@ -519,7 +522,7 @@ def repeat_stretch(stretch: Stretch, count: int, loads: Array) -> Stretch:
 def _grid_line_compliance_by_stretches(
     body: Body, n: Index, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float]
 ) -> list[BlockSum]:
-    """Return the result of `grid_line_compliance` for some harmonics, by joining radial rows of elements to stretches.
+    """Return the result of `grid_line_compliance` for some harmonics, by joining radial rows of elements one after another.
 
     ``n``: numbers of the harmonics, either 0, or 1, or numbers above 1. Equal rows in succession are joined by doubling.
     The other arguments are those of `grid_line_compliance`.
@@ -544,7 +547,7 @@ def _grid_line_compliance_by_stretches(
         return (free[:, i, :, None] * unit)[:, :, : 3 if rows[0] <= i < rows[1] else 0]
 
     def row_stretch(k: int) -> Stretch:
-        """Return the stretch of row k of elements, without its middle line."""
+        """Return the radial row k of elements as a condensed axial part, without its middle grid line."""
         moves, parts = free[:, 2 * k : 2 * k + 3].reshape(n.size, -1), body.stiffness_of_rows(np.array([k]))
         K = np.tensordot(powers, parts.reshape(3, 3 * width, -1), 1) * moves[:, :, None] * moves[:, None]
         K[:, np.arange(3 * width), np.arange(3 * width)] += np.where(moves, 0.0, np.abs(K).max())
@@ -553,7 +556,7 @@ def _grid_line_compliance_by_stretches(
         return eliminate_freedoms(Stretch(K, forces), slice(width, 2 * width))
 
     def end_stretch(springs: Array | float) -> Stretch:
-        """Return an empty stretch at an end of the body, with springs on its one line."""
+        """Return an axial part without material at an end of the body, with springs on its one grid line."""
         return Stretch(np.zeros((n.size, width, width)) + springs, np.zeros((n.size, width, 0)))
 
     pattern = [(free[:, 2 * k : 2 * k + 3].tobytes(), rows[0] <= 2 * k + 1 < rows[1]) for k in range(count // 2)]

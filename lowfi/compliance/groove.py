@@ -32,14 +32,14 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.section import BeamSection
 
-#: Least solid part of a cylinder through the grooves.
+#: Least fraction of a cylinder through the grooves that counts as filled with material.
 LEAST_SHARE = 0.02
-#: Largest power of the solid part in the stiffness of a layer along the axis.
+#: Largest exponent of the filled fraction in the stiffness of a layer along the axis.
 LARGEST_POWER = 200.0
 
 
 def equivalent_cylinder_radius(flank: Flank, power: int) -> float:
-    """Return the radius of the smooth cylinder that replaces a grooved surface [m].
+    """Return the radius of the smooth cylinder that replaces the grooved surface of screw or nut [m].
 
     ``flank``: groove of the body; ``power``: 2 if the body is to have the same volume, 3 if a bore is to leave the same
     mean cube of the wall thickness, to which the bending stiffness of a ring is proportional.
@@ -75,10 +75,9 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
 def contact_motions_by_tension_and_moment(flank: Flank, smooth: Tube) -> Array:
     """Return the local motions ``(2, 2)`` of a contact along r and z by a unit tension, then by a unit bending moment.
 
-    Tension and moment act on the contact's cross-section; their units are m/N and 1/N. The contact is on the flank at
-    positive z, and the moment stretches the body's side with the contact. Motions of the
-    beam's section and of the smooth body are subtracted. A remainder is left because at a groove the body is thinner, and
-    strains more, than on average.
+    Tension and moment act on the contact's cross-section; the motions are in m/N and 1/N. The contact is on the flank at
+    positive z, and the moment stretches the body's side with the contact. Motions of the beam's section and of the smooth
+    body are subtracted. A remainder is left because at a groove the body is thinner, and strains more, than on average.
     """
     grid, (radius, zeta) = flank.grid(), flank.contact()
     line, (r_ends, loaded) = grid.shape[1] - 1 if flank.screw else 0, radial_element_ends(smooth)
@@ -102,7 +101,7 @@ def contact_motions_by_tension_and_moment(flank: Flank, smooth: Tube) -> Array:
 
 
 def gaussian_patch_weights(grid: Grid, line: int, zeta: float, width: float, moment: int = 0) -> tuple[Array, Array]:
-    """Return the weights ``(k,)`` of surface nodes for a Gaussian load patch on a flank, then the nodes' z ``(k,)`` [m].
+    """Return the weights of k surface nodes for a Gaussian load patch on a flank, then the nodes' axial positions ``(k,)``.
 
     The patch is Gaussian in the arc length from the point at z = ``zeta`` and has the standard deviation ``width`` [m].
     ``line``: number of the grid line on the surface; ``moment``: 0, or 1 to multiply the density by the arc length over the
@@ -133,7 +132,7 @@ def gaussian_patch_weights(grid: Grid, line: int, zeta: float, width: float, mom
 
 
 def sampled_harmonics(limit: float, step: float = 1.28, first: int = 0) -> Array:
-    """Return the numbers of the Fourier harmonics that are computed; `interpolate_harmonics` gives those between them.
+    """Return the numbers of the Fourier harmonics that are computed; the others are interpolated (`interpolate_harmonics`).
 
     ``first``: lowest harmonic; ``limit``: number that the highest one reaches; ``step``: ratio of successive harmonics
     above 4, up to which all are computed.
@@ -156,12 +155,12 @@ def cubic_spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
 
 
 def interpolate_harmonics(n: Array, values: Array) -> Array:
-    """Interpolate values ``(k, ...)``, computed for the harmonics ``n``, to all harmonics from the first to the last."""
+    """Interpolate values ``(k, ...)``, computed for k harmonics ``n``, to all harmonics from the first to the last."""
     return np.asarray(cubic_spline(np.log1p(n), values)(np.log1p(np.arange(n[0], n[-1] + 1))))
 
 
 def flank_normals(grid: Grid, line: int) -> Array:
-    """Return unit normals ``(k, 2)`` (r, z) at the nodes of a grid line on the surface, averaged over adjacent elements.
+    """Return unit normals ``(k, 2)`` (r, z) of a body's surface at k nodes of a grid line, averaged over both elements.
 
     Whether they point into or out of the body is not defined.
     """
@@ -176,7 +175,7 @@ def flank_normals(grid: Grid, line: int) -> Array:
 
 
 def nodal_forces_along_flank_normals(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
-    """Return the nodal forces ``(k, 2)`` (r, z) of a unit load patch at z = ``zeta`` [m], along the flank's normals.
+    """Return the nodal forces ``(k, 2)`` (r, z) of a patch of unit load along the flank's normals, at z = ``zeta`` [m].
 
     ``grid``: grid of the body; ``width``: standard deviation of the Gaussian patch [m].
     """
@@ -189,7 +188,7 @@ def nodal_forces_along_flank_normals(flank: Flank, grid: Grid, width: float, zet
 
 
 def self_motion_harmonics(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> Array:
-    """Return Fourier harmonics of the motion of a patch on one flank by a unit load on it ``(k,)`` [m/N].
+    """Return k Fourier harmonics of the motion of a load patch on one groove flank by a unit load on itself ``(k,)`` [m/N].
 
     ``grid``: grid of the body; ``n`` ``(k,)``: numbers of the harmonics; ``load``: nodal forces of two load cases,
     symmetric and antisymmetric to mid groove; the mean of both motions is that of one loaded flank.
@@ -217,7 +216,7 @@ def self_motion_harmonics(flank: Flank, grid: Grid, load: tuple[Array, Array], n
 
 
 def self_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float) -> float:
-    """Return the motion of a patch on one flank by a unit load on it [m/N], as the sum over its harmonics.
+    """Return the motion of a load patch on one groove flank by a unit load on itself [m/N], the sum over its harmonics.
 
     ``load``: see `self_motion_harmonics`; ``width``: standard deviation of the patch [m].
     """
@@ -227,7 +226,7 @@ def self_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: floa
 
 
 def equal_patch_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
-    """Return the nodal forces for `self_motion_harmonics` of a unit load patch on the true flank, along its normals.
+    """Return the two load cases of `self_motion_harmonics`: nodal forces of a unit load patch along the flank's normals.
 
     The symmetric and the antisymmetric load are the same on the computed half of the groove. ``width``: standard deviation
     of the patch [m].
@@ -240,7 +239,7 @@ def equal_patch_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Ar
 
 
 def unresolved_motion(flank: Flank, coarse: Grid, last: int) -> float:
-    """Return the part of a narrow patch's motion by a unit load on it that a coarse grid does not resolve [m/N].
+    """Return the part of a narrow load patch's motion by a unit load on itself that a coarse grid does not resolve [m/N].
 
     It is the difference between the fine and the coarse grid up to the harmonic ``last``, plus all higher harmonics.
     """
@@ -259,14 +258,14 @@ def unresolved_motion(flank: Flank, coarse: Grid, last: int) -> float:
 
 @dataclass(frozen=True)
 class RingCompliance:
-    """Motions of both flanks of a grooved bearing ring by loads on them, in Fourier harmonics.
+    """Compliance of both flanks of a grooved bearing ring, in Fourier harmonics around the axis.
 
     A ring with its groove is a body of revolution, so that no beam, smooth body or correction is needed.
     """
 
     #: Compliance in each harmonic ``(harmonics, 4, 4)`` [m/N], of left flank (r, z) and right flank (r, z).
     S: Array
-    #: Change of a contact's compliance if loads act along the local normals instead of the nominal one [m/N].
+    #: Change of a contact's compliance if pressure acts along the local normals instead of the nominal one [m/N].
     normals: float
     #: Standard deviation of the load patches [m].
     width: float
@@ -313,7 +312,7 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
 
 
 def gaussian_patch_harmonic_factors(n: Array, width: float, radius: float) -> Array:
-    """Return the factors by which a Gaussian patch reduces the harmonics ``n`` of the motion by a concentrated load.
+    """Return the factors by which a Gaussian load patch reduces the harmonics ``n`` of the motion by a point load.
 
     ``width``: standard deviation along the circumference [m]; ``radius``: radius at which the patch lies [m]. Harmonics 0
     and 1, the rigid motions, are not reduced.

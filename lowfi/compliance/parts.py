@@ -1,4 +1,4 @@
-"""Idealisation of screw and nut for their compliance between contacts: beam sections, smooth bodies, fixed surfaces.
+"""Idealised screw and nut for the compliance between contacts: beam sections, smooth bodies, fixed surfaces.
 
 Everything here depends only on the geometry of a scene. The modules with finite elements are imported only for a geometry
 whose results are not in the cache.
@@ -25,7 +25,7 @@ from rollbench.meshes.solid import dimensions_of_3d_parts
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.tube import Tube
 
-#: Least width of the load patch on smooth bodies over the ball's radius, for steep contact angles.
+#: Least standard deviation of the load patch on smooth bodies, over the ball's radius; it applies to steep contact angles.
 LEAST = 0.5
 #: Numbers of the left and the right flank of a groove.
 BOTH = (0, 1)
@@ -44,31 +44,33 @@ CLAMPED = ("low", "high", "both", "flange")
 
 @dataclass(frozen=True)
 class Backend:
-    """Choice of models for the compliance of screw, nut and balls in addition to Hertz contact."""
+    """Choice of models for the elastic compliance of screw, nut and balls in addition to Hertz contact."""
 
-    #: Section of the screw's beam: that of the scene (eq. C.8 of Lin's thesis), or computed from half a lead with its
-    #: groove.
+    #: Section of the screw's beam: that of the scene (eq. C.8 of Lin's thesis), or (``"cell"``) computed by finite elements
+    #: of half a lead with its groove.
     section: Literal["scene", "cell"] = "cell"
-    #: Screw as a beam only, or as a beam with an elastic body of revolution added (solved by Fourier harmonics).
+    #: Screw as a beam only, or (``"kernel"``) as a beam with an elastic body of revolution added, solved by Fourier
+    #: harmonics.
     screw: Literal["beam", "kernel"] = "kernel"
-    #: Nut rigid apart from its contacts, as a beam, or as a beam with an elastic body of revolution added.
+    #: Nut rigid apart from its contacts, as a beam, or (``"kernel"``) as a beam with an elastic body of revolution added.
     nut: Literal["rigid", "beam", "kernel"] = "kernel"
     #: Ball as two half spaces (Hertz) or as an elastic sphere.
     ball: Literal["half space", "sphere"] = "sphere"
-    #: Standard deviation of the load patch on the smooth body, over the contact's radial distance from the ball's centre.
+    #: Standard deviation of the load patch by which a contact loads the smooth body, over the contact's radial distance
+    #: from the ball's centre.
     width: float = 1.0
     #: Nut's grooves as a ``"layer"`` that is softer along the axis than around it, or as a plain bore with the same mean
     #: cube of the wall thickness (``"ring"``), with the same ``"volume"``, or at the radius of the lands (``"land"``).
     bore: Literal["layer", "ring", "volume", "land"] = "layer"
-    #: Number of harmonics as a multiple of the usual one.
+    #: Number of Fourier harmonics as a multiple of the default number.
     harmonics: float = 1.0
-    #: Fineness of the elements as a multiple of the usual one.
+    #: Fineness of the finite elements as a multiple of the default fineness.
     mesh: float = 1.0
-    #: Whether the compliance of the true groove flank at each contact is added; if not, a half space replaces the flank.
+    #: Whether the local compliance of the grooved body at each contact is added; if not, the flank counts as a half space.
     flank: bool = True
 
 
-#: The refined model, and the steps that lead to it from the model of Lin's thesis.
+#: The refined model, and the models between that of Lin's thesis and the refined one, by name.
 REFINED = Backend()
 LADDER = {
     "lin": Backend("scene", "beam", "rigid", "half space", flank=False),
@@ -76,7 +78,7 @@ LADDER = {
     "lin-nut": Backend("cell", "beam", "beam", "half space", flank=False),
     "refined": REFINED,
 }
-#: Statement on a body without compliance.
+#: Statement in reports on a body without compliance.
 RIGID = "rigid apart from the Hertzian contacts"
 
 
@@ -109,7 +111,7 @@ def idealisation_statements(backend: Backend, scene: Scene) -> tuple[str, ...]:
 
 @lru_cache(maxsize=64)
 def reduce_to_compliance_geometry(scene: Scene) -> Scene:
-    """Return a scene with only the geometry and materials on which the compliance of screw and nut depends.
+    """Return a scene reduced to the geometry and materials on which the compliance of screw and nut depends.
 
     Loads, supports, manufacturing errors, names and settings of solvers are removed, so that equal geometries share cached
     results.
@@ -134,7 +136,7 @@ def compliance_geometry_with_balls(scene: Scene) -> tuple[Scene, Array]:
 
 @lru_cache(maxsize=64)
 def half_groove_of_body(scene: Scene, screw: bool) -> Flank:
-    """Return the geometry of one groove flank with the body below it: half a lead of screw or nut, or half a ring.
+    """Return half a groove with the body below it: half a lead of screw or nut, or half the width of a bearing ring.
 
     ``screw``: whether the body is the screw (True) or the nut. Raises ValueError for impossible dimensions.
     """
@@ -150,9 +152,7 @@ def half_groove_of_body(scene: Scene, screw: bool) -> Flank:
 
 @lru_cache(maxsize=64)
 def fixed_surface(scene: Scene, screw: bool) -> str:
-    """Return the name of the surface at which the screw or the nut is fixed, as in `Tube.held`.
-
-    It is "rigid" for a body without compliance.
+    """Return the name of the surface at which the screw or the nut is fixed, as in `Tube.held`; "rigid" for a rigid body.
 
     ``screw``: whether the body is the screw (True) or the nut.
     """
@@ -232,10 +232,11 @@ def is_ring(geometry: Scene, screw: bool) -> bool:
 
 
 def nut_beam_ends(tube: Tube) -> tuple[tuple[float, float], str]:
-    """Return the axial positions of the two ends of the beam that represents a nut [m], then the names of the clamped ends.
+    """Return the axial positions of both ends of the beam that represents a nut [m], then which of them are clamped.
 
-    The names are those of `clamped_beam_compliance`. ``tube``: smooth body of the nut. A nut with a flange is clamped at
-    the flange's face, or where its bonded fit ends. The deformation of the flange belongs to the smooth body.
+    The clamped ends are "low", "high" or "both", as for `clamped_beam_compliance`. ``tube``: smooth body of the nut. A nut
+    with a flange is clamped at the flange's face, or where its bonded fit ends. The deformation of the flange belongs to
+    the smooth body.
     """
     if tube.held != "flange" or tube.flange is None:
         return tube.ends, tube.held
@@ -244,7 +245,7 @@ def nut_beam_ends(tube: Tube) -> tuple[tuple[float, float], str]:
 
 
 def select_flanks(G: Array, flanks: Sequence[int]) -> Array:
-    """Return the part ``(2 c, 2 c)`` of a compliance matrix that belongs to given flanks.
+    """Return the block ``(2 c, 2 c)`` of a compliance matrix for the contacts on given flanks.
 
     ``G``: matrix for both flanks of N balls (4 N, 4 N), left flank first; ``flanks``: flanks of the result, 0 left, 1
     right.

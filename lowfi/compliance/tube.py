@@ -1,4 +1,4 @@
-"""Compliance of a plain tube or shaft between load patches on its surface, by Fourier harmonics around the axis.
+"""Compliance of a smooth tube or shaft between load patches on its surface, by Fourier harmonics around the axis.
 
 The module also computes the section constants of a grooved shaft or nut. Half a lead of the body is modelled with a ring
 groove in place of the helix, with the exact axial section of the helical groove. Between two planes of symmetry (mid
@@ -33,26 +33,27 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Flange, Material
 from rollbench.meshes.section import BeamSection, shear_coefficient, tube_section
 
-#: Numbers of elements of the cell: along the groove's flank, along the land, and in depth.
+#: Numbers of finite elements of half a lead: along the groove's flank, along the land, and in depth.
 MESH = (8, 5, 8)
 
 
 @dataclass(frozen=True)
 class CellSection:
-    """Beam section of a grooved shaft or nut, with the plain bodies of equal stiffness."""
+    """Beam section of a grooved shaft or nut, with the radii of plain cylinders of equal stiffness."""
 
     #: Section constants of the beam.
     section: BeamSection
-    #: Radii [m] of three plain bodies that have the same axial, bending and torsional stiffness, respectively: outer radius
+    #: Radii [m] of three plain cylinders with the same axial, bending and torsional stiffness, respectively: outer radius
     #: of a shaft, bore radius of a nut.
     radii: tuple[float, float, float]
 
 
 def flank_profile_points(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Array, Array]:
-    """Return points on one flank of a groove from the apex to the edge of the land: radii r, then axial positions zeta [m].
+    """Return points on one groove flank from the apex to the edge of the land: radii, then axial positions [m].
 
-    Each array is ``(count,)``; zeta = 0 at the apex. ``m``: geometry of the groove; ``land``: radius of the land, the
-    cylindrical surface between the turns of the groove [m]; ``screw``: whether the body is the screw (True) or the nut.
+    Each array is ``(count,)``; the axial position is zero at the apex. ``m``: geometry of the groove; ``land``: radius of
+    the land, the cylindrical surface between the turns of the groove [m]; ``screw``: whether the body is the screw (True)
+    or the nut.
 
     Raises
     ------
@@ -73,7 +74,7 @@ def flank_profile_points(m: GrooveMap, land: float, screw: bool, count: int) -> 
     if beyond(low) or not beyond(high):
         raise ValueError(
             "the cylinder of the land does not cut the groove's flank; allowed: a land radius between the groove's apex "
-            "and the end of its arc"
+            "and the end of the groove's arc"
         )
     for _ in range(60):
         middle = 0.5 * (low + high)
@@ -124,7 +125,7 @@ def cell_grid(
 def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: Material) -> CellSection:
     """Return the section constants of a grooved shaft or nut, by finite elements.
 
-    The shear stiffness is that of the plain section with the same torsional stiffness, because both loads shear the body
+    The shear stiffness is that of the plain cylinder with the same torsional stiffness, because both loads shear the body
     along its axis.
 
     Parameters
@@ -162,15 +163,15 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
 
 
 def cell_stiffness(body: Body, kind: str) -> float:
-    """Return the stiffness of a cell of half a lead against a unit motion of one end (`solve_cell_under_unit_strain`).
+    """Return the stiffness of half a lead of a body against a unit motion of one end (`solve_cell_under_unit_strain`).
 
-    ``body``: finite elements of the cell; ``kind``: "axial" (result in N/m), "torsion" or "bending" (N m).
+    ``body``: finite elements of half a lead; ``kind``: "axial" (result in N/m), "torsion" or "bending" (N m).
     """
     return solve_cell_under_unit_strain(body, kind)[0]
 
 
 def solve_cell_under_unit_strain(body: Body, kind: str) -> tuple[float, Array]:
-    """Return the stiffness of a cell of half a lead, and the motion of its nodes, for a unit motion of one of its ends.
+    """Return the stiffness of half a lead of a body, and the motion of its nodes, for a unit motion of one end.
 
     One plane of symmetry is fixed and the other one moves by one unit: u_z = 1 for the ``kind`` "axial" (stiffness in N/m),
     u_t = r for "torsion", u_z = r cos t for "bending" (N m). The stiffness is twice the strain energy. The second result
@@ -202,7 +203,7 @@ PARTS = ((0, 0), (1, 1), (2, 2), (0, 2), (1, 0), (1, 2))
 #: Number of pairs in ``PARTS`` that vary as the cosine.
 EVEN = 4
 
-#: Weight of a node in a patch, below round-off, that counts as zero.
+#: Weight of a node in a load patch, below round-off, that counts as zero.
 UNREACHED = 1e-18
 
 #: Number of contacts whose loads are processed at once.
@@ -215,7 +216,7 @@ SLICE = 0.25
 #: element's length, below which that end is removed.
 SAME, NEAR = 1e-9, 0.4
 
-#: Points and weights of the quadrature over a patch.
+#: Points and weights of the Gauss quadrature over an element.
 NODE, WEIGHT = np.polynomial.legendre.leggauss(8)
 
 #: Shape functions of an element at the points ``NODE``.
@@ -224,7 +225,7 @@ SHAPES = quadratic_shape_functions(NODE)[0]
 
 @dataclass(frozen=True)
 class Tube:
-    """Plain elastic body of revolution, without grooves, that represents screw or nut."""
+    """Smooth elastic body of revolution, without grooves, that represents screw or nut."""
 
     #: Bore radius [m].
     bore: float
@@ -239,23 +240,23 @@ class Tube:
     radius: float
     #: Standard deviation of the load patches [m].
     width: float
-    #: Number of harmonics.
+    #: Largest number of a Fourier harmonic.
     harmonics: int
-    #: Element sizes in z and r [m].
+    #: Sizes of the finite elements in z and in r near the contacts [m].
     size: tuple[float, float]
     #: Material of the body.
     material: Material
-    #: Anisotropic layer that represents grooves in its bore.
+    #: Anisotropic layer that represents the grooves in the nut's bore; None: no layer.
     layer: Layer | None = None
-    #: Flange of the nut.
+    #: Flange of the nut; None: no flange.
     flange: Flange | None = None
 
     def body(self, grid: Grid) -> Body:
-        """Return the finite-element body of the tube on a grid, which may extend beyond the tube around a flange."""
+        """Return the finite-element model of the tube on a grid, which may extend beyond the tube around a flange."""
         return Body(grid, self.material.youngs_modulus, self.material.poissons_ratio, self.layer, self.solid(grid))
 
     def solid(self, grid: Grid) -> NDArray[np.bool_]:
-        """Return which elements of a grid are material of the tube or its flange ``(elements,)``."""
+        """Return whether each element of a grid is filled with material of the tube or its flange ``(elements,)``."""
         r, z = (x[1::2, 1::2].ravel() for x in (grid.r, grid.z))
         if self.flange is None:
             return np.ones(r.size, dtype=bool)
@@ -278,18 +279,20 @@ class Tube:
 
 @dataclass(frozen=True)
 class TubeCompliance:
-    """Compliance of a tube's loaded grid line, at the radius of the contacts and k axial positions, by harmonics."""
+    """Compliance between k axial positions of a tube at the radius of the contacts, in Fourier harmonics."""
 
-    #: Body whose compliance this is.
+    #: The tube.
     tube: Tube
     #: Axial positions ``(k,)`` [m].
     z: Array
-    #: For each harmonic the symmetric compliance ``(3 k, 3 k)`` [m/N], with r, t, z for each position. For a shaft fixed by
-    #: the mean motions of its low end, harmonics 0 and 1 have two more rows and columns: the mean motions of its high end.
+    #: For each harmonic the symmetric compliance ``(3 k, 3 k)`` [m/N], with r, t, z for each position. For a shaft of which
+    #: the mean motions at the low-z end are fixed, harmonics 0 and 1 have two more rows and columns: the mean motions at
+    #: the high-z end.
     line: tuple[BlockSum, ...]
-    #: Motions of the line (r, t, z) by loads on the mean motions of the high end, in harmonics 0 and 1 ``(2, 3, k)`` each.
+    #: Motions of these positions (r, t, z) by loads on the mean motions of the high-z end, in harmonics 0 and 1
+    #: ``(2, 3, k)`` each.
     ends: tuple[Array, ...] = ()
-    #: Mean motions of the high end by loads on them, in harmonics 0 and 1 ``(2, 2)`` each.
+    #: Mean motions of the high-z end by loads on them, in harmonics 0 and 1 ``(2, 2)`` each.
     corner: tuple[Array, ...] = ()
 
 
@@ -306,7 +309,7 @@ class Points:
 
 
 def points_in_space(x: Array, axes: Array) -> Points:
-    """Convert the positions of c contacts and the directions of their motions from x, y, z to cylindrical coordinates.
+    """Convert positions and directions of motion of c contacts from Cartesian to cylindrical coordinates.
 
     ``x``: contact points (c, 3) [m]; ``axes``: unit vectors of the two directions in which each contact moves (c, 2, 3).
     """
@@ -319,10 +322,10 @@ def points_in_space(x: Array, axes: Array) -> Points:
 
 
 def radial_element_ends(tube: Tube) -> tuple[Array, int]:
-    """Return the radii at which a tube's finite elements end [m], then the number of the grid line at the loaded radius.
+    """Return the radii at which a tube's finite elements end [m], then the number of the grid line at the contacts' radius.
 
-    Elements are small near the loaded radius. Grid lines are numbered from 0 at the bore, and include those through the
-    elements' mid nodes.
+    Elements are small near the radius of the contacts. Grid lines are numbered from 0 at the bore, and include those
+    through the elements' mid nodes.
     """
     low, high, at = tube.bore, tube.outer, float(np.clip(tube.radius, tube.bore, tube.outer))
     h = tube.size[1]
@@ -344,9 +347,8 @@ def radial_element_ends(tube: Tube) -> tuple[Array, int]:
 def axial_element_ends(tube: Tube, zone: tuple[float, float]) -> Array:
     """Return the axial positions at which a tube's finite elements end [m].
 
-    Elements are equally long over the loaded zone, and longer outside it.
-
-    ``zone``: lower and upper end of the loaded zone [m].
+    Elements are equally long over the loaded zone, and longer outside it. ``zone``: lower and upper end of the loaded zone
+    [m].
     """
     (low, high), h = tube.ends, tube.size[0]
     a, b = max(low, zone[0]), min(high, zone[1])
@@ -363,7 +365,7 @@ def axial_element_ends(tube: Tube, zone: tuple[float, float]) -> Array:
 
 
 def add_element_ends_of_flange(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Array]:
-    """Return element ends in r and in z [m] with those of the flange added, and the surfaces where it may be fixed.
+    """Return the radii and axial positions at which elements end [m], with those at the surfaces of the flange added.
 
     ``r_ends``, ``z_ends``: element ends of the tube without its flange [m].
     """
@@ -380,7 +382,7 @@ def add_element_ends_of_flange(tube: Tube, r_ends: Array, z_ends: Array) -> tupl
 
 
 def fixed_freedoms(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
-    """Return which degrees of freedom ``(3 nodes,)`` of a grid are fixed, among them all of the nodes outside the tube."""
+    """Return whether each degree of freedom ``(3 nodes,)`` of a tube's grid is fixed; nodes outside the tube are fixed."""
     beyond = np.ones(grid.r.size, dtype=bool)
     beyond[grid.cells()[tube.solid(grid)].ravel()] = False
     held = np.repeat(beyond, 3).reshape(*grid.shape, 3)
@@ -426,8 +428,8 @@ def motions_by_section_load(tube: Tube, zone: tuple[float, float], at: float) ->
     """Return the motions of a shaft's nodes at the contacts' radius by unit loads on one of its cross-sections.
 
     The motions are in the field ``ends`` of the result; its field ``line`` is empty. The shaft is fixed by the mean motions
-    of its low end. The loads act on the mean rigid motions (by least squares) of the material in a thin slice at the axial
-    position ``at`` [m]. ``zone``: lower and upper end of the axial range that contains all contacts [m].
+    of its low-z end. The loads act on the mean rigid motions (by least squares) of the material in a thin slice at the
+    axial position ``at`` [m]. ``zone``: lower and upper end of the axial range that contains all contacts [m].
     """
     r_ends, line = radial_element_ends(tube)
     grid = tube_grid(r_ends, axial_element_ends(tube, zone))
@@ -449,7 +451,7 @@ def motions_by_section_load(tube: Tube, zone: tuple[float, float], at: float) ->
 
 
 def slice_mean_weights(z: Array, at: float, half: float) -> tuple[Array, Array]:
-    """Return the weights of nodes for two means of a field over a slice of a shaft, each ``(k,)``.
+    """Return the nodes' weights for the mean of a field, then for its mean first moment, over a slice of a shaft ``(k,)``.
 
     ``z`` ``(k,)``: positions of the nodes [m]. The slice reaches ``half`` [m] to either side of ``at`` [m]. The first
     weights give the mean of the field, the second ones the mean of the field times the distance from ``at`` [m]. Elements
@@ -467,7 +469,7 @@ def slice_mean_weights(z: Array, at: float, half: float) -> tuple[Array, Array]:
 
 
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
-    """Return the stiffnesses of the four springs that hold the mean motions of a shaft's low end.
+    """Return the stiffnesses of the four springs that support the mean motions of a shaft's end at low z.
 
     They are, in order, those of lateral shift [N/m], tilt [N m], axial motion [N/m] and twist [N m].
     """
@@ -476,7 +478,7 @@ def end_springs(tube: Tube) -> tuple[float, float, float, float]:
 
 
 def gaussian_weights_on_line(z: Array, at: Array, width: float) -> Array:
-    """Return the weights ``(c, k)`` of k nodes for c Gaussian patches on a grid line along z.
+    """Return the weights ``(c, k)`` of k nodes for c Gaussian load patches on an axial grid line.
 
     ``z`` ``(k,)``: positions of the nodes [m]; ``at`` ``(c,)``: middles of the patches [m]; ``width``: standard deviation
     of the patches [m]. Elements are quadratic; the weights of a patch sum up to 1.
@@ -550,7 +552,7 @@ def project_on_surface(tube: Tube, x: Array) -> Array:
 
 
 def contact_motions_by_rigid_motions(x: Array, axes: Array, origin: float | None = None) -> Array:
-    """Return the motions of c contacts along their axes by six unit rigid motions of a cross-section ``(2 c, 6)``.
+    """Return the motions ``(2 c, 6)`` of c contacts along two axes each by six unit rigid motions of a cross-section.
 
     ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions; ``origin``: axial position of
     the section's centre [m], None for the axial position of each contact. The rigid motions are three translations along
@@ -565,7 +567,7 @@ def contact_motions_by_rigid_motions(x: Array, axes: Array, origin: float | None
 
 
 def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
-    """Return the compliance between c contacts that is due to the springs at a shaft's low end ``(2 c, 2 c)`` [m/N].
+    """Return the compliance ``(2 c, 2 c)`` [m/N] between c contacts that is due to the springs at a shaft's end at low z.
 
     The springs are those of `end_springs`. ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of
     their motions.
@@ -578,7 +580,7 @@ def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
 def cantilever_compliance(
     rows: Array, stations: Array, base: float, section: BeamSection, loaded: slice = slice(None)
 ) -> Array:
-    """Return the compliance ``(k, m)`` of points on a Timoshenko cantilever: k motions by m unit loads along them.
+    """Return the compliance ``(k, m)`` of a Timoshenko cantilever: k motions of points on it by m unit loads along them.
 
     Parameters
     ----------
@@ -592,7 +594,7 @@ def cantilever_compliance(
     section
         Section of the beam.
     loaded
-        Selection of the m motions that are loaded.
+        Selection of the m motions along which unit loads act.
     """
     left, shift, turn = (stations - base)[:, None], rows[:, :2], rows[:, [4, 3]] * np.array([1.0, -1.0])
     yielding = rows[:, 2:] / np.array([section.EA, section.EI, section.EI, section.GJ])
@@ -612,7 +614,7 @@ def cantilever_compliance(
 
 
 def compliance_of_local_groove_strains(section_strain_motions: Array, rows: Array, stations: Array, base: float) -> Array:
-    """Return the compliance ``(k, k)`` [m/N] between k points of a beam that is due to local strains at its grooves.
+    """Return the compliance ``(k, k)`` [m/N] between k points of a beam that is due to additional strains at its grooves.
 
     ``section_strain_motions`` ``(k, 6)``: motion of each point by a unit wrench (three forces, three moments) that its
     cross-section transmits, which is the resultant of all loads beyond the section and of half the loads in it. By
@@ -635,7 +637,7 @@ def clamped_beam_compliance(
     section: BeamSection,
     section_strain_motions: Array | None = None,
 ) -> Array:
-    """Return the compliance ``(k, k)`` [m/N] between k points of a Timoshenko beam that is clamped at one end or both.
+    """Return the compliance ``(k, k)`` [m/N] between k points of a Timoshenko beam that is clamped at one or both ends.
 
     ``rows``, ``stations``: see `cantilever_compliance`; ``ends``: axial positions of the low and the high end [m];
     ``held``: clamped ends, "low", "high" or "both"; ``section_strain_motions``: local motions at grooves, see

@@ -2,8 +2,8 @@
 
 The model is that of Liu et al. (2025), section 2.2, written as a minimum of energy. Ball j = 1..M lies between nut and
 screw at the spacing l (equal in the paper). u_j [m] is the axial motion of the nut relative to the screw at ball j, zero
-where an error-free ball just touches. The load F acts on nut and screw at the end of ball 1. In both bodies the segment
-between ball j and ball j + 1 therefore carries the sum T_(j+1) of the forces of the balls beyond it:
+where a ball without error just touches its grooves. The load F acts on nut and screw at the end of ball 1. In both bodies
+the segment between ball j and ball j + 1 therefore carries the sum T_(j+1) of the forces of the balls beyond it:
 
     T_j = sum of f_i(u_i) over i >= j,    T_1 = F,    u_j - u_(j+1) = c T_(j+1),    c = l (1/(E A_n) + 1/(E A_s)),
 
@@ -54,7 +54,7 @@ LAWS: tuple[Law, ...] = ("constant", "implicit", "exact")
 
 @dataclass(frozen=True)
 class BallScrewChain:
-    """Ball screw under axial load: a sequence of balls, with segments of screw and nut as springs between them.
+    """Model of a ball screw under axial load: a sequence of balls, with segments of screw and nut as springs between them.
 
     Raises
     ------
@@ -68,7 +68,7 @@ class BallScrewChain:
     stiffness: float
     #: Compliance c of screw and nut together, over the mean distance of neighbouring balls [m/N].
     compliance: float
-    #: Distance A of the centres of the grooves of screw and nut where an error-free ball just touches [m].
+    #: Distance A of the groove centres of screw and nut at which a ball without error just touches both grooves [m].
     groove_distance: float
     #: Contact angle without load [rad].
     contact_angle: float
@@ -106,7 +106,7 @@ class BallScrewChain:
 
     @property
     def kernel_parameters(self) -> Array:
-        """Constants for the kernels ``(5,)``: stiffness K [N/m^1.5], distance A [m], and three values of the angles.
+        """Constants for the numerical kernels ``(5,)``: stiffness K [N/m^1.5], distance A [m], three functions of angles.
 
         These are sine and cosine of the contact angle without load, and the cosine of the lead angle.
         """
@@ -129,13 +129,13 @@ class BallScrewChain:
 
 @dataclass(frozen=True)
 class ChainState:
-    """Solution for one ball screw with errors under one axial load."""
+    """Contact loads, motions and stiffness of one ball screw with random errors under one axial load."""
 
     #: Contact loads Q ``(M,)`` [N].
     load: Array
     #: Axial motions u of the nut relative to the screw at the balls ``(M,)`` [m].
     motion: Array
-    #: Axial motion of the nut at which the first ball comes into contact [m].
+    #: Axial motion of the nut at which the ball with the largest error comes into contact first [m].
     touch: float
     #: Axial stiffness dF/du_1, the derivative of the axial load F by the motion u_1 at ball 1, where the load acts [N/m].
     stiffness: float
@@ -166,7 +166,7 @@ class ChainState:
 
 
 def check_errors(chain: BallScrewChain, errors: Array) -> Array:
-    """Return errors of balls ``(..., M)`` [m] as a contiguous array of floats, after checking their number and size.
+    """Check number and size of the errors of M balls ``(..., M)`` [m], and return them as a contiguous array of floats.
 
     Raises
     ------
@@ -175,10 +175,12 @@ def check_errors(chain: BallScrewChain, errors: Array) -> Array:
     """
     e = np.ascontiguousarray(errors, dtype=float)
     if e.shape[-1:] != (chain.balls,) or not np.all(np.isfinite(e)):
-        raise ValueError(f"{chain.balls} finite errors are needed, one for each ball, got an array of shape {e.shape}")
+        raise ValueError(
+            f"{chain.balls} finite errors of balls are needed, one for each ball, got an array of shape {e.shape}"
+        )
     if e.size and np.abs(e).max() >= 0.5 * chain.groove_distance:
         raise ValueError(
-            f"errors must be smaller than half the distance of the groove centres, {0.5 * chain.groove_distance:g} m, "
+            f"errors of balls must be below half the distance of the groove centres, {0.5 * chain.groove_distance:g} m, "
             f"got up to {np.abs(e).max():g} m"
         )
     return e
@@ -229,7 +231,7 @@ def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float, *, compi
 
 
 def last_to_first_load_ratio(chain: BallScrewChain, load: float) -> float:
-    """Return the ratio of the contact load of the last ball to that of the first, where the load acts, without errors.
+    """Return the contact load of the last ball over that of the first, where the axial load acts, for balls without errors.
 
     Parameters
     ----------
@@ -243,7 +245,7 @@ def last_to_first_load_ratio(chain: BallScrewChain, load: float) -> float:
 
 
 def calibrate_compliance(chain: BallScrewChain, ratio: float, load: float) -> BallScrewChain:
-    """Return the ball screw with that compliance of screw and nut which makes `last_to_first_load_ratio` a given value.
+    """Return the ball screw with the compliance of screw and nut that gives a required `last_to_first_load_ratio`.
 
     Parameters
     ----------
@@ -279,7 +281,7 @@ def calibrate_compliance(chain: BallScrewChain, ratio: float, load: float) -> Ba
 
 
 def load_at_which_ball_is_loaded(chain: BallScrewChain, errors: Array, ball: int, largest_load: float) -> float:
-    """Return the axial load above which a given ball carries load [N]; 0 for the ball that touches first.
+    """Return the axial load of a ball screw above which a given ball carries load [N]; 0 for the ball that touches first.
 
     There is only one such load, because the axial motion at each ball increases with the axial load.
 
@@ -337,7 +339,7 @@ CHUNK = 8192
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Results for n ball screws of one design with random errors, each solved under L loads."""
+    """Results for n ball screws of one design with random errors, each solved under L axial loads."""
 
     #: Axial loads ``(L,)`` [N].
     loads: Array
@@ -349,18 +351,18 @@ class Ensemble:
     failed: int
 
     def values_at(self, quantity: Quantity, load: float) -> Array:
-        """Return one quantity of all screws under one of the axial loads [N] ``(n,)``, in the unit of the quantity.
+        """Return one quantity of all n screws under one of the axial loads ``(n,)``, in the unit that `Quantity` states.
 
         Raises KeyError if the ensemble was not solved under this load.
         """
         at = np.flatnonzero(self.loads == load)
         if at.size != 1:
-            raise KeyError(f"the ensemble was not solved at an axial load of {load} N")
+            raise KeyError(f"the ensemble of ball screws was not solved at an axial load of {load} N")
         return np.asarray(self.kept[:, at[0], QUANTITIES.index(quantity)])
 
 
 def draw_uniform_errors(seed: int, first: int, count: int, balls: int, half_range: float) -> Array:
-    """Return random errors ``(count, balls)`` [m] of the balls of several screws, independent and uniformly distributed.
+    """Return independent, uniformly distributed random errors ``(count, balls)`` [m] of the balls of several screws.
 
     Screw i uses the random numbers i M to (i + 1) M - 1 of the stream that ``seed`` starts, so that its errors do not
     depend on the number of screws.
@@ -471,7 +473,7 @@ class PercentileRank:
 
     @property
     def middle(self) -> float:
-        """Percentile rank [%], for which values equal to the number are counted half."""
+        """Percentile rank of the number [%], for which values of the sample equal to it count half."""
         return 50.0 * (self.below + self.at_most)
 
     @property

@@ -34,11 +34,11 @@ TOLERANCE = 1e-10
 
 @dataclass(frozen=True)
 class EliminationResult:
-    """Result of Liu's elimination algorithm for M balls."""
+    """Contact loads of M balls by Liu's elimination algorithm, with its numbers of steps."""
 
     #: Contact loads ``(M,)`` [N].
     load: Array
-    #: Number of rounds.
+    #: Number of rounds, in each of which balls without contact are removed.
     rounds: int
     #: Number of Newton steps in all rounds.
     steps: int
@@ -78,7 +78,7 @@ def _axial_motion_of_approach(chain: BallScrewChain, errors: Array, approach: Ar
 
 
 def _axial_forces(chain: BallScrewChain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the axial forces C(j) of k balls [N], and their derivatives by the ball's approach [N/m], ``(k,)`` each.
+    """Return the axial forces C(j) of k balls on the nut [N], and their derivatives by the ball's approach, ``(k,)`` each.
 
     Tension is allowed: the forces are odd functions of the approach. ``chain``: ball screw; ``errors``, ``approach``:
     oversize and approach of the k balls ``(k,)`` [m].
@@ -112,7 +112,7 @@ def _equations_and_jacobian(
 def _solve_elimination_round(
     chain: BallScrewChain, errors: Array, remaining: NDArray[np.int64], load: float, approach: Array
 ) -> tuple[Array, int, bool]:
-    """Solve the equations of one round, for the balls that earlier rounds have not eliminated, by Newton's method.
+    """Solve the equations of one elimination round by Newton's method, for the balls that are not yet eliminated.
 
     ``remaining``: numbers of the k balls that are not eliminated; ``errors``: their oversize ``(k,)`` [m]; ``load``: axial
     load [N]; ``approach``: approaches of these balls from which the method starts ``(k,)`` [m].
@@ -163,7 +163,7 @@ def solve_by_elimination(chain: BallScrewChain, errors: Array, load: float) -> E
     """
     if chain.compliance <= 0.0 or not 0.0 < load < np.inf:
         raise ValueError(
-            "Liu's elimination needs a compliance of screw and nut and a load, both above zero, "
+            "Liu's elimination algorithm needs a compliance of screw and nut and an axial load, both above zero, "
             f"got {chain.compliance} m/N and {load} N"
         )
     e = check_errors(chain, errors)

@@ -1,4 +1,4 @@
-"""Checks of a ball screw by formulas of catalogues: buckling, critical speed, DN value and overall friction coefficient.
+"""Checks of a ball screw by catalogue formulas: buckling, critical speed, DN value and overall coefficient of friction.
 
 The shaft between its bearings is a bar of the thread's root diameter d (bore d_b) over the free length L, with the nut at
 its far end:
@@ -41,7 +41,7 @@ from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Friction, Scene, Support, Track
 from rollbench.meshes.quantity import quantity_field, result_record
 
-#: Factors c and lambda by the supports of both ends.
+#: Factors c (buckling) and lambda (critical speed) by the supports of both ends of a shaft.
 FACTORS = {
     ("fixed", "fixed"): (4.0, 4.730),
     ("fixed", "supported"): (2.0, 3.927),
@@ -58,46 +58,50 @@ SHARE_OF_LOAD, SHARE_OF_SPEED = 0.5, 0.8
 
 @result_record
 class ShaftLimits:
-    """Limits of load and speed of the weakest free length of a screw shaft."""
+    """Buckling load, critical speed and DN value of the weakest free length of a screw shaft, with permissible values."""
 
-    #: Supports at the ends of that length: fixed, supported or free.
-    ends: str = quantity_field("ends", "how that length is held at its ends: fixed (no tilt), supported or free")
+    #: Supports at both ends of the free length: fixed, supported or free.
+    ends: str = quantity_field("ends", "supports at both ends of the free length: fixed (no tilt), supported or free")
     #: Free length L [m].
-    length: float = quantity_field("length_mm", "free length: between bearings, or from the only one to the free end")
+    length: float = quantity_field(
+        "length_mm", "free length of the shaft: between bearings, or from a single bearing to the free end"
+    )
     #: Root diameter of the thread [m].
-    root: float = quantity_field("root_diameter_mm", "root diameter of the thread, which the formulas take")
+    root: float = quantity_field("root_diameter_mm", "root diameter of the thread, used as the shaft's diameter")
     #: Euler's buckling load F_c [N].
     buckling: float = quantity_field(
-        "buckling_N", "Euler's buckling load of it", error="as its ends are as stiff as stated"
+        "buckling_N", "Euler's buckling load of the free length", error="depends on the stiffness of the supports"
     )
     #: Largest axial compression of the shaft by its loads [N]; 0 if it is only in tension.
-    compression: float = quantity_field("compression_N", "largest axial compression in the shaft by its loads")
+    compression: float = quantity_field("compression_N", "largest axial compression of the shaft under its loads")
     #: Critical speed [rad/s].
-    critical: float = quantity_field("critical_speed_rpm", "speed of the first whirl of it", error="as above")
+    critical: float = quantity_field(
+        "critical_speed_rpm", "critical speed of the free length (first whirl)", error="as above"
+    )
     #: Speed of the scene's motion [rad/s]; None if the scene states none.
     speed: float | None = quantity_field("speed_rpm", "speed of the scene's motion")
     #: Pitch diameter times speed [m rad/s]; None without a speed.
     dn: float | None = quantity_field("dn_mm_rpm", "DN value: pitch diameter times speed")
     #: Largest permissible DN value [m rad/s].
-    dn_limit: float = quantity_field("dn_limit_mm_rpm", "what is allowed, by operation.dn_limit")
+    dn_limit: float = quantity_field("dn_limit_mm_rpm", "largest permissible DN value, from `operation.dn_limit`")
     #: Permissible compression, half of the buckling load [N].
     allowed_load: float = quantity_field(
         "allowed_compression_N",
-        "half the buckling load, as makers have it",
+        "permissible compression: half the buckling load, as makers state",
         heading="allowed compression",
         note="buckles under {buckling_N} N",
     )
     #: Permissible speed, the smaller of 0.8 times the critical speed and the speed at the DN limit [rad/s].
     allowed_speed: float = quantity_field(
         "allowed_speed_rpm",
-        "least of four fifths of the critical speed and the DN limit",
+        "permissible speed: the smaller of 0.8 times the critical speed and the speed at the DN limit",
         heading="allowed speed",
         note="whirls at {critical_speed_rpm} rpm",
     )
 
     @property
     def warnings(self) -> list[Warned]:
-        """Warnings about permissible compression or speed that the scene exceeds."""
+        """Warnings if the scene exceeds the permissible compression or speed of the shaft."""
         found = []
         if self.compression > self.allowed_load:
             words = f"{self.compression:.4g} N compress {1e3 * self.length:.4g} mm of shaft with the ends {self.ends}"
@@ -112,14 +116,14 @@ class ShaftLimits:
 
 
 def root_diameter(scene: Scene) -> float:
-    """Return the root diameter of a screw's thread [m], where the two arcs of the groove meet."""
+    """Return the root diameter of a screw's thread [m], at the apex where the two arcs of the groove meet."""
     track, slack = scene.track, scene.screw.groove_radius - scene.balls.radius
     deep = sqrt(scene.screw.groove_radius**2 - (slack * sin(track.contact_angle)) ** 2)
     return 2.0 * (track.pitch_radius + slack * cos(track.contact_angle) - deep)
 
 
 def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
-    """Return the free lengths of a screw shaft, each with the supports of its ends: "fixed", "supported" or "free".
+    """Return the lengths of a screw shaft between bearings, each with its end supports: "fixed", "supported" or "free".
 
     A bearing that fixes both lateral displacements supports the shaft. The first or last bearing is a fixed end if it also
     fixes both tilting rotations.
@@ -140,7 +144,7 @@ def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
 
 
 def _support_fixes(support: Support, *names: str) -> bool:
-    """Return whether a support fixes all the named degrees of freedom, such as "ux"."""
+    """Return whether a support fixes all degrees of freedom with the given names, such as "ux"."""
     return {*names} <= {name for name, _ in support.fixed}
 
 
@@ -197,7 +201,7 @@ def shaft_compression(scene: Scene, result: StaticResult) -> float:
 
 
 def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
-    """Return the limits of load and speed of a screw shaft, and its compression in a solved scene.
+    """Return the permissible compression and speed of a screw shaft, and its compression in a solved scene.
 
     Parameters
     ----------
@@ -241,12 +245,13 @@ def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
     )
 
 
-#: Twice the largest overall coefficient of catalogues (0.003 to 0.01 for ball screws, 0.001 to 0.002 for ball bearings).
+#: Coefficient of friction up to which a warning is given: twice the largest overall coefficient of catalogues (0.003 to
+#: 0.01 for ball screws, 0.001 to 0.002 for ball bearings).
 OVERALL = 0.02
 
 
 def efficiency_by_overall_friction(track: Track, coefficient: float) -> float:
-    """Return the efficiency of a ball screw that drives its load, from an overall coefficient of friction.
+    """Return the efficiency of a ball screw that moves against its load, from an overall coefficient of friction.
 
     It follows from eq. (3) of this module.
 
@@ -255,7 +260,7 @@ def efficiency_by_overall_friction(track: Track, coefficient: float) -> float:
     track
         Track of the screw, for its lead angle.
     coefficient
-        Overall coefficient of friction f for all losses; 0.003 to 0.01 for ball screws.
+        Overall coefficient of friction f of a catalogue, for all losses; 0.003 to 0.01 for ball screws.
 
     Examples
     --------

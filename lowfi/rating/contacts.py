@@ -1,4 +1,4 @@
-"""Most heavily loaded contact of balls or tapered rollers, its static safety, and static load ratings.
+"""Contact of the highest pressure of balls or tapered rollers, its static safety, and static load ratings.
 
 The basic static load rating C0 of ball bearings (ISO 76) and ball screws (ISO 3408-5) follows from the permissible force
 Q_0 of the most heavily loaded contact, the smaller one of its two raceways. For bearings (ISO 76, all but self-aligning
@@ -47,16 +47,16 @@ PALMGREN = 1.3e-19
 
 @result_record
 class Contact:
-    """Elliptical Hertz contact of one ball with one flank, for the radii of ball and groove with their errors."""
+    """Elliptical Hertz contact of a ball with a groove flank; ball and groove have radii with manufacturing errors."""
 
     #: Number of the ball, from 1.
-    ball: int = quantity_field("ball", "ball of the highest pressure")
-    #: Name of the flank.
-    side: str = quantity_field("side", "its flank")
+    ball: int = quantity_field("ball", "number of the ball with the highest pressure")
+    #: Name of the groove flank: SL, SR, NL or NR.
+    side: str = quantity_field("side", "groove flank of the contact with the highest pressure")
     #: Contact force F [N].
-    force: float = quantity_field("force_N", "its load F", error="that of the load")
+    force: float = quantity_field("force_N", "contact load F", error="that of the load")
     #: Contact angle [rad].
-    angle: float = quantity_field("contact_angle_deg", "its contact angle")
+    angle: float = quantity_field("contact_angle_deg", "contact angle of this contact")
     #: Hertz approach of ball and groove [m].
     approach: float = quantity_field(
         "approach_um",
@@ -72,11 +72,13 @@ class Contact:
         expected=("pressure_percent", 1.0),
     )
     #: Smaller semi-axis [m], along the track.
-    b: float = quantity_field("semi_axis_b_mm", "smaller semi-axis, along the track", error="a third of the load's")
+    b: float = quantity_field(
+        "semi_axis_b_mm", "smaller semi-axis of the contact ellipse, along the track", error="a third of the load's"
+    )
     #: Largest pressure [Pa].
     pressure: float = quantity_field(
         "pressure_MPa",
-        "largest pressure, of the radii that ball and groove have with their errors, at the nominal contact angle: "
+        "largest pressure, for the radii of ball and groove with their errors, at the nominal contact angle: "
         "3 F/(2 pi a b) of a ball, 2 q/(pi b) = sqrt(q E*/(pi R)) of a roller",
         error="of balls a third of the load's, `model_form.pressure_percent`; of rollers half the line load's",
         heading="peak pressure",
@@ -93,7 +95,7 @@ class StaticSafety:
     #: rollers.
     factor: float = quantity_field(
         "factor",
-        "(allowed pressure / largest pressure)^3, of rollers ^2: how many times the load may grow",
+        "ratio of the permissible to the actual load: (permissible / largest pressure)^3, for rollers ^2",
         error="that of the load",
         heading="static safety",
         form="g3",
@@ -101,17 +103,19 @@ class StaticSafety:
         note="{allowed_pressure_MPa} MPa (ISO 76)",
     )
     #: Permissible pressure [Pa].
-    allowed: float = quantity_field("allowed_pressure_MPa", "4,200 MPa of balls, 4,000 MPa of rollers (ISO 76)")
+    allowed: float = quantity_field(
+        "allowed_pressure_MPa", "permissible pressure: 4,200 MPa for balls, 4,000 MPa for rollers (ISO 76)"
+    )
     #: Permanent indentation over the ball's diameter (ISO 76 permits 1e-4); None for rollers.
     permanent: float | None = quantity_field(
         "permanent_over_diameter",
-        "lasting dent over the ball's diameter, by Palmgren's formula",
+        "permanent indentation over the ball's diameter, by Palmgren's formula",
         error="twice that of the load",
         default=None,
     )
 
     @property
-    @QuantityDescription("allowed_over_diameter", "1e-4, the dent that standards allow")
+    @QuantityDescription("allowed_over_diameter", "permissible permanent indentation over the ball's diameter, 1e-4")
     def allowed_permanent(self) -> float:
         """Largest permanent indentation over the ball's diameter that ISO 76 permits, 1e-4."""
         return ALLOWED
@@ -119,32 +123,36 @@ class StaticSafety:
 
 @result_record
 class Truncation:
-    """Contact ellipse nearest to an edge of its groove's arc, or truncated most by the edge."""
+    """Contact ellipse that is nearest to an edge of its groove's arc, or that extends farthest beyond the edge."""
 
     #: Number of the ball, from 1.
-    ball: int = quantity_field("ball", "ball whose ellipse comes nearest to an edge of its groove")
-    #: Name of the flank.
-    side: str = quantity_field("side", "its flank")
+    ball: int = quantity_field("ball", "number of the ball whose contact ellipse comes nearest to an edge of its groove")
+    #: Name of the groove flank: SL, SR, NL or NR.
+    side: str = quantity_field("side", "groove flank of this contact ellipse")
     #: Edge of the arc: ``"land"``, or ``"apex"`` between the two arcs of a groove.
     edge: str = quantity_field(
-        "edge", "which edge: land, or apex between two arcs; a groove of one arc has lands at both ends"
+        "edge", "edge of the groove's arc: land, or apex between two arcs; a groove of one arc has lands at both ends"
     )
     #: Contact angle [rad].
-    angle: float = quantity_field("contact_angle_deg", "its contact angle")
+    angle: float = quantity_field("contact_angle_deg", "contact angle at this contact ellipse")
     #: Half width of the ellipse as an angle on the groove's arc [rad].
-    half: float = quantity_field("ellipse_half_width_deg", "half width of the ellipse over the groove's profile")
+    half: float = quantity_field(
+        "ellipse_half_width_deg", "half width of the contact ellipse, as an angle on the groove's arc"
+    )
     #: Angle of the edge [rad].
-    limit: float = quantity_field("edge_angle_deg", "angle of the edge on the same profile")
+    limit: float = quantity_field("edge_angle_deg", "angle of the edge on the groove's arc")
     #: Angle from the ellipse to the edge [rad]; negative where the ellipse is truncated.
     margin: float = quantity_field(
         "margin_deg",
-        "edge angle less contact angle and half width; negative: the ellipse is cut",
+        "angle from the contact ellipse to the edge of the groove's arc; negative: the ellipse is truncated",
         heading="ellipse to edge of groove",
         form="g3",
         note="ball {ball} {side}, {edge}",
     )
     #: Number of contacts whose ellipse extends beyond an edge.
-    cut: int = quantity_field("contacts_cut", "contacts whose ellipse passes an edge", heading="contacts TRUNCATED")
+    cut: int = quantity_field(
+        "contacts_cut", "number of contacts whose ellipse extends beyond an edge", heading="contacts TRUNCATED"
+    )
 
 
 def contact_pressures(scene: Scene, found: StaticResult) -> Array:
@@ -161,7 +169,7 @@ def contact_pressures(scene: Scene, found: StaticResult) -> Array:
 def contact_of_highest_pressure(
     scene: Scene, drawn: Specimen, load: Array, angle: Array, pressure: Array | None = None
 ) -> Contact | None:
-    """Return the ball contact with the highest pressure.
+    """Return the contact of a ball with a groove flank that has the highest pressure.
 
     It is an elliptical Hertz contact for the radii of ball and groove with their random errors, even if the model computes
     its contact forces with error-free radii. Valid for ellipses small against ball and groove.
@@ -210,7 +218,7 @@ def contact_of_highest_pressure(
 
 
 def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety:
-    """Return the static safety of a ball's contact between parts of hardened bearing steel.
+    """Return the static safety of the most highly pressed ball contact, between parts of hardened bearing steel.
 
     By pressure, the permissible load of a ball contact is that at 4200 MPa (ISO 76). By permanent indentation (ISO 3408-5),
     both surfaces together are indented by 1.3e-7 Q^2/D (relative curvature across) (relative curvature along) in mm and N;
@@ -236,7 +244,7 @@ def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety
 
 
 def most_truncated_ellipse(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Truncation | None:
-    """Return the contact ellipse that is nearest to an edge of its groove's arc, and how many ellipses are truncated.
+    """Return the contact ellipse that is nearest to an edge of its groove's arc, and the number of truncated ellipses.
 
     The nut's arc is assumed to end at 90 deg, because a low-order scene does not give the dimension of the nut's land.
 
@@ -287,25 +295,29 @@ RACES = ("inner", "outer")
 
 @result_record
 class RollerContact:
-    """Line contact of a tapered roller with the highest pressure in its row."""
+    """Line contact with the highest pressure in a row of tapered rollers."""
 
     #: Number of the roller, from 1.
-    roller: int = quantity_field("roller", "roller of the highest pressure")
+    roller: int = quantity_field("roller", "number of the roller with the highest pressure")
     #: Race of the contact, ``"inner"`` or ``"outer"``.
-    race: str = quantity_field("race", "its race: inner or outer")
+    race: str = quantity_field("race", "race with the highest pressure: inner or outer")
     #: Force of either race on the roller [N].
     force: float = quantity_field("force_N")
     #: Distance of the highest pressure from the roller's middle [m], positive towards the large end.
-    place: float = quantity_field("place_mm", "that place, from the roller's middle, positive to its large end")
+    place: float = quantity_field(
+        "place_mm", "position of the highest pressure, from the roller's middle, positive towards its large end"
+    )
     #: Load per length at that position [N/m].
     line_load: float = quantity_field(
         "line_load_N_mm",
         "load per length q where the pressure is highest",
-        error="without what the ends of straight rollers add",
+        error="does not include the stress concentration at the ends of straight rollers",
     )
     #: Half-width b at that position [m].
     half_width: float = quantity_field(
-        "half_width_mm", "half-width b of the strip there, sqrt(4 q R/(pi E*))", error="half that of the line load"
+        "half_width_mm",
+        "half-width b of the line contact at that position, sqrt(4 q R/(pi E*))",
+        error="half that of the line load",
     )
     #: Largest pressure at that position [Pa].
     pressure: float = quantity_field("pressure_MPa", heading="peak pressure", note="roller {roller}, {race} race")
@@ -372,7 +384,7 @@ def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> Rol
 
 
 def roller_safety(worst: RollerContact) -> StaticSafety:
-    """Return the static safety of a roller's line contact between parts of hardened bearing steel.
+    """Return the static safety of the most highly pressed roller contact, between parts of hardened bearing steel.
 
     The permissible load of a roller contact is that at 4000 MPa (ISO 76); the pressure is proportional to the square root
     of the load.
@@ -390,7 +402,7 @@ STRIBECK = 5.0
 
 
 def permissible_contact_force(scene: Scene) -> float:
-    """Return the permissible static force Q_0 of a ball contact [N], the smaller one of two opposite raceways."""
+    """Return the permissible static force Q_0 on a ball contact [N], the smaller of those of both opposite raceways."""
     if scene.track.lead > 0.0:
         dent = nominal_curvatures(scene)[[0, 3]].prod(axis=1)
         diameter = 2.0 * scene.balls.radius
@@ -444,11 +456,13 @@ class Ratings:
         note="{direction}, as computed ({static_standard})",
     )
     #: Whether the ratings are axial loads; otherwise they are radial.
-    axial: bool = quantity_field("direction", "axial or radial", show=lambda axial: "axial" if axial else "radial")
+    axial: bool = quantity_field(
+        "direction", "direction of the ratings: axial or radial", show=lambda axial: "axial" if axial else "radial"
+    )
     #: Standard of the dynamic rating.
-    dynamic_standard: str = quantity_field("dynamic_standard", "whose formulas")
+    dynamic_standard: str = quantity_field("dynamic_standard", "standard of the dynamic load rating")
     #: Standard of the static rating.
-    static_standard: str = quantity_field("static_standard", "whose formulas")
+    static_standard: str = quantity_field("static_standard", "standard of the static load rating")
 
 
 def dynamic_and_static_ratings(scene: Scene) -> Ratings:

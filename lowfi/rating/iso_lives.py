@@ -1,4 +1,4 @@
-"""Modified rating life by ISO 281, and basic reference rating life of bearings by ISO/TS 16281.
+"""Modified rating life (ISO 281) of bearings and ball screws, and basic reference rating life (ISO/TS 16281) of bearings.
 
 The modified life L_nm = a_1 a_ISO L_10 (ISO 281:2007) accounts for reliability, lubricant and contamination. The factor a_1
 for the reliability S (90 to 99.95 %) is the three-parameter Weibull law of ISO/TR 1281-2, which the table of ISO 281
@@ -87,23 +87,23 @@ MOST, FULL_FILM = 50.0, 4.0
 
 @result_record
 class ModifiedLife:
-    """Modified rating life by ISO 281, with its factors."""
+    """Modified rating life of a bearing or ball screw by ISO 281, with its factors."""
 
     #: Modified rating life L_nm [10^6 revolutions].
     revolutions: float = quantity_field(
         "Lnm_million_revolutions",
         "modified life a_1 a_ISO L10",
-        error="as in L10, and a_ISO: by the contamination, which is an estimate",
+        error="that of L10, and that of a_ISO by the contamination, which is an estimate",
         heading="modified life",
         note="for {reliability_percent} %",
     )
     #: Reliability [%].
-    reliability: float = quantity_field("reliability_percent", "share of screws or bearings that reach it")
+    reliability: float = quantity_field("reliability_percent", "share of screws or bearings that reach the modified life")
     #: Factor a_1 for the reliability.
-    a_1: float = quantity_field("a_1", "factor of the reliability (ISO 281)")
+    a_1: float = quantity_field("a_1", "life modification factor a_1 for the reliability (ISO 281)")
     #: Factor a_ISO for lubricant and contamination; None if the scene does not give both viscosity ratio and contamination.
     a_iso: float | None = quantity_field(
-        "a_ISO", "factor of lubricant and contamination (ISO 281); null where they are not given"
+        "a_ISO", "life modification factor a_ISO for lubricant and contamination (ISO 281); null if they are not given"
     )
     #: Fatigue load limit C_u [N].
     limit: float = quantity_field("fatigue_load_limit_N", "load C_u at which the worst contact has 1500 MPa, as computed")
@@ -160,7 +160,7 @@ def life_factor_for_lubrication(kappa: float, clean: float, *, thrust: bool = Fa
 
 
 def fatigue_limit(scene: Scene) -> float:
-    """Return the fatigue load limit C_u [N]: axial for a screw and a thrust bearing, radial for other bearings.
+    """Return the fatigue load limit C_u [N] of ISO 281: axial for a screw and a thrust bearing, radial for other bearings.
 
     References
     ----------
@@ -208,20 +208,20 @@ LAMINAE = 30
 
 @result_record
 class ReferenceLife:
-    """Basic reference rating life (reliability 90 %) by ISO/TS 16281, with the capacities and loads of the raceways."""
+    """Basic reference rating life of a bearing (ISO/TS 16281, 90 % reliability), with capacity and load of each raceway."""
 
     #: Basic reference rating life L_10r [10^6 revolutions].
     revolutions: float = quantity_field(
         "L10r_million_revolutions",
-        "basic reference rating life by ISO/TS 16281; of balls the same as L10",
-        error="as in L10; of rollers also the stress at their edges, a formula of the standard",
+        "basic reference rating life by ISO/TS 16281; for balls the same as L10",
+        error="that of L10; for rollers also that of the standard's formula for the stress at their edges",
         heading="life L10r, ISO/TS 16281",
         expected=("rms_percent", 3.0),
     )
     #: Dynamic equivalent reference load P_ref [N].
     equivalent: float = quantity_field(
         "equivalent_reference_load_N",
-        "dynamic equivalent reference load P_ref, C/L10r^(1/3), of rollers C/L10r^(3/10)",
+        "dynamic equivalent reference load P_ref, C/L10r^(1/3), for rollers C/L10r^(3/10)",
         error="that of the loads",
     )
     #: Load Q_c [N] that a contact bears for 10^6 revolutions, for each loaded raceway by its name.
@@ -231,7 +231,7 @@ class ReferenceLife:
     #: Dynamic equivalent contact load Q_e [N] of each loaded raceway, by its name.
     loads: dict[str, float] = quantity_field(
         "raceway_equivalent_load_N",
-        "dynamic equivalent load Q_e of one contact of the raceway; of rollers that which every lamina alike would carry",
+        "dynamic equivalent load Q_e of one contact of the raceway; for rollers, of a roller with equally loaded laminae",
         error="that of the loads",
         parts=".*",
     )
@@ -261,7 +261,7 @@ def ball_reference_life(scene: Scene, life: Life | None) -> ReferenceLife | None
 
 
 def edge_stress_factors(laminae: int) -> Array:
-    """Return the stress concentration factors f_k along a roller by eq. (4) of this module.
+    """Return the edge-stress factors f_k of the laminae of a roller (ISO/TS 16281), by eq. (4) of this module.
 
     Parameters
     ----------

@@ -101,15 +101,15 @@ class Life:
     #: Basic rating life L10 [10^6 revolutions].
     revolutions: float = quantity_field(
         "L10_million_revolutions",
-        "life that 90 % reach under this load distribution",
-        error="some three times that of the loads, and the scatter of fatigue itself",
+        "basic rating life, reached by 90 %, under this load distribution",
+        error="about three times that of the loads; in addition fatigue lives scatter",
         heading="life L10",
         expected=("rms_percent", 3.0),
     )
     #: Life of each loaded raceway in 10^6 revolutions, by its name.
     raceways: dict[str, float] = quantity_field(
         "raceways_million_revolutions",
-        "life of one raceway: flank of balls, inner or outer race of rollers",
+        "life of one raceway: groove flank for balls, inner or outer race for rollers",
         error="as above",
         parts=".*",
     )
@@ -118,18 +118,18 @@ class Life:
     #: Equivalent load P [N], at which the rating C gives the same life.
     equivalent: float = quantity_field(
         "equivalent_load_N",
-        "load under which C would give the same life, C/L10^(1/3), of rollers C/L10^(3/10)",
+        "equivalent load, for which the rating C gives the same life: C/L10^(1/3), for rollers C/L10^(3/10)",
         error="that of the loads",
     )
     #: Standard whose formulas are used.
-    standard: str = quantity_field("standard", "whose formulas")
+    standard: str = quantity_field("standard", "standard of the life formulas")
     #: Lead of the screw [m]; 0 for a bearing.
     lead: float = 0.0
 
     @property
     @QuantityDescription(
         "L10_km",
-        "the same as the distance that the nut travels, L10 times the lead; null for bearings",
+        "life L10 as the distance that the nut travels, L10 times the lead; null for bearings",
         error="as in revolutions",
         heading="life L10",
         expected=("rms_percent", 3.0),
@@ -140,7 +140,7 @@ class Life:
 
     @QuantityDescription(
         "L10_hours",
-        "the same in hours, where the scene states a speed; of a duty cycle at its mean speed",
+        "life L10 in hours, if the scene states a speed; for a duty cycle at its mean speed",
         heading="life L10",
         expected=("rms_percent", 3.0),
         error="as in revolutions",
@@ -156,19 +156,19 @@ SLOPE = 10.0 / 9.0
 
 @result_record
 class SystemLife:
-    """Life of several nuts and bearings on one shaft, which ends when the first of them fails."""
+    """Life of a system of several nuts and bearings on one shaft, which ends when the first of them fails."""
 
     #: Life L10 of the whole system [10^6 revolutions].
     revolutions: float = quantity_field(
         "L10_million_revolutions",
-        "revolutions of the shaft that 90 % of equal axes reach without a failure of any set: product of the sets' "
-        "probabilities of survival, each a Weibull distribution",
+        "revolutions of the shaft that 90 % of equal axes reach without failure of any nut or bearing (set): product of "
+        "the sets' probabilities of survival, each a Weibull distribution",
         error="that of the lives",
         heading="life L10 of all sets",
         note="{shortest_set} lives shortest",
     )
     #: Name of the nut or bearing with the shortest life.
-    shortest: str = quantity_field("shortest_set", "set that lives shortest")
+    shortest: str = quantity_field("shortest_set", "name of the nut or bearing with the shortest life")
     #: Lead of the screw [m]; 0 without a nut.
     lead: float = 0.0
     #: Speed of the shaft [rad/s]; None if the scene states none.
@@ -177,7 +177,7 @@ class SystemLife:
     @property
     @QuantityDescription(
         "L10_km",
-        "the same as travel of the nut; null without one",
+        "life L10 of all sets as the distance that the nut travels; null without a nut",
         error="as in revolutions",
         heading="life L10 of all sets",
     )
@@ -187,7 +187,10 @@ class SystemLife:
 
     @property
     @QuantityDescription(
-        "L10_hours", "the same in hours, where a speed is stated", error="as in revolutions", heading="life L10 of all sets"
+        "L10_hours",
+        "life L10 of all sets in hours, if a speed is stated",
+        error="as in revolutions",
+        heading="life L10 of all sets",
     )
     def hours(self) -> float | None:
         """Life of the system in hours; None without a speed."""
@@ -195,7 +198,7 @@ class SystemLife:
 
 
 def life_of_parts_in_series(lives: Sequence[tuple[float, float]]) -> float:
-    """Return the life that 90 % of systems reach if a system ends with the first failure of one of its parts.
+    """Return the life that 90 % of systems reach, where a system fails as soon as one of its parts fails.
 
     A part survives the life L with the probability 0.9^((L/L_i)^e_i), and the system with the product of these. L therefore
     solves sum_i (L/L_i)^e_i = 1; for equal slopes L = (sum L_i^-e)^(-1/e). Failures are taken to be independent.
@@ -222,7 +225,7 @@ def life_of_parts_in_series(lives: Sequence[tuple[float, float]]) -> float:
     shortest: float = min(life for life, _ in lives)
 
     def excess(x: float) -> float:
-        """Return the sum of the parts' terms less 1, for a life of x times the shortest life."""
+        """Return the sum over the parts of (L/L_i)^e_i less 1, for a life L of x times the shortest life."""
         return float(sum((x * shortest / life) ** slope for life, slope in lives)) - 1.0
 
     share = 1.0 if len(lives) == 1 else float(brentq(excess, 0.5 / len(lives), 1.0, rtol=1e-12))
@@ -235,7 +238,7 @@ def is_thrust_bearing(scene: Scene) -> bool:
 
 
 def filled_turns(scene: Scene) -> float:
-    """Return the number of turns of the track that are filled with balls: the sum over all starts, without gaps.
+    """Return the number of turns of the track that are filled with balls, gaps excluded: the sum over all thread starts.
 
     Every ball counts with the median angle between neighbours; a single ball counts as a whole turn. The number is exact
     for equal spacing within circuits of at least two balls, for any gaps between the circuits. A longer distance between
@@ -278,7 +281,7 @@ def contact_capacity(scene: Scene) -> Array:
     alpha = scene.track.contact_angle
     if float(nominal_groove_radii(scene).min()) <= scene.balls.radius:
         raise ValueError(
-            f"the load rating got a groove radius of {1e3 * float(nominal_groove_radii(scene).min()):.4g} mm; "
+            f"load rating: got a groove radius of {1e3 * float(nominal_groove_radii(scene).min()):.4g} mm; "
             f"allowed: more than the ball's radius of {1e3 * scene.balls.radius:.4g} mm"
         )
     shape, D = _capacity_factors(scene)
@@ -286,9 +289,7 @@ def contact_capacity(scene: Scene) -> Array:
         base = CONTACT * STEEL * (THRUST * (1.0 - sin(alpha) / 3.0) if is_thrust_bearing(scene) else SINGLE_ROW)
         return np.asarray(base * shape * cos(alpha) ** -0.3 * D**1.8 * scene.ball_count ** (-1.0 / 3.0))
     if sin(alpha) <= 0.0:
-        raise ValueError(
-            "the load rating of a screw cannot be computed, got a contact angle of 0 deg; allowed: above 0 deg"
-        )
+        raise ValueError("load rating of a screw: got a contact angle of 0 deg; allowed: above 0 deg")
     return np.asarray(
         _one_turn_ratings_of_raceways(scene)
         * _rating_factor_of_turns(scene)
@@ -407,7 +408,7 @@ def basic_rating_life(scene: Scene, load: Array) -> Life | None:
 
 
 def equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[float]) -> Array:
-    """Return the contact loads that cause the same fatigue damage as several load cases together (eq. (4) of this module).
+    """Return the contact loads that cause the same fatigue damage as several load cases together, by eq. (4).
 
     Parameters
     ----------
@@ -435,13 +436,14 @@ def name_life_standard(scene: Scene) -> str:
     return "ISO 281, ISO/TS 16281" + (" (thrust bearing)" if is_thrust_bearing(scene) else "")
 
 
-#: Force over preload at which the unloaded one of two preloaded halves loses contact, for springs with F ~ delta^(3/2).
+#: External force over preload at which one of two nut halves, preloaded against each other, loses contact (F ~
+#: delta^(3/2)).
 PARTING = 2.0**1.5
 
 #: Contact angles [deg] of the table of e, X and Y for a single row (ISO 281).
 ANGLES = (20.0, 25.0, 30.0, 35.0, 40.0, 45.0)
 
-#: Values of e, X and Y at these angles.
+#: Values of e, X and Y at the angles of ``ANGLES``.
 LIMITS, RADIAL_FACTORS, AXIAL_FACTORS = (
     (0.57, 0.68, 0.80, 0.95, 1.14, 1.34),
     (0.43, 0.41, 0.39, 0.37, 0.35, 0.33),
@@ -456,7 +458,7 @@ class EquivalentLife:
     #: Life L10 [10^6 revolutions].
     revolutions: float = quantity_field(
         "L10_million_revolutions",
-        "life by the standard's equivalent loads, (C/F_m)^3, of both directions or halves together",
+        "life by the standard's equivalent loads, (C/F_m)^3, of both load directions or nut halves together",
         heading="life L10 by equivalent loads",
         note="{standard}",
     )
@@ -464,11 +466,12 @@ class EquivalentLife:
     #: +z; for a bearing the load P.
     loads: tuple[float, ...] = quantity_field(
         "equivalent_loads_N",
-        "means of order 3 of the axial forces over the revolutions: of what carries forces along +z, and against it",
+        "means of order 3 over the revolutions: axial load of the flanks or nut half that carry forces along +z, then of "
+        "the others; for a bearing its equivalent load P",
         parts="[]",
     )
     #: Standard whose formulas are used.
-    standard: str = quantity_field("standard", "whose formulas")
+    standard: str = quantity_field("standard", "standard of the equivalent loads")
 
 
 def life_by_equivalent_loads(
@@ -517,7 +520,7 @@ def life_by_equivalent_loads(
 
 
 def forces_on_halves(force: Array, preload: float) -> tuple[Array, Array]:
-    """Return the forces on the two halves of a preloaded nut by eq. (6) of this module.
+    """Return the axial forces on the two halves of a preloaded nut, by eq. (6) of this module.
 
     Parameters
     ----------
@@ -612,8 +615,8 @@ def radial_and_axial_factors(alpha: float) -> tuple[float, float, float]:
         return 1.25 * tan(alpha), 1.25 * tan(alpha) * (1.0 - 2.0 / 3.0 * sin(alpha)), 1.0
     if angle < ANGLES[0] - 1e-9:
         raise ValueError(
-            f"the factors X and Y of ISO 281 got a contact angle of {angle:.4g} deg; allowed: at least 20 deg, because "
-            "they depend on the standard's factor f_0 below that"
+            f"factors X and Y of ISO 281: got a contact angle of {angle:.4g} deg; allowed: at least 20 deg, because "
+            "below that they depend on the standard's factor f_0"
         )
     e, X, Y = (float(np.interp(angle, ANGLES, values)) for values in (LIMITS, RADIAL_FACTORS, AXIAL_FACTORS))
     return e, X, Y

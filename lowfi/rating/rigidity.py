@@ -44,7 +44,7 @@ from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
-#: Axial force over the sum of the contact loads below which it is a round-off error of the equilibrium.
+#: Ratio of the axial force to the sum of the contact loads below which the force is a round-off error.
 ROUND_OFF = 1e-9
 #: Part of a computed rigidity that THK advises to use, and that most makers print approximately; Rexroth prints half of it.
 PRACTICE = 0.8
@@ -57,26 +57,26 @@ class Rigidities:
     #: Rigidity of the contacts alone [N/m].
     contacts: float = quantity_field(
         "rigidities_N_per_um.contacts_alone",
-        "secant of rigid bodies and equal contact loads at the nominal contact angle, by Hertz' law",
-        error="leaves out bodies and unequal loads",
+        "secant rigidity with rigid bodies and equal contact loads at the nominal contact angle, by Hertz's law",
+        error="neglects bodies and unequal loads",
     )
     #: Rigidity of contacts and bodies [N/m]; None for bearings, to which the formula does not apply.
     bodies: float | None = quantity_field(
         "rigidities_N_per_um.with_bodies",
-        "the same with nut and screw as thick tubes, which widen and are squeezed",
-        error="leaves out unequal loads",
+        "secant rigidity with nut and screw as thick tubes, which the contact loads widen and compress",
+        error="neglects unequal loads",
     )
     #: Rigidity by the model with unequal contact loads [N/m]; None if its displacement is not known.
     unequal: float | None = quantity_field(
         "rigidities_N_per_um.with_unequal_loads",
-        "the model's secant, `axial.rigidity_N_per_um`",
+        "secant rigidity by the model, `axial.rigidity_N_per_um`",
         error="that of the displacement",
     )
 
     @property
     @QuantityDescription(
         "rigidities_N_per_um.makers_practice",
-        "what makers advise to take of a computed rigidity (THK): 0.8 `with_bodies`; null for rings",
+        "rigidity that makers advise to use (THK): 0.8 times `with_bodies`; null for bearings",
         error="see the report's outside values",
         heading="rigidity by formula x 0.8",
         note="as makers advise",
@@ -87,7 +87,7 @@ class Rigidities:
 
 
 def approach_per_displacement(scene: Scene) -> float:
-    """Return the ratio of the approach at a ball's two opposite contacts to the nut's displacement, sin(alpha) cos(phi).
+    """Return the approach at a ball's two contacts over the nut's axial displacement, sin(alpha) cos(phi).
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def displacement_by_contacts_only(scene: Scene, force: float) -> float:
     s, n = approach_per_displacement(scene), scene.ball_count
 
     def excess(u: float, start: Array, force: float) -> float:
-        """Return by how much the axial force at a displacement u [m] exceeds a force [N]."""
+        """Return by how much the axial force at a displacement u [m] exceeds a given force [N]."""
         pressed = contact_force(start + s * u * np.array([1.0, -1.0]), pair)
         return float(s * counts @ (pressed[:, 0] - pressed[:, 1])) - force
 
@@ -165,7 +165,7 @@ def axial_compliance_of_bodies(scene: Scene) -> float | None:
     inner, outer = 2.0 * (track.pitch_radius - reach), 2.0 * (track.pitch_radius + reach)
     if scene.nut.outer_diameter <= outer or scene.screw.bore >= inner:
         raise ValueError(
-            "the axial compliance of nut and screw got a nut or screw without a wall behind its contacts; allowed: a nut "
+            "axial compliance: got a nut or screw without a wall behind its contacts; allowed: a nut "
             f"wider than {1e3 * outer:.4g} mm and a bore narrower than {1e3 * inner:.4g} mm"
         )
     length = filled_turns(scene) / track.starts * track.lead

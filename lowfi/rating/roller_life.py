@@ -58,12 +58,12 @@ CONTACT, STEEL, RADIAL, THRUST = 551.13, 1.1, 0.83, 0.73
 #: a stationary race.
 SLOPE, TURNING, STANDING = 9.0 / 8.0, 4.0, 4.5
 
-#: Exponent of the ratio of rating to load in the life.
+#: Exponent of the ratio of load rating to equivalent load in the life.
 EXPONENT = 10.0 / 3.0
 
 
 def is_thrust_bearing_row(row: RollerRow) -> bool:
-    """Return whether a row of rollers is rated as a thrust bearing: its cup has a half angle above 45 deg."""
+    """Return whether a row of tapered rollers is rated as a thrust bearing: its cup has a half angle above 45 deg."""
     return degrees(row.cup_angle) > RADIAL_UP_TO + 1e-9
 
 
@@ -134,7 +134,7 @@ def static_rating(row: RollerRow) -> float:
 
 
 def dynamic_and_static_ratings_of_row(row: RollerRow) -> Ratings:
-    """Return the dynamic and static load ratings of a row of rollers.
+    """Return the dynamic and static load ratings of a row of tapered rollers.
 
     Parameters
     ----------
@@ -176,12 +176,12 @@ def basic_rating_life_of_row(row: RollerRow, line_loads: Array) -> Life | None:
 
 
 def equivalent_line_loads(line_loads: Sequence[Array], shares: Sequence[float]) -> Array:
-    """Return the line loads that cause the same fatigue damage as several load cases together.
+    """Return the line loads on rollers that cause the same fatigue damage as several load cases together.
 
     Parameters
     ----------
     line_loads
-        Loads per length in each case ``(count, slices)`` [N/m].
+        Loads per length of each roller's slices, for each load case ``(count, slices)`` [N/m].
     shares
         Fractions of the revolutions in each case, with the sum 1.
 
@@ -196,7 +196,7 @@ def equivalent_line_loads(line_loads: Sequence[Array], shares: Sequence[float]) 
 
 
 def equivalent_load(row: RollerRow, radial: float, axial: float) -> float:
-    """Return the dynamic equivalent load P of a row of rollers under radial and axial force (ISO 281).
+    """Return the dynamic equivalent load P of a row of tapered rollers under radial and axial force (ISO 281).
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ def equivalent_load(row: RollerRow, radial: float, axial: float) -> float:
 
 
 def life_of_row_by_equivalent_loads(row: RollerRow, shares: Sequence[float], forces: Sequence[Array]) -> EquivalentLife:
-    """Return the life of a row of rollers over several load cases by the equivalent loads of ISO 281, (C/P_m)^(10/3).
+    """Return the life of a row of tapered rollers over several load cases by ISO 281's equivalent loads, (C/P_m)^(10/3).
 
     Parameters
     ----------
