@@ -47,7 +47,7 @@ from rollbench.meshes.surface import ALL, groove_radius_with_slopes, principal_c
 
 
 def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Array:
-    """Return the change of all relative curvatures by errors of ball radius, groove radius and groove profile.
+    """Return the change of the relative curvatures of ball and flanks by errors of ball radius, groove radius and profile.
 
     The groove's curvature is evaluated on its profile at the nominal contact angle.
 
@@ -75,7 +75,7 @@ def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Arra
 
 
 def _curvature(radius: Array, slope: Array, bend: Array) -> Array:
-    """Return the curvature [1/m] of a plane curve in polar coordinates.
+    """Return the curvature [1/m] of a plane curve that is given in polar coordinates.
 
     Parameters
     ----------
@@ -88,8 +88,8 @@ def _curvature(radius: Array, slope: Array, bend: Array) -> Array:
 def oblique_term(constants: HertzConstants, ball_radius: float) -> Array:
     """Return the coefficient h [m/N^(4/3)] of the term h F^(4/3) that oblique pressure adds to a contact's approach.
 
-    F is the contact force [N]. The pressure at the edge of the contact ellipse acts at an angle to the contact's normal,
-    which Hertz's theory neglects; equation (2) of the module.
+    F is the contact force [N]. On a curved surface, the pressure at the edge of the contact ellipse acts at an angle to the
+    contact's normal, which Hertz's theory neglects; equation (2) of the module.
 
     Parameters
     ----------
@@ -102,15 +102,15 @@ def oblique_term(constants: HertzConstants, ball_radius: float) -> Array:
 
 
 #: Number of ball radii between which `hertz_C` interpolates for many specimens; and size of a polynomial coefficient,
-#: relative to the first one, below which it is round-off and left out.
+#: relative to the first coefficient, below which it is round-off and left out.
 NODES, ROUND_OFF = 12, 1e-15
 
 
 @lru_cache(maxsize=64)
 def error_free_hertz(scene: Scene) -> HertzConstants:
-    """Return the Hertz constants ``(4,)`` of the error-free parts at the nominal contact angle, from a cache.
+    """Return the Hertz constants of the four flanks ``(4,)`` for parts without errors at the nominal contact angle.
 
-    The arrays are shared and must not be changed.
+    The arrays come from a cache and must not be changed.
 
     Parameters
     ----------
@@ -121,10 +121,10 @@ def error_free_hertz(scene: Scene) -> HertzConstants:
 
 
 def nominal_curvatures(scene: Scene) -> Array:
-    """Return the relative principal curvatures ``(4, 2)`` [1/m] of ball and each flank of the error-free parts.
+    """Return the relative principal curvatures ``(4, 2)`` [1/m] of ball and each flank, for parts without errors.
 
     The curvature across the groove comes first. Curvatures are taken at the nominal contact angle. The array comes from a
-    cache, is shared and must not be changed.
+    cache and must not be changed.
 
     Parameters
     ----------
@@ -136,12 +136,12 @@ def nominal_curvatures(scene: Scene) -> Array:
 
 @lru_cache(maxsize=64)
 def _scene_of_parts_only(scene: Scene) -> Scene:
-    """Return the scene without loads, supports, errors and nut position, as the key of caches of geometric quantities."""
+    """Return a scene without loads, supports, errors and nut position, as the key of caches of geometric quantities."""
     return replace(reduce_to_compliance_geometry(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0))
 
 
 def clear_nominal_caches() -> None:
-    """Clear the caches of nominal contacts, so that the measured time of the next solve includes their computation."""
+    """Clear the caches of Hertz constants and curvatures, so that a timed solve that follows computes them again."""
     for kept in (_cached_curvatures, _cached_hertz_of_parts, _cached_hertz_of_radius, error_free_hertz):
         kept.cache_clear()
 
@@ -176,7 +176,7 @@ def _cached_curvatures(bare: Scene) -> Array:
 
 
 def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> HertzConstants:
-    """Return the Hertz constants ``(..., N, 4)`` of every contact with its actual radii, at the nominal contact angle.
+    """Return the Hertz constants ``(..., N, 4)`` of every contact from its radii with errors, at the nominal contact angle.
 
     The effect of an oversized ball is equation (1) of the module.
 
@@ -194,7 +194,9 @@ def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None)
 
 
 def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzConstants:
-    """Return the Hertz constants of `drawn_hertz` for N balls ``(N, 4)``; ``(4,)`` or ``(1, 4)`` if all balls are alike.
+    """Return the Hertz constants ``(N, 4)`` of N balls and four flanks with errors; a single row if all balls are alike.
+
+    The values are those of `drawn_hertz`. For balls that are all alike the shape is ``(4,)`` or ``(1, 4)``.
 
     Parameters
     ----------
@@ -215,10 +217,9 @@ def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzCo
 
 
 def own_hertz(scene: Scene, drawn: Specimen) -> HertzConstants:
-    """Return the Hertz constants ``(N, 4)`` of every contact with its actual radii, at the nominal contact angle.
+    """Return the Hertz constants ``(N, 4)`` of every contact from its radii with errors, at the nominal contact angle.
 
-    The values are the same as from `drawn_hertz`, but computed only once if all balls are alike. The arrays must not be
-    changed.
+    The values are those of `drawn_hertz`, but computed only once if all balls are alike. The arrays must not be changed.
 
     Parameters
     ----------
@@ -232,7 +233,7 @@ def own_hertz(scene: Scene, drawn: Specimen) -> HertzConstants:
 
 
 def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
-    """Return the Hertz constants ``(N, 4)`` at the actual contact angles, from the exact surfaces with all errors.
+    """Return the Hertz constants ``(N, 4)`` at given contact angles, from the curvatures of the surfaces with their errors.
 
     Parameters
     ----------
@@ -296,9 +297,9 @@ def hertz_from_curvatures(scene: Scene, curvatures: Array) -> HertzConstants:
 
 
 def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
-    """Return the Hertz constants of a screw flank and a nut flank with the mistakes of Lin's Table B.1.
+    """Return the Hertz constants of a screw flank and of a nut flank as misprinted in Table B.1 of Lin's thesis.
 
-    Lin's principal radii there are no radii of curvature; see `meshes.surface.printed_principal_radii`.
+    The principal radii of that table are no radii of curvature; see `meshes.surface.printed_principal_radii`.
 
     Parameters
     ----------
@@ -311,7 +312,7 @@ def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
     ball = scene.balls.material
 
     def hertz_of(side: int, body: Material) -> PrintedHertz:
-        """Return the Hertz constants of one flank with Lin's mistakes; ``body``: material of the screw or nut."""
+        """Return the Hertz constants of one flank by Lin's Table B.1; ``body``: material of the screw or nut."""
         modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, body.youngs_modulus, body.poissons_ratio)
         low, high = printed_principal_radii(bare, drawn, side, gamma)[0]
         return printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
@@ -320,14 +321,14 @@ def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
 
 
 def _misprinted_hertz_C(scene: Scene) -> Array:
-    """Return the Hertz constant C of each flank with the mistakes of Lin's Table B.1, ``(4,)`` [m/N^(2/3)]."""
+    """Return the Hertz constant C of each flank as misprinted in Table B.1 of Lin's thesis, ``(4,)`` [m/N^(2/3)]."""
     return np.repeat([side.C for side in printed_sides(scene)], 2)
 
 
 def with_error_free_hertz(scene: Scene) -> Scene:
-    """Return the scene with Hertz constants of error-free parts, as the published models use them.
+    """Return a copy of a scene that selects the Hertz constants of parts without errors, as published models use them.
 
-    A scene whose ``hertz`` is "as printed" is returned unchanged.
+    A scene that selects those printed in Lin's thesis (``hertz`` is "as printed") is returned unchanged.
 
     Parameters
     ----------
@@ -340,10 +341,10 @@ def with_error_free_hertz(scene: Scene) -> Scene:
 
 
 def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> Array:
-    """Return the Hertz constant C of each ball and flank ``(..., N, 4)`` [m/N^(2/3)] in approach = C Q^(2/3).
+    """Return the Hertz constant C ``(..., N, 4)`` [m/N^(2/3)] of each ball and flank; approach = C Q^(2/3) at the force Q.
 
-    The scene's ``hertz`` decides which: "error-free", those of nominal dimensions; "as printed", those of Lin's Table B.1
-    with its mistakes; otherwise those of the actual radii. The contact angle is the nominal one.
+    The scene's ``hertz`` decides from which dimensions C is computed: "error-free", the nominal ones; "as printed", Lin's
+    Table B.1 with its mistakes; otherwise the radii with their errors. The contact angle is the nominal one.
 
     Parameters
     ----------
@@ -374,9 +375,9 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
 
 
 def _repeat_flank_values(row: Array, shape: tuple[int, ...]) -> Array:
-    """Return a new array ``(*shape, 4)`` filled with values of the four flanks.
+    """Return values of the four flanks as a new array ``(*shape, 4)`` with a row for every ball.
 
-    ``row``: values ``(4,)`` that all balls share, or one row for every ball ``(*shape, 4)``.
+    ``row``: values ``(4,)`` that all balls share, or values of every ball ``(*shape, 4)``.
     """
     values = np.empty((*shape, 4))
     values[...] = row

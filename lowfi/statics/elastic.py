@@ -81,7 +81,7 @@ MARGIN = 0.2e-6
 
 @dataclass(kw_only=True)
 class ElasticEquations(OneSetEquations):
-    """Equations of a single ball screw or ball bearing with elastic bodies, for the numerical kernels."""
+    """Equations of a single ball screw or ball bearing with elastic screw, nut and balls, for the numerical kernels."""
 
     SOLVER = "solve_forces"
     #: Arrays of bodies and balls for the kernels.
@@ -97,9 +97,10 @@ class ElasticEquations(OneSetEquations):
 
     @property
     def pair(self) -> tuple[int, int] | None:
-        """Return the numbers of the two flanks of the only diagonal pair in use, the screw's flank first.
+        """Return the numbers of the two flanks if only one diagonal pair has contacts, the screw's flank first.
 
-        The position of a ball between two flanks has a closed form. None if all four flanks are in use.
+        Flanks are numbered SL 0, SR 1, NL 2, NR 3. None if all four flanks have contacts. The position of a ball between
+        two flanks has a closed form.
         """
         if self.given.bodies.second.size:
             return None
@@ -145,9 +146,9 @@ class ElasticEquations(OneSetEquations):
         return out
 
     def shifts(self) -> Array:
-        """Return the motions of all flanks in use ``(N, 4, 2)`` [m] in the present state, zero for the others.
+        """Return the motions of the four flanks ``(N, 4, 2)`` [m] in the present state; zero for a flank without contacts.
 
-        The last axis holds two components in the ball's section plane.
+        The last axis holds two components in the ball's section plane, radial and along the helix's binormal.
         """
         screw, nut, v0, R = self.bodies.kept
         forces = self.forces()
@@ -180,9 +181,9 @@ class ElasticEquations(OneSetEquations):
         )
 
     def solved(self) -> SolvedState:
-        """Return motions, contact forces and support reactions at the solution.
+        """Return the solution: motions, contact forces and support reactions.
 
-        Node motions and reactions are no unknowns of the condensed equations; they follow from the contact forces.
+        Motions of the beam's nodes and reactions are no unknowns of the equations; they follow from the contact forces.
         """
         problem, squeeze = self.problem, self.bodies.squeeze
         used = [s for s in range(2) if problem.use[s]]
@@ -220,20 +221,20 @@ class ElasticEquations(OneSetEquations):
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticInput(StaticInput):
-    """Input of a ball screw's static problem with elastic bodies; the problem is built from it, also with other flanks."""
+    """Input from which a ball screw's static problem with elastic bodies is built, also with other flanks."""
 
     #: Method by which the compliance of screw, nut and balls is computed.
     backend: Backend = REFINED
     #: Compliance of the bodies condensed from a 3D model, in place of a computed one; None: computed.
     condensed: Condensed | None = None
-    #: Function that computes the compliance of one complete screw or nut, see `body_compliance`.
+    #: Function that computes the compliance of one complete screw or nut between its contacts.
     whole: WholeBody = compliance_between_contacts
 
     @property
     def section(self) -> BeamSection | None:
-        """Return the screw's cross-section with its groove, if the ``backend`` computes one.
+        """Return the screw's cross-section with its groove, if the ``backend`` computes one; None: a plain section is used.
 
-        None: the cross-section follows from the scene's dimensions.
+        The plain section follows from the scene's dimensions.
         """
         return grooved_section(reduce_to_compliance_geometry(self.scene), True) if self.backend.section == "cell" else None
 
@@ -277,7 +278,7 @@ class ElasticInput(StaticInput):
         )
 
     def touched(self) -> str:
-        """Return the sentence for the result that balls may touch left-out flanks, so that all four flanks were solved."""
+        """Return the note for the result that balls may touch left-out flanks, so that all four flanks were solved."""
         return "two of the four flanks may touch balls in the solution without them: solved again with all four flanks"
 
 
@@ -329,7 +330,7 @@ def solve_elastic(
 
 
 class ElasticMembers:
-    """Specimens of a scene that differ only in the random radii of their balls, solved with the same equations.
+    """Solver for specimens of a ball screw that differ only in the random radii of their balls and so share equations.
 
     The function `shared` returns whether the specimens of a scene differ in nothing else.
     """
@@ -390,7 +391,7 @@ class ElasticMembers:
     def _solve_specimen(
         self, number: int, use: Mask, dims: tuple[Array, Array, Array, Array]
     ) -> tuple[Array, float, float] | None:
-        """Solve one specimen with the flanks in ``use``, or return None if that fails.
+        """Solve one specimen with contacts on the flanks in ``use``; return None if that fails.
 
         Parameters
         ----------
@@ -399,8 +400,8 @@ class ElasticMembers:
         use
             Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
         dims
-            Ball radii, distances of ball and groove centres, interference and Hertz constants, as for
-            `_SharedEquations.solve`, which also describes the result.
+            Ball radii, distances of ball and groove centres, interferences and Hertz constants of the specimen: the first
+            four arguments of `_SharedEquations.solve`, whose result is returned.
         """
         system, key = self._equations_for_flanks(use), (number, use.tobytes())
         if system is None:
@@ -411,7 +412,7 @@ class ElasticMembers:
         return solved
 
     def _equations_for_flanks(self, use: Mask) -> _SharedEquations | None:
-        """Return the equations for the flanks in ``use`` at the solution of specimen 0, from which the others start.
+        """Return the equations with contacts on the flanks in ``use``, solved for specimen 0, for use by other specimens.
 
         If balls of specimen 0 touch a flank that was left out, the equations have all four flanks. None if specimen 0 has
         no solution or its equations fit no other specimen.
@@ -449,9 +450,10 @@ class _SharedEquations:
     """Equations of one solved specimen with elastic bodies, into which the ball radii of other specimens are written."""
 
     def __init__(self, elastic: ElasticEquations) -> None:
-        """Store the solution of ``elastic`` as the start of the iteration for other specimens.
+        """Store solved equations, whose solution is the start of the iteration for other specimens.
 
-        Also stored are the contact law's coefficients, which depend on the typical contact force, and those of the work.
+        ``elastic``: the equations. The coefficients of the contact law, which depend on the typical contact force, and of
+        the work of the external loads are stored too.
         """
         self.elastic = elastic
         self.start = [array.copy() for array in elastic.state]
@@ -502,10 +504,10 @@ class _SharedEquations:
         return loads, outcome.residual, work
 
     def _write_specimen(self, radii: Array, offset: Array, closure: Array, C: Array) -> None:
-        """Write the data of a specimen into the kernels' arrays.
+        """Write ball radii, interferences and contact laws of a specimen into the kernels' arrays.
 
-        ``radii`` ``(N,)``: ball radii [m]; ``offset``, ``closure``: result of `centre_distances`; ``C`` ``(N, 4)``: Hertz
-        constants.
+        ``radii`` ``(N,)``: ball radii [m]; ``offset``, ``closure``: result of `centre_distances` (vectors from groove to
+        ball centres, interferences); ``C`` ``(N, 4)``: Hertz constants.
         """
         elastic, problem = self.elastic, self.elastic.problem
         problem.geometry[..., :4], problem.geometry[..., 4] = offset, C
@@ -523,11 +525,11 @@ class _SharedEquations:
 
 
 def _external_work_coefficients(elastic: ElasticEquations) -> tuple[Array, Array, float]:
-    """Return coefficients of the work [J] that the external loads do on the motions of their points of action.
+    """Return the coefficients of a linear function for the work [J] of the external loads on their points of action.
 
-    The work is a linear function of contact forces and free rigid motions (which no support prevents). Entries: its
-    derivative by the forces of the balls on the c screw flanks ``(2 c,)`` [J/N], its derivative by the amplitudes of the k
-    free motions ``(k,)`` [N], and its constant part [J].
+    Variables of the function are contact forces and free rigid motions, which no support prevents. Entries: derivative of
+    the work by the forces of the balls on the c screw flanks ``(2 c,)`` [J/N], derivative by the amplitudes of the k free
+    motions ``(k,)`` [N], and constant part [J].
     """
     problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.bodies.squeeze
     load = problem.load.ravel()

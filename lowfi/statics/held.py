@@ -26,14 +26,17 @@ from rollbench.meshes.parts import FREEDOMS
 
 @dataclass(frozen=True)
 class Mechanism:
-    """Rigid motions of the screw that neither a support nor a contact resists, and pins that prevent them."""
+    """Rigid motions of the screw that neither a support nor a contact resists, and pins that prevent them.
 
-    #: Whether the loads drive such a motion, so that there is no equilibrium.
+    A pin is a degree of freedom that the model fixes although no support does.
+    """
+
+    #: Whether the loads do work on such a motion, so that there is no equilibrium.
     driven: bool
     #: Description of the motion in words, for the user; empty if there is none.
     text: str
-    #: Numbers (0 to 5) of the degrees of freedom of the first node to fix ("pins"); for a rigid screw, of its coordinates
-    #: (columns of `Problem.basis`).
+    #: Numbers (0 to 5) of the degrees of freedom of the first node to fix; for a rigid screw, of its coordinates (columns
+    #: of `Problem.basis`).
     pins: tuple[int, ...] = ()
     #: Whether nothing can twist the shaft: its grooves have no lead, and no moment about the axis acts.
     no_torsion: bool = False
@@ -42,7 +45,7 @@ class Mechanism:
 
 
 def _motions_free_of_supports(problem: Problem) -> tuple[Array, Array, Array]:
-    """Return the k rigid motions of the screw that the supports of a problem leave free.
+    """Return the k rigid motions of the screw that its supports leave free, at the first node and at the balls' centres.
 
     The screw's motion is taken at each ball's centre, where a screw motion along the helix is exactly free. At the contact
     points, the planar sections of the model would seem to resist it. This artefact is proportional to the sine of the lead
@@ -71,7 +74,7 @@ def _motions_free_of_supports(problem: Problem) -> tuple[Array, Array, Array]:
 
 
 def loads_do_work_on(work: Array, load: Array, arm: float) -> bool:
-    """Return whether the loads do work on any of the normalised motions, apart from round-off.
+    """Return whether the loads do work on any of several rigid motions, apart from round-off.
 
     Parameters
     ----------
@@ -131,10 +134,10 @@ def _alternative_pins(free: Array, pins: tuple[int, ...], arm: float) -> tuple[i
 
 
 def _describe_free_motions(free: Array, lead: float, arm: float) -> str:
-    """Return a description in words of the free motions ``(6, k)`` of the screw's section at the nut's centre.
+    """Return a description in words of motions of the screw that nothing resists, such as "screw motion along the helix".
 
-    ``lead``: lead of the helix [m], 0 for a bearing; ``arm``: length [m] by which rotations are compared with
-    displacements.
+    ``free`` ``(6, k)``: the motions of the screw's section at the nut's centre; ``lead``: lead of the helix [m], 0 for a
+    bearing; ``arm``: length [m] by which rotations are multiplied where they are compared with displacements.
     """
     scaled = np.abs(free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]).max(axis=1)
     if free.shape[1] == 1 and scaled[:2].max() + scaled[3:5].max() < 1e-6 * scaled.max():
@@ -185,7 +188,7 @@ def opening_motion(problem: Problem) -> Array | None:
 
 
 def approach_change_by_motions(side: int, angle: float, flank_motions: Array, first_ball: int, ball_count: int) -> Array:
-    """Return the change of the contact approach on one flank of N balls, per unit motion of bodies and of ball centres.
+    """Return the change of each contact's approach on one flank of N balls, per unit motion of bodies and ball centres.
 
     Parameters
     ----------
@@ -213,7 +216,9 @@ def approach_change_by_motions(side: int, angle: float, flank_motions: Array, fi
 
 
 def solve_opening_program(work: Array, approach_rows: Any, fixed_motion_rows: Array) -> Array | None:
-    """Find a motion on which the loads do work while no contact is compressed and no fixed degree of freedom moves.
+    """Find, by a linear program, a motion on which the loads do work while no contact is compressed.
+
+    Fixed degrees of freedom do not move.
 
     Parameters
     ----------

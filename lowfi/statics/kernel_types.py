@@ -1,8 +1,9 @@
 """Arguments and results of the numerical kernels of the static models, as named tuples.
 
 The interpreted and the compiled kernels share these types. There are N balls, n nodes of the screw's beam, and k free
-motions, which nothing but the contacts resists. Each ball has d motions of its flanks: 8 for four flanks, or 2 for one
-diagonal pair, whose ball position has a closed form. Flanks are in the order SL, SR, NL, NR: screw and nut, left and right.
+motions: rigid motions of a body that nothing but the contacts resists. Each ball has d motions of its flanks: 8 for four
+flanks, or 2 for one diagonal pair, between which the ball's position has a closed form. Flanks are in the order SL, SR, NL,
+NR: screw left and right, nut left and right.
 """
 
 from typing import Any, NamedTuple
@@ -19,7 +20,7 @@ class BeamArrays(NamedTuple):
 
     #: Lengths (n - 1,) of the elements [m].
     lengths: Array
-    #: Which degrees of freedom of the nodes are fixed (n, 6).
+    #: Which degrees of freedom of the nodes are fixed, as truth values (n, 6).
     fixed: Array
     #: Loads on the nodes (n, 6) [N, N m].
     load: Array
@@ -34,23 +35,23 @@ class BeamContacts(NamedTuple):
 
     #: First node (N, 2) whose motion moves the screw's flanks SL, SR.
     node: Array
-    #: Motions of these flanks, with two components in the ball's section plane (radial, and along the helix's binormal),
-    #: per unit of the six motions of that node (m = 6), or of that node and the next one (m = 12): (N, 2, 2, m).
+    #: Motions (N, 2, 2, m) of the flanks SL and SR, with two components in the ball's section plane (radial, and along the
+    #: helix's binormal), per unit of the six motions of that node (m = 6), or of that node and the next one (m = 12).
     B: Array
     #: Geometry and Hertz constant of each contact (N, 4, 9), see `lowfi.statics.kernel.ball`.
     geometry: Array
-    #: Nominal interference of ball and grooves across the diagonal pairs of flanks (N, 2) [m].
+    #: Nominal interference (N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
     closure: Array
     #: Radii of the balls (N,) [m].
     r_ball: Array
-    #: Profile errors of the flanks (4, d) [m]: coefficients of a polynomial of the contact angle, ascending powers.
+    #: Profile errors of the flanks (4, p) [m]: p coefficients of a polynomial of the contact angle, ascending powers.
     profile: Array
     #: Force [N] below which a contact counts as unloaded.
     tiny: float
 
 
 class MotionState(NamedTuple):
-    """State of the iteration that has the motions of shaft nodes and housings as unknowns: motions, balls and contacts.
+    """State of the Newton iteration whose unknowns are the motions of shaft nodes and housings, with balls and contacts.
 
     Each of the r bodies (shaft nodes, then moving housings) has one row of six motions.
     """
@@ -63,25 +64,25 @@ class MotionState(NamedTuple):
     p: Array
     #: Force, normal and stiffness of each contact (N, 4, 5), see `lowfi.statics.kernel.ball`.
     contact: Array
-    #: Force [N] and stiffness [N/m] of the rollers' slices (M, 2).
+    #: Force [N] and stiffness [N/m] of the M slices into which the rollers are divided (M, 2).
     slices: Array
 
 
 class MemberArrays(NamedTuple):
-    """Arrays of m specimens of one screw with different errors, which replace those of `BeamContacts`."""
+    """Arrays of m specimens of one screw with different manufacturing errors, in place of those in `BeamContacts`."""
 
     #: Motions of the flanks per unit motion of the nodes (m, N, 2, 2, 6); (1, N, 2, 2, 6) if all specimens share them.
     B: Array
     #: Geometry and Hertz constants of the contacts (m, N, 4, 9).
     geometry: Array
-    #: Nominal interference across the diagonal pairs of flanks (m, N, 2) [m].
+    #: Nominal interference (m, N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
     closure: Array
     #: Radii of the balls (m, N) [m].
     r_ball: Array
 
 
 class MemberStates(NamedTuple):
-    """Solutions of m specimens of one screw with different errors."""
+    """Solutions of m specimens of one screw with different manufacturing errors."""
 
     #: Contact forces (m, N, 4) [N].
     force: Array
@@ -106,11 +107,11 @@ class EnergyDerivatives(NamedTuple):
 
 
 class MotionWorkspace(NamedTuple):
-    """Work arrays of the Newton iteration that has the motions of shaft nodes and housings as unknowns."""
+    """Work arrays of the Newton iteration whose unknowns are the motions of shaft nodes and housings."""
 
     #: Derivatives of the energy.
     slopes: EnergyDerivatives
-    #: Stiffness matrix of shaft and springs, stored as lower band or envelope.
+    #: Stiffness matrix of shaft and springs without contacts, stored as lower band or envelope.
     base: Array
     #: Factor of the stiffness matrix with contacts, stored in the same form.
     matrix: Array
@@ -162,7 +163,7 @@ class AxisArrays(NamedTuple):
     sections: Array
     #: Constants (n - 1, 5) of the elements, as in `BeamArrays`.
     constants: Array
-    #: Which degrees of freedom of the bodies are fixed (r, 6).
+    #: Which degrees of freedom of the bodies are fixed, as truth values (r, 6).
     fixed: Array
     #: Loads on the bodies (r, 6) [N, N m].
     load: Array
@@ -185,7 +186,7 @@ class AxisArrays(NamedTuple):
 class AxisBalls(NamedTuple):
     """Arrays of the balls of all bearings and nuts of an assembly, whose flanks move with the bodies of an `AxisArrays`."""
 
-    #: First body (N, 4) whose motion moves a flank, -1 if the flank is fixed.
+    #: Number of the first body (N, 4) whose motion moves each flank, -1 if the flank is fixed.
     row: Array
     #: Motions of the flanks, with two components in the ball's section plane (radial, and along the helix's binormal), per
     #: unit of the six motions of that body (m = 6), or of that body and the next one (m = 12): (N, 4, 2, m).
@@ -194,29 +195,29 @@ class AxisBalls(NamedTuple):
     v0: Array
     #: Geometry and Hertz constant of each contact (N, 4, 9), as in `BeamContacts`.
     geometry: Array
-    #: Nominal interference across the diagonal pairs of flanks (N, 2) [m].
+    #: Nominal interference (N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
     closure: Array
     #: Radii of the balls (N,) [m].
     r_ball: Array
-    #: Profile errors of the flanks (N, 4, d) [m]: coefficients of a polynomial of the contact angle, ascending powers.
+    #: Profile errors of the flanks (N, 4, p) [m]: p coefficients of a polynomial of the contact angle, ascending powers.
     profile: Array
     #: Force [N] below which a contact counts as unloaded.
     tiny: float
 
 
 class AxisRollers(NamedTuple):
-    """Arrays of M slices of rollers between the two raceways of their bearings.
+    """Arrays of the M slices into which the rollers of all bearings are divided across their axes.
 
     The line contacts of a slice with both raceways are in series. The approach of the raceways at a slice is B q - drop,
     with the motions q of the bodies that carry the rings. The slice's force per width, p, follows from approach =
     p (g - S ln p), see `lowfi.rollers.LineLaw`.
     """
 
-    #: Bodies (M, 2) that move inner and outer ring, -1 if the ring is fixed.
+    #: Numbers of the bodies (M, 2) that move inner and outer ring, -1 if the ring is fixed.
     row: Array
     #: Approach (M, 2, 6) per unit motion of these bodies.
     B: Array
-    #: Gap (M,) [m] by the roller's crowning and the ring's offset, by which the approach is smaller.
+    #: Gap (M,) [m] that the roller's crowning and the ring's axial offset leave, which is subtracted from the approach.
     drop: Array
     #: Widths of the slices (M,) [m].
     width: Array
@@ -229,7 +230,7 @@ class AxisRollers(NamedTuple):
 class Progress(NamedTuple):
     """Progress of a Newton iteration, by which a stalled iteration is recognised."""
 
-    #: Smallest residual so far.
+    #: Smallest relative residual so far.
     best: float
     #: Lowest energy so far [J].
     lowest: float
@@ -255,7 +256,7 @@ Rows = BeamSystem | AxisSystem
 
 
 class Bodies(NamedTuple):
-    """Compliance of the bodies at the flanks of all balls.
+    """Compliance of the elastic bodies (screw and nut) at the flanks of all balls.
 
     The flanks move by v = v0 + G phi + R a, under the forces phi on the flanks and with the amplitudes a of the free rigid
     motions of the bodies, which nothing but the contacts resists.
@@ -268,7 +269,7 @@ class Bodies(NamedTuple):
     second: Array
     #: Motions of the flanks (N, d, k) per metre of each free rigid motion; a rotation's amplitude is angle times a length.
     R: Array
-    #: Motions of the flanks (N, d) by external loads and prescribed displacements [m].
+    #: Motions v0 of the flanks (N, d) by external loads and prescribed displacements [m].
     v0: Array
     #: Work of the external loads on the free rigid motions, per metre of amplitude (k,) [N].
     work: Array
@@ -284,7 +285,7 @@ class RollerContacts(NamedTuple):
     place: Array
     #: Widths of the slices (M, K) [m], 0 for unused slices.
     width: Array
-    #: Gap (M, K) [m] by the roller's crowning and the ring's offset, by which the approach is smaller.
+    #: Gap (M, K) [m] that the roller's crowning and the ring's axial offset leave, which is subtracted from the approach.
     drop: Array
     #: Constants g (M,) of the force law [m^2/N].
     g: Array
@@ -293,23 +294,23 @@ class RollerContacts(NamedTuple):
 
 
 class BallContacts(NamedTuple):
-    """Contact data of the balls between elastic bodies, followed by the rollers."""
+    """Contact data of the balls between elastic bodies, and of the rollers, which follow the balls in joint arrays."""
 
     #: Geometry and Hertz constant of each contact (N, 4, 9), see `lowfi.statics.kernel.ball`.
     geometry: Array
-    #: Nominal interference across the diagonal pairs of flanks (N, 2) [m].
+    #: Nominal interference (N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
     closure: Array
-    #: Terms in the approach of each contact besides Hertz's (N, 4, 3): e [m/N] of the term e F; decrease of the approach
-    #: per unit amplitude of the ball's deformation; h [m/N^(4/3)] of the term h F^(4/3).
+    #: Coefficients of the terms that are added to Hertz's approach of each contact (N, 4, 3): e [m/N] of the term e F at
+    #: the force F; decrease of the approach per unit amplitude of the ball's deformation; h [m/N^(4/3)] of h F^(4/3).
     local: Array
     #: Radii of the balls (N,) [m].
     r_ball: Array
-    #: Profile errors of the flanks (N, 4, d) [m]: coefficients of a polynomial of the contact angle, ascending powers.
+    #: Profile errors of the flanks (N, 4, p) [m]: p coefficients of a polynomial of the contact angle, ascending powers.
     profile: Array
     #: Contact data (N, 7) of balls between one diagonal pair of circular flanks, see
     #: `lowfi.statics.kernel.elastic.solve_balls_of_flank_pair`; zeros if four flanks are solved instead.
     pair: Array
-    #: Rollers; in arrays over all rolling elements they come after the balls.
+    #: Data of the rollers; in arrays over all rolling elements they come after the balls.
     rollers: RollerContacts
     #: Force [N] below which a contact counts as unloaded.
     tiny: float
@@ -322,10 +323,10 @@ NO_ROLLERS = RollerContacts(np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
 
 
 class ForceState(NamedTuple):
-    """State of the iteration that has the contact forces as unknowns.
+    """State of the Newton iteration whose unknowns are the contact forces on elastic bodies.
 
-    It consists of the contact forces, the free rigid motions of the bodies (which only the contacts resist), ball centres,
-    and contacts.
+    Further unknowns are the free rigid motions of the bodies, which only the contacts resist. Ball centres and contacts
+    follow from the unknowns.
     """
 
     #: Forces on the flanks (N, d) [N].
@@ -340,7 +341,7 @@ class ForceState(NamedTuple):
 
 
 class ForceStep(NamedTuple):
-    """Step of Newton's method with the contact forces as unknowns."""
+    """Step of Newton's method for the contact forces on elastic bodies, and the motions of the flanks in this step."""
 
     #: Step of the forces on the flanks (N, d) [N].
     dphi: Array
@@ -351,26 +352,26 @@ class ForceStep(NamedTuple):
 
 
 class SearchStart(NamedTuple):
-    """State from which a line search along a step of the contact forces starts."""
+    """Contact forces and flank motions from which a line search along a Newton step starts."""
 
     #: Forces on the flanks (N, d) [N].
     phi: Array
     #: Amplitudes of the bodies' free rigid motions (k,) [m].
     a: Array
-    #: Motions of the flanks by the bodies, G phi (N, d) [m].
+    #: Elastic motions G phi of the flanks (N, d) [m], with the bodies' compliance G.
     g: Array
-    #: All motions of the flanks (N, d) [m].
+    #: Total motions of the flanks (N, d) [m]: elastic, by external loads and by free rigid motions.
     v: Array
 
 
 class BallRows(NamedTuple):
     """Factors S of the tangent stiffness S^T S [N/m] of balls and rollers against motions of their flanks or rings."""
 
-    #: Rows of S for each ball (N, 6 or 2, d) [(N/m)^(1/2)].
+    #: Rows of S for each ball or roller (N, 6 or 2, d) [(N/m)^(1/2)].
     S: Array
-    #: Number of rows that each ball uses (N,).
+    #: Number of rows of S that each ball or roller uses (N,).
     counts: Array
-    #: Number of rows of all balls before each ball (N,).
+    #: Number of used rows of all balls and rollers before each one (N,).
     starts: Array
 
 
@@ -381,19 +382,19 @@ class BodySystem(NamedTuple):
     bodies: Bodies
     #: Contact data of all balls and rollers.
     contacts: BallContacts
-    #: Linear springs between opposite flanks, which replace the contacts in the first solve (N, w, d): square root of the
-    #: stiffness times direction, zero where there is no spring.
+    #: Linear springs between opposite flanks, w for each ball, which replace the contacts in the first solve (N, w, d):
+    #: square root of the stiffness times direction [(N/m)^(1/2)], zero where there is no spring.
     springs: Array
 
 
 class BodyWorkspace(NamedTuple):
-    """Work arrays of the Newton iteration that has the contact forces on elastic bodies as unknowns."""
+    """Work arrays of the Newton iteration whose unknowns are the contact forces on elastic bodies."""
 
     #: Forces of the balls on the flanks (N, d) [N].
     f: Array
-    #: Motions of the flanks by the bodies (N, d) [m].
+    #: Elastic motions G phi of the flanks (N, d) [m], with the bodies' compliance G and the forces phi on the flanks.
     g: Array
-    #: All motions of the flanks (N, d) [m].
+    #: Total motions of the flanks (N, d) [m]: elastic, by external loads and by free rigid motions.
     v: Array
     #: Newton step.
     step: ForceStep
@@ -423,15 +424,16 @@ class LineSearchTrial(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """Result of a kernel's iteration: status, effort, residual, energy and largest contact force."""
+    """Result of a kernel's Newton iteration: how it ended, effort, residual, energy and largest force."""
 
-    #: Number defined in ``lowfi.statics.kernel.search``: converged, out of iterations, not held, or singular.
+    #: How the iteration ended, a number defined in ``lowfi.statics.kernel.search``: converged, too many iterations, a body
+    #: moved without limit, or singular stiffness.
     status: int
     #: Number of iterations.
     iterations: int
     #: Number of evaluations of the energy.
     evaluations: int
-    #: Relative residual.
+    #: Largest unbalanced force, divided by the field ``scale``.
     residual: float
     #: Energy [J].
     energy: float

@@ -1,9 +1,10 @@
 """Liu's self-adjusting axial model of a single nut (Liu et al. 2025, section 2), applied to a scene.
 
 Numbers in parentheses are equations of Liu et al.; the equations are solved in `lowfi.random_errors.chain`. The axial load
-enters screw and nut at that end of the row of balls which is nearer to it. Behind each ball, a segment of the screw (a bar
-with grooved section) and of the nut (a tube) carries the sum of the loads of the balls behind it (5). Contact angles change
-by (10). The error of a ball is its interference with a pair of flanks along the nominal contact normal (3).
+enters screw and nut at that end of the row of balls which is nearer to it. Seen from this end, a segment of the screw (a
+bar with grooved section) and of the nut (a tube) behind each ball carries the sum of the loads of all balls behind it (5).
+Contact angles change by (10). The error of a ball is its interference with a pair of flanks along the nominal contact
+normal (3).
 """
 
 from __future__ import annotations
@@ -45,11 +46,11 @@ LEFT_OUT = (
 class SpringRow:
     """The M balls of a single nut in Liu's axial model: springs between screw and nut, ordered from the loaded end."""
 
-    #: Stiffness of contacts and segments, and geometry, for Liu's equations.
+    #: Stiffness of contacts and of segments of screw and nut, and contact geometry, for Liu's equations.
     chain: BallScrewChain
-    #: Numbers of the balls, ordered from the loaded end ``(M,)``.
+    #: Numbers of the balls in the scene, ordered from the loaded end ``(M,)``.
     order: NDArray[np.int64]
-    #: Interference of each ball along the contact normal, in this order ``(M,)`` [m].
+    #: Interference of each ball by errors along the contact normal, ordered from the loaded end ``(M,)`` [m].
     errors: Array
     #: Axial load on the screw [N].
     force: float
@@ -59,7 +60,7 @@ class SpringRow:
     at: float
     #: Axial position of the load [m].
     beyond: float
-    #: Tensile compliance of a screw segment, as a fraction of the sum for screw and nut segment.
+    #: Tensile compliance of a screw segment, as a fraction of the sum of the compliances of a screw and a nut segment.
     share: float
     #: Tensile stiffness E A of the screw [N].
     bar: float
@@ -77,7 +78,7 @@ class SpringRow:
         return solve_ball_screw(self.chain, self.errors, force, compiled=compiled)
 
     def stiffness(self, step: float = 0.0) -> float | None:
-        """Return the axial stiffness of the nut at the load [N/m]; None without load.
+        """Return the axial stiffness of the nut under the scene's load [N/m]; None without load.
 
         Parameters
         ----------
@@ -139,7 +140,7 @@ def nut_as_spring_row(scene: Scene, *, member: int = 0, law: Law = "implicit") -
 
 
 def _loaded_end(scene: Scene, z: Array) -> tuple[float, float, bool]:
-    """Return the axial load [N], its axial position [m], and whether it is below the ball row (at lower z).
+    """Return the axial load [N], its axial position [m], and whether it acts at lower z than all balls.
 
     Several loads are summed up; the position is that of the load nearest to the balls.
 
@@ -174,7 +175,7 @@ def _loaded_end(scene: Scene, z: Array) -> tuple[float, float, bool]:
 
 
 def is_solvable_by_liu(scene: Scene) -> bool:
-    """Return whether Liu's model can solve a scene and nothing but axial loads acts on its screw.
+    """Return whether Liu's model covers a scene and only axial loads act on its screw.
 
     Parameters
     ----------

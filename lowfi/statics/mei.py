@@ -35,7 +35,7 @@ ASSUMPTIONS = (
 
 @dataclass(frozen=True)
 class _AxialChain:
-    """Arrays of Mei's axial model: bars of screw and nut, joined by N balls.
+    """Arrays of Mei's axial model: screw and nut as rows of elastic bars that N balls join.
 
     Unknowns are the axial motions of the screw at its nodes and, with an elastic nut, of the nut at the same positions.
     """
@@ -54,11 +54,12 @@ class _AxialChain:
     screw: NDArray[np.int64]
     #: Index of the unknown that is the nut's motion at each ball ``(N,)``; -1 for a rigid nut.
     nut: NDArray[np.int64]
-    #: Approach of a flank pair per axial motion: sine of the contact angle times cosine of the lead angle.
+    #: Approach of two opposite flanks per axial motion of the screw: sine of the contact angle times cosine of the lead
+    #: angle.
     slope: float
     #: Interference of the flank pairs (SL, NR) and (SR, NL) at each ball by errors and oversize ``(N, 2)`` [m].
     closure: Array
-    #: Hertz constants of these pairs, both contacts in series ``(N, 2)`` [m/N^(2/3)].
+    #: Hertz constants of the flank pairs (SL, NR) and (SR, NL), both contacts in series ``(N, 2)`` [m/N^(2/3)].
     C: Array
 
 
@@ -69,7 +70,7 @@ def nut_tensile_stiffness(scene: Scene) -> float:
 
 
 def _bars(band: Array, unknowns: NDArray[np.int64], stations: Array, stiffness: float) -> None:
-    """Add the stiffness of bars in series to a stiffness matrix, which is changed in place.
+    """Add the tensile stiffness of a row of bars to a stiffness matrix, which is changed in place.
 
     Parameters
     ----------

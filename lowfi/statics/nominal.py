@@ -1,4 +1,4 @@
-"""Contact loads of balls at arbitrary positions, and the number of loaded contacts of the screw without errors.
+"""Contact loads of balls at arbitrary positions, and the number of loaded contacts of a screw without errors.
 
 The mean contact load of a scene is the sum of its contact loads divided by the number of loaded contacts of the nominal
 screw. The nominal screw has the preload (oversize of all balls, lead offset), supports and loads of the scene, but no other
@@ -54,7 +54,7 @@ class ContactLoads:
 
 
 def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine = "auto") -> ContactLoads:
-    """Return the contact loads of balls at arbitrary positions by Lin's model, with the screw as a beam (`solve_static`).
+    """Return the contact loads of balls at given positions by Lin's model, with the screw as a beam in a rigid nut.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def elastic_loads(
     backend: Backend = REFINED,
     whole: WholeBody = compliance_between_contacts,
 ) -> ContactLoads:
-    """Return the contact loads of balls at arbitrary positions with elastic screw, nut and balls (`solve_elastic`).
+    """Return the contact loads of balls at given positions with elastic screw, nut and balls.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def elastic_loads(
     backend
         Method by which the compliance of screw, nut and balls is computed.
     whole
-        Function that computes the compliance of one complete screw or nut, see `body_compliance`.
+        Function that computes the compliance of one complete screw or nut between its contacts.
     """
     use = flanks_of_scene(scene) if drawn.profile.shape[1] else choose_sides(scene, drawn)
     parts = scene, drawn, layout, use, pick_engine(engine, layout.z.size)
@@ -116,7 +116,9 @@ def _contact_loads_of(solved: Solution | UnrestrainedProblem) -> ContactLoads:
 
 
 def nominal_scene(scene: Scene) -> Scene:
-    """Return the nominal scene: with its preload by oversized balls and lead offset, but without other errors and names.
+    """Return a copy of a scene with nominal parts: preload by oversized balls and lead offset, but no other errors.
+
+    Name, title and assumptions are empty, so that scenes with the same nominal parts are equal.
 
     Parameters
     ----------
@@ -128,7 +130,7 @@ def nominal_scene(scene: Scene) -> Scene:
 
 
 def nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> int:
-    """Return the number of loaded contacts of the nominal screw; 0 if none is loaded or there is no equilibrium.
+    """Return the number of loaded contacts of a scene without errors (but preload); 0 without load or equilibrium.
 
     Parameters
     ----------

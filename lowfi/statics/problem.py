@@ -21,7 +21,10 @@ SIGNS = np.array(SIDE_SIGNS)
 
 @dataclass(frozen=True)
 class Problem:
-    """Arrays of the static problem of a ball screw: n beam nodes, N balls, m = 6 or 12 node motions that move a flank."""
+    """Arrays of the static problem of a ball screw with n beam nodes and N balls.
+
+    The motion of a groove flank at a ball depends on m motions of nodes: six of one node, or twelve of two nodes.
+    """
 
     #: Scene: screw, nut, balls, supports and loads.
     scene: Scene
@@ -39,14 +42,14 @@ class Problem:
     prescribed: Array
     #: Loads on the nodes ``(n, 6)`` [N, N m].
     load: Array
-    #: First node whose motion moves each screw flank (SL, SR) at a ball ``(N, 2)``.
+    #: Number of the first node whose motion moves each screw flank (SL, SR) at a ball ``(N, 2)``.
     node: NDArray[np.int64]
-    #: Motions of the screw's two flanks at each ball, with two components in the ball's section plane, per unit of the m
-    #: motions of this node (m = 6), or of this node and the next one (m = 12): ``(N, 2, 2, m)``.
+    #: Motions of the screw's two flanks at each ball, radial and along the helix's binormal, per unit of the six motions of
+    #: this node (m = 6), or of the twelve motions of this node and the next one (m = 12): ``(N, 2, 2, m)``.
     B: Array
     #: Geometry and Hertz constant of each contact for the kernels ``(N, 4, 9)``, see ``kernel.ball``.
     geometry: Array
-    #: Nominal interference of ball and grooves across each diagonal pair of flanks ``(N, 2)`` [m].
+    #: Nominal interference of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL ``(N, 2)`` [m].
     closure: Array
     #: Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
     use: NDArray[np.bool_]
@@ -63,7 +66,7 @@ class Problem:
 
     @property
     def C(self) -> Array:
-        """Return a view of the Hertz constants C ``(N, 4)`` [m/N^(2/3)] in approach = C Q^(2/3) at force Q."""
+        """Return the Hertz constants C ``(N, 4)`` [m/N^(2/3)], a view: approach = C Q^(2/3) at the contact force Q."""
         return self.geometry[:, :, 4]
 
     @property
@@ -113,9 +116,10 @@ def pack_geometry(
     use: NDArray[np.bool_],
     distances_and_interference: tuple[Array, Array] | None = None,
 ) -> tuple[Array, Array]:
-    """Return the kernels' array of contact data ``(N, 4, 9)``, and the interference of each ball across flank pairs.
+    """Return the kernels' array of contact data, and the interference of each ball with its diagonal pairs of flanks.
 
-    The layout of the first array is described in ``kernel.ball``. The second has shape ``(N, 2)`` [m].
+    The first array ``(N, 4, 9)`` is called ``geometry`` and described in ``kernel.ball``. The second ``(N, 2)`` [m] is
+    positive for interference and negative for clearance.
 
     Parameters
     ----------
@@ -142,7 +146,7 @@ def pack_geometry(
 
 
 def centre_distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
-    """Return the distances between ball centres and groove centres, and the interference across diagonal pairs of flanks.
+    """Return vectors from groove to ball centres with nominal approaches, and interferences with diagonal pairs of flanks.
 
     The approach is computed from deviations, so that parts without errors have an approach of exactly zero, and small
     errors lose no digits.
@@ -157,9 +161,9 @@ def centre_distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, 
     Returns
     -------
     tuple[Array, Array]
-        For each ball and flank the vector from groove centre to ball centre, its length and the nominal approach
-        ``(..., N, 4, 4)`` [m]; and for each ball the interference across its two diagonal pairs of flanks
-        ``(..., N, 2)`` [m], negative for clearance.
+        For each ball and flank the vector from groove centre to ball centre (two components), its length and the nominal
+        approach ``(..., N, 4, 4)`` [m]; and for each ball the interference with its diagonal pairs of flanks SL-NR and
+        SR-NL ``(..., N, 2)`` [m], negative for clearance.
     """
     x, z, radii = drawn.centre[..., 0], drawn.centre[..., 1], nominal_groove_radii(scene)
     size, nominal = _vector_length(x, z), _vector_length(*nominal_groove_centres(scene).T)
@@ -184,9 +188,9 @@ def largest_interference(problem: Problem) -> float:
 
 
 def round_off_approach(problem: Problem) -> float:
-    """Return the contact approach [m] that round-off of the coordinates can cause: 16 machine epsilons times a ball radius.
+    """Return the contact approach [m] up to which a contact may be round-off: 16 machine epsilons times a ball radius.
 
-    A computed approach up to this size counts as no contact.
+    A contact with a computed approach up to this size counts as open.
     """
     return 16.0 * float(np.finfo(float).eps) * problem.scene.balls.radius
 
@@ -200,17 +204,17 @@ def _vector_length(x: Array, z: Array) -> Array:
 
 
 def flank_motion_matrix(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
-    """Return the matrix from a body's six motions to the motion of one of its flanks at each ball.
+    """Return the matrix that gives the motion of a body's groove flank at each ball from the body's six motions.
 
-    The rows are e . (u + theta x r), with displacement u and rotation theta of the body, arm r and axis e of the ball's
-    section. The arm ends at the groove's centre of curvature, because the force on a circular arc always acts through it.
-    With the lever arm "nominal", r ends at the nominal contact point instead.
+    The motion is e . (u + theta x r), with displacement u and rotation theta of the body, lever arm r, and each of the two
+    axes e of the ball's section plane. The arm ends at the groove's centre of curvature, because the force on a circular
+    arc always acts through it. With the scene's lever arm "nominal", r ends at the nominal contact point instead.
 
     Parameters
     ----------
     parts
-        Scene, dimensions with errors, ball positions, and extra lever arms ``(N, 4, 2)`` [m] for flanks that are not
-        circular arcs (None: none).
+        Scene; dimensions with errors; ball positions; and shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by
+        profile errors (None: zero).
     side
         Number of the flank in the order SL, SR, NL, NR.
     origin_z
@@ -233,9 +237,9 @@ def flank_motion_matrix(parts: tuple[Scene, Specimen, BallLayout, Array | None],
 
 
 def point_motion_matrix(layout: BallLayout, r: Array) -> Array:
-    """Return the matrix from a body's six motions about its origin to the motion of points r, in each ball's section plane.
+    """Return the matrix from a body's six motions to the motion of its points r, in each ball's section plane.
 
-    The rows are (e, r x e) for both axes e of the section plane.
+    The body's motion is taken at the origin of r. The rows are (e, r x e) for both axes e of the section plane.
 
     Parameters
     ----------
@@ -258,16 +262,17 @@ def point_motion_matrix(layout: BallLayout, r: Array) -> Array:
 
 
 def lever_arms(problem: Problem, centre: Array) -> Array:
-    """Return the matrices from node motions to flank motions (`Problem.B`) for k specimens of a ball screw with errors.
+    """Return the motions of the screw's flanks per unit motion of the beam's nodes, for k specimens with groove errors.
 
-    The axes of the result are specimen, ball, screw flank (SL, SR), component in the section plane, and node motion.
+    They take the place of `Problem.B`. The axes of the result are specimen, ball, screw flank (SL, SR), component in the
+    ball's section plane, and node motion. Specimens differ in their lever arms, which end at the centres of groove arcs.
 
     Parameters
     ----------
     problem
         Static problem of one specimen, with N balls.
     centre
-        Centres of the groove arcs of all specimens in the section planes ``(k, N, 4, 2)`` [m].
+        Centres of the groove arcs of all specimens in the balls' section planes ``(k, N, 4, 2)`` [m].
 
     Returns
     -------
@@ -346,11 +351,11 @@ def build_problem(
     refine
         Number of elements that each beam element is split into.
     arms
-        Extra lever arms of the contacts ``(N, 4, 2)`` [m], see `flank_motion_matrix`; None: none.
+        Shifts of the flanks' centres of curvature by profile errors ``(N, 4, 2)`` [m]; None: zero.
     section
         Cross-section of the screw; None: computed from the scene's dimensions (Lin C.8).
     distances_and_interference
-        Distances and interferences of these parts as `centre_distances` returns them; None: computed here.
+        Result of `centre_distances` for these parts; None: computed here.
 
     Raises
     ------
@@ -405,9 +410,8 @@ def _build_rigid_problem(
 ) -> Problem:
     """Return the static problem of a rigid screw, whose six motions are taken at the nut's centre.
 
-    The supports are linear constraints on these motions. ``parts``: scene, dimensions with errors, ball positions, and
-    extra lever arms, as for `flank_motion_matrix`; ``use`` ``(4,)``: which flanks get contacts; ``geometry``, ``closure``:
-    result of `pack_geometry`; ``section``: cross-section of the screw.
+    The supports are linear constraints on these motions. ``parts``: as for `flank_motion_matrix`; ``use`` ``(4,)``: which
+    flanks get contacts; ``geometry``, ``closure``: result of `pack_geometry`; ``section``: cross-section of the screw.
 
     Raises
     ------
@@ -463,9 +467,9 @@ class PrescribedMotion:
 
 @dataclass(frozen=True)
 class Contradiction:
-    """Degree of freedom of a rigid screw whose prescribed value differs from the one that other supports imply."""
+    """Contradiction between supports of a rigid screw: a prescribed displacement that others imply to be different."""
 
-    #: The degree of freedom with its prescribed value.
+    #: The contradicted degree of freedom with its prescribed value.
     held: PrescribedMotion
     #: Value that the other supports imply [m or rad].
     implied: float
@@ -473,9 +477,9 @@ class Contradiction:
     by: tuple[PrescribedMotion, ...]
 
     def message(self, scene: Scene) -> str:
-        """Return the contradiction as one sentence for the user, with the supports' axial positions in mm.
+        """Return one sentence for the user on the contradiction, with the supports' axial positions in mm.
 
-        ``scene``: screw with the contradicting supports.
+        ``scene``: the screw with its supports.
         """
         names = ", ".join(f"{x.freedom} at {_describe_support_position(scene, x)}" for x in self.by)
         contradicted = f"{self.held.freedom} at {_describe_support_position(scene, self.held)}"
@@ -525,7 +529,7 @@ def support_constraints(scene: Scene) -> tuple[Array, Array, list[PrescribedMoti
 
 
 def contradiction(scene: Scene) -> Contradiction | None:
-    """Return the first prescribed displacement of a rigid screw that contradicts the supports before it.
+    """Return the first prescribed displacement of a rigid screw that contradicts earlier supports in the scene, if any.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Compliance of shaft, screw and nut at the contacts, and arrays of the flanks' motions for the numerical kernels.
+"""Compliance of screw and nut at the contacts, with the shaft as a beam, as arrays for the numerical kernels.
 
 The compliance depends neither on the loads nor on the radii of the balls. It is cached, because load cases, sweeps over
 loads and specimens with other ball radii share it.
@@ -46,22 +46,22 @@ if TYPE_CHECKING:
 #: Largest number of balls up to which compliance is cached.
 KEPT = 250
 #: Largest share of a contact's tangent compliance (derivative of the approach by the force) that is moved from Hertz's law
-#: to the bodies. The tangent compliance falls with the cube root of the force; with this share the rest stays positive up
-#: to 64 times the typical force.
+#: to the bodies, whose compliance matrix thus becomes positive. The tangent compliance falls with the cube root of the
+#: force; with this share the rest stays positive up to 64 times the typical force.
 LENT = 0.25
 
 
 def order_ball_by_ball(N: int, flank_count: int) -> NDArray[np.int64]:
-    """Return the permutation from the order (flank, ball, axis) to the order (ball, flank, axis).
+    """Return the permutation of flank motions from the order (flank, ball, component) to (ball, flank, component).
 
     The array ``(2 N flank_count,)`` holds for each place in the new order the index in the old one. ``N``: number of balls;
-    ``flank_count``: number of flanks per ball; axis: one of two components in the ball's section plane.
+    ``flank_count``: number of flanks per ball; component: one of two in the ball's section plane.
     """
     return np.arange(flank_count * N * 2).reshape(flank_count, N, 2).swapaxes(0, 1).ravel()
 
 
 def compliance_of_both_flanks(G: Array, used: NDArray[np.bool_], N: int) -> Array:
-    """Return the compliance ``(4 N, 4 N)`` of both flanks of a body, with zeros for a flank that is not in use.
+    """Return the compliance ``(4 N, 4 N)`` of both flanks of screw or nut, with zeros for a flank without contacts.
 
     Parameters
     ----------
@@ -78,11 +78,12 @@ def compliance_of_both_flanks(G: Array, used: NDArray[np.bool_], N: int) -> Arra
 
 
 def without_negative_eigenvalues(G: Array, normals: Array, tangent_compliance: float) -> tuple[Array, Array, float]:
-    """Remove the negative eigenvalues of a body's compliance, which would make the energy non-convex.
+    """Return the compliance of a body without negative eigenvalues, which would make the energy non-convex.
 
-    Near a fixed face the compliance of a body, beyond the one that Hertz's law contains, is negative. The missing
-    compliance is added to the body along the contact's normal and must be subtracted from the contact's law, so that the
-    sum is exact. At most the share `LENT` of a contact's tangent compliance is moved; what stays negative is set to zero.
+    The matrix holds the compliance in addition to the one that Hertz's law contains; near a fixed face it is negative. The
+    missing compliance is added to the body along the contact's normal and must be subtracted from the contact's law, so
+    that the sum is exact. At most the share `LENT` of a contact's tangent compliance is moved; what stays negative is set
+    to zero.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ def without_negative_eigenvalues(G: Array, normals: Array, tangent_compliance: f
 
 
 class Compliance:
-    """Compliance matrix of a body between n contacts; derived quantities are computed once, so that it is read-only."""
+    """Compliance matrix of a body between n contacts, and how to make it positive; it must not be changed."""
 
     def __init__(self, G: Array, normals: Array) -> None:
         """Store the compliance matrix ``G`` ``(2 n, 2 n)`` [m/N] and the unit ``normals`` of the contacts ``(n, 2)``."""
@@ -117,7 +118,7 @@ class Compliance:
 
     @cached_property
     def lacks(self) -> Array:
-        """Return the compliance ``(n,)`` [m/N] to add along each contact's normal to make the matrix positive semidefinite.
+        """Return the compliance ``(n,)`` [m/N] to add along the contacts' normals for a positive semidefinite matrix.
 
         The values are upper bounds: the matrix's negative part (that of its negative eigenvalues) is projected on the
         normals, and the magnitudes in each row of this projection are summed up.
@@ -128,14 +129,15 @@ class Compliance:
 
     @cached_property
     def mended(self) -> tuple[Compliance, float]:
-        """Return the compliance with ``lacks`` added along the normals, and the largest eigenvalue that was set to zero.
+        """Return the compliance with the amount `lacks` added along the contacts' normals, without negative eigenvalues.
 
-        The second entry is the magnitude [m/N] of the largest negative eigenvalue that remained; zero if there was none.
+        The second entry is the magnitude [m/N] of the largest negative eigenvalue that remained and was set to zero; zero
+        if there was none.
         """
         return self.with_added_compliance(self.lacks)
 
     def with_added_compliance(self, lent: Array) -> tuple[Compliance, float]:
-        """Return a copy with compliance added along the normals, in which remaining negative eigenvalues are set to zero.
+        """Return a copy with compliance added along the contacts' normals; remaining negative eigenvalues are set to zero.
 
         The normals of rollers are zero vectors: rollers move with the beam alone, whose compliance must not change. The
         negative eigenvalues are therefore those of the other contacts while the rollers do not move
@@ -162,7 +164,7 @@ class Compliance:
         return Compliance(G, self.normals), max(0.0, -least)
 
     def positive(self, tangent: float) -> tuple[Compliance, Array, float]:
-        """Return the compliance without negative eigenvalues, as the function `without_negative_eigenvalues` does.
+        """Return the compliance without negative eigenvalues, by the method of `without_negative_eigenvalues`.
 
         ``tangent``: tangent compliance of a contact [m/N]. Entries: the compliance; what was added to it along the normals
         ``(n,)`` [m/N]; and the magnitude of the largest negative eigenvalue that was set to zero [m/N].
@@ -175,7 +177,7 @@ class Compliance:
 
 
 def condensed_compliance(G: Array, kept: NDArray[np.bool_]) -> Array:
-    """Return the compliance of the ``kept`` degrees of freedom while all others are fixed (Schur complement).
+    """Return the compliance matrix of some degrees of freedom while all others are fixed (Schur complement).
 
     ``G`` ``(m, m)``: compliance matrix of all degrees of freedom [m/N]; ``kept`` ``(m,)``: True for each degree of freedom
     of the result. The compliance of the others may be singular, since rollers on one node move together.
@@ -205,7 +207,7 @@ def _is_positive(G: Array) -> bool:
 
 
 def contact_normals(geometry: Array) -> Array:
-    """Return the unit normals of contacts ``(..., 2)`` in the ball's section plane.
+    """Return the unit normals ``(..., 2)`` of the nominal contacts in the ball's section plane.
 
     ``geometry`` ``(..., 9)``: contact data with the vector from groove centre to ball centre (`lowfi.statics.kernel.ball`).
     """
@@ -219,9 +221,9 @@ def typical_axes(problem: Problem, force: float) -> tuple[float, float]:
 
 
 def only_flank_pair(problem: Problem) -> tuple[int, int] | None:
-    """Return the numbers of the two flanks of the only diagonal pair in use, the screw's flank first.
+    """Return the numbers of the two flanks if only one diagonal pair has contacts, the screw's flank first.
 
-    Flanks are numbered SL 0, SR 1, NL 2, NR 3: the result is (0, 3) or (1, 2). None if all four flanks are in use or the
+    Flanks are numbered SL 0, SR 1, NL 2, NR 3: the result is (0, 3) or (1, 2). None if all four flanks have contacts or the
     flanks are not circular arcs.
     """
     if problem.drawn.profile.shape[1] or np.all(problem.use):
@@ -236,7 +238,7 @@ NOTHING = Compliance(np.zeros((0, 0)), np.zeros((0, 2)))
 
 @dataclass(frozen=True)
 class BodyCompliance:
-    """Compliance of shaft, screw and nut at the contacts of N balls; independent of loads and ball radii.
+    """Compliance of screw (with its beam), nut and balls at the contacts of N balls; independent of loads and ball radii.
 
     The approach of a contact under the force F is C F^(2/3) (Hertz) + e F + h F^(4/3).
     """
@@ -245,20 +247,20 @@ class BodyCompliance:
     shaft: Shaft
     #: Compliance matrices of screw and nut between their flanks in use, ordered ball by ball [m/N].
     bodies: tuple[Array, Array]
-    #: Compliance in the form that the kernels use: if one diagonal pair of flanks is in use, the sum of screw and nut (one
-    #: element); else screw and nut separately, each with both of its flanks (two elements).
+    #: Compliance matrices in the form that the kernels use: if only one diagonal pair of flanks has contacts, the sum of
+    #: screw and nut (one element); else screw and nut separately, each with both of its flanks (two elements).
     solved: tuple[Compliance, ...]
     #: Motions of the screw's flanks per metre of the free rigid motions ``(N, 2, 2, k)``.
     R: Array
-    #: Coupling of contact deformation and section forces of the shaft, under the same loads; None: not modelled.
+    #: Coupling of contact deformation and section forces of the shaft, under the loads of that problem; None: not modelled.
     squeeze: SectionForceCoupling | None
     #: Compliance of the balls at a force of 1 N.
     ball: BallCompliance
-    #: Linear compliance e of the contacts at each flank, for a contact ellipse at 1 N ``(4,)`` [m/N].
+    #: Coefficient e of a contact at each flank ``(4,)`` [m/N], for the contact ellipse under 1 N.
     e: Array
-    #: Factor h of F^(4/3) ``(4,)`` [m/N^(4/3)], without the contribution of ``slope``.
+    #: Coefficient h of a contact at each flank ``(4,)`` [m/N^(4/3)], without the part that follows from ``slope``.
     h: Array
-    #: Derivative of e by the logarithm of the size of the contact ellipse ``(4,)`` [m/N].
+    #: Derivative of e by the logarithm of the size of the contact ellipse, at each flank ``(4,)`` [m/N].
     slope: Array
     #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
@@ -266,7 +268,7 @@ class BodyCompliance:
 
 @dataclass(frozen=True)
 class _ComplianceRequest:
-    """Input of a compliance computation, as argument of the cached function; equal ``key`` means an equal result."""
+    """Input of a compliance computation, as the argument of a cached function; requests with an equal ``key`` are equal."""
 
     key: tuple[object, ...]
     problem: Problem = field(compare=False)
@@ -277,9 +279,10 @@ class _ComplianceRequest:
 def response_of(
     problem: Problem, layout: BallLayout, backend: Backend, condensed: Condensed | None, whole: WholeBody
 ) -> BodyCompliance:
-    """Return the compliance of shaft, screw and nut for a problem. The result may be shared and must not be changed.
+    """Return the compliance of screw (with its beam), nut and balls at the contacts of a problem, from a cache if possible.
 
-    It is not cached if it comes from a 3D model or from another function ``whole``, or if there are more than `KEPT` balls.
+    The result may be shared and must not be changed. It is not cached if it comes from a 3D model or from another function
+    ``whole`` than the default, or if there are more than `KEPT` balls.
 
     Parameters
     ----------
@@ -292,7 +295,7 @@ def response_of(
     condensed
         Compliance condensed from a 3D model, in place of a computed one; None: computed.
     whole
-        Function that computes the compliance of one complete screw or nut, see `body_compliance`.
+        Function that computes the compliance of one complete screw or nut between its contacts.
     """
     if condensed is not None or whole is not compliance_between_contacts or layout.z.size > KEPT:
         return _compute_compliance(problem, layout, backend, condensed, whole)
@@ -362,7 +365,7 @@ def _compute_compliance(
 
 
 def clear_compliance_caches() -> None:
-    """Clear all caches of compliance, so that the measured time of the next solve includes its computation."""
+    """Clear all caches of compliance, so that a timed solve that follows computes it again."""
     forget_bodies()
     cached_compliance.cache_clear()
 
@@ -373,23 +376,25 @@ LARGEST = 1000
 
 @dataclass(frozen=True)
 class FlankCompliance:
-    """Compliance of all flanks under N balls, and terms of the contact law besides Hertz, under given loads.
+    """Compliance of all flanks under N balls, and terms of the contact law besides Hertz's, for given loads.
 
     The kernels take either the 8 motions of the four flanks of each ball, or the 2 relative motions of one diagonal pair.
     """
 
     #: Compliance of the bodies as arrays for the kernels.
     bodies: Bodies
-    #: Linear compliance of each contact in addition to Hertz's law ``(N, 4)`` [m/N].
+    #: Coefficient e of the term e F that is added to Hertz's approach of each contact ``(N, 4)`` [m/N].
     e: Array
-    #: Factor of F^(4/3) in each contact's approach in addition to Hertz's law ``(N, 4)`` [m/N^(4/3)].
+    #: Coefficient h of the term h F^(4/3) that is added to Hertz's approach of each contact ``(N, 4)`` [m/N^(4/3)].
     h: Array
-    #: Magnitude of the largest negative compliance that was set to zero, relative to the compliance of a contact.
+    #: Magnitude of the largest negative compliance of a body that was set to zero, relative to the compliance of a contact.
     clipped: float
-    #: Terms of the flanks' motions for the result: compliance matrices of screw and nut between flanks in use, and motions
-    #: of the screw's flanks by loads ``(N, 2, 2)`` and per metre of its free rigid motions ``(N, 2, 2, k)``.
+    #: Four arrays from which the result computes the flanks' motions: compliance matrices of screw and of nut between
+    #: flanks with contacts, and motions of the screw's flanks by loads ``(N, 2, 2)`` and per metre of its free rigid
+    #: motions ``(N, 2, 2, k)``.
     kept: tuple[Array, Array, Array, Array]
-    #: Derivative of e by the logarithm of s, the cube root of the typical force, ``(4,)`` [m/N]; h contains slope / s.
+    #: Derivative of e by the logarithm of s, the cube root of the typical force, at each flank ``(4,)`` [m/N]; h contains
+    #: slope / s.
     slope: Array
     #: Largest compliance that was moved from a contact's law to the bodies [m/N], see `without_negative_eigenvalues`.
     lent: float
@@ -406,7 +411,7 @@ def contact_compliance(problem: Problem, force: float) -> float:
 
 
 def flanks_of(problem: Problem, force: float, shaft: Shaft, response: BodyCompliance) -> FlankCompliance:
-    """Return the compliance of all flanks, and the terms that the contact law has besides Hertz's, at a typical force.
+    """Return the compliance of all flanks, and the terms that are added to Hertz's contact law, for given loads.
 
     Parameters
     ----------
@@ -450,7 +455,7 @@ def flanks_of(problem: Problem, force: float, shaft: Shaft, response: BodyCompli
 
 
 def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Array:
-    """Return the contact data ``(N, 7)`` of N balls between one diagonal pair of flanks a and b.
+    """Return the contact data ``(N, 7)`` of N balls that touch only two diagonally opposite flanks a and b.
 
     The columns are the vector D (two components) [m] from the nominal groove centre of b to that of a, its length |D| [m],
     the nominal interference [m], and the coefficients C, e, h of both contacts in series: approach = C F^(2/3) + e F +
@@ -474,7 +479,7 @@ def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Ar
 
 
 def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float) -> Array:
-    """Return linear springs between opposite flanks of each ball, which replace the contacts in the first, linear solve.
+    """Return factors of the stiffness of linear springs between opposite flanks, which replace balls in the first solve.
 
     Parameters
     ----------

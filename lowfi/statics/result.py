@@ -68,7 +68,7 @@ class Status(str):
 
 @result_record
 class Equilibrium:
-    """Check of equilibrium: sums of the forces [N] and of the moments about the origin [N m] on the screw or shaft.
+    """Check of equilibrium of a screw or shaft: sums of the forces [N], and of the moments about the origin [N m], on it.
 
     Contact forces are summed at their contact points, and reactions are computed from the beam, so that the sums check the
     solution independently of the solved equations. A rigid motion that neither support nor contact resists and no load
@@ -132,7 +132,7 @@ class Equilibrium:
 
 @result_record
 class SolverReport:
-    """Record of the effort and the accuracy of a solve."""
+    """Effort and accuracy of a static solve: iterations, residual, time, size of the system, and notes."""
 
     #: Newton steps.
     iterations: int = quantity_field("iterations", "Newton steps")
@@ -148,7 +148,7 @@ class SolverReport:
     elements: int = quantity_field("elements", "beam elements")
     #: ``"interpreted"`` or ``"compiled"`` kernels.
     engine: str = quantity_field("engine")
-    #: Formulation that is solved.
+    #: Mathematical formulation that is solved, for example "convex energy".
     formulation: str = quantity_field("formulation")
     #: Relative residual that rounding errors in double precision can leave.
     round_off_bound: float = quantity_field("round_off_bound", "bound of the residual due to rounding only", default=0.0)
@@ -168,19 +168,22 @@ class SolverReport:
 
 @dataclass(frozen=True)
 class Answering:
-    """Base class of results: fields that are valid only for a converged solution can be replaced by nan."""
+    """Base class of results, which can replace the fields that are valid only for a converged solution by nan."""
 
     #: Names of the fields that are replaced.
     ANSWERS: ClassVar[tuple[str, ...]] = ()
 
     def without_answers(self) -> Self:
-        """Return a copy in which the fields named in ``ANSWERS`` are nan, also in nested records; `Equilibrium` is None."""
+        """Return a copy of the result with nan in the fields named in ``ANSWERS``, also in nested records.
+
+        A check of equilibrium becomes None.
+        """
         return replace(self, **{name: placeholder_without_solution(getattr(self, name)) for name in self.ANSWERS})
 
 
 @dataclass(frozen=True, kw_only=True)
 class Solved(Answering):
-    """Static solution of a shaft by any model: fields that results of single screws and of assemblies have in common."""
+    """Static solution by any model: fields that results of a single screw and of an assembly of bearings have in common."""
 
     #: Name of the model.
     model: str
@@ -225,8 +228,8 @@ class Solved(Answering):
 class StaticResult(Solved):
     """Static load distribution over the n balls of one ball nut or ball bearing.
 
-    Arrays with an axis of length 4 are ordered by flank: SL, SR, NL, NR for screw (or inner ring) and nut (or outer ring),
-    left and right.
+    Arrays with an axis of length 4 are ordered by flank: SL, SR, NL, NR, which are screw (or inner ring) left and right,
+    nut (or outer ring) left and right.
     """
 
     #: Azimuth of the balls ``(n,)`` [rad].
@@ -329,7 +332,7 @@ class SetResult(Answering):
         show=lambda loads: int((loads > 0.0).sum()) if np.isfinite(loads).all() else None,
     )
     def loads(self) -> Array:
-        """Return the contact forces of the balls ``(n, 4)`` [N], or the forces on the rollers ``(count,)`` [N]."""
+        """Return the contact forces of the balls ``(n, 4)`` [N], or of each roller with either raceway ``(count,)`` [N]."""
         return self.balls.load if self.balls is not None else np.zeros(0) if self.roller_load is None else self.roller_load
 
 
@@ -389,7 +392,7 @@ class AxisResult(Solved):
 
 
 def placeholder_without_solution(value: Any) -> Any:
-    """Return what replaces a value of a solution that did not converge.
+    """Return the value that stands in the result in place of ``value`` if the solution did not converge.
 
     Numbers and arrays become nan, also within records and tuples; an `Equilibrium` becomes None.
     """

@@ -1,6 +1,6 @@
-"""Choice of what the static model may leave out: flanks that cannot touch a ball, and unloaded parts of the shaft.
+"""Choice of the flanks that the static model leaves out because they cannot touch a ball.
 
-The left-out parts are reported to the user with the reasons.
+The result tells the user which flanks and parts of the shaft were left out, with the reasons.
 """
 
 from __future__ import annotations
@@ -24,7 +24,9 @@ from rollbench.meshes.section import MERGE, contact_force_positions
 
 
 def flanks_of_scene(scene: Scene) -> Mask:
-    """Return which of the flanks SL, SR, NL, NR a scene has ``(4,)``: all, or one per body if grooves are single arcs.
+    """Return which of the flanks SL, SR, NL, NR a scene has, as booleans ``(4,)``.
+
+    Gothic grooves have all four; a groove of a single arc has one flank on the screw and one on the nut.
 
     Parameters
     ----------
@@ -35,11 +37,11 @@ def flanks_of_scene(scene: Scene) -> Mask:
 
 
 def choose_sides(scene: Scene, drawn: Specimen, distances_and_interference: tuple[Array, Array] | None = None) -> Mask:
-    """Return which of the flanks SL, SR, NL, NR to model ``(4,)``.
+    """Return which of the flanks SL, SR, NL, NR (screw left, ..., nut right) get contacts in the equations ``(4,)``.
 
     A diagonal pair of flanks is left out if no ball has interference with it and the axial load opens it. This is a guess:
-    every ball of the solution is tested against all four flanks, and if one touches the pair, the problem is solved again
-    with it. Since the energy is convex, a pair that no ball touches in the solution would not change it.
+    every ball of the solution is tested against all four flanks. If one touches the pair, the problem is solved again with
+    the pair. Since the energy is convex, a pair that no ball touches in the solution would not change it.
 
     Parameters
     ----------
@@ -66,7 +68,9 @@ def choose_sides(scene: Scene, drawn: Specimen, distances_and_interference: tupl
 
 
 def flank_motions(problem: Problem, motion: Array) -> Array:
-    """Return the motion of both screw flanks at every ball in its section plane ``(N, 2, 2)`` [m], also of left-out flanks.
+    """Return the motions of the screw's two flanks at every ball ``(N, 2, 2)`` [m], also of flanks without contacts.
+
+    The two components lie in the ball's section plane.
 
     Parameters
     ----------
@@ -90,16 +94,16 @@ def flank_motions(problem: Problem, motion: Array) -> Array:
 
 
 def motions_in_section(layout: BallLayout, centre: Array, stations: Array, motions: Array) -> Array:
-    """Return the motion of the groove's centre of curvature at each ball, in the plane of the ball's section.
+    """Return the motion of the screw's groove arc at each ball, radial and along the helix's binormal.
 
-    The groove moves rigidly with the shaft's cross-section.
+    It is the motion of the arc's centre, which moves rigidly with the shaft's cross-section.
 
     Parameters
     ----------
     layout
         Positions of the N balls.
     centre
-        Centre of the groove arc in each section plane ``(N, 2)`` [m].
+        Centre of the groove arc in each ball's section plane ``(N, 2)`` [m], from the ball's centre.
     stations
         Axial position of the shaft's cross-section for each ball ``(N,)`` [m].
     motions
@@ -117,9 +121,9 @@ def motions_in_section(layout: BallLayout, centre: Array, stations: Array, motio
 
 
 def flank_motions_of_beam(problem: Problem, motion: Array) -> Array | None:
-    """Return the motion of all four flanks at every ball ``(N, 4, 2)`` [m], with the nut fixed.
+    """Return the motions of all four flanks at every ball ``(N, 4, 2)`` [m] by the screw's motion, with the nut fixed.
 
-    None if all flanks are circular arcs, for which contact points do not depend on it.
+    None if all flanks are circular arcs, for which contact points do not depend on these motions.
 
     Parameters
     ----------
@@ -192,7 +196,7 @@ def solutions_clear_of_left_out_flanks(
 
 
 def _extreme_of_last_axis(of_two: np.ufunc, values: Array) -> Array:
-    """Return the smallest or the largest value along the last, short axis; faster than numpy's reduction.
+    """Return the smallest or the largest value along the last axis, which is short; faster than numpy's reduction.
 
     Parameters
     ----------
@@ -208,7 +212,9 @@ def _extreme_of_last_axis(of_two: np.ufunc, values: Array) -> Array:
 
 
 def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
-    """Return which of all four flanks a ball would touch at the screw motion of the solution, as truth values ``(4,)``.
+    """Return which of the flanks SL, SR, NL, NR would touch a ball if all four had contacts, as booleans ``(4,)``.
+
+    The screw keeps the motion that was solved without the left-out flanks.
 
     Parameters
     ----------
@@ -253,7 +259,7 @@ def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: boo
     mechanism
         Motions of the screw that nothing resists, and the pins that prevent them.
     everything
-        Whether the user asked to leave nothing out.
+        Whether the user asked for all flanks and all parts of the shaft to be modelled.
     """
     notes: list[str] = []
     idle = [name for name, used in zip(SIDES, problem.use, strict=True) if not used]

@@ -1,7 +1,8 @@
 """Outer iteration of the static models, which updates Hertz constants and lever arms until they no longer change.
 
-Hertz constants depend on the actual contact angle, lever arms on the contact point if flanks are not circular arcs. The
-equilibrium is solved again after each update. The iteration is the same for a single nut or bearing and for several.
+Hertz constants depend on the actual contact angle. Lever arms of the contact forces depend on the contact point if flanks
+are not circular arcs. The equilibrium is solved again after each update. The iteration is the same for a single nut or
+bearing and for several on one shaft.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ HERTZ_RUNS, ARM_RUNS, SETTLED = 12, 6, 1e-13
 
 
 class Scale(NamedTuple):
-    """Typical force and stiffness of a problem's contacts, by which the solver scales residuals and tolerances."""
+    """Typical force and stiffness of the contacts, by which the static solver scales residuals and tolerances."""
 
     #: Force of a typical loaded contact [N]: from the loads or the interference, or else from an approach of 1 um.
     force: float
@@ -55,7 +56,10 @@ class Scale(NamedTuple):
 
     @property
     def typical(self) -> float:
-        """Return the typical force, at least 1e-6 N, at which terms that depend on the contact ellipse are evaluated."""
+        """Return the force of a typical loaded contact [N], at least 1e-6 N.
+
+        Compliance terms that depend on the size of the contact ellipse are evaluated at this force.
+        """
         return max(self.force, 1e-6)
 
 
@@ -86,7 +90,7 @@ def solver_options(scale: Scale, arm: float, furthest: float, tolerance: float =
 
 
 class ModelDescription(NamedTuple):
-    """Description of a model that is stored with its solution."""
+    """Formulation, number of unknowns and assumptions of a mechanical model, for the record of its solution."""
 
     #: Mathematical formulation, for example "convex energy".
     formulation: str
@@ -107,7 +111,7 @@ class ContactState(NamedTuple):
     contact: Array
     #: Displacements of the ball centres in their section planes ``(N, 2)`` [m].
     centre: Array
-    #: Motions of all flanks in the section planes ``(N, 4, 2)`` [m].
+    #: Motions of all flanks in the balls' section planes ``(N, 4, 2)`` [m].
     shift: Array
 
 
@@ -144,7 +148,7 @@ class StaticEquations(ABC):
     @property
     @abstractmethod
     def problems(self) -> Sequence[Problem]:
-        """Return the contact problem of each bearing and nut; the kernels use its array of Hertz constants."""
+        """Return the contact problem of each bearing and nut, whose array of Hertz constants the kernels read."""
 
     @abstractmethod
     def flanks(self) -> Sequence[ContactState]:
@@ -152,24 +156,25 @@ class StaticEquations(ABC):
 
     @abstractmethod
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """Return equations with changed lever arms of the contacts, which start from the present state.
+        """Return equations with new lever arms of the contact forces, which start from the present state.
 
         Parameters
         ----------
         arms
-            Lengths ``(N, 4, 2)`` [m] added to the lever arms, for each bearing or nut with N balls.
+            For each bearing or nut with N balls, the shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by
+            profile errors; contact forces act through these centres.
         """
 
     @abstractmethod
     def round_off(self) -> float:
-        """Return the relative residual that rounding errors leave in double precision (`least_residual`)."""
+        """Return the relative residual that rounding errors of double precision leave at the solution."""
 
     @abstractmethod
     def description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
 
     def copy_state_from(self, of: StaticEquations) -> Self:
-        """Copy the unknowns of the equations ``of``, which have the same size, into these equations; return the latter."""
+        """Copy the unknowns from equations of the same size, ``of``, into these equations, and return these equations."""
         for mine, known in zip(self.state, of.state, strict=True):
             mine[:] = known
         return self
@@ -179,7 +184,7 @@ P = TypeVar("P", bound=StaticEquations)
 
 
 def contact_angles(normal: Array) -> Array:
-    """Return the contact angles ``(..., 4)`` [rad] from the unit normals ``(..., 4, 2)`` from ball to groove.
+    """Return the contact angles ``(..., 4)`` [rad] of unit normals ``(..., 4, 2)`` that point from ball to groove.
 
     The angle counts from the radial direction at the groove's bottom towards the flank, for the flanks SL, SR, NL, NR.
     """
@@ -187,7 +192,9 @@ def contact_angles(normal: Array) -> Array:
 
 
 def no_state_found(outcome: Outcome) -> bool:
-    """Return whether a solve failed, so that Hertz constants and lever arms cannot be updated from its state.
+    """Return whether a solve failed so badly that its state gives no contact loads.
+
+    Hertz constants and lever arms are not updated from such a state.
 
     ``outcome``: status and relative residual of the solve.
     """
@@ -195,7 +202,7 @@ def no_state_found(outcome: Outcome) -> bool:
 
 
 def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -> tuple[P, Outcome]:
-    """Solve the equilibrium, and update Hertz constants and lever arms until they no longer change.
+    """Solve the equilibrium again and again with updated Hertz constants and lever arms, until they no longer change.
 
     Parameters
     ----------
@@ -220,8 +227,8 @@ def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -
 def least_residual(motions: float, stiffness: float, scale: float, problems: Iterable[Problem]) -> float:
     """Return the relative residual that rounding errors of double precision leave at the solution.
 
-    It is eight machine epsilons times the lengths whose difference is the approach, times the contact stiffness, divided by
-    the largest force.
+    It is eight machine epsilons times the largest length from whose difference the approach is computed, times the contact
+    stiffness, divided by the largest force.
 
     Parameters
     ----------
@@ -338,10 +345,11 @@ def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Outcome
 
 
 def update_lever_arms(system: P, outcome: Outcome) -> tuple[P, Outcome]:
-    """Update the lever arms to the centres of curvature at the contact points and solve again, until they no longer change.
+    """Update the lever arms of the contact forces and solve again, until they no longer change.
 
-    If a flank deviates from a circular arc, its centre of curvature shifts by about the size of the deviation. Returns the
-    equations with the last lever arms at their solution, and the outcome of the last solve.
+    A contact force acts through the centre of curvature of the flank at the contact point. If the flank deviates from a
+    circular arc, this centre shifts by about the size of the deviation. Returns the equations with the last lever arms at
+    their solution, and the outcome of the last solve.
 
     Parameters
     ----------
@@ -364,20 +372,19 @@ def update_lever_arms(system: P, outcome: Outcome) -> tuple[P, Outcome]:
 
 
 def has_profile_errors(problem: Problem) -> bool:
-    """Return whether the lever arms of a bearing or nut depend on profile errors of its flanks.
+    """Return whether profile errors of the flanks change the lever arms of the contact forces of a bearing or nut.
 
-    They do if flanks are not circular arcs, unless the scene's ``arm`` is "nominal" (lever arms to the nominal contact
-    points).
+    They do if flanks are not circular arcs, unless the scene's ``arm`` is "nominal": lever arms then end at the nominal
+    contact points.
     """
     return problem.drawn.profile.shape[1] > 0 and problem.scene.ingredients.arm != "nominal"
 
 
 def centre_shift(s: ContactState) -> Array:
-    """Return the shift of a flank's centre of curvature by its profile errors, at each loaded contact.
+    """Return the shift of the flank's centre of curvature by profile errors, at each loaded contact.
 
-    It is the vector from the nominal arc's centre to the profile's centre of curvature, in the ball's section plane.
-
-    ``s``: contacts, ball centres and flank motions of one bearing or nut with N balls.
+    It is the vector from the centre of the nominal groove arc to the centre of curvature of the flank with its profile
+    errors, in the ball's section plane. ``s``: contacts, ball centres and flank motions of one bearing or nut with N balls.
 
     Returns
     -------
@@ -394,8 +401,8 @@ def centre_shift(s: ContactState) -> Array:
 
 
 def add_iteration_counts(first: Outcome, then: Outcome) -> Outcome:
-    """Return the outcome ``then`` of a later solve, with the iterations and evaluations of both solves added up.
+    """Return the outcome of the second of two solves, with the iterations and evaluations of both added up.
 
-    ``first``: outcome of the solve before it.
+    ``first``, ``then``: outcomes of the first and the second solve.
     """
     return then._replace(iterations=first.iterations + then.iterations, evaluations=first.evaluations + then.evaluations)

@@ -74,13 +74,13 @@ class Shaft:
     band: Array = field(repr=False)
 
     def under(self, problem: Problem) -> Shaft:
-        """Return a copy of this beam model with the loads and prescribed displacements of another ``problem``."""
+        """Return a copy of this beam model under the external loads and prescribed displacements of another problem."""
         return replace(self, problem=problem, work=_work_of_external_loads(problem, self.motions, self.pin))
 
     def solve(self, loads: Array) -> Array:
-        """Return the motions ``(6 n, c)`` [m, rad] of the n nodes under c cases of nodal loads ``(6 n, c)`` [N, N m].
+        """Return the motions ``(6 n, c)`` [m, rad] of the n nodes under c cases of nodal ``loads`` ``(6 n, c)`` [N, N m].
 
-        The motions of fixed degrees of freedom are zero.
+        Fixed and pinned degrees of freedom do not move.
         """
         out = np.where(self.free[:, None], loads, 0.0)
         if self.free.any():
@@ -89,9 +89,9 @@ class Shaft:
 
     @cached_property
     def by_loads(self) -> tuple[Array, Array]:
-        """Return the nodal motions by external loads and prescribed displacements: a rigid part and the rest.
+        """Return the nodal motions that external loads and prescribed displacements cause: a rigid part and the rest.
 
-        The result of `motions_by_external_loads`, two arrays ``(6 n,)`` [m, rad]; computed once.
+        Two arrays ``(6 n,)`` [m, rad] from `motions_by_external_loads`, computed once.
         """
         return motions_by_external_loads(self)
 
@@ -121,9 +121,9 @@ def unsupported_motions(problem: Problem) -> Array:
 
 
 def metres_to_motions(problem: Problem) -> Array:
-    """Return the factors ``(6,)`` that convert amplitudes in metres to motions of the screw.
+    """Return the factors ``(6,)`` from amplitudes in metres to the screw's displacements [m/m] and rotations [rad/m].
 
-    They are 1 for the three displacements and 1/pitch radius [rad/m] for the three rotations. A rotation's amplitude is the
+    They are 1 for the three displacements and 1/pitch radius for the three rotations, because a rotation's amplitude is the
     angle times the pitch radius.
     """
     return np.repeat([1.0, 1.0 / problem.scene.track.pitch_radius], 3)
@@ -187,7 +187,7 @@ def _factor_beam_stiffness(band: Array, free: NDArray[np.bool_]) -> Array:
 
 
 def flank_motion_coefficients(problem: Problem, screw_flanks: list[int]) -> tuple[NDArray[np.int64], Array]:
-    """Return which m nodal motions move each screw flank at a ball, and by how much.
+    """Return which m motions of nodes move each screw flank at a ball, and the flank's motion per unit of each.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ def flank_motion_coefficients(problem: Problem, screw_flanks: list[int]) -> tupl
 
 
 def flank_response(shaft: Shaft, screw_flanks: list[int]) -> tuple[Array, Array]:
-    """Return how the screw's flanks move by bending and stretching of the beam, and by its free rigid motions.
+    """Return how the screw's flanks move by deformation of the beam under contact forces, and by its free rigid motions.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def flank_response(shaft: Shaft, screw_flanks: list[int]) -> tuple[Array, Array]
 
 
 def flank_motions_by_loads(shaft: Shaft, screw_flanks: list[int]) -> Array:
-    """Return the motions ``(2 c,)`` [m] of c screw flanks by external loads and prescribed displacements.
+    """Return the motions ``(2 c,)`` [m] of c screw flanks that external loads and prescribed displacements cause.
 
     ``screw_flanks``: numbers of the screw flanks in use (0: SL, 1: SR). Each counts once per ball, which gives c flanks:
     first all balls of the first flank, then all balls of the second, each with two components in the ball's section plane.
@@ -255,10 +255,11 @@ def flank_motions_by_loads(shaft: Shaft, screw_flanks: list[int]) -> Array:
 
 
 def motions_by_external_loads(shaft: Shaft) -> tuple[Array, Array]:
-    """Return the nodal motions by external loads and prescribed displacements: a rigid part and the rest, ``(6 n,)`` each.
+    """Return the nodal motions ``(6 n,)`` [m, rad] that external loads and prescribed displacements cause, in two parts.
 
-    If the prescribed displacements are a rigid motion of the shaft, this motion is the rigid part; otherwise it is zero.
-    It is separated because its round-off, multiplied by the stiffness, would appear as a strain of the beam.
+    The first part is the rigid motion of the shaft that the prescribed displacements are; it is zero if they are none. The
+    second part is the rest. The rigid part is separated because its round-off, multiplied by the stiffness, would appear as
+    a strain of the beam.
     """
     problem, held = shaft.problem, shaft.problem.fixed
     prescribed = np.where(held, shaft.problem.prescribed, 0.0)
@@ -280,7 +281,7 @@ def nodal_motions_of_rigid_screw(shaft: Shaft) -> Array:
 
 
 def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
-    """Return the nodal motions ``(n, 6)`` [m, rad] by external loads, additional nodal loads, and free rigid motions.
+    """Return the nodal motions ``(n, 6)`` [m, rad] by external loads, further nodal loads, and free rigid motions.
 
     Parameters
     ----------
@@ -300,10 +301,10 @@ def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
 
 
 def node_forces(shaft: Shaft, loads: Array) -> Array:
-    """Return the forces and moments ``(n, 6)`` [N, N m] on the beam's nodes that belong to the motions of `node_motions`.
+    """Return the forces and moments ``(n, 6)`` [N, N m] on the beam's nodes: external and further loads, and reactions.
 
-    They are the stiffness matrix times the nodal motions: the sum of external loads, ``loads`` and support reactions.
-    ``loads`` ``(6 n,)`` [N, N m]: nodal loads in addition to the external loads, as for `node_motions`.
+    They are the stiffness matrix times the nodal motions of `node_motions`. ``loads`` ``(6 n,)`` [N, N m]: nodal loads in
+    addition to the external loads.
     """
     return shaft.times(shaft.by_loads[1] + shaft.solve(loads[:, None])[:, 0]).reshape(-1, 6)
 
@@ -325,9 +326,12 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Stretch:
-    """Part of the shaft under one nut or bearing, whose cross-sections deform, unlike the rigid sections of a beam."""
+    """Part of the shaft under one nut or bearing, whose cross-sections deform, unlike the rigid sections of a beam.
 
-    #: Indices of the m motions of its flanks (two per flank and ball) among the motions of all flanks ``(m,)``.
+    It is thought to be cut out of the shaft at its upper end, see the module.
+    """
+
+    #: Indices ``(m,)`` of the m motions of its flanks (two per flank and ball) among those of all flanks of the shaft.
     flanks: Ints
     #: Axial position of the contact to which each of these motions belongs ``(m,)`` [m].
     stations: Array
@@ -337,17 +341,17 @@ class Stretch:
     at_cut: Array
     #: Number of the node at the upper cut, above all contacts.
     cut: int
-    #: By the number of each loaded node below the cut: motions of the flanks per unit load on the node ``(m, 6)``, without
-    #: the part that follows from the wrench in the shaft at a contact.
+    #: For each loaded node below the cut, by its number: motions of the flanks per unit load on the node ``(m, 6)``,
+    #: without those that the section force and moment ("wrench") at the contacts cause.
     sections: dict[int, Array]
 
 
 @dataclass(frozen=True)
 class JumpsInsideStretches:
-    """Motions of the shaft's nodes between a contact and the upper cut, caused by the jump that the contact's force makes.
+    """Motions of the shaft's nodes that lie between a contact and the upper cut of the stretch of shaft under a nut.
 
-    Contact, cut and jump are those of the module's description. If the shaft carries no load above a cut, the nodes above
-    this cut are included.
+    The contact's force deforms the stretch, which shifts the sections above the contact by a jump, see the module. If the
+    shaft carries no load above a cut, the nodes above this cut are included.
     """
 
     #: Arrays of the static problem.
@@ -358,7 +362,7 @@ class JumpsInsideStretches:
     flanks: int
 
     def _motions_per_jump(self, x: Stretch) -> tuple[Array, Ints]:
-        """Return the motions of nodes per unit jump at the cut of the stretch ``x``, and the first node above each flank.
+        """Return the motions of nodes per unit jump at the cut of the stretch ``x``, and the first node above each contact.
 
         The first array ``(m, 6, 6)`` has the axes node, motion of the node and component of the jump; it covers the m nodes
         up to the cut, or all nodes if the shaft carries no load above the cut. The second array holds for each flank motion
@@ -369,7 +373,7 @@ class JumpsInsideStretches:
         return rigid_transport(z - nodes[x.cut]), np.searchsorted(z, x.stations - MERGE)
 
     def nodal_motions_by_flank_forces(self, pushes: Array) -> Array:
-        """Return the motions ``(6 n,)`` [m, rad] of the n nodes by the jumps that the forces on the c flanks make.
+        """Return the motions ``(6 n,)`` [m, rad] of the n nodes by the jumps that the contact forces on c flanks cause.
 
         ``pushes`` ``(2 c,)`` [N]: forces on the flanks, two components in the ball's section plane each.
         """
@@ -384,7 +388,7 @@ class JumpsInsideStretches:
         return out.ravel()
 
     def by_loads(self, loads: Array) -> Array:
-        """Return the motions ``(2 c, k)`` [m] of the c flanks under k cases of nodal loads ``(6 n, k)`` [N, N m].
+        """Return the motions ``(2 c, k)`` [m] of c flanks that k cases of nodal ``loads`` ``(6 n, k)`` [N, N m] cause.
 
         By Maxwell's reciprocity the matrix is the transpose of that of `nodal_motions_by_flank_forces`.
         """
@@ -404,11 +408,11 @@ class SectionForceCoupling:
     """Coupling between contact deformation and section forces of a shaft with n nodes and c flanks, equation (2).
 
     Section forces of the shaft deform the grooves and so move the flanks; contact forces in turn strain the shaft. Each cut
-    through which load passes contributes 6 wrench components, W in all. Cuts, wrenches and jumps are those of the module's
-    description. Only ``moved`` and ``given`` depend on the external loads.
+    through which load passes contributes 6 components of section force and moment ("wrench"), W in all. The module
+    describes cuts and the jumps of the motion there. Only ``moved`` and ``given`` depend on the external loads.
     """
 
-    #: Addition to the compliance matrix of the flanks ``(2 c, 2 c)`` [m/N].
+    #: Compliance ``(2 c, 2 c)`` [m/N] of the flanks by the coupling, in addition to that of beam and bodies.
     added: Array
     #: Additional motion of the flanks by external loads and prescribed displacements ``(2 c,)`` [m].
     moved: Array
@@ -429,7 +433,7 @@ class SectionForceCoupling:
     bent: Array
 
     def under(self, shaft: Shaft, thermal: Array | float = 0.0) -> SectionForceCoupling:
-        """Return a copy of the coupling for the external loads and prescribed displacements of a shaft.
+        """Return a copy of the coupling under the external loads and prescribed displacements of a shaft.
 
         Parameters
         ----------
@@ -444,19 +448,22 @@ class SectionForceCoupling:
         return replace(self, moved=moved, given=self.bent @ wrench)
 
     def nodal_loads_of_jumps(self, pushes: Array) -> Array:
-        """Return the nodal loads ``(6 n,)`` [N, N m] equivalent to the jumps at the cuts that forces on the flanks cause.
+        """Return the nodal loads ``(6 n,)`` [N, N m] on the beam that are equivalent to the jumps at the cuts.
 
-        ``pushes`` ``(2 c,)`` [N]: forces on the c flanks of the shaft, two components each.
+        External loads cause these jumps, and forces on the flanks: ``pushes`` ``(2 c,)`` [N], two components for each of
+        the c flanks of the shaft.
         """
         return np.asarray(self.wrenches.T @ (self.jumps @ pushes + self.given))
 
     def add_jumps_inside_stretches(self, motion: Array, pushes: Array, fixed: NDArray[np.bool_]) -> Array:
-        """Return nodal motions ``(n, 6)`` with the motions added that the jumps cause between each contact and upper cut.
+        """Return nodal motions ``(n, 6)`` [m, rad] to which those between the contacts and the upper cuts are added.
+
+        The forces on the flanks shift the shaft's sections between each contact and the cut above it by a jump.
 
         Parameters
         ----------
         motion
-            Motions of the nodes ``(n, 6)`` [m, rad] without these jumps; the array is not changed.
+            Motions of the nodes ``(n, 6)`` [m, rad] without this shift; the array is not changed.
         pushes
             Forces on the flanks [N], 2 c components.
         fixed
@@ -465,7 +472,7 @@ class SectionForceCoupling:
         return np.where(fixed, motion, motion + (self.inside.nodal_motions_by_flank_forces(pushes.ravel())).reshape(-1, 6))
 
     def by_loads(self, loads: Array, motions: Array) -> tuple[Array, Array]:
-        """Return the motions of flanks ``(2 c, k)`` and nodes ``(6 n, k)`` that the coupling adds under k load cases.
+        """Return the motions of flanks ``(2 c, k)`` [m] and nodes ``(6 n, k)`` [m, rad] by the coupling under k load cases.
 
         Parameters
         ----------
@@ -536,7 +543,7 @@ def is_loaded_above_node(problem: Problem, cut: int) -> bool:
 
 
 def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
-    """Return the stiffness of the beam element above a cut, as force and moment ("wrench") on the shaft below the cut.
+    """Return the stiffness of the beam element above a cut, as force and moment ("wrench") that it exerts at the cut.
 
     Parameters
     ----------
@@ -564,7 +571,7 @@ def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
 def couple_section_forces(
     shaft: Shaft, screw_flanks: Sequence[int], stretches: Sequence[Stretch], strain: float = 0.0
 ) -> SectionForceCoupling | None:
-    """Return the coupling between contact deformation and section forces of a shaft; None without ``stretches``.
+    """Return the coupling between contact deformation and section forces of a shaft; None if it is not modelled.
 
     Parameters
     ----------

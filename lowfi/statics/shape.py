@@ -10,12 +10,12 @@ from rollbench.meshes.section import BeamSection
 
 
 def shear_ratio(length: float | Array, section: BeamSection) -> float | Array:
-    """Return the ratio of bending to shear stiffness, Phi = 12 E I/(kappa G A L^2), of a beam element of length L [m]."""
+    """Return the ratio Phi = 12 E I/(kappa G A L^2) of shear to bending deformation of a beam element of length L [m]."""
     return 12.0 * section.EI / (section.kGA * length**2)
 
 
 def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArray[np.int64], Array]:
-    """Return the matrices that interpolate the shaft's motions at axial positions from the two adjacent nodes.
+    """Return the matrices that give the shaft's motions at axial positions from the motions of the two adjacent nodes.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def motions_at(z: Array, nodes: Array, section: BeamSection, motion: Array) -> A
 
 
 def initial_motions_with_supports(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[Array, Array]:
-    """Return initial node motions that satisfy the prescribed displacements, and the elements' deformations by them.
+    """Return initial node motions that satisfy the supports' prescribed displacements, and the elements' deformations.
 
     Between the prescribed values, each of the six motions is interpolated linearly along the shaft.
 
@@ -93,7 +93,9 @@ def initial_motions_with_supports(nodes: Array, fixed: NDArray[np.bool_], prescr
 
 
 def rigid_transport(reach: float | Array) -> Array:
-    """Return the matrix from a rigid body's motion at one point of the axis to that at another, u + theta x reach e_z.
+    """Return the matrix from a rigid body's six motions at one point of the z axis to those at another point of the axis.
+
+    The displacement u and the rotation theta at the first point give the displacement u + theta x reach e_z at the second.
 
     Parameters
     ----------
@@ -113,7 +115,7 @@ def rigid_transport(reach: float | Array) -> Array:
 
 
 def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int = 0) -> Array:
-    """Return the shape functions of Timoshenko beam elements, or their derivatives by the position xi.
+    """Return the shape functions of n Timoshenko beam elements, or their derivatives by the relative position xi.
 
     They are exact for an element that is loaded at its nodes only.
 
@@ -145,7 +147,7 @@ def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int
     ]
 
     def at(*coefficients: Array | float) -> Array:
-        """Return the value at xi of a polynomial, or of its derivative, from its coefficients in ascending order."""
+        """Return the value at xi of a polynomial, or of its derivative of the given order; lowest power first."""
         return sum((c * p for c, p in zip(coefficients, powers[: len(coefficients)], strict=True)), start=zero)
 
     n = np.zeros((xi.size, 6, 12))
@@ -183,7 +185,7 @@ def right_singular_vectors(matrix: Array) -> tuple[Array, Array]:
 
 
 def null_space_of_constraints(constraints: Array) -> Array:
-    """Return the c combinations of k motions that no constraint resists ``(c, k)``: the null space of ``constraints``.
+    """Return c independent combinations ``(c, k)`` of k motions that no constraint resists: the constraints' null space.
 
     Parameters
     ----------
@@ -197,7 +199,7 @@ def null_space_of_constraints(constraints: Array) -> Array:
 
 
 def independent_columns(matrix: Array) -> list[int]:
-    """Return the indices of linearly independent columns of a matrix ``(k, m)``, at most min(k, m).
+    """Return the indices of linearly independent columns of a matrix ``(k, m)``, at most min(k, m) of them.
 
     They are chosen by a QR decomposition with column pivoting: each is the column with the largest part normal to those
     chosen before.

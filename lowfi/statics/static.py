@@ -1,4 +1,7 @@
-"""Static load distribution by a convex energy: Lin's model (2019, chapter 2) with its misprints corrected."""
+"""Lin's model (2019, chapter 2) of a ball screw's static load distribution, as the minimum of a convex energy.
+
+Misprints of the thesis are corrected.
+"""
 
 from __future__ import annotations
 
@@ -89,9 +92,9 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
 def residual_scale(problem: Problem) -> Scale:
     """Return the typical force and stiffness of a problem's contacts, by which the solver scales residuals.
 
-    A contact counts as unloaded if its force is below the round-off of the typical force. If there are neither loads nor
-    preload but only prescribed displacements, which may meet no resistance, the limit is higher, so that forces that tend
-    to zero end as unloaded.
+    A contact counts as unloaded if its force is below the round-off of the typical force. If only displacements are
+    prescribed, without loads or preload, nothing may resist them; the limit is then higher, so that forces that tend to
+    zero end as unloaded.
 
     Parameters
     ----------
@@ -124,9 +127,10 @@ class OneSetEquations(StaticEquations):
         return (self.problem,)
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """Return equations with changed lever arms of the contacts, which start from the present state.
+        """Return equations with new lever arms of the contact forces, which start from the present state.
 
-        ``arms``: in its only element, the lengths ``(N, 4, 2)`` [m] added to the lever arms of N balls.
+        ``arms``: in its only element, the shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by profile errors at
+        N balls; contact forces act through these centres.
         """
         longer: Any = self.build.ready(self.build.problem(arms[0]))
         longer.problem.C[:] = self.problem.C
@@ -134,16 +138,16 @@ class OneSetEquations(StaticEquations):
 
     @abstractmethod
     def clears(self) -> bool:
-        """Return whether the balls are clear of all flanks that were left out of the solved problem."""
+        """Return whether no ball of the solution touches a flank that was left out of the equations."""
 
     @abstractmethod
     def solved(self) -> SolvedState:
-        """Return motions, contact forces and support reactions at the solution."""
+        """Return the solution: motions, contact forces and support reactions."""
 
 
 @dataclass(kw_only=True)
 class BeamEquations(OneSetEquations):
-    """Equations of a screw, modelled as a beam or as rigid, in a rigid nut."""
+    """Equations of Lin's model for the kernels: a screw, as a beam or rigid, on Hertzian contacts in a rigid nut."""
 
     SOLVER = "solve_beam"
     #: Arrays of beam and balls for the kernels.
@@ -163,15 +167,15 @@ class BeamEquations(OneSetEquations):
         return (ContactState(self.problem, self.state.contact, self.state.p, moved),)
 
     def clears(self) -> bool:
-        """Return whether no ball touches a flank that was left out of the solved problem.
+        """Return whether no ball of the solution touches a flank that was left out of the equations.
 
-        Every ball is solved with all four flanks, while the screw keeps its motion of the solution.
+        To this end the equilibrium of every ball is computed with all four flanks, at the screw's motion in the solution.
         """
         touched = touched_sides(self.engine, self.problem, self.state.q, self.state.p, self.force)
         return not np.any(touched & ~self.problem.use)
 
     def round_off(self) -> float:
-        """Return the smallest relative residual that rounding errors permit.
+        """Return the relative residual that rounding errors leave at the solution.
 
         It follows from the largest motion of a node, and the largest sum of contact stiffnesses at one node.
         """
@@ -181,7 +185,7 @@ class BeamEquations(OneSetEquations):
         return least_residual(motion, most, self.scale, [problem])
 
     def solved(self) -> SolvedState:
-        """Return motions, contact forces and support reactions at the solution.
+        """Return the solution: motions, contact forces and support reactions.
 
         The reactions are the gradient of the energy at the fixed degrees of freedom.
         """
@@ -200,7 +204,7 @@ class BeamEquations(OneSetEquations):
 def beam_equations(
     problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE, build: StaticInput | None = None
 ) -> BeamEquations:
-    """Return the equations of a screw in a rigid nut, with an initial state that satisfies the prescribed displacements.
+    """Return the equations of a screw in a rigid nut, with an initial state that has the supports' displacements.
 
     Parameters
     ----------
@@ -235,7 +239,7 @@ def beam_equations(
 
 @dataclass(frozen=True)
 class StaticInput:
-    """Input of a ball screw's static problem; the problem is built from it, also with other flanks or lever arms."""
+    """Input from which a ball screw's static problem is built, also with other flanks or lever arms of contact forces."""
 
     #: Scene: screw, nut, balls, supports and loads.
     scene: Scene
@@ -247,19 +251,20 @@ class StaticInput:
     use: Mask
     #: Module of the numerical kernels.
     engine: ModuleType
-    #: Whether to model also the flanks and the parts of the shaft that carry no load, see `solve_static`.
+    #: Whether to model also flanks that cannot touch a ball, and ends of the shaft that carry no load.
     everything: bool = False
     #: Number of elements that each beam element is split into.
     refine: int = 1
     #: Result of `centre_distances` for these parts; None: not computed yet.
     known: tuple[Array, Array] | None = None
-    #: Which degrees of freedom of the n nodes are fixed ``(n, 6)``, their prescribed values ``(n, 6)`` [m, rad], and the
-    #: numbers of those that only a pin fixes at the first node; None: the supports of the scene, without pins.
+    #: Three entries: which degrees of freedom of the n nodes are fixed ``(n, 6)``; their prescribed values ``(n, 6)``
+    #: [m, rad]; numbers of those that are fixed at the first node although no support fixes them ("pins"). None: the
+    #: supports of the scene, without pins.
     held: tuple[NDArray[np.bool_], Array, tuple[int, ...]] | None = None
 
     @property
     def section(self) -> BeamSection | None:
-        """Return the screw's cross-section to use in place of the one from the scene's dimensions; None: no replacement."""
+        """Return the screw's cross-section that replaces the one of the scene's dimensions; None: it is not replaced."""
         return None
 
     def problem(self, arms: Array | None = None) -> Problem:
@@ -268,7 +273,7 @@ class StaticInput:
         Parameters
         ----------
         arms
-            Extra lever arms of the contacts ``(N, 4, 2)`` [m]; None: none.
+            Shifts of the flanks' centres of curvature by profile errors ``(N, 4, 2)`` [m]; None: zero.
         """
         parts = self.scene, self.drawn, self.layout, self.use
         how: dict[str, Any] = {
@@ -289,13 +294,13 @@ class StaticInput:
         return beam_equations(problem, self.engine, build=self)
 
     def touched(self) -> str:
-        """Return a sentence for the result: balls touched flanks that were left out, so all four flanks were solved."""
+        """Return the note for the result that balls touched left-out flanks, so that all four flanks were solved."""
         names = ", ".join(name for name, used in zip(SIDES, self.use, strict=True) if not used)
         return f"flanks {names} touch balls in the solution without these flanks: solved again with all four flanks"
 
 
 class Solution(NamedTuple):
-    """Equations of a ball screw at the state where the solver ended."""
+    """Equations of a ball screw at the state where the solver ended, converged or not, with notes on what was left out."""
 
     #: Equations with their last state.
     system: OneSetEquations
@@ -317,7 +322,7 @@ class Solution(NamedTuple):
 
 
 class UnrestrainedProblem(NamedTuple):
-    """Static problem without equilibrium: its load drives a motion of the screw that nothing resists."""
+    """Static problem without equilibrium, because its load drives a motion of the screw that nothing resists."""
 
     #: Arrays of the problem.
     problem: Problem
@@ -448,7 +453,7 @@ def solve_built(build: StaticInput, name: str, start: float) -> StaticResult:
     result = assemble_result(system.solved(), name, status, report, left_out, description.assumed)
 
     def loads_with_other_pins() -> Array | None:
-        """Return the contact loads ``(N, 4)`` [N] with the alternative pins; None if the solver finds no solution."""
+        """Return the contact loads ``(N, 4)`` [N] with the other degrees of freedom fixed; None without a solution."""
         again = pin_free_motions(solved.build.problem(), mechanism, True)
         other, found = solve_with_updated_contacts(
             solved.build.with_supports_of(again).ready(again), follow_profile_errors=False
@@ -459,10 +464,11 @@ def solve_built(build: StaticInput, name: str, start: float) -> StaticResult:
 
 
 def with_note_on_pins(result: StaticResult, mechanism: Mechanism, other_loads: Callable[[], Array | None]) -> StaticResult:
-    """Return the result with a note on how much the contact loads depend on the choice of pinned degrees of freedom.
+    """Return the result with a note on how much the contact loads depend on the choice of pins.
 
-    A pin fixes a motion that neither load nor support determines. The result is returned unchanged if the pins carry no
-    noticeable reaction, if there are no other degrees of freedom to pin, or if it has not converged.
+    A pin is a degree of freedom that the model fixes because neither load nor support determines it. The result is returned
+    unchanged if the pins carry no noticeable reaction, if there are no other degrees of freedom to pin, or if it has not
+    converged.
 
     Parameters
     ----------
@@ -488,7 +494,7 @@ def with_note_on_pins(result: StaticResult, mechanism: Mechanism, other_loads: C
 
 
 def pin_free_motions(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
-    """Return the problem with fixed degrees of freedom, "pins", against motions that nothing resists and no load drives.
+    """Return the problem with "pins": degrees of freedom fixed against motions that nothing resists and no load drives.
 
     If no contact can twist the shaft, its torsion is fixed too.
 

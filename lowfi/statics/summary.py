@@ -1,4 +1,4 @@
-"""Conversion of the solver's arrays into the result: contact points, equilibrium check, reactions, shaft centreline."""
+"""Conversion of the solver's arrays into the static result: contact points, equilibrium check, reactions, centreline."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ MODEL_ASSUMPTIONS = (
 )
 
 
-#: Axial distance [m] of the points at which the centreline's displacement is reported, in addition to the nodes.
+#: Axial distance [m] between the points at which the motion of the shaft's centreline is reported, besides the nodes.
 STATION = 10e-3
 #: Index of the assumption about the screw in `MODEL_ASSUMPTIONS`, and its replacement for a rigid screw.
 SCREW, RIGID_SCREW = 1, "the screw is rigid, apart from the Hertzian contacts"
@@ -42,14 +42,14 @@ ELASTIC_ASSUMPTIONS = MODEL_ASSUMPTIONS[2:]
 
 
 def model_assumptions(scene: Scene) -> tuple[str, ...]:
-    """Return the assumptions of Lin's model for a scene as sentences; they depend on whether its screw is rigid."""
+    """Return the assumptions of Lin's model as sentences, for a scene with an elastic or a rigid screw."""
     if scene.ingredients.screw != "rigid":
         return MODEL_ASSUMPTIONS
     return (*MODEL_ASSUMPTIONS[:SCREW], RIGID_SCREW, *MODEL_ASSUMPTIONS[SCREW + 1 :])
 
 
 def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
-    """Return axial positions along the whole screw ``(k,)`` [m], and the motions of its sections there ``(k, 6)`` [m, rad].
+    """Return k axial positions along the whole screw [m], and the motions of its cross-sections there ``(k, 6)`` [m, rad].
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def stations_of(length: float, nodes: tuple[float, ...]) -> Array:
 def _cached_motion_matrices(
     length: float, nodes: tuple[float, ...], section: BeamSection
 ) -> tuple[Array, NDArray[np.int64], Array]:
-    """Return where a screw's centreline is reported, and how the motions there follow from those of the beam's nodes.
+    """Return the positions at which a screw's centreline is reported, and matrices from node motions to the motions there.
 
     Entries: axial positions ``(k,)`` [m] as for `stations_of`; the first node ``(k,)`` of the beam element at each of them;
     and the matrices ``(k, 6, 12)`` from the motions of the element's two nodes to the motions there (`motion_matrices`).
@@ -115,7 +115,7 @@ def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
 
 
 def check_screw_equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibrium:
-    """Return the check of equilibrium: the sums of forces and moments on the screw, and the largest net force on a ball.
+    """Return the check of a screw's equilibrium: sums of forces and moments on it, and the largest net force on a ball.
 
     The screw is loaded by external loads, support reactions, contact forces at the contact points, and by pins: degrees of
     freedom that are fixed although no support fixes them.
@@ -200,7 +200,7 @@ def nodal_reactions(nodes: Array, supports: Sequence[Support], node_reactions: A
 
 
 def resultant_about_origin(stations: Array, wrenches: Array) -> Array:
-    """Return the resultant force and moment about the origin ``(6,)`` [N, N m] of wrenches that act on points of the axis.
+    """Return the resultant force and moment about the origin ``(6,)`` [N, N m] of forces and moments at points of the axis.
 
     Parameters
     ----------
@@ -331,7 +331,7 @@ def status_after_equilibrium_check(
 
 
 def add_reason_not_unique(status: Status, warnings: Sequence[Warned]) -> Status:
-    """Return the status, with an added reason if the solver did not converge and the contact pattern is not unique.
+    """Return the status, with a further reason if the solver did not converge because the contact pattern is not unique.
 
     Flanks with profile errors can touch a ball at several places. Warnings of the kind "profile" report this; their texts
     become part of the reason. Without such ``warnings``, ``status`` is returned unchanged.
@@ -345,7 +345,7 @@ def add_reason_not_unique(status: Status, warnings: Sequence[Warned]) -> Status:
 def contact_result(
     solved: SolvedState, z: Array, motion: Array, report: SolverReport, *, arc_on_both_sides: bool = False
 ) -> StaticResult:
-    """Return a static result with loads, angles and points of all contacts, without model name and check of equilibrium.
+    """Return the static result of one nut or bearing with all contacts, still without model name and equilibrium check.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Tangent stiffness of a loaded ball screw between one section of the screw and the fixed nut.
 
-The supports of the solved screw are removed, and one section is clamped instead. Six small motions d of the clamp move the
-flanks by R_z d. With the stiffness S^T S of all balls, and the compliance G of the bodies with the screw clamped at this
-section, the forces and moments at the clamp per unit motion are
+The supports of the solved screw are removed, and one cross-section is clamped instead. Six small motions d of the clamp
+move the flanks by R_z d. With the stiffness S^T S of all balls, and the compliance G of the bodies with the screw clamped
+at this section, the forces and moments at the clamp per unit motion are
 
     K = (S R_z)^T (I + S G S^T)^-1 (S R_z).                                                                            (1)
 
@@ -37,9 +37,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Tangent:
-    """Tangent stiffness of a ball screw between a section of the screw and the fixed nut."""
+    """Tangent stiffness of a loaded ball screw between a cross-section of the screw and the fixed nut."""
 
-    #: Axial position of the section [m].
+    #: Axial position of the cross-section [m].
     station: float
     #: Stiffness matrix ``(6, 6)`` in ux, uy, uz, rx, ry, rz [N/m, N/rad, N m/rad]; nan if the solve did not converge, and
     #: for motions that the model does not have.
@@ -48,9 +48,9 @@ class Tangent:
     status: str
 
     def rigidity(self, freedom: str) -> float:
-        """Return the force or moment per unit of one motion, while rz is fixed and all other motions are free.
+        """Return the stiffness along one motion: force or moment per unit, with rz fixed and all other motions free.
 
-        Zero if nothing resists the motion.
+        It is zero if nothing resists the motion.
 
         Parameters
         ----------
@@ -70,7 +70,10 @@ class Tangent:
         return float(1.0 / np.sum(V[k, kept] ** 2 / lam[kept]) / scale[k] ** 2)
 
     def _rotation_length(self) -> float:
-        """Return the length [m] that scales rotations to displacements: the root of largest moment over force stiffness."""
+        """Return the length [m] by which rotations are multiplied to be comparable with displacements.
+
+        It is the root of the ratio of the largest rotational to the largest translational stiffness.
+        """
         diagonal = np.diag(self.matrix)
         force, moment = float(diagonal[:3].max()), float(diagonal[3:].max())
         return float(np.sqrt(moment / force)) if force > 0.0 and moment > 0.0 else 1.0
@@ -79,7 +82,7 @@ class Tangent:
 def tangent_stiffness(
     scene: Scene, station: float, *, backend: Backend = REFINED, condensed: Condensed | None = None, member: int = 0
 ) -> Tangent:
-    """Return the tangent stiffness of a loaded ball screw between a section of the screw and the fixed nut.
+    """Return the tangent stiffness of a loaded ball screw between a cross-section of the screw and the fixed nut.
 
     It is the matrix K of equation (1) of the module. Changes of Hertz constants with the contact angle, and of lever arms
     on flanks with profile errors, are neglected.
@@ -120,7 +123,7 @@ def tangent_stiffness(
 
 
 def _stiffness_at_clamp(equations: Any, clamped_equations: Any, station: float) -> Array:
-    """Return the tangent stiffness K ``(6, 6)`` [N/m, N, N m] between a section of the screw and the fixed nut.
+    """Return the tangent stiffness K ``(6, 6)`` [N/m, N, N m] between a clamped section of the screw and the fixed nut.
 
     It is given by equation (1) of the module.
 
@@ -155,7 +158,7 @@ def _stiffness_at_clamp(equations: Any, clamped_equations: Any, station: float) 
 
 
 def flank_motions_by_clamp(problem: Problem, station: float) -> Array:
-    """Return the motions of the screw's flanks per unit motion of one section, while the screw moves as a rigid body.
+    """Return the motions of the screw's flanks per unit motion of a clamped section, if the screw moves as a rigid body.
 
     Parameters
     ----------

@@ -19,8 +19,8 @@ from rollbench.meshes.section import axial_range_of_nut_groove, groove_section
 
 Element = Literal["ball", "roller"]
 
-#: Limits of the theory of small rotations: tilt of the screw [rad], by which force directions are wrong; and neglected
-#: second-order motion of a groove relative to the largest contact approach.
+#: Limits of the theory of small rotations: tilt of the screw [rad], which is the error of force directions; and neglected
+#: second-order motion of a groove, relative to the largest contact approach.
 SMALL_TILT, SECOND_ORDER = 3e-3, 0.01
 #: Largest rotation of a shaft section [rad] for which the linear beam is valid: half its square is 0.1 %.
 SMALL_ROTATION = 0.045
@@ -87,7 +87,7 @@ def arc_end_names(scene: Scene) -> str:
 
 
 def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[Warned]:
-    """Return warnings of contacts or contact ellipses beyond the edge of the groove's arc, and of balls that move far.
+    """Return warnings of contacts or contact ellipses beyond the groove's arc, and of balls that move too far.
 
     Parameters
     ----------
@@ -126,10 +126,11 @@ def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, shift: Arr
 
 
 def _overlapping_contact_warning(problem: Problem, force: Array, gamma: Array) -> list[Warned]:
-    """Return a warning of balls whose contacts with both flanks of a groove lie within one contact ellipse, else none.
+    """Return a warning if a ball's contacts with both flanks of a groove are so close that they are one contact.
 
-    The groove is a single arc there, and the model counts one contact twice. Since contact angles count from the groove's
-    bottom to either side, the angle between both contacts is the sum of their contact angles.
+    Their distance is less than a semi-axis of the contact ellipse. The groove is a single arc there, and the model counts
+    one contact twice. Since contact angles count from the groove's bottom to either side, the angle between both contacts
+    is the sum of their contact angles.
 
     Parameters
     ----------
@@ -161,7 +162,7 @@ def _overlapping_contact_warning(problem: Problem, force: Array, gamma: Array) -
 
 
 def size_warnings(semi_axis: Array, radius: float, element: Element = "ball") -> list[Warned]:
-    """Return a warning if a contact is too large, relative to its ball or roller, for Hertz's half space.
+    """Return a warning if a contact is too large, relative to its ball or roller, for Hertz's theory of half spaces.
 
     Parameters
     ----------
@@ -181,7 +182,7 @@ def size_warnings(semi_axis: Array, radius: float, element: Element = "ball") ->
 
 
 def contact_warnings(pressure: Array, semi_axis: Array, radius: float, element: Element = "ball") -> list[Warned]:
-    """Return warnings of contacts that are too large for Hertz's half space, or that leave a permanent indentation.
+    """Return warnings of contacts that are too large for Hertz's theory, or so loaded that they leave an indentation.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Static equilibrium of a shaft with bearings or nuts: Newton's method on the energy of shaft, bodies and rolling elements.
+"""Static equilibrium of a shaft with several bearings or nuts: Newton's method on the energy of shaft, bodies and balls.
 
     E(q) = (shaft) + (springs) - f q + (contact energy of all balls) + (contact energy of all rollers).
 
@@ -48,7 +48,7 @@ from .rollers import roller_forces
 
 @kernel
 def add_block(values: Array, axis: AxisArrays, a: int, b: int, block: Array) -> None:
-    """Add a block (6, 6), which couples the motions of bodies or nodes a and b, to the symmetric stiffness matrix.
+    """Add a stiffness block (6, 6), which couples the motions of two bodies (or nodes) a and b, to the stiffness matrix.
 
     Only the lower triangle of the matrix is stored, as an envelope in ``values``: for each row the coefficients from the
     first one that can differ from zero to the diagonal (`kernel.matrices`). ``axis`` holds the positions of the rows. For
@@ -131,10 +131,10 @@ def add_ball_stiffness_in_loops(values: Array, axis: AxisArrays, balls: AxisBall
 
 @kernel
 def write_coupling_block(left: Array, h: Array, right: Array, block: Array) -> None:
-    """Write the stiffness block (6, 6) = left^T h right of a ball for the motions of two nodes or bodies.
+    """Write a ball's stiffness (6, 6) = left^T h right that couples the motions of two nodes or bodies to ``block``.
 
     left, right (2, 6 or more): motion of a groove flank by the motion of its node or body, in the first six columns; h (2,
-    2): stiffness of the ball between the two flanks [N/m].
+    2): stiffness of the ball between these two flanks [N/m].
     """
     for j in range(6):
         x = left[0, j] * h[0, 0] + left[1, j] * h[1, 0]
@@ -165,9 +165,9 @@ def add_rollers(values: Array, axis: AxisArrays, rollers: AxisRollers, slices: A
 
 @kernel
 def fix_prescribed_motions(values: Array, axis: AxisArrays, shift: Array) -> None:
-    """Apply the boundary conditions: replace rows and columns of fixed motions in ``values`` by those of a unit matrix.
+    """Fix the supported motions in a stiffness matrix: replace their rows and columns by those of a unit matrix.
 
-    Before that, ``shift`` (6,) [N/m, N m] is added to the diagonal of the stiffness matrix for every node and body.
+    Before that, ``shift`` (6,) [N/m, N m] is added to the diagonal of the matrix ``values`` for every node and body.
     ``axis``: which motions are fixed, and the positions of the rows in ``values``, which stores the matrix as an envelope.
     """
     n = axis.first.shape[0]
@@ -211,7 +211,7 @@ KEPT = 0.0
 
 @kernel
 def evaluate_axis(given: AxisSystem, state: MotionState, out: EnergyDerivatives) -> tuple[float, float]:
-    """Return the energy [J] of shaft, bodies and rolling elements at the state, and the largest force in them [N].
+    """Compute energy, gradient and ball stiffness of shaft, bodies and balls; return energy [J] and largest force [N].
 
     Writes the nodal motions, ball centres, contacts and roller slices to ``state``, and the gradient of the energy and the
     stiffness of the balls to ``out``. ``given``: arrays of shaft, bodies, springs, balls and rollers.
@@ -258,7 +258,7 @@ def evaluate_structure(axis: AxisArrays, state: MotionState, gradient: Array) ->
 
 @kernel
 def spring_forces(axis: AxisArrays, q: Array, gradient: Array) -> float:
-    """Add the forces of the springs between bodies to the gradient (r, 6) of the energy; return the springs' energy [J].
+    """Add the spring forces on the r nodes and bodies to ``gradient`` (r, 6) [N, N m]; return the springs' energy [J].
 
     q (r, 6): motions of the nodes and bodies [m, rad]. ``axis``: ends, lever arms and stiffness of the springs.
     """
@@ -288,7 +288,9 @@ def spring_forces(axis: AxisArrays, q: Array, gradient: Array) -> float:
 
 @kernel
 def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
-    """Write the motions ``shift`` (4, 2) [m] of the four flanks of ball i, by the motions q (r, 6) of nodes and bodies.
+    """Compute the motions of the four groove flanks at ball i from the motions q (r, 6) of nodes and bodies.
+
+    They are written to ``shift`` (4, 2) [m], with two components in the ball's section plane.
 
     ``balls``: coefficients and prescribed offsets of the flanks' motions.
     """
@@ -307,10 +309,9 @@ def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
 def tangent(given: AxisSystem, state: MotionState, hessians: Array, base: Array, values: Array, shift: Array) -> bool:
     """Assemble and factor the tangent stiffness matrix of shaft, bodies and rolling elements.
 
-    base: stiffness of shaft and springs, from `add_axis`; hessians (N, 8, 8): stiffness of the balls [N/m]; shift (6,)
-    [N/m, N m]: stiffness added to the diagonal. Writes the factor to ``values``; returns False if the matrix is not
-    positive definite. ``given``: arrays of shaft, bodies, springs, balls and rollers; ``state``: stiffness of the roller
-    slices.
+    Writes the factor to ``values``; returns False if the matrix is not positive definite. base: stiffness of shaft and
+    springs, from `add_axis`; hessians (N, 8, 8): stiffness of the balls [N/m]; ``state``: stiffness of the roller slices;
+    shift (6,) [N/m, N m]: stiffness added to the diagonal; ``given``: arrays of shaft, bodies, springs, balls and rollers.
     """
     axis, balls, rollers = given
     values[:] = base
@@ -340,9 +341,9 @@ def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> N
 
 @kernel
 def energy_at(given: AxisSystem, state: MotionState, workspace: MotionWorkspace) -> tuple[float, float]:
-    """Return the energy [J] of shaft, bodies and rolling elements, and the largest force [N]; same as `evaluate_axis`.
+    """Return the energy [J] of shaft, bodies and rolling elements at the state, and the largest force [N].
 
-    The derivatives are written to the ``workspace``.
+    The derivatives of the energy are written to the ``workspace`` (`evaluate_axis`).
     """
     return evaluate_axis(given, state, workspace.slopes)
 
@@ -388,7 +389,7 @@ minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
 
 @kernel
 def start_from_linear_springs(given: AxisSystem, state: MotionState, options: Options, workspace: MotionWorkspace) -> None:
-    """Set the state to the equilibrium with linear springs in place of balls and rollers, as a first guess.
+    """Set the state to a first guess: the equilibrium with linear springs in place of balls and rollers.
 
     Leaves the state unchanged if that stiffness matrix is not positive definite. The step is shortened such that no flank
     moves further than ``options.furthest`` [m]. ``given``: arrays of shaft, bodies, springs, balls and rollers;

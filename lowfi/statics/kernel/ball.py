@@ -1,7 +1,8 @@
 """Equilibrium of one ball between the groove flanks of screw and nut, with up to four contacts.
 
-The unknowns are the position of the ball's centre in the section plane (x3, z3) and, for an elastic ball, one amplitude of
-the deformation of its body. They minimise the contact energy at given motions of the flanks.
+The unknowns are the position of the ball's centre in its section plane (x3: radial, z3: along the helix's binormal) and,
+for an elastic ball, one amplitude of the deformation of its body. They minimise the contact energy at given motions of the
+flanks.
 
 The functions use arrays with one row for each flank, in the order SL, SR, NL, NR (screw left, screw right, nut left, nut
 right):
@@ -37,7 +38,7 @@ SETTLING, HALVINGS = 60, 30
 
 @kernel
 def guess_ball_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int:
-    """Write a first guess of the ball's centre p (2,) [m] for Newton's method; return the number of flank pairs used.
+    """Write a first guess of the ball's centre p (2,) [m] for Newton's method; return from how many flank pairs it follows.
 
     p is relative to the nominal position. A diagonal pair is two opposite flanks a, b of screw and nut. The guess is the
     mean of the two-contact solutions of all pairs with interference, or the mean motion of the flanks if there is none. A
@@ -87,7 +88,7 @@ def guess_ball_centre(p: Array, shift: Array, geometry: Array, closure: Array) -
 def approach_to_flank(
     ux: float, uz: float, geometry: Array, r_ball: float, profile: Array
 ) -> tuple[float, float, float, float]:
-    """Return the approach [m], unit normal (x, z) and curvature term kt [1/m] of a ball and one groove flank.
+    """Return the approach [m], unit normal (x, z) and curvature term kt [1/m] of a ball's contact with one groove flank.
 
     (ux, uz): displacement of the ball's centre from its nominal position relative to the flank [m]; geometry (9,): contact
     data of the flank, see the module; r_ball: ball radius [m]; profile: coefficients of the flank's deviation from a
@@ -104,11 +105,12 @@ def approach_to_flank(
 def ball_contact_forces(
     x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
 ) -> float:
-    """Compute contact forces and stiffnesses for the ball's centre at (x, z) [m] and the amplitude y of its deformation.
+    """Compute forces and stiffnesses of a ball's four contacts, for its centre at (x, z) [m] and the amplitude y.
 
-    Writes them to ``contact`` (4, 5) and returns the contact energy [J]: the integral of Hertz's law, equation 2.14 of
-    Lin's thesis. shift (4, 2): motions of the flanks [m]; geometry (4, 9), local (4, 3): contact data and compliance terms,
-    see the module; r_ball: ball radius [m]; profile (4, d): deviations of the flanks from circular arcs.
+    y is the amplitude of the ball's deformation. Writes force, normal and stiffness to ``contact`` (4, 5) and returns the
+    contact energy [J]: the integral of Hertz's law, equation 2.14 of Lin's thesis. shift (4, 2): motions of the flanks [m];
+    geometry (4, 9), local (4, 3): contact data and compliance terms, see the module; r_ball: ball radius [m]; profile
+    (4, d): deviations of the flanks from circular arcs.
     """
     if profile.shape[1] > 0 or local.shape[0] > 0:
         return general_ball_contact_forces(x, z, y, shift, geometry, local, r_ball, profile, contact)
@@ -174,7 +176,7 @@ def net_force(contact: Array) -> tuple[float, float]:
 
 @kernel
 def unbalanced_deformation_force(y: float, contact: Array, local: Array) -> float:
-    """Return by how much the contact forces and the amplitude y of the ball's deformation are out of balance [N].
+    """Return the force [N] by which the contact forces and the ball's deformation of amplitude y are out of balance.
 
     contact (4, 5): forces and stiffnesses of the contacts; local (4, 3): compliance terms of the contacts.
     """
@@ -187,7 +189,7 @@ def unbalanced_deformation_force(y: float, contact: Array, local: Array) -> floa
 
 @kernel
 def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, float, float]:
-    """Return the Newton step (x, z) of the ball's centre and y of its deformation, and the energy's slope along it [J].
+    """Return the Newton step of a ball's centre (x, z) and deformation (y), and the derivative of the energy along it [J].
 
     y: amplitude of the deformation before the step; contact (4, 5), local (4, 3): forces and compliance terms of the
     contacts, see the module. For a rigid ball whose stiffness matrix is singular, the step follows the gradient; all four
@@ -231,7 +233,7 @@ def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, f
 def newton_step_of_elastic_ball(
     gx: float, gz: float, gy: float, hxx: float, hxz: float, hzz: float, hxy: float, hzy: float, hyy: float
 ) -> tuple[float, float, float, float]:
-    """Return the Newton step (x, z) of an elastic ball's centre and y of its deformation, and the energy's slope along it.
+    """Return the Newton step of an elastic ball's centre (x, z) and deformation (y), and the energy's derivative along it.
 
     Solved by Cholesky's method from the gradient (gx, gz, gy) of the contact energy and the coefficients hxx, hxz, ... of
     its Hessian. Returns zeros if the Hessian is not positive definite.
@@ -320,10 +322,9 @@ def solve_opposite_flank_pair(
 
 @kernel
 def clear_negligible_forces(contact: Array, tiny: float, energy: float) -> float:
-    """Set all forces of a ball to zero if none exceeds ``tiny`` [N].
+    """Set all contact forces of a ball to zero if none exceeds ``tiny`` [N]; return the ball's energy [J].
 
-    contact (4, 5): contacts of the ball, changed in place. Returns the ball's energy [J]: ``energy``, or zero without
-    forces.
+    contact (4, 5): contacts of the ball, changed in place. The result is ``energy``, or zero if the forces are set to zero.
     """
     for s in range(4):
         if contact[s, FORCE] > tiny:
@@ -404,7 +405,7 @@ def settle_ball(
 
 @kernel
 def ball_mismatch(contact: Array, scale: float) -> float:
-    """Return the largest net contact force on any of N balls as a fraction of ``scale`` [N]; in newtons if that is zero.
+    """Return the largest net contact force on any of N balls, as a fraction of ``scale`` [N] or in newtons if that is zero.
 
     It is zero in equilibrium. The check is separate, because the equilibrium equations of the beam do not contain the
     equilibrium of the balls. contact (N, 4, 5): forces and normals of the contacts.
@@ -417,7 +418,7 @@ def ball_mismatch(contact: Array, scale: float) -> float:
 
 @kernel
 def block(contact: Array, s: int) -> tuple[float, float, float]:
-    """Return the stiffness matrix F' m m^T + F kt t t^T of contact s, as its entries (xx, xz, zz) [N/m].
+    """Return the entries xx, xz, zz [N/m] of the stiffness matrix F' m m^T + F kt t t^T of a ball's contact on flank s.
 
     contact (4, 5): contacts of a ball; s: number of the flank. m is the unit normal and t the tangent of the contact, F its
     force with the derivative F' by the approach, and kt the curvature term [1/m] of `approach_to_flank`. Zeros if the
@@ -431,7 +432,7 @@ def block(contact: Array, s: int) -> tuple[float, float, float]:
 
 @kernel
 def flank_hessian(contact: Array, out: Array) -> None:
-    """Write the stiffness matrix of a ball against motions of its groove flanks, with the ball's centre eliminated.
+    """Write the stiffness matrix of a ball against motions of its groove flanks, while its centre moves to equilibrium.
 
     contact (4, 5): contacts of the ball; out: (4, 4) for the screw's flanks or (8, 8) for all flanks [N/m], in the order
     SL x, SL z, SR x, ... (x: radial, z: along the helix's binormal). With the stiffness

@@ -55,9 +55,10 @@ def element_constants(length: float, section: Array) -> tuple[float, float, floa
 
 @kernel
 def write_element_force(d: Array, constants: tuple[float, float, float, float, float], out: Array) -> None:
-    """Write the force and moment (6,) [N, N m] at node 2 of a beam element that cause its deformation d (6,) [m, rad].
+    """Compute the force and moment (6,) [N, N m] at node 2 of a beam element that cause its deformation d (6,) [m, rad].
 
-    constants: stiffnesses of the element, see `element_constants`. The result is written to ``out``.
+    The deformation is the motion of node 2 minus the rigid-body motion of node 1 transferred to it. constants: stiffnesses
+    of the element, see `element_constants`. The result is written to ``out``.
     """
     # plane x-z: u_x with r_y; plane y-z: u_y with r_x, of the other sign; then axial force and torque
     kuu, kur, krr, ka, kt = constants
@@ -115,8 +116,8 @@ def assemble_beam(lengths: Array, sections: Array, constants: Array, band: Array
         add_element(band, e, lengths[e], sections[e])
 
 
-#: Ratio of a residual to the smallest one before it above which the stiffness is factored again for the next step. Below
-#: it, convergence is fast enough with the last factor. Used near the solution only.
+#: Ratio of a residual to the smallest residual before it, above which the stiffness is factored again for the next step.
+#: Below it, convergence is fast enough with the last factor. Used near the solution only.
 KEPT = 1e-3
 #: Smallest stiffness added to the diagonal, as a fraction of the beam's largest one. With less, a motion that nothing
 #: resists would have a stiffness of round-off only.
@@ -144,7 +145,7 @@ def write_screw_flank_motions(contacts: BeamContacts, motion: Array, i: int, m: 
 
 @kernel
 def add_contact_force(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: float, fz: float) -> None:
-    """Add the contact force (fx, fz) [N] of ball i on flank s to the gradient (6 n,) of the energy by the nodal motions.
+    """Add the contact force (fx, fz) [N] of ball i on screw flank s to the nodal forces: the energy's gradient (6 n,).
 
     B (N, 2, 2, m): motions of the screw's flanks per unit motion of the nodes; m: number of nodal motions on which the
     flank depends; start: index of the first of them.
@@ -155,7 +156,7 @@ def add_contact_force(gradient: Array, B: Array, i: int, s: int, m: int, start: 
 
 @kernel
 def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: Array) -> tuple[float, float]:
-    """Return the energy [J] of a beam with its loads, and the largest force [N] among element forces and loads.
+    """Return the energy [J] of a shaft's beam with its loads, and the largest force [N] among element forces and loads.
 
     Writes the motions q (n, 6) [m, rad] of the nodes, which follow from q[0] and the element deformations d (n - 1, 6), and
     the gradient (n, 6) of the energy by them. Further rows of q and gradient (other bodies) are left unchanged.
@@ -186,9 +187,9 @@ def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: A
 
 @kernel
 def evaluate(given: BeamSystem, state: MotionState, out: EnergyDerivatives) -> tuple[float, float]:
-    """Return the energy [J] of beam and balls at the state, and the largest force [N].
+    """Return the energy [J] of a screw's beam and its balls at the state, and the largest force [N] in the model.
 
-    The force may be an applied one, one in an element, or one of a contact. Writes the gradient of the energy and the
+    The largest force is a load, the force in a beam element, or a contact force. Writes the gradient of the energy and the
     stiffness matrices of the balls to ``out``.
     """
     beam, contacts = given
@@ -224,10 +225,10 @@ def evaluate(given: BeamSystem, state: MotionState, out: EnergyDerivatives) -> t
 def add_contact_stiffness(
     band: Array, b: Array, h: tuple[float, float, float], start: int, m: int, workspace: Array
 ) -> None:
-    """Add the stiffness b^T h b of one contact to the lower band of the beam's stiffness matrix.
+    """Add the stiffness b^T h b of one contact with the screw to ``band``, the lower band of the beam's stiffness matrix.
 
-    b (2, m): motion of the groove flank by m nodal motions, the first of which has the index ``start``; h: stiffness
-    (xx, xz, zz) of the contact [N/m]; workspace (2, m): work array.
+    b (2, m): motion of the groove flank per unit of m nodal motions, the first of which has the index ``start``; h:
+    stiffness (xx, xz, zz) of the contact [N/m]; workspace (2, m): work array.
     """
     for k in range(m):
         workspace[0, k] = h[0] * b[0, k] + h[1] * b[1, k]
@@ -240,10 +241,10 @@ def add_contact_stiffness(
 
 @kernel
 def add_flank_coupling(band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, workspace: Array) -> None:
-    """Add the stiffness b^T h c that couples the screw's two flanks at one ball to the lower band of the stiffness matrix.
+    """Add the stiffness b^T h c by which a ball couples the screw's two flanks to ``band``, the lower band of the matrix.
 
-    b, c (2, m): motions of the two flanks by m nodal motions each, the first of which have the indices ``rows`` and
-    ``columns``; h (2, 2): coupling stiffness of the ball [N/m]; workspace (2, m): work array.
+    b, c (2, m): motions of the two flanks per unit of m nodal motions each, the first of which have the indices ``rows``
+    and ``columns``; h (2, 2): coupling stiffness of the ball [N/m]; workspace (2, m): work array.
     """
     m = b.shape[1]
     for a in range(2):
@@ -307,11 +308,11 @@ def fix_nodal_motion(band: Array, i: int) -> None:
 def advance_along_step(
     shaft: BeamArrays | AxisArrays, state: MotionState, q0: Array, d0: Array, step: Array, t: float
 ) -> None:
-    """Set nodal motions q and element deformations d to their start values (q0, d0) plus ``t`` times the step.
+    """Set nodal motions q and element deformations d to their values before a Newton step plus ``t`` times the step.
 
-    step (r, 6): change of the motions of nodes and bodies [m, rad] for t = 1. The change of the element deformations is
-    computed from the step alone, not from the moved nodes, to avoid round-off. The new values are written to ``state``;
-    shaft: arrays with the lengths of the elements.
+    q0, d0: values before the step; step (r, 6): change of the motions of nodes and bodies [m, rad] for t = 1. The change of
+    the element deformations is computed from the step alone, not from the moved nodes, to avoid round-off. The new values
+    are written to ``state``. shaft: arrays with the lengths of the elements.
     """
     q, d, lengths = state.q, state.d, shaft.lengths
     for k in range(6):
@@ -328,7 +329,7 @@ def advance_along_step(
 
 @kernel
 def energy_at(given: BeamSystem, state: MotionState, workspace: MotionWorkspace) -> tuple[float, float]:
-    """Return the energy [J] of beam and balls at the state, and the largest force [N]; same as `evaluate`.
+    """Return the energy [J] of a screw's beam and its balls at the state, and the largest force [N] in the model.
 
     ``given``: arrays of the screw as a beam and of its balls; the derivatives are written to the ``workspace``.
     """
@@ -428,7 +429,7 @@ def move(given: Rows, state: MotionState, workspace: MotionWorkspace, t: float) 
 
 @kernel
 def finish(given: Rows, state: MotionState, options: Options, workspace: MotionWorkspace) -> None:
-    """Do nothing, because the last evaluation is final; other models than the beam complete their final state here."""
+    """Do nothing, because the state is complete at the last evaluation; the model with elastic bodies completes it here."""
 
 
 @kernel
@@ -474,7 +475,7 @@ minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
 
 @kernel
 def start_from_linear_springs(given: BeamSystem, state: MotionState, options: Options, workspace: MotionWorkspace) -> None:
-    """Set the state to the equilibrium of the screw on linear springs in the nominal contact directions, as a first guess.
+    """Set the state to a first guess: the equilibrium of the screw on linear springs in the nominal contact directions.
 
     Leaves the state unchanged if that stiffness cannot be factored. No flank moves further than ``options.furthest``, the
     radius of the largest ball: springs of fixed direction are wrong where the contact direction must turn first, for
@@ -499,7 +500,7 @@ def start_from_linear_springs(given: BeamSystem, state: MotionState, options: Op
 
 @kernel
 def shorten_first_step(given: Rows, state: MotionState, options: Options, workspace: MotionWorkspace, reach: float) -> None:
-    """Take the first step, shortened such that no flank moves further than ``options.furthest`` [m].
+    """Take the first Newton step from the state, shortened such that no flank moves further than ``options.furthest`` [m].
 
     reach [m]: largest displacement of a flank in the full step. The ``workspace`` holds the step; ``state`` is changed.
     """

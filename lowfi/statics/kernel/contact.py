@@ -58,7 +58,7 @@ def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, floa
 
 @kernel
 def force_root_at_continuation(c: float, e: float, h: float) -> float:
-    """Return the cube root of the force [N^(1/3)] above which `contact_law` is continued by another law; 0 if none.
+    """Return the cube root of the force [N^(1/3)] from which `contact_law` continues as c F^(2/3)/2 + constant; 0 if none.
 
     It is the smallest x > 0 with 3 e x + 4 h x^2 = -c, where the law is delta = c x^2 + e x^3 + h x^4 at the approach delta
     and the force x^3.
@@ -85,12 +85,13 @@ def contact_energy(x: float, c: float, e: float, h: float) -> float:
 def approach_to_arc(
     mx: float, mz: float, wx0: float, wz0: float, size0: float, approach: float
 ) -> tuple[float, float, float, float]:
-    """Return approach [m], unit normal (x, z) and curvature term [1/m] of a ball and a circular groove flank.
+    """Return approach [m], unit normal (x, z) and curvature term [1/m] of a ball's contact with a circular groove flank.
 
-    (mx, mz): motion of the ball's centre relative to the flank [m]; (wx0, wz0): its nominal position from the groove's
-    centre [m], of length size0; approach: nominal approach [m]. The result is the nominal approach plus its change. Its
-    round-off is then that of the motion (1e-22 m), not that of the radii (1e-18 m). The curvature term times the contact
-    force is the tangential stiffness of the contact; here it is the inverse distance of groove centre and ball centre.
+    x is the radial component, z the one along the helix's binormal. (mx, mz): motion of the ball's centre relative to the
+    flank [m]; (wx0, wz0): its nominal position from the groove's centre [m], of length size0; approach: nominal approach
+    [m]. The result is the nominal approach plus its change. Its round-off is then that of the motion (1e-22 m), not that of
+    the radii (1e-18 m). The curvature term times the contact force is the tangential stiffness of the contact; here it is
+    the inverse distance of groove centre and ball centre.
     """
     wx, wz = wx0 + mx, wz0 + mz
     size = sqrt(wx * wx + wz * wz)
@@ -104,7 +105,7 @@ def approach_to_arc(
 def approach_to_profile(
     mx: float, mz: float, wx0: float, wz0: float, r_ball: float, radius: float, profile: Array, sx: float, sz: float
 ) -> tuple[float, float, float, float]:
-    """Return approach [m], unit normal (x, z) and curvature term [1/m] of a ball and a groove flank that is no exact arc.
+    """Return approach [m], unit normal (x, z) and curvature term [1/m] of a ball's contact with a non-circular flank.
 
     The flank is the curve rho(gamma) (s_x cos gamma, s_z sin gamma) around the groove's centre. rho is ``radius`` [m] minus
     the polynomial ``profile`` (d,) in ascending powers of the contact angle gamma (equations 2.3 and 2.27 of Lin's thesis).

@@ -1,6 +1,6 @@
 """Minimise a convex energy by Newton's method with line search: the solver shared by all static models of this package.
 
-This file is loaded once for each model (`jit.load_driver`), for example the modules ``beam``, ``axis`` and ``elastic``. The
+`jit.load_driver` loads this file once for each model, which is one of the modules ``beam``, ``axis`` and ``elastic``. The
 model's module defines the functions named below, and ``KEPT``: near the solution, the stiffness is factored again only if
 the residual is more than this fraction of the smallest one before. In the functions, ``given`` holds the constants of the
 model, ``state`` its unknowns, and ``workspace`` its work arrays (derivatives, the step, and the start of the line search).
@@ -49,11 +49,11 @@ least_force, furthest, unbalanced = system.least_force, system.furthest, system.
 def search_along_step(
     given: Any, state: Any, workspace: Any, energy: float, slope: float, limit: float
 ) -> tuple[float, float, int]:
-    """Search the energy minimum along the Newton step in the workspace; leave the state at the accepted point.
+    """Search the minimum of the energy along the Newton step, and leave the state at the accepted point.
 
-    energy, slope: energy [J] and its derivative by the step length [J] at the start; limit: largest step length, as a
-    fraction of the Newton step. Returns the energy [J] and the largest force [N] at the accepted point, and the number of
-    step lengths tried. ``given``: constants of the model.
+    The ``workspace`` holds the step. energy, slope: energy [J] and its derivative by the step length [J] at the start;
+    limit: largest step length, as a fraction of the Newton step; ``given``: constants of the model. Returns the energy [J]
+    and the largest force [N] at the accepted point, and the number of step lengths tried.
     """
     trial, go_on = first_trial(energy, slope, limit), True
     new, scale = energy, 0.0
@@ -68,11 +68,11 @@ def search_along_step(
 def force_scale_and_residual(
     given: Any, state: Any, options: Options, workspace: Any, scale: float, first_force: float
 ) -> tuple[float, float]:
-    """Return the force [N] by which the residual is divided, and the relative residual.
+    """Return the force [N] by which unbalanced forces are divided, and the relative residual that results.
 
-    That force is ``scale`` [N], the largest force in the model, or a lower limit if that is larger. The limit is
-    `least_force`. Where only displacements are prescribed (``options.floor`` is zero) it is ``first_force`` [N], a force of
-    the first state, because the final state may be free of forces.
+    That force is ``scale`` [N], the largest force in the model, or a lower limit if the limit is larger. The limit is the
+    result of `least_force`. Where only displacements are prescribed (``options.floor`` is zero) it is ``first_force`` [N],
+    a force of the first state, because the final state may be free of forces.
     """
     least = least_force(given, state, options) if options.floor > 0.0 else first_force
     scale = max(scale, least)

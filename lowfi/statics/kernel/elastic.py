@@ -43,7 +43,9 @@ from .rollers import roller_elements, write_roller_stiffness_rows
 
 @kernel
 def flank_motions_by_forces(bodies: Bodies, phi: Array, out: Array) -> None:
-    """Write the motions ``out`` (N, d) = G phi [m] of the flanks by the contact forces ``phi`` (N, d) [N] on the bodies.
+    """Compute the motions G phi [m] of the groove flanks by the contact forces ``phi`` (N, d) [N] on the elastic bodies.
+
+    They are written to ``out`` (N, d).
 
     Each ball has d motions of its flanks. With two bodies (screw and nut), the first half of these columns belongs to the
     first body and the second half to the second one. With one body, all columns belong to it. G: compliance matrix of the
@@ -120,9 +122,9 @@ def cholesky_substitute(M: Array, b: Array) -> None:
 
 @kernel
 def multiply_by_stiffness_rows(rows: BallRows, x: Array, out: Array) -> None:
-    """Write the product ``out`` (q,) = S x of the balls' stiffness factors S with the motions x (N, d) of their flanks [m].
+    """Write the product S x of the balls' stiffness factors S with the motions x (N, d) [m] of their flanks to ``out``.
 
-    S^T S is the stiffness matrix of the balls; ``rows`` holds the q rows of S ball by ball.
+    S^T S is the stiffness matrix of the balls; ``rows`` holds the q rows of S ball by ball; ``out``: array (q,).
     """
     S, counts, starts = rows
     for i in range(S.shape[0]):
@@ -132,10 +134,10 @@ def multiply_by_stiffness_rows(rows: BallRows, x: Array, out: Array) -> None:
 
 @kernel
 def subtract_flank_forces(rows: BallRows, u: Array, out: Array) -> None:
-    """Subtract the flank forces S^T u [N] from ``out`` (N, d).
+    """Subtract from the ball forces ``out`` (N, d) [N] on the flanks their change S^T u in a Newton step.
 
-    S is the matrix of the q ``rows`` of factors with which S^T S is the stiffness of the balls; u (q,): solution of a
-    Newton step, see `solve_newton_equations`.
+    S is the matrix of the q ``rows`` of factors with which S^T S is the stiffness of the balls; u (q,): solution of the
+    step's equations, see `solve_newton_equations`.
     """
     S, counts, starts = rows
     for i in range(S.shape[0]):
@@ -174,7 +176,7 @@ def solve_free_motions(
 
 @kernel
 def write_stiffness_rows(contact: Array, local: Array, rows: Array) -> int:
-    """Write the stiffness of a ball against motions of its four flanks as S^T S; return the number of rows of S used.
+    """Write factors S of a ball's stiffness S^T S against motions of its four flanks; return the number of rows of S used.
 
     S is written to ``rows`` (6, 8). Each contact gives rows sqrt(k) d, with its normal or tangential stiffness k and
     direction d. A Householder transformation makes the flank columns of these rows orthogonal to the columns of ball centre
@@ -226,7 +228,10 @@ def write_stiffness_rows(contact: Array, local: Array, rows: Array) -> int:
 
 @kernel
 def reflect(direction: Array, x: Array, first: int, last: int, size: float) -> None:
-    """Reflect x[first:last] at the plane normal to ``direction`` (Householder); size: squared length of ``direction``."""
+    """Reflect the elements x[first:last] of a vector at the plane normal to ``direction`` (Householder transformation).
+
+    size: squared length of ``direction``.
+    """
     dot = 0.0
     for i in range(first, last):
         dot += direction[i] * x[i]
@@ -239,7 +244,7 @@ def reflect(direction: Array, x: Array, first: int, last: int, size: float) -> N
 def solve_balls_of_four_flanks(
     v: Array, contacts: BallContacts, inner: Array, contact: Array, f: Array
 ) -> tuple[float, float]:
-    """Find the equilibrium of every ball between four flanks, and the forces of every roller, for given flank motions.
+    """Find the equilibrium of every ball between its four flanks, and the forces of every roller, at given flank motions.
 
     v (N, 8): motions of the flanks [m] of N balls and rollers; the rollers come after the balls. Writes the forces f (N, 8)
     [N] on the flanks, the ball centres [m] and deformation amplitudes ``inner`` (N, 3), and ``contact`` (N, 4, 5): force,
@@ -310,7 +315,7 @@ def evaluate_balls(v: Array, contacts: BallContacts, state: ForceState, f: Array
 
 @kernel
 def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -> int:
-    """Write the stiffness of each ball and roller as rows S (N, 6 or 2, d), where S^T S is its stiffness matrix.
+    """Write factors S (N, 6 or 2, d) of the stiffness matrix S^T S of each ball and roller; return the number of rows used.
 
     Writes the number of rows of each element to ``counts`` (N,) and returns their sum. ``contacts``: data of balls and
     rollers; ``contact``: their forces, normals and stiffnesses, from `evaluate_balls`.
@@ -366,7 +371,7 @@ def solve_newton_equations(
 
 @kernel
 def add_free(R: Array, a: Array, out: Array) -> None:
-    """Add to ``out`` (N, d) [m] the flank motions R a by free rigid motions of the bodies, which only the contacts resist.
+    """Add the flank motions R a by the bodies' free rigid motions, which only the contacts resist, to ``out`` (N, d) [m].
 
     R (N, d, k): motions of the flanks per metre of each free motion; a (k,): amplitudes [m].
     """
@@ -386,7 +391,7 @@ def energy_of_bodies(bodies: Bodies, state: ForceState, g: Array) -> float:
 
 @kernel
 def write_flank_motions(bodies: Bodies, state: ForceState, g: Array, v: Array) -> None:
-    """Write the elastic motions g = G phi and the total motions v = v0 + g + R a of the flanks (N, d) [m] from the state.
+    """Compute the elastic motions g = G phi and the total motions v = v0 + g + R a of the flanks (N, d) [m].
 
     phi: contact forces of the state; G: compliance matrix of the bodies; v0: motions by external loads; R a: motions by the
     bodies' free motions, which only the contacts resist.
@@ -516,10 +521,10 @@ def move(given: BodySystem, state: ForceState, workspace: BodyWorkspace, t: floa
 
 @kernel
 def finish(given: BodySystem, state: ForceState, options: Options, workspace: BodyWorkspace) -> None:
-    """Compute the final contacts from the flank motions with less round-off.
+    """Compute the contacts at the solution from those flank motions that have less round-off.
 
     The motions are known in two ways: summed over all Newton steps, and computed anew from the contact forces as G phi. The
-    second has more round-off where the bodies bend much under contact forces that almost cancel. The motions that give the
+    second have more round-off where the bodies bend much under contact forces that almost cancel. The motions that give the
     smaller residual are used. The contacts are written to ``state``.
     """
     v, residual = workspace.v.copy(), residual_at(given, state, options, workspace, 1.0)
@@ -574,7 +579,7 @@ def solve_forces(given: BodySystem, state: ForceState, options: Options, start: 
 
 @kernel
 def start_from_linear_springs(given: BodySystem, state: ForceState, options: Options, workspace: BodyWorkspace) -> None:
-    """Set the state to the equilibrium with linear springs: one spring between opposite flanks replaces two contacts.
+    """Set the state to a first guess: the equilibrium with a linear spring between opposite flanks in place of each ball.
 
     Leaves the state unchanged if the equations cannot be solved. The solution is scaled down such that no flank moves
     further from the opposite one than ``options.furthest`` [m]. It is not scaled if the loads without contact forces

@@ -59,7 +59,7 @@ def ldl_substitute(band: Array, b: Array) -> None:
 
 
 def _filled(band: Array) -> Array:
-    """Return a lower band (n, w) extended by rows of a unit matrix until their number is a multiple of w - 1.
+    """Return the lower band (n, w) of a matrix that is extended by rows of a unit matrix to a multiple of w - 1 rows.
 
     w - 1 is the size of the blocks into which `_block_factor` divides the matrix.
     """
@@ -109,7 +109,7 @@ def _block_factor(band: Array) -> bool:
 
 
 def inverse_blocks(band: Array) -> tuple[Array, Array]:
-    """Return the inverted diagonal blocks (m, b, b) of a band matrix factored by blocks, and the blocks below them.
+    """Return the inverted diagonal blocks (m, b, b) of a banded matrix's Cholesky factor, and the blocks below them.
 
     ``band``: factor from `_block_factor`. The result is the input of `substitute_blocks`.
     """

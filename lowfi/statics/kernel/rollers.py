@@ -17,7 +17,8 @@ from .contact import SETTLED
 #: Positions in the arrays of a ball's four flanks at which the cone (inner ring) and cup (outer ring) of a roller are
 #: stored.
 CONE, CUP = 0, 2
-#: A slice counts as open if its approach is at most this fraction of the summed absolute terms: it is then round-off.
+#: A slice counts as open if its approach is at most this fraction of the sum of the absolute values of its terms: it is
+#: then round-off.
 ROUND_OFF = 2.0**-52
 
 

@@ -5,7 +5,7 @@ from rollbench.lowfi.statics.kernel_types import LineSearchTrial, Progress
 
 #: How an iteration ended: converged, too many iterations, body moved without limit, stiffness not positive definite.
 CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = range(4)
-#: Net force on a ball, as a fraction of the largest force, up to which the ball counts as in equilibrium.
+#: Net contact force on a ball, as a fraction of the largest force in the model, up to which the ball is in equilibrium.
 BALANCED = 1e-10
 #: Number of additional stiffnesses tried on the diagonal, each a hundred times the one before, until it counts as singular.
 SHIFTS = 12
@@ -47,8 +47,8 @@ def next_trial(trial: LineSearchTrial, new: float, ahead: float) -> tuple[LineSe
     """Return the next step length to try in a line search, and whether the search continues.
 
     trial: last step length tried, with the largest one known to be too short and the smallest one known to be too long;
-    new, ahead: energy [J] and its derivative by the step length [J] at the last step length. The search ends where the
-    magnitude of the derivative is sufficiently smaller than at the start, or at the largest step length.
+    new, ahead: energy [J] and its derivative by the step length [J], at the last step length tried. The search ends where
+    the magnitude of the derivative is sufficiently smaller than at the start, or at the largest step length.
     """
     energy, slope, limit, low, high, t, tried = trial
     tried += 1
