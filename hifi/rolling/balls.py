@@ -44,7 +44,7 @@ FIRST, POINTS = 40, 300
 
 @dataclass(frozen=True)
 class Choices:
-    """Numerical choices of the rolling model: grids, elasticity and meshes of bodies."""
+    """Numerical settings of the rolling model: contact grids, elasticity, and meshes of finite bodies."""
 
     #: Cells of every contact's grid along and across the groove.
     shape: tuple[int, int] = (24, 24)
@@ -58,7 +58,7 @@ class Choices:
 
 @dataclass(frozen=True)
 class ContactOut:
-    """Friction solution of one contact of n cells."""
+    """Tangential forces, slips and friction loss in the n cells of a ball's contact with a groove."""
 
     #: Index of the ball.
     ball: int
@@ -118,7 +118,7 @@ class RollingResult:
 
     @property
     def converged(self) -> bool:
-        """Whether the equations are satisfied."""
+        """Whether friction law and equilibrium are satisfied."""
         return self.status == "converged"
 
     @property
@@ -133,7 +133,7 @@ class RollingResult:
 
     @property
     def upwind(self) -> float:
-        """Power dissipated by the error of the finite differences along the flow of material, in all contacts [W]."""
+        """Spurious power that the upwind finite differences along the rolling direction dissipate in all contacts [W]."""
         return sum(c.upwind for c in self.contacts)
 
 
@@ -165,7 +165,7 @@ def finite_body_contact_under_load(
 
 
 def solve_normal_contact_with_groove(scene: kinematics.Rolling, touch: kinematics.GrooveContact, choices: Choices) -> Patch:
-    """Solve the normal contact of a ball with a groove on a grid, under the contact's force.
+    """Solve the normal contact of a ball with a groove on a grid of cells, under the contact's prescribed force.
 
     ``scene``: the rolling balls; ``touch``: the contact of one of them with a groove; ``choices``: numerical choices.
     Raises ValueError if the direction to the groove's bottom is unknown, or a finite body has no room for the contact
@@ -181,7 +181,7 @@ def solve_normal_contact_with_groove(scene: kinematics.Rolling, touch: kinematic
 def finite_body_kernel_at_contact(
     scene: kinematics.Rolling, touch: kinematics.GrooveContact, bodies: Sizes | None
 ) -> SmoothKernel | None:
-    """Compute the kernel of a contact: the compliance of its finite bodies less that of half-spaces, in the contact's axes.
+    """Compute the contact compliance of finite bodies less that of half-spaces (kernel), in the axes of a contact.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def finite_body_kernel_at_contact(
 
 
 def cache_kernels_of_scenes(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
-    """Compute the kernels of finite bodies for several scenes of one material, in several processes, and cache them.
+    """Compute and cache the compliance kernels of finite bodies for several scenes of one material, in several processes.
 
     See `hifi.rolling.bodies.compute_and_cache_kernels`.
 
@@ -246,7 +246,7 @@ def _largest_load(scene: kinematics.Rolling) -> float:
 def position_of_contact_on_groove(
     scene: kinematics.Rolling, touch: kinematics.GrooveContact
 ) -> tuple[ContactPosition, Array]:
-    """Return the position of a contact on its groove, and the direction from the ball's centre to the groove's bottom.
+    """Return where a ball touches its groove (radii, angle, path), and the direction to the bottom of the groove.
 
     Parameters
     ----------
@@ -269,7 +269,7 @@ def position_of_contact_on_groove(
     """
     if touch.bottom is None:
         raise ValueError(
-            "the direction from the ball's centre to the groove's bottom is unknown: the contact of finite bodies needs it"
+            "the direction from the ball's centre to the bottom of the groove is missing: contacts of finite bodies need it"
         )
     angle = float(np.arccos(touch.normal @ touch.bottom))
     return ContactPosition(scene.radius, touch.radii, angle, scene.track.curve), touch.bottom
@@ -297,7 +297,7 @@ def loaded_contacts(scene: kinematics.Rolling) -> list[tuple[int, int, kinematic
 
 
 def prepare_friction_contacts(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
-    """Prepare the loaded contacts of elastic bodies for the friction solver (`hifi.rolling.friction`).
+    """Create the input of the friction solver for all loaded contacts of elastic balls with grooves.
 
     Parameters
     ----------
@@ -321,7 +321,7 @@ def prepare_friction_contacts(scene: kinematics.Rolling, choices: Choices) -> li
 
 
 def equilibrium_equations_of_balls(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinematics.BallEquilibrium:
-    """Create the equilibrium equations of the balls, which the friction solver satisfies together with the friction law.
+    """Create the equilibrium equations of all balls for the friction solver.
 
     Parameters
     ----------
@@ -341,7 +341,7 @@ def equilibrium_equations_of_balls(scene: kinematics.Rolling, contacts: Sequence
 
 
 def split_unknowns(scene: kinematics.Rolling, y: Array) -> tuple[Array, Array, Array]:
-    """Split the vector of unknowns into speeds, rotations and forces between balls.
+    """Split the friction solver's vector of unknowns into speeds and rotations of the balls and forces between balls.
 
     Parameters
     ----------
@@ -375,10 +375,10 @@ def ball_contact_losses(scene: kinematics.Rolling, y: Array) -> Array:
 
 
 def estimate_starting_unknowns(scene: kinematics.Rolling) -> Array:
-    """Estimate the unknowns of `split_unknowns` ``(4 N + M,)`` [m/s, N] as starting values for N balls with M contacts.
+    """Estimate starting values of the friction solver's unknowns for N balls with M mutual contacts ``(4 N + M,)``.
 
-    Each ball moves at its nominal speed along the track and rotates so that its contacts with grooves slide least; the
-    forces between balls are zero.
+    Their order and units are those of `split_unknowns`. Each ball moves at its nominal speed along the track and rotates so
+    that its contacts with grooves slide least; the forces between balls are zero.
     """
     y = np.zeros(kinematics.MOTIONS * len(scene.balls) + len(scene.meetings))
     for b, ball in enumerate(scene.balls):
@@ -413,7 +413,7 @@ def solve_rolling(
     start_result : RollingResult | None, default None
         Solution on the same grid, whose motions and forces are the starting values; None: estimated starting values.
     creeping_ratios : tuple[float, ...], default PATH
-        Creeping speeds that smooth Coulomb's law, over the largest slip, in descending order, as for
+        Slip speeds by which Coulomb's law is smoothed in turn, over the largest slip, in descending order, as for
         `hifi.rolling.friction.solve_friction`.
 
     Returns
@@ -428,7 +428,9 @@ def solve_rolling(
     """
     begin, choices = process_time(), choices or Choices()
     if any(max((t.load for t in b.touches), default=0.0) <= 0.0 for b in scene.balls):
-        raise ValueError("a ball has no loaded contact, and so no steady motion: every ball needs a contact force > 0")
+        raise ValueError(
+            "a ball has no loaded contact with a groove, and so no steady motion: every ball needs a contact force > 0"
+        )
     contacts = prepare_friction_contacts(scene, choices)
     balance = equilibrium_equations_of_balls(scene, contacts)
     y = estimate_starting_unknowns(scene) if start_result is None else start_result.friction.motions
@@ -441,7 +443,7 @@ def solve_rolling(
 def _collect_result(
     scene: kinematics.Rolling, choices: Choices, contacts: Sequence[Contact], solution: Friction, seconds: float
 ) -> RollingResult:
-    """Compute the motions, forces and losses of all balls from the solution of the friction solver.
+    """Collect the motions, forces and losses of all balls from the solution of the friction solver.
 
     ``contacts``: contacts of the friction solver, in the order of `loaded_contacts`; ``seconds``: processor time of the
     solution [s].
@@ -541,7 +543,7 @@ class RigidResult:
 
 
 def disk_quadrature(points: int) -> tuple[Array, Array]:
-    """Build a quadrature rule for the unit disk, with midpoints in angles t, x = cos(t).
+    """Build a quadrature rule for the unit disk: midpoint rules in angles t with x = cos(t), and likewise for y.
 
     Parameters
     ----------
@@ -570,7 +572,7 @@ def disk_quadrature(points: int) -> tuple[Array, Array]:
 def solve_rigid_rolling(
     scene: kinematics.Rolling, points: int = POINTS, *, curved: bool = True, bodies: Sizes | None = None
 ) -> RigidResult:
-    """Solve steady rolling of rigid bodies under Hertz's pressures.
+    """Solve steady rolling of balls without tangential elasticity, with Coulomb friction under Hertz's pressures.
 
     Parameters
     ----------
@@ -604,7 +606,7 @@ def solve_rigid_rolling(
 
 
 def _prepare_rigid_contacts(scene: kinematics.Rolling, points: int, curved: bool, bodies: Sizes | None) -> list[Contact]:
-    """Prepare the loaded contacts of rigid bodies for the friction solver, with Hertz's pressure by quadrature.
+    """Create the input of the friction solver for all loaded contacts of rigid bodies, with Hertz's pressure by quadrature.
 
     ``points``: number of quadrature points along each axis of an ellipse; the other arguments are those of
     `solve_rigid_rolling`.
@@ -658,7 +660,7 @@ class TransientResult:
 
 @dataclass(frozen=True)
 class _ContactWithoutHistory:
-    """Contact for one time step, to which the displacements by the forces of the last step are yet to be added."""
+    """Contact of the friction solver for one time step, without the displacements by the forces of the last step."""
 
     #: Contact of rigid bodies, for the friction solver.
     contact: Contact
@@ -669,7 +671,7 @@ class _ContactWithoutHistory:
     before: Array
 
     def add_displacements_of_last_step(self, forces: Array) -> Contact:
-        """Return the contact with the displacements that the last step's forces cause, for the friction solver.
+        """Return the friction solver's input for a time step, with the displacements by the forces of the last step.
 
         ``forces``: tangential forces at the end of the last step, all x and then all y (2 n,) [N].
         """
@@ -679,7 +681,7 @@ class _ContactWithoutHistory:
 def compute_motion_from_rest(
     scene: Rolling, duration: float, steps: int, gap: float = 0.0, choices: Choices | None = None
 ) -> TransientResult:
-    """Compute the motion of balls from rest, in equal time steps.
+    """Compute the motion of balls that start from rest, with friction and elastic displacements, in equal time steps.
 
     Parameters
     ----------
@@ -742,7 +744,7 @@ def _integrate_time_steps(scene: Rolling, dt: float, steps: int, gap: float, cho
 
 
 def _prepare_contacts_without_history(scene: Rolling, choices: Choices, dt: float) -> list[_ContactWithoutHistory]:
-    """Prepare the loaded contacts for time steps; the displacements by the last step's forces are added in every step.
+    """Prepare all loaded contacts for time steps, without the displacements that each step inherits from the last one.
 
     ``dt``: length of a step [s].
     """
@@ -752,8 +754,8 @@ def _prepare_contacts_without_history(scene: Rolling, choices: Choices, dt: floa
         shift = rolling_speed(touch, scene) * dt
         if patch.regular is not None and float(patch.at[:, 0].max()) + shift > REACH * patch.regular.scale[0]:
             raise ValueError(
-                "in a time step, material enters a contact from outside the zone in which the compliance of finite bodies "
-                "is known: use shorter steps, or half-spaces"
+                "in one time step, material enters a contact from outside the zone in which the compliance of the finite "
+                "bodies is known: use shorter time steps, or half-spaces"
             )
         share = choices.elastic / dt
         out.append(_ContactWithoutHistory(contact, share * patch.tangential(), share * patch.tangential(shift)))

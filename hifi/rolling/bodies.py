@@ -86,7 +86,7 @@ CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
 
 @dataclass(frozen=True)
 class BallPath:
-    """Path of the balls' centres: helix or ring."""
+    """Path of the balls' centres: a helix, or the circle of a ring."""
 
     #: Radius of its cylinder [m].
     radius: float
@@ -96,7 +96,7 @@ class BallPath:
 
 @dataclass(frozen=True)
 class ContactPiece:
-    """Fine mesh (patch) of a groove or ball at one contact, with the coarse mesh of the body's piece around it."""
+    """Fine mesh (patch) of a groove or ball at one contact, with the coarse mesh of a piece of the body around it."""
 
     #: Fine mesh at the contact.
     patch: PatchMesh
@@ -115,7 +115,7 @@ class ContactPiece:
 def mesh_contact_pieces(
     curve: BallPath, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool
 ) -> tuple[ContactPiece, ContactPiece]:
-    """Mesh pieces of groove and ball around one contact, with their fine patches.
+    """Mesh a piece of the grooved body and the ball around one contact, with fine meshes (patches) at the contact.
 
     Parameters
     ----------
@@ -204,10 +204,10 @@ def track_geometry_of_path(curve: BallPath, ball: float, groove: float, angle: f
 
 
 def _patch_lines_and_zone(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[PatchLines, tuple[float, float]]:
-    """Compute the cell boundaries of a patch that contains the cells of the contact zone.
+    """Compute the cell boundaries of the fine mesh (patch) around a contact from the cells of the contact zone.
 
     Also returns the half lengths of the zone across and along the track, over those of the patch. ``m``: geometry of the
-    track; ``size``: dimensions of the patch; ``side``: index of the flank, 0 to 3; ``zone``: the contact zone.
+    track; ``size``: dimensions of the patch; ``side``: groove flank, 0 to 3; ``zone``: the contact zone.
     """
     along = size.phi * float(np.hypot(unrolled_socket_centre(m, side)[0], m.rg))
     width = size.gamma * float(m.radius[side])
@@ -235,7 +235,7 @@ def _contact_normal_and_axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
 
 
 def _grid_indices_of_contact_nodes(patch: PatchMesh, axes: Array, centre: Array) -> Index:
-    """Return the indices, from zero, of a patch's c contact nodes in their grid ``(c, 2)``.
+    """Return the column and row of each of a patch's c contact nodes in the grid that they form, from zero ``(c, 2)``.
 
     The indices grow along the rows of ``axes`` (2, 3); ``centre``: centre of the ball (3,) [m].
     """
@@ -293,7 +293,7 @@ def cerruti_displacements(points: Array, sources: Array, shear: float, poisson: 
 
 @dataclass(frozen=True)
 class ContactAxes:
-    """Axes of the contact in the mesh of a body."""
+    """Axes of a contact in the coordinates of a body's mesh."""
 
     #: Point on the normal through the contact's centre ``(3,)`` [m].
     centre: Array = field(default_factory=lambda: np.zeros(3))
@@ -302,17 +302,17 @@ class ContactAxes:
 
 
 def zone_coordinates(body: ContactBody, frame: ContactAxes) -> Array:
-    """Return the coordinates of the c nodes of the contact zone along the axes x and y of ``frame``, ``(c, 2)`` [m]."""
+    """Return the coordinates x and y ``(c, 2)`` [m] of a body's c contact nodes in the axes of the contact, ``frame``."""
     return np.asarray(((node_coordinates(body.mesh)[body.contact] - frame.centre) @ frame.axes.T)[:, :2])
 
 
 def nodal_forces_of_tractions(
     body: ContactBody, zone: Zone, degree: int, surface_curvatures: tuple[float, float], frame: ContactAxes | None = None
 ) -> sp.csr_array:
-    """Compute the nodal forces of smooth tractions along x, y and into the body, in axes that follow the surface.
+    """Compute the nodal forces of smooth (polynomial) tractions on a contact zone, along two tangents and the normal.
 
-    Their work on a motion equals the coefficient of each monomial in the motion, fitted by least squares over the zone's
-    area.
+    The directions follow the curved surface. The work of a traction on a displacement of the zone equals the coefficient of
+    one monomial in a polynomial that is fitted to this displacement by least squares over the zone's area.
 
     Parameters
     ----------
@@ -351,7 +351,7 @@ def nodal_forces_of_tractions(
 
 
 def compliance_of_free_body(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute the compliance between several load cases of a free body.
+    """Compute the compliance between several load cases on a free body, such as a ball.
 
     The loads are balanced by body forces that are distributed like rigid motions, and rigid motions are removed from the
     displacements.
@@ -382,7 +382,7 @@ def compliance_of_free_body(body: ContactBody, rows: sp.csr_array, young: float,
 
 
 def _compliance_with_fixed_freedoms(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
-    """Compute the compliance ``(m, m)`` [m/N] between m load cases of a body some of whose degrees of freedom are fixed.
+    """Compute the compliance ``(m, m)`` [m/N] between m load cases on a body with some degrees of freedom fixed.
 
     ``K``: stiffness matrix (n, n) [N/m]; ``held``: indices of the fixed degrees of freedom; ``rows``: nodal forces (m, n).
     """
@@ -391,7 +391,7 @@ def _compliance_with_fixed_freedoms(K: sp.csr_array, held: Index, rows: sp.sparr
 
 
 def compliance_of_fixed_body(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute the compliance ``(m, m)`` [m/N] between m load cases of a body that is fixed at its boundary "held".
+    """Compute the compliance ``(m, m)`` [m/N] between m load cases on a body that is fixed at its boundary "held".
 
     The arguments are those of `compliance_of_free_body`.
     """
@@ -403,7 +403,7 @@ def compliance_of_fixed_body(body: ContactBody, rows: sp.csr_array, young: float
 
 
 def compliance_of_half_space_block(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute the compliance between m load cases of a block of a half-space, whose cut faces move as in the half-space.
+    """Compute the compliance of a half-space between m load cases, on a finite block whose cut faces move as in it.
 
     The motion of the cut faces is that of Boussinesq's and Cerruti's point forces, as in `hifi.contact.block`. The
     arguments are those of `compliance_of_free_body`; ``body`` is the block.
@@ -424,7 +424,7 @@ def compliance_of_half_space_block(body: ContactBody, rows: sp.csr_array, young:
 
 
 def _half_space_motion_at_cut(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute the motion of a block's cut faces in the half-space under m load cases, ``(3 cut nodes, m)`` [m/N].
+    """Compute how the cut faces of a block move in the half-space under m load cases, ``(3 cut nodes, m)`` [m/N].
 
     ``rows``: nodal forces of the load cases on the nodes of the contact zone (m, 3 n).
     """
@@ -450,7 +450,7 @@ def half_space_compliance_on_equal_nodes(
     frame: ContactAxes | None = None,
     near: tuple[Array, Array, Array] | None = None,
 ) -> Array:
-    """Compute the compliance of a half-space whose contact nodes have the tangential coordinates of the body's nodes.
+    """Compute the compliance of a half-space on a mesh whose contact nodes have the coordinates x, y of a body's nodes.
 
     A contact zone that is wider by a fraction e moves by 2 e to 3 e less under a linear traction. With equal nodes this
     error is the same in both bodies, and cancels in the difference of their compliances.
@@ -494,7 +494,7 @@ def half_space_compliance_on_equal_nodes(
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Sizes:
-    """Numerical choices for the kernels of finite bodies."""
+    """Numerical settings for the compliance of finite bodies at a contact (kernels): meshes and polynomial degree."""
 
     #: Numbers of cells of the contact zone along and across the groove.
     cells: tuple[int, int] = frozen_default((4, 4))
@@ -524,9 +524,9 @@ MOST = 32
 
 
 def cache_by_arguments(make: Callable[P, T]) -> Callable[P, T]:
-    """Decorate a function so that its results are cached in memory by its arguments.
+    """Make a function cache its results in memory by its arguments (a decorator); all functions share `MOST` results.
 
-    ``make``: function that computes a kernel.
+    ``make``: function that computes a compliance kernel.
     """
 
     @wraps(make)
@@ -541,12 +541,12 @@ def cache_by_arguments(make: Callable[P, T]) -> Callable[P, T]:
 
 
 def _call_key(call: partial[Any]) -> tuple[object, ...]:
-    """Return the key of a call in the cache of kernels: the function's name, then its arguments."""
+    """Return the key of a function call in the cache of compliance kernels: the function's name, then its arguments."""
     return call.func.__name__, call.args, *call.keywords.items()
 
 
 def _store_result(key: tuple[object, ...], value: Any) -> None:
-    """Store the result of a call in the cache of kernels, and delete the oldest results if there are more than `MOST`.
+    """Store the result of a call in the cache of compliance kernels; delete the oldest if there are more than `MOST`.
 
     ``key``: key of the call, as from `_call_key`; ``value``: its result.
     """
@@ -559,7 +559,7 @@ def _store_result(key: tuple[object, ...], value: Any) -> None:
 def ball_kernel(
     radius: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> SmoothKernel:
-    """Compute the kernel of a whole ball: its compliance at the contact less that of a half-space.
+    """Compute the compliance of a whole ball at a contact less that of a half-space (its kernel).
 
     ``radius``: radius of the ball [m]; ``zone``: contact zone; ``bends``: curvatures along x and y of the surface that ball
     and groove share [1/m], positive towards the ball; ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio;
@@ -576,7 +576,7 @@ def ball_kernel(
 def bar_kernel(
     groove: Groove, size: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> SmoothKernel:
-    """Compute the kernel of a grooved bar: its compliance at the contact less that of a half-space.
+    """Compute the compliance of a grooved bar at a contact less that of a half-space (its kernel).
 
     ``size``: size of the bar [m]; the other arguments are those of `ball_kernel`. Forces and motions are those of a ball on
     the bar, as in `kernel_from_groove_response`.
@@ -601,9 +601,9 @@ def patch_kernels(
     *,
     outer: bool,
 ) -> tuple[SmoothKernel, SmoothKernel]:
-    """Compute the kernels of groove and ball from patches of the static 3D reference.
+    """Compute the compliance of groove and ball at a contact less that of a half-space (kernels), on fine meshes.
 
-    A kernel is the compliance of the body at the contact less that of a half-space.
+    The meshes are made like the contact patches of the static 3D reference.
 
     Parameters
     ----------
@@ -645,7 +645,7 @@ def patch_kernels(
 
 
 def kernel_from_groove_response(added: Array, zone: Zone, degree: int) -> SmoothKernel:
-    """Convert the compliance of a groove to a kernel of forces on the ball and motions of the ball relative to the groove.
+    """Convert a groove's compliance to a kernel in terms of forces on the ball and its motion relative to the groove.
 
     Tangential forces and motions change their signs, because those of ball and groove are opposite.
 
@@ -674,7 +674,7 @@ STEP = 0.1
 
 @dataclass(frozen=True)
 class ContactPosition:
-    """Position of a ball's contact on a groove: radii, angle and path."""
+    """Geometry of a ball's contact with a groove: radii, contact angle, and path of the balls."""
 
     #: Radius of the ball [m].
     ball: float
@@ -693,7 +693,7 @@ class ContactPosition:
 
     @property
     def bend(self) -> float:
-        """Curvature of the groove along the track [1/m]; positive: concave."""
+        """Curvature of the groove's surface along the track [1/m]; positive: concave."""
         return 1.0 / self.ball - 1.0 / self.radii[0]
 
     @property
@@ -726,7 +726,7 @@ class ContactPosition:
 
 
 def _kernel_calls(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
-    """List the calls that compute the kernels of ball and groove, whose sum is the kernel of the contact.
+    """List the function calls that compute the compliance kernels of ball and groove at one contact.
 
     These are two calls for a whole ball and a grooved bar, or one call for the patches of both. ``at``: position of the
     contact; ``load``: contact load [N]; ``sizes``: meshes of the bodies.
@@ -741,7 +741,7 @@ def _kernel_calls(at: ContactPosition, load: float, young: float, poisson: float
 
 @lru_cache(maxsize=8)
 def _sum_kernels_of_contact(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
-    """Compute the sum of the kernels of ball and groove at one contact.
+    """Compute the compliance kernel of one contact: the sum of those of its ball and its groove.
 
     ``at``: position of the contact; ``load``: contact load [N]; ``sizes``: meshes of the bodies.
     """
@@ -752,7 +752,7 @@ def _sum_kernels_of_contact(at: ContactPosition, load: float, young: float, pois
 
 
 def _rounded_for_sharing(at: ContactPosition, load: float) -> tuple[ContactPosition, float]:
-    """Round the position and the load [N] of a contact, so that all similar contacts share one kernel.
+    """Round the angle and the load [N] of a contact, so that all similar contacts share one compliance kernel.
 
     Returns the position with a rounded contact angle, and the load rounded up to a power of two [N].
     """
@@ -760,7 +760,7 @@ def _rounded_for_sharing(at: ContactPosition, load: float) -> tuple[ContactPosit
 
 
 def contact_kernel(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
-    """Compute the kernel of a contact: the compliance of its ball and groove less that of two half-spaces.
+    """Compute the compliance of ball and groove at a contact less that of two half-spaces (kernel of the contact).
 
     Axis y of the kernel points towards the bottom of the groove; x, y and the normal are right-handed. The effect of the
     ball's other contacts is not included.
@@ -794,9 +794,9 @@ def contact_kernel(at: ContactPosition, load: float, young: float, poisson: floa
 def compute_and_cache_kernels(
     contacts: Iterable[tuple[ContactPosition, float]], young: float, poisson: float, sizes: Sizes, processes: int
 ) -> float:
-    """Compute the kernels of several contacts in several processes, and cache them.
+    """Compute the compliance kernels of several contacts in several processes, and cache them in memory.
 
-    With one process, or one missing kernel, no kernel is computed before it is needed.
+    With one process, or one missing kernel, nothing is computed here: kernels are then computed when they are needed.
 
     Parameters
     ----------
@@ -835,7 +835,7 @@ def compute_and_cache_kernels(
 
 
 def _run_call_without_cache(call: partial[Any]) -> tuple[Any, float]:
-    """Compute a kernel without caching it in this process.
+    """Compute a compliance kernel in a worker process, without caching it there.
 
     ``call``: call of a function that `cache_by_arguments` decorates. Returns the kernel and the processor time [s].
     """
@@ -844,6 +844,6 @@ def _run_call_without_cache(call: partial[Any]) -> tuple[Any, float]:
 
 
 def clear_kernel_cache() -> None:
-    """Delete all kernels that are cached in memory."""
+    """Delete all compliance kernels of finite bodies that are cached in memory."""
     _sum_kernels_of_contact.cache_clear()
     _KEPT.clear()

@@ -18,7 +18,7 @@ from rollbench.meshes.fem import mesh_rectangular_grid, node_coordinates, with_b
 
 @dataclass(frozen=True)
 class Zone:
-    """Rectangular contact zone with its cells."""
+    """Rectangular contact zone on the surface of a body, and the mesh cells in and around it."""
 
     #: Half lengths of the zone along x and y [m].
     half: tuple[float, float]
@@ -28,7 +28,7 @@ class Zone:
     growth: float
 
     def lines(self, axis: int, low: float, high: float) -> Array:
-        """Return the boundaries of the contact grid's cells along x or y.
+        """Return the boundaries of a body's mesh cells along x or y: equal in the contact zone, growing outside.
 
         Parameters
         ----------
@@ -64,7 +64,7 @@ class Zone:
         )
 
     def number(self, at: Array) -> Index:
-        """Find the grid indices of the zone's nodes that are nearest to points ``(n, 2)``, from zero.
+        """Find for each of n points the column and row of the nearest node of the contact zone, from zero ``(n, 2)``.
 
         ``at``: coordinates x, y of the points (n, 2) [m].
         """
@@ -72,7 +72,7 @@ class Zone:
         return np.asarray(np.clip(np.rint((at / np.array(self.half) + 1.0) * cells), 0, 2 * cells).astype(np.int64))
 
     def cell_boundaries_in_depth(self, deep: float) -> Array:
-        """Return the boundaries of cells from the surface to the depth ``deep`` [m].
+        """Return the boundaries of growing mesh cells from the surface to the depth ``deep`` [m].
 
         The first cell is as large as the smaller side of the zone's cells.
         """
@@ -81,7 +81,7 @@ class Zone:
 
 
 def _growing_boundaries_to_end(start: float, end: float, step: float, growth: float) -> Array:
-    """Return the boundaries of growing cells after ``start``, up to ``end`` [m].
+    """Return the boundaries of mesh cells that grow from ``start`` to ``end`` [m], without ``start`` itself.
 
     ``step``: size of the cell before ``start`` [m]; ``growth``: ratio of neighbouring cells. The last cell ends at ``end``;
     the others do not depend on it.
@@ -95,9 +95,9 @@ def _growing_boundaries_to_end(start: float, end: float, step: float, growth: fl
 
 @dataclass(frozen=True)
 class ContactBody:
-    """Mesh of a body with named boundaries "contact" (the contact zone) and "held" (where it is fixed or cut off).
+    """Mesh of a body around one contact, with named boundaries.
 
-    A ball has no boundary "held".
+    They are "contact" (the contact zone) and "held" (where the body is fixed or cut off; a ball has none).
     """
 
     #: Mesh of the body.
@@ -113,7 +113,7 @@ class ContactBody:
 def _contact_body_from_grid(
     zone: Zone, x: Array, y: Array, z: Array, points: Array, held: list[tuple[int, float]], sense: int
 ) -> ContactBody:
-    """Make a body around a contact from a tensor grid whose nodes are moved, and name its boundaries.
+    """Create the mesh of a body from a rectangular grid whose nodes are moved, and name its boundaries.
 
     ``x``, ``y``, ``z``: cell boundaries of the grid [m]; ``points``: positions to which its n nodes are moved (n, 3) [m];
     ``held``: axis and coordinate of each face of the grid that is fixed; ``sense``: 1 for a groove, -1 for the ball.
@@ -136,7 +136,7 @@ def _contact_body_from_grid(
 
 
 def mesh_whole_ball(radius: float, zone: Zone) -> ContactBody:
-    """Mesh a free ball as a cube whose faces are mapped onto the sphere.
+    """Mesh a whole ball by hexahedra: a cube whose faces are mapped onto the sphere.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ class Groove:
 
 
 def mesh_grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
-    """Mesh a bar around a groove, straight or bent into a ring.
+    """Mesh a bar with a groove along it, straight or bent into a ring, around a contact on one of the groove's flanks.
 
     It is round outside, where it is fixed, and equally long on both sides of the contact. The lands beside the groove, its
     other flank and the ends of the bar are free.
@@ -231,7 +231,7 @@ def mesh_grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
 
 
 def _bend_bar_along_track(groove: Groove, x: Array, y: Array, z: Array) -> Array:
-    """Map n points of a straight bar to a bar along the track, which may be bent into a ring ``(n, 3)`` [m].
+    """Map n points of a straight grooved bar to the bar along the track, straight or bent into a ring ``(n, 3)`` [m].
 
     ``x``: coordinates along the track; ``y``, ``z``: coordinates in its section [m].
     """
@@ -244,7 +244,7 @@ def _bend_bar_along_track(groove: Groove, x: Array, y: Array, z: Array) -> Array
     radius = pitch + outward * depth
     if radius.min() <= 0.0:
         raise ValueError(
-            "the grooved bar of a contact is thicker than its ring, into which it is bent: decrease the size of the bar"
+            "the grooved bar around a contact is thicker than its ring, into which it is bent: decrease the size of the bar"
         )
     middle = pitch + outward * groove.ball * np.cos(groove.angle)
     turn = x / middle

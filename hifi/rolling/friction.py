@@ -43,7 +43,7 @@ LOST = 1e4
 
 @dataclass(frozen=True)
 class Contact:
-    """Contact of n cells and m rigid motions: the input of the friction solver."""
+    """Input of the friction solver for one contact of n cells whose bodies have m rigid motions."""
 
     #: Largest tangential force g of each cell ``(n,)`` [N].
     bound: Array
@@ -57,20 +57,20 @@ class Contact:
     given: Array
 
     def slip(self, q: Array, y: Array) -> Array:
-        """Compute the slip of body 1 past body 2 ``(2 n,)`` [m/s], all x and then all y.
+        """Compute the slip velocity of body 1 past body 2 in every cell ``(2 n,)`` [m/s], all x and then all y.
 
         ``q``: tangential forces on body 1 (2 n,) [N]; ``y``: motions of all bodies.
         """
         return np.asarray(self.elastic @ q + self.motion @ y[self.columns] + self.given)
 
     def rigid_slip(self, y: Array) -> Array:
-        """Compute the slip ``(2 n,)`` [m/s] of the bodies by the motions y of all bodies, without elasticity."""
+        """Compute the slip velocities ``(2 n,)`` [m/s] that the rigid motions y cause, without elastic displacements."""
         return np.asarray(self.motion @ y[self.columns] + self.given)
 
 
 @dataclass(frozen=True)
 class Friction:
-    """Solution of the friction law in all contacts and of the equilibrium, eqs. (1) and (2) of this module."""
+    """Tangential forces, slips and rigid motions that satisfy Coulomb's law in all contacts and equilibrium."""
 
     #: Tangential forces q of every contact ``(2 n,)`` [N].
     forces: list[Array]
@@ -89,14 +89,14 @@ class Friction:
 
     @property
     def converged(self) -> bool:
-        """Whether eqs. (1) and (2) of this module are satisfied."""
+        """Whether Coulomb's law and equilibrium, eqs. (1) and (2) of this module, are satisfied."""
         return self.status == "converged"
 
 
 def balance_for_prescribed_motions(y: Array) -> tuple[Array, Array]:
-    """Return f = 0 of eq. (2) of this module, and a unit matrix as its derivative, for motions y that are prescribed.
+    """Return trivial equilibrium equations f = 0 with a unit derivative, so that the solver keeps the motions y.
 
-    With these equations the solver does not change the motions.
+    They replace f(y) in eq. (2) of this module where the motions are prescribed.
     """
     return np.zeros(y.size), np.eye(y.size)
 
@@ -112,7 +112,7 @@ def _xy_rows_to_vector(v: Array) -> Array:
 
 
 def full_slip_forces(bound: Array, slip: Array, creeping_speed: float = 0.0) -> Array:
-    """Compute friction forces opposite to a slip, by Coulomb's law or by a law smoothed by a creeping speed.
+    """Compute friction forces opposite to the slip, by Coulomb's law or by a smoothed law without jump at zero slip.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def full_slip_forces(bound: Array, slip: Array, creeping_speed: float = 0.0) -> 
     slip : (2 n,) Array
         Slip [m/s], all x first.
     creeping_speed : float, default 0.0
-        Creeping speed v [m/s], about which the smoothed law departs from full slip; 0: Coulomb's law.
+        Slip speed v [m/s] below which the smoothed law makes forces fall to zero with the slip; 0: Coulomb's law.
 
     Returns
     -------
@@ -147,8 +147,8 @@ def _newton_terms_of_smoothed_law(
     """Compute the residual of the smoothed friction law, and the terms of Newton's step dq = first + rest @ dy.
 
     dq: step of the tangential forces; dy: step of the motions. ``c``: the contact; ``q``: tangential forces (2 n,) [N];
-    ``y``: motions of all bodies; ``creeping_speed``: creeping speed [m/s]; ``elastic``: whether the slip by elastic
-    displacements is included. Returns the residual (2 n,) [N], first (2 n,) [N] and rest (2 n, m).
+    ``y``: motions of all bodies; ``creeping_speed``: slip speed by which the law is smoothed [m/s]; ``elastic``: whether
+    the slip by elastic displacements is included. Returns the residual (2 n,) [N], first (2 n,) [N] and rest (2 n, m).
     """
     s = _vector_to_xy_rows(c.slip(q, y) if elastic else c.rigid_slip(y))
     size = np.sqrt((s**2).sum(axis=1) + creeping_speed * creeping_speed)
@@ -213,7 +213,7 @@ def _newton_terms_of_coulomb_law(c: Contact, q: Array, y: Array, grip: Array) ->
 
 @dataclass
 class _FrictionSystem:
-    """Friction of several contacts with the equilibrium of their bodies."""
+    """Friction problem of several contacts whose bodies are in equilibrium (function ``balance``)."""
 
     contacts: Sequence[Contact]
     balance: Balance
@@ -246,11 +246,11 @@ class _FrictionSystem:
 def _solve_smoothed_friction(
     system: _FrictionSystem, q: list[Array], y: Array, creeping_speed: float, *, elastic: bool
 ) -> tuple[list[Array], Array]:
-    """Solve the smoothed friction law by Newton's method, with shorter steps where the residual would grow.
+    """Solve the smoothed friction law together with equilibrium by Newton's method with step control.
 
     ``q``, ``y``: starting values of the tangential forces of every contact [N] and of the motions of all bodies;
-    ``creeping_speed``: creeping speed [m/s]; ``elastic``: whether the slip by elastic displacements is included. Returns
-    the forces and the motions.
+    ``creeping_speed``: slip speed by which the law is smoothed [m/s]; ``elastic``: whether the slip by elastic
+    displacements is included. Returns the forces and the motions.
     """
     scale = max(float(c.bound.max()) for c in system.contacts)
 
@@ -280,7 +280,7 @@ def _solve_smoothed_friction(
 
 
 def _smoothed_residual(c: Contact, q: Array, y: Array, creeping_speed: float, elastic: bool) -> Array:
-    """Compute the residual of the smoothed friction law ``(2 n,)`` [N].
+    """Compute the residual of the smoothed friction law in one contact ``(2 n,)`` [N]: forces less those of the law.
 
     The arguments are those of `_solve_smoothed_friction`.
     """
@@ -288,7 +288,7 @@ def _smoothed_residual(c: Contact, q: Array, y: Array, creeping_speed: float, el
 
 
 def _solve_coulomb_friction(system: _FrictionSystem, q: list[Array], y: Array) -> Friction:
-    """Solve eqs. (1) and (2) of this module by Newton's method, without smoothing of Coulomb's law.
+    """Solve Coulomb's law, without smoothing, together with equilibrium by Newton's method.
 
     ``q``, ``y``: starting values of the tangential forces of every contact [N] and of the motions of all bodies.
     """
@@ -321,7 +321,7 @@ def _solve_coulomb_friction(system: _FrictionSystem, q: list[Array], y: Array) -
 
 
 def _projection_parameter(c: Contact) -> Array:
-    """Choose the projection parameter r of each cell ``(n,)`` [N s/m]: a fraction of force over slip speed of the cell."""
+    """Choose the projection parameter r of each cell ``(n,)`` [N s/m]: a fraction of its force per elastic slip speed."""
     compliance = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
     return np.asarray(SOFT / compliance)
 
@@ -340,15 +340,15 @@ def solve_rigid_friction(
     y : (k,) Array
         Starting values of the motions of all bodies.
     creeping_ratios : tuple[float, ...], default PATH
-        Creeping speeds that smooth Coulomb's law, over the largest slip, in descending order.
+        Slip speeds by which Coulomb's law is smoothed in turn, over the largest slip, in descending order.
 
     Returns
     -------
     y : (k,) Array
         Motions of all bodies.
     remainder : float
-        Error left by the smoothing of Coulomb's law: change of slip by the last tenfold decrease of the creeping speed,
-        over the largest slip.
+        Error left by the smoothing of Coulomb's law: largest change of a slip in the last step of ``creeping_ratios``, over
+        the largest slip.
 
     Raises
     ------
@@ -378,10 +378,10 @@ def solve_friction(
     q: list[Array] | None = None,
     creeping_ratios: tuple[float, ...] = PATH,
 ) -> Friction:
-    """Solve eqs. (1) and (2) of this module for the tangential forces, slips and motions of several contacts.
+    """Solve Coulomb's law and equilibrium, eqs. (1) and (2) of this module, for several contacts.
 
-    If Coulomb's law does not converge from the starting values, the smoothed law provides better ones. `Friction.status`
-    tells whether the solution converged.
+    The results are tangential forces, slips and rigid motions. If Coulomb's law does not converge from the starting values,
+    the smoothed law provides better ones. `Friction.status` tells whether the solution converged.
 
     Parameters
     ----------
@@ -395,7 +395,7 @@ def solve_friction(
     q : list[Array] | None, default None
         Starting values: tangential forces of every contact ``(2 n,)`` [N] of a similar solution; None: no such values.
     creeping_ratios : tuple[float, ...], default PATH
-        Creeping speeds that smooth Coulomb's law, over the largest slip, in descending order.
+        Slip speeds by which Coulomb's law is smoothed in turn, over the largest slip, in descending order.
 
     Returns
     -------

@@ -22,9 +22,9 @@ MOTIONS = 4
 
 @dataclass(frozen=True)
 class Track:
-    """Screw motion of a track as seen from a ball.
+    """Screw motion along a track (straight, ring or helix) in the axes of a ball, per unit of the track's speed.
 
-    The speed by which it is multiplied is in m/s on a straight track, and in rad/s on a ring or helix.
+    The speed is in m/s on a straight track, and in rad/s on a ring or helix.
     """
 
     #: Axis of rotation ``(3,)``, zero or of unit length.
@@ -46,15 +46,18 @@ class Track:
         return float(np.sqrt(self.length**2 - rise**2)), rise
 
     def track_velocity_field(self, at: Array) -> Array:
-        """Compute the velocity field H ``(..., 3)`` per unit of speed, at points (..., 3) [m] from the ball's centre.
+        """Compute the velocity of the screw motion per unit of speed ``(..., 3)`` at points (..., 3) [m].
 
-        The points and the velocities are in the ball's axes.
+        Points, from the ball's centre, and velocities are in the ball's axes.
         """
         return np.asarray(self.forward + np.cross(self.axis, at))
 
 
 def velocity_matrix(track: Track, radius: float, at: Array) -> Array:
-    """Compute the velocity of a ball's material at points, per unit of each of its motions (`MOTIONS`).
+    """Compute the velocity of a ball's material at given points per unit of each of the ball's four motions.
+
+    The motions are that along the track and the rotations about three axes, the latter as speeds of the surface
+    (`MOTIONS`).
 
     Parameters
     ----------
@@ -79,7 +82,7 @@ def velocity_matrix(track: Track, radius: float, at: Array) -> Array:
 
 @dataclass(frozen=True)
 class GrooveContact:
-    """Contact of a ball with a groove: direction, force, radii and the groove's speed."""
+    """Contact of a rolling ball with a groove: direction, prescribed force, radii and the groove's speed."""
 
     #: Unit vector from the ball's centre to the contact, in the ball's axes ``(3,)``.
     normal: Array
@@ -95,7 +98,7 @@ class GrooveContact:
 
 @dataclass(frozen=True)
 class BallPairContact:
-    """Contact of two neighbouring balls."""
+    """Sliding contact between two neighbouring balls of a track, at one point."""
 
     #: Index of the first ball.
     one: int
@@ -111,7 +114,7 @@ class BallPairContact:
     apart: float
 
     def forces(self, force: float, mu: float, slide: Array) -> Array:
-        """Compute normal and friction force on the first ball, in common axes; the second ball carries the opposite force.
+        """Compute the force on the first ball, contact force plus friction, in common axes; the second has the opposite.
 
         Parameters
         ----------
@@ -133,13 +136,13 @@ class BallPairContact:
 
     @property
     def columns(self) -> Index:
-        """Indices ``(8,)`` of the motions of both balls among those of all balls."""
+        """Indices of the motions of both balls in the vector of the motions of all balls ``(8,)``."""
         return np.concatenate([MOTIONS * k + np.arange(MOTIONS) for k in (self.one, self.two)])
 
 
 @dataclass(frozen=True)
 class Ball:
-    """Axes of a ball and its contacts with grooves."""
+    """One rolling ball: its axes and its contacts with grooves."""
 
     #: Axes of the ball as rows, in common coordinates ``(3, 3)``.
     frame: Array
@@ -149,7 +152,7 @@ class Ball:
 
 @dataclass(frozen=True)
 class Rolling:
-    """Rolling balls on a track, of the same material as their grooves."""
+    """Input of the rolling model: balls on a track with material, friction coefficients and all contacts."""
 
     #: Screw motion of the track.
     track: Track
@@ -198,7 +201,7 @@ def contact_axes(touch: GrooveContact, scene: Rolling) -> Array:
     if speed <= 1e-12 * track.length * max(abs(touch.ride), abs(scene.orbit), 1e-300):
         raise ValueError(
             f"a ball and its groove both move along the track at a speed of {touch.ride:.4g}, so that the ball does not "
-            "roll on the groove; allowed: different speeds"
+            "roll on the groove; allowed: different speeds of ball and groove"
         )
     x = -flow / speed
     return np.stack([x, np.cross(touch.normal, x), touch.normal])
@@ -207,7 +210,7 @@ def contact_axes(touch: GrooveContact, scene: Rolling) -> Array:
 def surface_points_and_tangents(
     touch: GrooveContact, scene: Rolling, local: Array, *, curved: bool, sunk: float = 0.0
 ) -> tuple[Array, Array]:
-    """Compute points on a contact's surface, and unit tangents of the surface there.
+    """Compute points on the curved contact surface between ball and groove, and the unit tangents of the surface there.
 
     Parameters
     ----------
@@ -239,7 +242,7 @@ def surface_points_and_tangents(
 
 
 def rolling_speed(touch: GrooveContact, scene: Rolling) -> float:
-    """Compute the rolling speed of a contact, at which material passes through it.
+    """Compute the rolling speed of a ball on a groove: the speed at which material passes through the contact.
 
     Parameters
     ----------
@@ -259,7 +262,7 @@ def rolling_speed(touch: GrooveContact, scene: Rolling) -> float:
 def rigid_friction_contact(
     touch: GrooveContact, scene: Rolling, ball: int, normal: Array, local: Array, *, curved: bool, sunk: float = 0.0
 ) -> Contact:
-    """Prepare the contact of a ball with its groove for the friction solver, for rigid bodies.
+    """Create the friction solver's input for a ball's contact with a groove, for rigid bodies.
 
     Parameters
     ----------
@@ -292,7 +295,7 @@ def rigid_friction_contact(
 def elastic_friction_contact(
     touch: GrooveContact, scene: Rolling, ball: int, patch: Patch, *, curved: bool, elastic: float = 1.0
 ) -> Contact:
-    """Prepare the contact of a ball with its groove for the friction solver, on the grid of an elastic contact.
+    """Create the friction solver's input for a ball's contact with a groove, for elastic bodies on the contact's grid.
 
     Parameters
     ----------
@@ -368,9 +371,10 @@ def ball_to_ball_contact(
 
 @dataclass(frozen=True)
 class BallEquilibrium:
-    """Equations f(y) of the equilibrium of all balls of a scene, as in eq. (2) of `hifi.rolling.friction`.
+    """Equilibrium of all balls under the forces between them, as equations f(y) for the friction solver.
 
-    The unknowns are the motions of all balls, then the force of each ball-to-ball contact [N].
+    They are f of eq. (2) in `hifi.rolling.friction`. The unknowns y are the motions of all balls, then the force of each
+    ball-to-ball contact [N].
     """
 
     #: The balls.

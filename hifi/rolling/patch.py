@@ -26,7 +26,7 @@ from rollbench.meshes.arrays import Array, Index
 
 
 def monomial_exponents(degree: int) -> Array:
-    """List the powers of x and y in all monomials up to a degree.
+    """List the exponents of x and y in all monomials x^i y^j up to a degree.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def monomial_exponents(degree: int) -> Array:
 
 
 def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
-    """Evaluate all monomials in x and y up to a degree.
+    """Evaluate all monomials x^i y^j up to a degree at given points.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SmoothKernel:
-    """Smooth part of the compliance of finite bodies, which is added to that of half-spaces (kernel)."""
+    """Difference between the contact compliance of finite bodies and of half-spaces, as a polynomial kernel in x and y."""
 
     #: Coefficients M of the kernel between k monomials ``(3 k, 3 k)`` [m/N]: k along x, then k along y, then k along the
     #: normal.
@@ -83,27 +83,27 @@ class SmoothKernel:
         """Add the kernels of two bodies. Raises ValueError if their monomials differ."""
         if (self.scale, self.degree) != (other.scale, other.degree):
             raise ValueError(
-                "the kernels of two bodies cannot be added, because they differ in the degree or the scale of their "
-                "monomials: compute both for the same contact zone and degree"
+                "the compliance kernels of two bodies cannot be added, because they differ in the degree or the scale of "
+                "their polynomials: compute both for the same contact zone and degree"
             )
         return replace(self, M=self.M + other.M)
 
     @cached_property
     def rotated_by_half_turn(self) -> SmoothKernel:
-        """Kernel in axes turned by 180 degrees about the contact normal."""
+        """The same kernel in axes that are turned by 180 degrees about the contact normal."""
         odd = (-1.0) ** monomial_exponents(self.degree).sum(axis=1)
         signs = np.concatenate([-odd, -odd, odd])
         return replace(self, M=self.M * np.outer(signs, signs))
 
     @cached_property
     def symmetric_in_x(self) -> SmoothKernel:
-        """Mean of the kernel and its mirror image in x, for bodies that are symmetric in the rolling direction."""
+        """Mean of the kernel and its mirror image in x, for bodies that are symmetric along the rolling direction."""
         odd = (-1.0) ** monomial_exponents(self.degree)[:, 0]
         signs = np.concatenate([-odd, odd, odd])
         return replace(self, M=0.5 * (self.M + self.M * np.outer(signs, signs)))
 
     def _coefficient_block(self, rows: slice, columns: slice) -> Array:
-        """Return the coefficients M between forces and displacements in some of the three directions [m/N].
+        """Return the part of the coefficient matrix M for some directions of displacements and forces [m/N].
 
         ``rows``: directions of the displacements; ``columns``: directions of the forces (`TANGENTS`, `NORMAL`).
         """
@@ -111,7 +111,7 @@ class SmoothKernel:
         return self.M[rows.start * k : rows.stop * k, columns.start * k : columns.stop * k]
 
     def block(self, at: Array, rows: slice, columns: slice, shift: float = 0.0) -> Array:
-        """Compute the displacements by unit forces, for some of the three directions.
+        """Compute the displacements that the kernel gives at n points by unit forces at these points.
 
         Parameters
         ----------
@@ -134,7 +134,7 @@ class SmoothKernel:
         return np.asarray(left @ self._coefficient_block(rows, columns) @ right.T)
 
     def slope(self, at: Array, rows: slice, columns: slice) -> Array:
-        """Compute the derivative with respect to x of the displacements by unit forces ``(r n, c n)`` [1/N].
+        """Compute the derivative with respect to x of the displacements that `block` gives ``(r n, c n)`` [1/N].
 
         The arguments and the order of rows and columns are those of `block`.
         """
@@ -169,18 +169,19 @@ MOST = 100
 
 
 def _double_integral_over_rectangle(corner: Array) -> Array:
-    """Evaluate a double integral over a rectangle from its antiderivative.
+    """Compute an integral over a rectangle from the values of the double antiderivative at its corners.
 
-    ``corner``: values of a double antiderivative at the corners of the rectangle (2, 2, ...), upper x and y first. The sum
+    ``corner``: these values (2, 2, ...), those at the upper limits of x and y first. The sum
     is ordered so that points on opposite sides of the rectangle have the same value to the last digit.
     """
     return np.asarray((corner[0, 0] + corner[1, 1]) - (corner[0, 1] + corner[1, 0]))
 
 
 def _corner_coordinates(x: Array, y: Array, dx: float, dy: float) -> tuple[Array, Array]:
-    """Return the coordinates x and y ``(2, 2, ...)`` [m] of points relative to the corners of a rectangle about the origin.
+    """Return the coordinates x and y ``(2, 2, ...)`` [m] of points relative to the corners of a rectangle.
 
-    ``x``, ``y``: coordinates of the points [m]; ``dx``, ``dy``: sides of the rectangle [m].
+    ``x``, ``y``: coordinates of the points [m]; ``dx``, ``dy``: sides of the rectangle, centred at the
+    origin [m].
     """
     ends = np.array([0.5, -0.5])
     X = np.broadcast_to(x + dx * ends.reshape(2, 1, *([1] * np.ndim(x))), (2, 2, *np.shape(x)))
@@ -189,16 +190,16 @@ def _corner_coordinates(x: Array, y: Array, dx: float, dy: float) -> tuple[Array
 
 
 def _log_term_without_cancellation(x: Array, y: Array) -> Array:
-    """Evaluate x ln(y + R), R^2 = x^2 + y^2, up to a function of x only, without cancellation for y < 0.
+    """Evaluate x arsinh(y/|x|), which equals x ln(y + R) with R^2 = x^2 + y^2 up to a function of x only.
 
-    The value at x = 0 is the limit 0.
+    It has no cancellation for y < 0. The value at x = 0 is the limit 0.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(x == 0.0, 0.0, x * np.arcsinh(y / np.abs(x)))
 
 
 def rectangle_influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: float) -> Array:
-    """Compute the relative displacement of the surfaces of two equal half-spaces by unit tractions on a rectangle.
+    """Compute the relative displacement of two half-spaces of one material under unit tractions on a rectangle.
 
     Boussinesq's and Cerruti's point forces are integrated exactly. As both bodies are of one material, normal tractions
     separate the surfaces along the normal only, and tangential ones displace them along tangents only.
@@ -250,7 +251,7 @@ def rectangle_influence(x: Array, y: Array, dx: float, dy: float, young: float, 
 def _influence_table(
     cells: Index, size: Array, material: tuple[float, float], directions: slice, shift: float = 0.0
 ) -> Array:
-    """Tabulate the relative displacements of two half-spaces by unit forces on one cell of a grid, at all other cells.
+    """Tabulate the relative displacements of two half-spaces at all cells of a grid by unit forces on one cell.
 
     ``cells``: columns and rows of the cells (n, 2); ``size``: sides of a cell (2,) [m]; ``material``: Young's modulus [Pa]
     and Poisson's ratio; ``directions``: the k directions of displacements and forces; ``shift``: distance upstream of the
@@ -264,7 +265,7 @@ def _influence_table(
 
 
 def _expand_influence_table(cells: Index, table: Array) -> Array:
-    """Expand a table of `_influence_table` to the matrix between n cells ``(k n, k n)``.
+    """Expand a table of displacements by cell offset, of `_influence_table`, to the matrix between n cells ``(k n, k n)``.
 
     ``cells``: columns and rows of the cells (n, 2); ``table``: values at all offsets, for k directions. The matrix has n
     rows and columns for the first direction, then n for the second.
@@ -281,7 +282,7 @@ def _expand_influence_table(cells: Index, table: Array) -> Array:
 def solve_normal_contact(
     cells: Index, size: Array, gap: Array, load: float, material: tuple[float, float], extra: Array | None = None
 ) -> tuple[Array, float]:
-    """Solve the normal contact of two bodies on a grid of cells by a primal-dual active set.
+    """Solve the frictionless normal contact of two bodies on a grid of cells by an active-set method.
 
     Open cells carry exactly zero force.
 
@@ -310,7 +311,7 @@ def solve_normal_contact(
     Raises
     ------
     ValueError
-        The set of closed cells does not converge.
+        The set of cells in contact does not converge.
     """
     C = _expand_influence_table(cells, _influence_table(cells, size, material, NORMAL)) + (0.0 if extra is None else extra)
     active = gap <= np.quantile(gap, 0.5)
@@ -326,7 +327,7 @@ def solve_normal_contact(
         if np.array_equal(closed, active):
             return forces, approach
         active = closed
-    raise ValueError(f"the set of closed cells of a contact on a grid did not converge in {MOST} changes")
+    raise ValueError(f"normal contact on a grid of cells: the set of cells in contact did not converge in {MOST} changes")
 
 
 # --- a contact
@@ -334,7 +335,7 @@ def solve_normal_contact(
 
 @dataclass(frozen=True)
 class Patch:
-    """Contact of two bodies on a grid of n cells: pressure, material and tangential compliance."""
+    """Solved normal contact of two bodies on a grid of n cells, with the material for its tangential compliance."""
 
     #: Columns and rows of the cells on a grid ``(n, 2)``.
     cells: Index
@@ -357,11 +358,11 @@ class Patch:
         return float(self.normal.sum())
 
     def _tabulate_tangential_influence(self, shift: float) -> Array:
-        """Tabulate the tangential influence of half-spaces at ``shift`` [m] upstream of the cells' centres."""
+        """Tabulate tangential displacements of half-spaces ``shift`` [m] upstream of the cells by unit forces on a cell."""
         return _influence_table(self.cells, self.size, self.material, TANGENTS, shift)
 
     def tangential(self, shift: float = 0.0) -> Array:
-        """Compute the compliance between the cells under tangential forces, each uniform over its cell.
+        """Compute the tangential compliance between the cells: relative displacement by unit forces, uniform over a cell.
 
         Parameters
         ----------
@@ -378,7 +379,7 @@ class Patch:
 
     @property
     def tangential_displacement_rate(self) -> Array:
-        """Rate of the tangential displacement that the normal forces cause ``(2 n,)`` [m/m], per length of rolling.
+        """Tangential displacement by the normal forces, per length of rolling, all x and then all y ``(2 n,)`` [m/m].
 
         It is zero for half-spaces of the same material.
         """
@@ -396,11 +397,11 @@ class Patch:
 
     @cached_property
     def transport_rate_matrix(self) -> Array:
-        """Rate D of the elastic displacement of material that passes the cells, by unit tangential forces ``(2 n, 2 n)``.
+        """Elastic slip per length of rolling by unit tangential forces on the cells, all x then all y ``(2 n, 2 n)`` [1/N].
 
-        D is a rate per length of rolling [1/N], computed by a backward difference of second order, upstream by `STEP`
-        cells. Displacements are known everywhere, so that nothing is interpolated. The symmetric part of D is positive: the
-        differences dissipate work.
+        It is the change of the displacement along the flow of material through the contact, by a backward difference of
+        second order with steps of `STEP` cells. Displacements are known everywhere, so that nothing is interpolated. The
+        symmetric part of the matrix is positive: the differences dissipate work.
         """
         step = STEP * float(self.size[0])
         half_space = _expand_influence_table(
@@ -413,7 +414,7 @@ class Patch:
         )
 
     def scaled(self, length: float, force: float) -> Patch:
-        """Return a similar contact of half-spaces, with lengths and normal forces multiplied by given factors.
+        """Return a geometrically similar contact of half-spaces, with lengths and normal forces multiplied by factors.
 
         Parameters
         ----------
@@ -447,7 +448,7 @@ class Patch:
 
 
 def _backward_difference(values: list[Array], step: float) -> Array:
-    """Compute a derivative along the flow by a backward difference of second order.
+    """Compute a derivative along the flow of material by a backward difference of second order.
 
     ``values``: values at a point, and one and two steps upstream of it; ``step``: length of a step [m].
     """
@@ -485,7 +486,7 @@ def cell_grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
 def equivalent_radii(
     load: float, radii: tuple[float, float], young: float, poisson: float, regular: SmoothKernel | None
 ) -> tuple[float, float]:
-    """Compute the relative radii of half-spaces whose contact is equivalent to that of finite bodies.
+    """Compute relative radii of curvature with which half-spaces have nearly the same contact as finite bodies.
 
     They follow from the curvatures of the displacement that finite bodies add under Hertz's pressure.
 

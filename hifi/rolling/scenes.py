@@ -36,7 +36,7 @@ from rollbench.meshes.numerics import brentq
 
 @dataclass(frozen=True)
 class Layout:
-    """Positions of N balls and their k grooves each."""
+    """Geometry and speeds of N rolling balls and of the k groove contacts of each ball."""
 
     #: Screw motion of the track, in the axes of every ball.
     track: Track
@@ -60,7 +60,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class Material:
-    """Elastic material of balls and grooves, and coefficients of friction."""
+    """Elastic constants of balls and grooves (one material), and coefficients of friction."""
 
     #: Young's modulus [Pa].
     young: float
@@ -73,7 +73,7 @@ class Material:
 
 
 def rolling_scene(layout: Layout, material: Material, contact_normals: Array, loads: Array) -> Rolling:
-    """Create the input of the rolling model from positions, contact directions and loads of balls.
+    """Create the input of the rolling model from the positions of balls, and the directions and loads of their contacts.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def _groove_bottom(normals: Array, ride: Array, k: int) -> Array:
 
 
 def hertz_constants(layout: Layout, material: Material) -> Array:
-    """Compute the Hertz constants C of the grooves ``(k,)`` [m/N^(2/3)], for the approach C F^(2/3).
+    """Compute the Hertz constant C of a ball's contact with each groove, for the approach C F^(2/3) under the force F.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def hertz_constants(layout: Layout, material: Material) -> Array:
 def linear_layout(
     radius: float, groove_radius: float, count: int, moving: ArrayLike, speed: float, touch: ArrayLike
 ) -> Layout:
-    """Place balls on a straight track along z, with sections in x and y.
+    """Place balls in a row on a straight track along z (linear bearing); sections of the track lie in x and y.
 
     Parameters
     ----------
@@ -244,7 +244,7 @@ def screw_layout(
     track = Track(np.array([0.0, np.sin(angle), np.cos(angle)]), np.array([0.0, length, 0.0]))
 
     def gap_of_neighbours(step: float) -> float:
-        """Return the gap [m] of neighbouring balls at a difference ``step`` [rad] of their azimuths."""
+        """Return the gap [m] between neighbouring balls whose azimuths differ by ``step`` [rad]."""
         return float(np.hypot(2.0 * pitch_radius * np.sin(0.5 * step), rise * step)) - 2.0 * radius
 
     step = float(brentq(gap_of_neighbours, 0.0, 0.5 * np.pi, xtol=1e-15)) if count > 1 else 0.0
@@ -313,9 +313,9 @@ POLISH, BALANCED = 30, 1e-9
 
 @dataclass(frozen=True)
 class StaticProblem:
-    """Static problem of N balls with k grooves each, and an inner body with m free motions.
+    """Static contact problem of N balls with k grooves each, between a fixed outer and a movable inner body.
 
-    Free motions are the rigid-body motions of the inner body that no support prevents.
+    The inner body (screw, inner ring, carriage) has m free motions: rigid-body motions that no support prevents.
     """
 
     #: Unit vectors from each ball's centre to its unloaded contacts, in the section ``(N, k, 2)``.
@@ -340,7 +340,7 @@ class StaticProblem:
 
 @dataclass(frozen=True)
 class Loads:
-    """Static equilibrium of the balls and the inner body of a `StaticProblem`."""
+    """Contact forces and displacements in the static equilibrium of the balls and the inner body."""
 
     #: Contact forces ``(N, k)`` [N].
     force: Array
@@ -355,12 +355,12 @@ class Loads:
 
     @property
     def converged(self) -> bool:
-        """Whether the forces are in equilibrium."""
+        """Whether the contact forces and the applied forces are in equilibrium."""
         return self.left <= BALANCED
 
 
 def solve_static_problem(cell: StaticProblem) -> Loads:
-    """Solve the static equilibrium of balls and inner body.
+    """Solve the static equilibrium of balls and inner body (screw, inner ring or carriage) with Hertz contacts.
 
     Parameters
     ----------
@@ -404,7 +404,7 @@ def solve_static_problem(cell: StaticProblem) -> Loads:
 
 
 def _contact_forces_at_displacements(cell: StaticProblem, x: Array) -> tuple[Array, Array, Array]:
-    """Compute the contact forces of a static problem at given displacements of balls and inner body.
+    """Compute the contact forces of balls and grooves at given displacements of the balls and the inner body.
 
     x: displacements of the balls, then free motions of the inner body (2 N + m,) [m]. Returns the forces (N, k) [N], their
     directions (N, k, 2), and the distances (N, k) [m] of the centre of each groove's arc from the ball's centre.
@@ -419,7 +419,7 @@ def _contact_forces_at_displacements(cell: StaticProblem, x: Array) -> tuple[Arr
 
 
 def _energy_derivatives(cell: StaticProblem, x: Array) -> tuple[float, Array, Array]:
-    """Compute the energy of a static problem at given displacements of balls and inner body, with two derivatives.
+    """Compute the potential energy at given displacements of the balls and the inner body, with its two derivatives.
 
     x: displacements of the balls, then free motions of the inner body (2 N + m,) [m]. Returns the energy [J], its gradient
     (2 N + m,) [N] and its Hessian [N/m].
@@ -458,7 +458,7 @@ COARSE = (10, 10)
 
 
 def copy_with_fixed_inner_body(cell: StaticProblem, loads: Loads) -> StaticProblem:
-    """Return a copy of a static problem with the inner body fixed at its equilibrium.
+    """Return a copy of a static problem in which the inner body is fixed in its position of equilibrium.
 
     Parameters
     ----------
@@ -479,10 +479,10 @@ def copy_with_fixed_inner_body(cell: StaticProblem, loads: Loads) -> StaticProbl
 def solve_loads_with_rolling(
     layout: Layout, material: Material, cell: StaticProblem, choices: Choices, *, meet: bool
 ) -> tuple[Loads, bool]:
-    """Solve contact loads and steady rolling together, because friction across the track changes the contact loads.
+    """Solve contact loads and steady rolling together: friction pushes the balls across the track and changes the loads.
 
-    The inner body stays at its equilibrium without friction. The force of friction across the track is found by Anderson's
-    acceleration, first on a coarse grid.
+    The inner body stays at its equilibrium without friction. The friction forces across the track are found by fixed-point
+    iteration with Anderson's acceleration, first on a coarse grid.
 
     Parameters
     ----------
@@ -530,7 +530,7 @@ def solve_loads_with_rolling(
 def _solve_rolling_under_loads(
     layout: Layout, material: Material, loads: Loads, choices: Choices, meet: bool, near: RollingResult | None = None
 ) -> RollingResult:
-    """Solve steady rolling under given contact loads.
+    """Solve steady rolling of the balls under given contact forces and directions.
 
     ``loads``: contact forces and directions; ``meet``: whether balls can touch each other; ``near``: another solution, from
     which the solver starts if the same contacts are loaded.

@@ -50,7 +50,7 @@ MEANS = 200
 
 @dataclass(frozen=True)
 class Creep:
-    """Creepages of a rolling contact: rigid slip over the rolling speed."""
+    """Longitudinal, lateral and spin creepage of a rolling contact: rigid slip over the rolling speed."""
 
     #: Rigid slip along the rolling direction, over the rolling speed.
     along: float
@@ -60,7 +60,7 @@ class Creep:
     spin: float
 
     def slip(self, at: Array) -> Array:
-        """Compute the rigid slip over the rolling speed ``(2 n,)`` at n points, all along and then all across.
+        """Compute the rigid slip over the rolling speed at n points of the contact ``(2 n,)``, all along, then all across.
 
         ``at``: coordinates of the points along and across the rolling direction, from the contact's centre (n, 2) [m].
 
@@ -74,7 +74,7 @@ class Creep:
 
 @dataclass(frozen=True)
 class RolledContact:
-    """Solution of a contact that rolls steadily at 1 m/s."""
+    """Friction force, moment and loss of a contact that rolls steadily at 1 m/s."""
 
     #: Force on body 1 along and across ``(2,)`` [N].
     force: Array
@@ -91,7 +91,7 @@ class RolledContact:
 
 
 def solve_friction_for_rigid_slip(patch: Patch, elastic: Array, slip: Array, mu: float) -> tuple[Contact, Friction]:
-    """Solve the friction of a contact for a prescribed rigid slip of its bodies.
+    """Solve the tangential forces of a contact whose bodies have a prescribed rigid slip.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def solve_friction_for_rigid_slip(patch: Patch, elastic: Array, slip: Array, mu:
 
 
 def solve_steady_rolling_for_creepages(patch: Patch, creep: Creep, mu: float, elastic: float = 1.0) -> RolledContact:
-    """Solve steady rolling at 1 m/s under prescribed creepages.
+    """Solve the friction of a contact that rolls steadily at 1 m/s under prescribed creepages.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def solve_steady_rolling_for_creepages(patch: Patch, creep: Creep, mu: float, el
 
 
 def solve_steady_rolling_like_kalker(patch: Patch, creep: Creep, mu: float) -> RolledContact:
-    """Solve steady rolling at 1 m/s, discretised as in Kalker's program CONTACT.
+    """Solve the friction of a contact that rolls steadily at 1 m/s, discretised as in Kalker's program CONTACT.
 
     Differences along the flow are of first order over a whole cell, and the slip by spin is taken a sixth of a cell
     upstream (`set_tang_rhs`, `influe_cv_csv` in CONTACT).
@@ -163,7 +163,7 @@ def solve_steady_rolling_like_kalker(patch: Patch, creep: Creep, mu: float) -> R
 
 
 def _solve_rolling_at_unit_speed(patch: Patch, transport: Array, slip: Array, mu: float) -> RolledContact:
-    """Solve steady rolling at 1 m/s for a prescribed rigid slip.
+    """Solve the friction of a contact that rolls steadily at 1 m/s with a prescribed rigid slip.
 
     ``transport``: slip that unit tangential forces cause by elastic displacements (2 n, 2 n) [m/s/N]; ``slip``: rigid slip
     (2 n,) [m/s]; ``mu``: coefficient of friction.
@@ -176,7 +176,7 @@ def _solve_rolling_at_unit_speed(patch: Patch, transport: Array, slip: Array, mu
 
 @dataclass(frozen=True)
 class OnsetStep:
-    """State of a contact after one step, as it begins to roll under a tangential force."""
+    """State after one step of a contact that is pushed sideways and then begins to roll under the same force."""
 
     #: After the push the shift of body 1 along x [m], after each step of rolling the creepage along x.
     motion: float
@@ -187,9 +187,10 @@ class OnsetStep:
 
 
 def simulate_rolling_onset(patch: Patch, mu: float, share: float, steps: int) -> list[OnsetStep]:
-    """Simulate a contact that is pushed along x and then rolls under the same force: from Cattaneo's state to Carter's.
+    """Simulate a contact that is pushed along x and then rolls under the same tangential force.
 
-    After the push, the contact rolls by one cell in each step, as in an example of Kalker's program CONTACT.
+    The contact passes from Cattaneo's solution (at rest) to Carter's (steady rolling). After the push, the contact rolls by
+    one cell in each step, as in an example of Kalker's program CONTACT.
 
     Parameters
     ----------
@@ -233,11 +234,11 @@ def simulate_rolling_onset(patch: Patch, mu: float, share: float, steps: int) ->
 
 
 def deviations_of_stick_distribution(patch: Patch, bound: Array, tangential: Array) -> Array:
-    """Compute the standard deviations along x and y of mu p - abs(q) over a contact, a measure of the stick zone's size.
+    """Measure the size of the stick zone along x and y by the spread of the unused friction, mu p - abs(q).
 
-    mu p - abs(q), the force that is left before a cell slips, is zero where cells slip, and uniform over a cell. So the
-    deviations measure the size of the stick zone without counting its cells. Their error is of second order in the cell
-    size, with a scatter of 0.1 % on 20 to 40 cells; the error of a count is of first order.
+    This force that is left before a cell slips is zero where cells slip, and taken as uniform over a cell. Its standard
+    deviations about its centre, along x and y, measure the size of the stick zone without counting its cells. Their error
+    is of second order in the cell size, with a scatter of 0.1 % on 20 to 40 cells; the error of a count is of first order.
 
     Parameters
     ----------
@@ -263,7 +264,7 @@ def deviations_of_stick_distribution(patch: Patch, bound: Array, tangential: Arr
 
 @dataclass(frozen=True)
 class NormalContact:
-    """Normal contact at rest: approach, and the semi-axes and peak of an ellipsoid fitted to the pressure."""
+    """Approach of a contact at rest, and the semi-axes and peak of the semi-ellipsoid fitted to its pressure."""
 
     #: Approach of ball and groove [m].
     approach: float
@@ -276,7 +277,9 @@ class NormalContact:
 def solve_normal_contact_by_rolling_model(
     at: ContactPosition, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes
 ) -> NormalContact:
-    """Solve the normal contact of finite bodies by the rolling model: half-spaces on a grid, with the bodies' kernel.
+    """Solve the normal contact of ball and groove by the rolling model, to compare it with the static 3D reference.
+
+    The model has half-spaces on a grid of cells, corrected by the kernel of the finite bodies.
 
     Parameters
     ----------
@@ -308,7 +311,7 @@ def solve_normal_contact_by_rolling_model(
 def solve_normal_contact_by_patches(
     at: ContactPosition, load: float, young: float, poisson: float, cells: tuple[int, int]
 ) -> NormalContact:
-    """Solve a normal contact as in the static 3D reference: finite-element patches of groove and ball, on the exact gap.
+    """Solve the normal contact of ball and groove as the static 3D reference does, by finite-element patches of both.
 
     Parameters
     ----------
@@ -335,7 +338,7 @@ def solve_normal_contact_by_patches(
     """
     if at.curve is None:
         raise ValueError(
-            "the static reference got the contact of a straight track; allowed: a path of the balls along a ring or a helix"
+            "the static 3D reference got a contact on a straight track; allowed: a path of the balls along a ring or helix"
         )
     zone = at.zone(load, young, poisson, replace(Sizes(), cells=cells, growth=2.0, margin=1.2))
     groove, ball = mesh_contact_pieces(BallPath(*at.curve), at.ball, at.arc, at.angle, zone, outer=at.bend > 0.0)
@@ -357,7 +360,7 @@ def solve_normal_contact_by_patches(
 
 
 def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
-    """Compare two equal cylinders that roll under a tangential force with Carter's formula.
+    """Compare the computed rolling of two equal cylinders under a tangential force with Carter's closed-form solution.
 
     The creep is mu a/R (1 - sqrt(1 - Q/(mu P))); cells stick over a strip of half width a sqrt(1 - Q/(mu P)) at the leading
     edge. nu = 0.3; plane strain. Over this strip mu p - q has the shape of a semi-ellipse. Its half width, twice the
@@ -450,7 +453,7 @@ def compare_with_mindlin(cells: int, share: float, balls: Sizes | None = None) -
 
 
 def two_balls_kernel(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
-    """Compute the kernel of two equal balls: their compliance at the contact less that of half-spaces.
+    """Compute the contact compliance of two equal touching balls less that of half-spaces (their kernel).
 
     ``radius``: radius of the balls [m]; ``semi``: radius of the circular contact [m]; ``sizes``: meshes of the balls.
     """
@@ -517,7 +520,7 @@ def compare_ball_friction_with_point(
 
 
 def compare_half_space_displacements(zone: Zone, size: float, young: float, poisson: float) -> tuple[Array, Array]:
-    """Compare mean displacements over a zone of a half-space, by uniform tractions, with the closed form.
+    """Compare mean displacements of a rectangle of a half-space under uniform tractions with the closed form.
 
     Parameters
     ----------
@@ -553,7 +556,7 @@ def compare_half_space_displacements(zone: Zone, size: float, young: float, pois
 
 
 def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch:
-    """Create a contact of the cells within an ellipse, for Kalker's linear theory.
+    """Create a contact of grid cells within an ellipse that never slips, for Kalker's linear theory.
 
     ``ratio``: semi-axis along over semi-axis across; ``shape``: numbers of cells along and across. The semi-axes are
     sqrt(ratio) and 1/sqrt(ratio) [m], the shear modulus is 1 Pa, and the normal forces are infinite, so that nothing slips.
@@ -570,7 +573,7 @@ def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch
 
 
 def kalker_linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) -> Array:
-    """Compute the coefficients of Kalker's linear theory, in which the whole contact sticks.
+    """Compute Kalker's creepage coefficients: forces and moment per creepage of a contact that sticks everywhere.
 
     Only the cells with y > 0 are solved: longitudinal creep causes tractions along x that are even in y and tractions
     across that are odd, lateral creep and spin the opposite.
@@ -619,7 +622,7 @@ def kalker_linear_coefficients(ratio: float, poisson: float, shape: tuple[int, i
 def full_slip_by_quadrature(
     load: float, radii: tuple[float, float], young: float, poisson: float, creep: Creep, mu: float, points: int = 400
 ) -> tuple[Array, float]:
-    """Compute the friction force and moment of a Hertz contact whose bodies slip rigidly over the whole ellipse.
+    """Compute the friction force and moment of a Hertz contact that slips over the whole ellipse, without elasticity.
 
     Parameters
     ----------
@@ -653,7 +656,7 @@ def full_slip_by_quadrature(
 
 
 def full_slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array, float]:
-    """Compute the friction force and moment of full slip under the pressures of a grid, at 20 x 20 points in every cell.
+    """Compute the friction force and moment of a contact on a grid that slips in all cells, at 20 x 20 points in each.
 
     The points resolve the rotation of the slip about the point without slip; only the error of the grid's staircase edge
     remains.

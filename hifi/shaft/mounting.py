@@ -254,8 +254,8 @@ def mount_stretches(
     rigid = stretches[0].rigid
     if any(s.rigid != rigid for s in stretches):
         raise ValueError(
-            "some rings on the shaft have a rigid bore, which moves with the shaft, and others an elastic one: give all the "
-            "same kind"
+            "some rings on the shaft have a rigid bore, which moves with the shaft, and others an elastic one: give all "
+            "the same kind"
         )
     acted = frame.stations
     ends = {z for s in stretches for z in (s.base, *s.ports)}
