@@ -88,7 +88,7 @@ def _significant_digits(value: float, digits: int) -> str:
 
 
 def _python_number(value: Any) -> Any:
-    """Return a numpy scalar as a number of Python, and any other value unchanged."""
+    """Return the Python number of a numpy scalar, and any other value unchanged."""
     return value.item() if hasattr(value, "item") else value
 
 
@@ -146,7 +146,7 @@ def filled_columns_and_empty_headings(table: Table) -> tuple[list[Quantity], lis
 
 
 def is_number(column: Quantity, table: Table) -> bool:
-    """Return whether all non-empty cells of a column are numbers; such a column is right-aligned."""
+    """Return whether all non-empty cells of a table column are numbers; such a column is right-aligned."""
     if column.format != "s":
         return True
     cells = [
@@ -160,7 +160,8 @@ def is_number(column: Quantity, table: Table) -> bool:
 def cell_text_and_classes(column: Quantity, value: Cell, *, number: bool) -> dict[str, str]:
     """Return the text of a table cell and its CSS classes: ``align`` for the alignment, ``mark`` for a coloured label.
 
-    Only cells in the columns ``class`` and ``verdict`` have a label. number: whether the cell is right-aligned.
+    Only cells in the columns ``class`` and ``verdict`` have a label. ``number``: whether the column contains numbers, which
+    are right-aligned.
     """
     text = format_cell(value, column.format)
     align = "num" if number else "text long" if len(text) > LONG else "text short" if len(text) <= SHORT else "text"

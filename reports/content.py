@@ -30,15 +30,15 @@ class Quantity:
     On a web page, the values of columns with the keys ``class`` and ``verdict`` are shown as coloured labels.
     """
 
-    #: Key under which a row of the table stores the value.
+    #: Key under which each row of the table has its value in this column.
     key: str
-    #: Heading of the column, without unit.
+    #: Heading of the column, without the unit.
     label: str
     #: Unit of the values; empty for texts and plain numbers.
     unit: str = ""
     #: Number format: ``"g4"`` for 4 significant digits, ``"s"`` for text, or a format of Python such as ``".2f"``.
     format: str = "g4"
-    #: Function that returns the value for a record from which a row of the table is made.
+    #: Function that takes a record and returns its value for this column, where rows are made from records.
     value: Callable[[Any], Any] = field(default=lambda _: None, compare=False)
 
 
@@ -73,14 +73,14 @@ class Table:
         heads = [(column.label, column.unit) for column in self.columns]
         twice = {label for label, unit in heads if heads.count((label, unit)) > 1}
         if twice:
-            got = f"got several columns headed {', '.join(map(repr, sorted(twice)))}"
-            raise ValueError(f"table {self.name!r}: {got}; allowed: one column for each heading and unit")
+            got = f"several columns have the heading {', '.join(map(repr, sorted(twice)))} and the same unit"
+            raise ValueError(f"table {self.name!r}: {got}; give each column a heading of its own")
 
     @classmethod
     def of(
         cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "", *, unfolded: bool = False
     ) -> Table:
-        """Make a table from rows whose keys are the columns, each a `Quantity` or, for a column of texts, its heading.
+        """Make a table from rows whose keys are the columns: each key is a `Quantity` or, for texts, a heading.
 
         The columns are in the order in which they first appear in the rows.
         """
@@ -167,11 +167,11 @@ class Figure:
 
 @dataclass(frozen=True)
 class SetView:
-    """Data of one row of rolling elements (ball nut or bearing row) in one load case, for the 3D view."""
+    """Data of one ball nut or bearing row in one load case, for the 3D view of a page."""
 
-    #: Name of the row in the input file.
+    #: Name of the nut or bearing row in the scene file.
     name: str
-    #: Kind of the row: ball screw or type of bearing.
+    #: Kind: ball screw, or type of bearing.
     kind: str
     #: Geometry of the balls with their grooves, or of the rollers.
     parts: Scene | RollerRow
@@ -181,14 +181,14 @@ class SetView:
     thrust: str = "both"
     #: Contact points of n balls with four flanks (n, 4, 3) [m]; None for rollers, or if no equilibrium was found.
     points: NDArray[np.float64] | None = None
-    #: Contact forces on the balls (n, 4, 3) [N].
+    #: Contact forces on the balls at these points (n, 4, 3) [N].
     forces: NDArray[np.float64] | None = None
     #: Reference solution: its label, its contact loads (n, 4) [N], their uncertainty (n, 4) [N], and the error of the
     #: model's loads (n, 4) [%]. None without a reference.
     reference: tuple[str, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None
-    #: Expected error of the model's contact loads [N].
+    #: Expected error of the model's contact loads [N]; None: not known.
     expected: float | None = None
-    #: Reduction of the clearance at each contact by manufacturing errors of the parts (n, 4) [m].
+    #: Reduction of the clearance at each contact by geometric errors of the parts (n, 4) [m]; None: not given.
     closer: NDArray[np.float64] | None = None
 
 
@@ -296,9 +296,9 @@ class FieldPicture:
     height: float
     #: Cutting planes (point, normal); elements whose centre lies in front of all of them are not drawn.
     cuts: Sequence[tuple[Sequence[float], Sequence[float]]] = ()
-    #: Whether the section by the single cutting plane is drawn in place of the meshes.
+    #: Whether the plane section by the only cutting plane is drawn, in place of the meshes.
     section: bool = False
-    #: Name of the field, with unit.
+    #: Name of the drawn field, with unit, at the colour scale.
     label: str = ""
     #: Ends of the colour scale; None: the range of the data.
     limits: tuple[float, float] | None = None
@@ -326,13 +326,13 @@ class PressurePanel:
     values: Numbers
     #: Ellipse in the plot: x and y of its centre, semi-axes along x and y.
     ellipse: tuple[float, float, float, float]
-    #: Note above the plot.
+    #: Text above the plot, such as load and largest pressure.
     note: str = ""
     #: Components (x, y) of arrows at the nodes.
     arrows: tuple[Numbers, Numbers] | None = None
-    #: Arrows are drawn at every ``skip``-th node.
+    #: Arrows are drawn only at every ``skip``-th node.
     skip: int = 1
-    #: True for nodes that are marked by a square.
+    #: Whether each node is marked by a square; None: no node is marked.
     marked: Sequence[bool] | None = None
 
 
@@ -392,7 +392,7 @@ class Summary:
     coverage: Sequence[str]
     #: Statements on the limits of the answer.
     limits: Sequence[str]
-    #: Table of the answer, for a printed report.
+    #: Table with the numbers of the answer, for a printed report.
     table: Table | None = None
     #: Tables and figures below the limits.
     items: Sequence[Table | Figure] = ()

@@ -75,7 +75,7 @@ _RC = {
     "legend.frameon": False,
     "path.simplify": False,
 }
-#: Distance between the lines of labels at data points, and between labels and points [1/72 inch].
+#: Distance between neighbouring labels of data points, and between labels and points [1/72 inch].
 LINE, AWAY = 10.0, 10.0
 #: Approximate width of a letter in these labels [1/72 inch].
 LETTER = 4.1
@@ -89,12 +89,12 @@ LEVEL_NAMES = 8
 STEEP = 0.055
 #: Width of a figure for a phone [inches].
 PHONE = 3.75
-#: Part of a panel's width, from its left end, in which the label of a point is written on the left of the point.
+#: Points within this share of a panel's width, from its left end, have their labels on their left; others on the right.
 LEFT = 0.4
 
 
 def spread_label_heights(heights: Sequence[float], gap: float, low: float, high: float) -> NDArray[np.float64]:
-    """Return the heights of text labels moved as little as possible such that neighbours are at least ``gap`` apart.
+    """Return the heights of text labels, moved as little as possible, so that neighbours are at least ``gap`` apart.
 
     The labels keep their vertical order, and stay between ``low`` and ``high`` if there is room for all.
 
@@ -260,12 +260,14 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
         If there is no panel or more than six, or if the style of a curve or the scale of a panel is unknown.
     """
     if not 1 <= len(figure.panels) <= MAX_PANELS:
-        raise ValueError(f"figure {figure.name!r}: got {len(figure.panels)} panels; allowed: 1 to {MAX_PANELS}")
+        raise ValueError(f"figure {figure.name!r} has {len(figure.panels)} panels; allowed: 1 to {MAX_PANELS}")
     for panel in figure.panels:
         odd = {series.style for series in panel.series} - set(STYLES)
         if odd or panel.log not in SCALES:
-            got = f"got styles {sorted(odd)}; allowed: {', '.join(STYLES)}" if odd else ""
-            faults = got or f"got log {panel.log!r}; allowed: {', '.join(map(repr, SCALES))}"
+            got = f"unknown curve styles {sorted(odd)}; allowed: {', '.join(STYLES)}" if odd else ""
+            faults = (
+                got or f"unknown log {panel.log!r} (which axes are logarithmic); allowed: {', '.join(map(repr, SCALES))}"
+            )
             raise ValueError(f"figure {figure.name!r}, panel {panel.title!r}: {faults}")
     columns = max(1, min(figure.columns, len(figure.panels), 3))
     rows = math.ceil(len(figure.panels) / columns)
@@ -449,7 +451,7 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
     for what, values in (("texts", series.texts), ("names", series.names), *bars):
         if len(values) not in (0, len(series.x)):
             allowed = f"one for each of the {len(series.x)} points"
-            raise ValueError(f"curve {series.label!r}: got {len(values)} {what}; allowed: {allowed}")
+            raise ValueError(f"curve {series.label!r} has {len(values)} {what}; allowed: {allowed}")
     x, y = np.asarray(series.x, float), np.asarray(series.y, float)
     colour = PALETTE[number % len(PALETTE)]
     marker = MARKERS[(number + number // len(PALETTE)) % len(MARKERS)]

@@ -26,16 +26,16 @@ def file_hashes(folder: Path) -> dict[str, str]:
 
 
 def write_manifest(folder: Path, origin: Mapping[str, Any]) -> None:
-    """Write the manifest file of a report: its inputs ``origin`` (plain data) and the checksums of its files."""
+    """Write the manifest file of a report: ``origin``, which describes its inputs, and the checksums of its files."""
     text = json.dumps({**origin, "files": file_hashes(folder)}, indent=1, ensure_ascii=False)
     (folder / FILE).write_text(text + "\n", encoding="utf-8", newline="\n")
 
 
 def read_report_file(path: Path) -> str:
-    """Return the text of one file in a report's folder, which must not be larger than `LARGEST`.
+    """Return the text of one file in a report's folder; files above `LARGEST` bytes are refused.
 
-    Raises OSError if the file is missing, and ValueError, which describes the file, if it is no regular file or is too
-    large.
+    Raises OSError if the file is missing, and ValueError if it is no regular file or is too large; the message of the
+    latter describes the file, such as "a pipe, a device or a folder".
     """
     if path.exists() and not path.is_file():
         raise ValueError("a pipe, a device or a folder")
@@ -49,7 +49,7 @@ def parse_json(text: str) -> Any:
     try:
         return json.loads(text)
     except RecursionError:
-        raise ValueError("JSON with brackets that are nested too deeply") from None
+        raise ValueError("a JSON text with brackets that are nested too deeply") from None
 
 
 def is_mapping_of_texts(found: object) -> bool:
@@ -64,5 +64,5 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     """
     found = parse_json(read_report_file(folder / FILE))
     if not isinstance(found, dict) or not all(is_mapping_of_texts(found.get(key)) for key in ("inputs", "files")):
-        raise ValueError(f"a damaged manifest {FILE}")
+        raise ValueError(f"a damaged report manifest {FILE}")
     return found

@@ -16,7 +16,7 @@ from rollbench.meshes.libraries import PICTURES, apt_command
 
 #: Time after which drawing a picture is aborted [s]; two seconds are usual.
 TIMEOUT = 180.0
-#: Advice of an error message if the picture could not be drawn.
+#: Advice in the message of `CannotDraw`.
 ADVICE = f"install the off-screen OpenGL libraries (Debian: {apt_command(PICTURES)})"
 
 #: Lights of a picture: direction and intensity of each.
@@ -27,7 +27,10 @@ class CannotDraw(RuntimeError):
     """Error: a 3D picture could not be drawn. Its message gives the cause and advice."""
 
     def __init__(self, cause: str, advice: str = "") -> None:
-        """Store the cause, and compose the message from cause and advice."""
+        """Store the cause, and compose the message from cause and advice.
+
+        ``advice``: what the user can do about it; empty: no advice.
+        """
         super().__init__(f"3D picture: {cause}" + (f"; {advice}" if advice else ""))
         self.cause = cause
 
@@ -64,7 +67,7 @@ def draw_in_child(module: str, picture: object, path: str | Path) -> None:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise CannotDraw(f"the drawing was aborted after {TIMEOUT:.0f} s", ADVICE) from None
+        raise CannotDraw(f"drawing took longer than {TIMEOUT:.0f} s and was aborted", ADVICE) from None
     if child.returncode == 0:
         return
     words = child.stderr.decode(errors="replace").strip().splitlines() or ["no message"]

@@ -1,4 +1,4 @@
-"""Write a report to a folder: its web pages, the tables as CSV files, the figures, and an index for the search."""
+"""Write a report to a folder: web pages, tables as CSV files, figures, and an index for the full-text search."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from rollbench.reports.view import MARKER
 #: File of the search index. It is a script because a browser does not load data files for a page opened from disk.
 SEARCH = "search.js"
 
-#: Largest number of characters of a table or text that the search index stores.
+#: Largest number of characters that the search index stores for a table or text.
 KNOWN = 4000
 
 #: Number of rows above which a page shows a table folded.
@@ -55,7 +55,7 @@ WIDE = 8
 #: Largest number of characters of a conclusion's first sentence that becomes a heading.
 HEADLINE = 170
 
-#: Key of a column that a page does not show. It names the table, figure or section to which the row's verdict is linked.
+#: Key of a column that a page does not show: name of the table, figure or section to which the verdict in the row links.
 HOW = "how"
 
 #: References in a text to a table, figure or section of the report, by its name.
@@ -70,7 +70,7 @@ Item = Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap
 
 @dataclass
 class _Writer:
-    """Data shared by the functions that write a report: its folder, the targets of links, and the search index."""
+    """Data that the functions share while they write a report: its folder, link targets, and search index."""
 
     #: Folder of the report.
     folder: Path
@@ -155,7 +155,7 @@ def _write_text(path: Path, text: str) -> None:
 
 
 def _render_page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any]:
-    """Write the figures and tables of one page to files, and return the page's data for its template.
+    """Write the figures and tables of one page to files, and return the data for the page's HTML template.
 
     ``number``, ``total``: number of the page, from 1, and number of pages, for the line of progress. Entries of the search
     index are added to ``writer``.
@@ -191,7 +191,7 @@ def split_headline(conclusion: str, title: str) -> tuple[str, str]:
 
 
 def _render_section(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
-    """Write the figures and tables of one section to files, and return the section's data for the template of its page.
+    """Write the figures and tables of one section to files, and return the section's data for its page's HTML template.
 
     ``file``: file name of the page. Entries of the search index are added to ``writer``.
     """
@@ -209,9 +209,9 @@ def _render_section(section: Section, file: str, writer: _Writer) -> dict[str, A
 
 
 def _search_index_entry(title: str, link_target: str, location: str, text: str) -> dict[str, str]:
-    """Return one entry of the search index; its keys are t (title), h (link target), s (location) and x (searched text).
+    """Return one entry of the search index, with the keys t (title), h (link target), s (location) and x (searched text).
 
-    ``link_target``: link target. ``location``: location in words, such as "table NAME, SECTION".
+    ``location``: location in words, such as "table NAME, SECTION".
     """
     return {
         "t": replace_um_by_micrometre(title),
@@ -233,7 +233,7 @@ def _searchable_text(record: Any) -> str:
 
 
 def _render_summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
-    """Write the figures and tables of the first page to files, and return the page's data for its template.
+    """Write the figures and tables of the report's first page to files, and return the data for its HTML template.
 
     The data contain the summary's figure twice, for wide and for narrow screens.
     """
@@ -247,7 +247,7 @@ def _render_summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
 
 
 def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
-    """Write one table or figure to its files, and return its data for the template; a text is returned as it is.
+    """Write one table or figure to its files, and return its data for the HTML template; a text needs no file.
 
     ``page``: file name of the page that contains the item. ``writer``: has the folder of the report.
     """
@@ -275,7 +275,7 @@ def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
 
 
 def _render_picture(item: LoadedScrew | FieldPicture, name: str, back_link: str, writer: _Writer) -> dict[str, Any]:
-    """Write a 3D picture to the file ``name``, and return its data for the template.
+    """Write a 3D picture to the file ``name``, and return its data for the HTML template.
 
     ``back_link``: link from the picture's own 3D page to the report. ``writer``: has the folder of the report. If the
     picture cannot be drawn, the data contain the reason instead.
@@ -309,7 +309,7 @@ def inline_svg(svg: str) -> Markup:
 
 
 def table_template_data(table: Table, folder: Path) -> dict[str, Any]:
-    """Write the CSV file of a table, and return the table's data for the template.
+    """Write the CSV file of a table, and return the table's data for the HTML template.
 
     ``folder``: folder of the report. The data omit empty columns and say whether the table is folded, because it is long,
     or set in a narrower font.
@@ -403,17 +403,17 @@ def check_report_folder(out: Path) -> None:
     if not out.exists():
         return
     if not out.is_dir():
-        raise ValueError(f"{out} is a file; name a directory for the report")
+        raise ValueError(f"{out} is a file; give the report the name of a folder")
     entries = sorted(out.rglob("*"))
     index = out / "index.html"
     if entries and not (index.is_file() and MARKER in index.read_text(encoding="utf-8", errors="replace")):
-        raise ValueError(f"{out} contains files but no rollbench report; choose another directory")
+        raise ValueError(f"{out} contains files but no rollbench report; choose another folder")
     for entry in entries:
         top = entry.relative_to(out).parts
         folder = len(top) == 1 and top[0] in _FOLDERS and entry.is_dir()
         file = len(top) == 2 and entry.is_file() and entry.suffix in _FOLDERS.get(top[0], ())
         if not (folder or file or (len(top) == 1 and _is_report_file(entry))):
-            raise ValueError(f"{entry} belongs to no rollbench report and would be deleted; move it to another directory")
+            raise ValueError(f"{entry} does not belong to the earlier report and would be deleted; move it elsewhere")
 
 
 def _is_report_file(entry: Path) -> bool:
@@ -430,7 +430,7 @@ def _check_names(report: Report) -> None:
     seen: set[tuple[str, str]] = {("page", "index")}
     for page in report.pages:
         if not _NAME.fullmatch(page.name) or ("page", page.name) in seen:
-            raise ValueError(f"page name {page.name!r} is not a valid file name or is used twice")
+            raise ValueError(f"name {page.name!r} of a report page is not a valid file name or is used twice")
         seen.add(("page", page.name))
     for section in report.sections:
         items = [item for item in section.items if not isinstance(item, Text)]
@@ -439,9 +439,9 @@ def _check_names(report: Report) -> None:
             named += [("figure", figure.name) for figure in (section.summary.figure, section.summary.narrow)]
         for kind, name in [("section", section.name), *named]:
             if not _NAME.fullmatch(name):
-                raise ValueError(f"{kind} name {name!r}: use letters, digits, dot, dash and underscore only")
+                raise ValueError(f"{kind} name {name!r} in the report: use letters, digits, dot, dash and underscore only")
             if (kind, name.lower()) in seen:
-                raise ValueError(f"{kind} name {name!r} is used twice; choose another name")
+                raise ValueError(f"{kind} name {name!r} is used twice in the report; choose another name")
             seen.add((kind, name.lower()))
 
 
@@ -458,6 +458,8 @@ def _swap_folders(fresh: Path, out: Path) -> None:
         if old.exists() and not out.exists():
             old.rename(out)
         if isinstance(error, OSError):
-            raise ValueError(f"{out} cannot be replaced ({error.strerror}); choose a subdirectory of it") from error
+            raise ValueError(
+                f"the folder {out} cannot be replaced ({error.strerror}); choose a folder inside it"
+            ) from error
         raise
     shutil.rmtree(old, ignore_errors=True)

@@ -55,9 +55,9 @@ def draw_loaded_screw(picture: LoadedScrew, path: str | Path) -> None:
 
 @dataclass(frozen=True)
 class _Grooves:
-    """Gothic-arch grooves of a screw and its nut, along the helices ``z = level + slope * (phi - phase)``.
+    """Gothic-arch grooves of a screw and its nut as they are drawn, on the helices ``z = level + slope * (phi - phase)``.
 
-    Each start of the screw is one helix, with the azimuth phi [rad].
+    Each start of the screw is one helix; phi is the azimuth [rad].
     """
 
     #: Pitch radius of the ball track [m].
@@ -115,10 +115,10 @@ def drawn_ball_radius(scene: Scene) -> float:
 
 
 def _grooved_cylinder_grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float) -> tuple[Array, Array]:
-    """Return azimuths [rad] and axial positions [m] of a grid on a grooved cylinder, each (rows, columns).
+    """Return azimuths [rad] and axial positions [m] of the grid points on a grooved cylinder, each (rows, columns).
 
-    The grid lines follow the helix, so that groove edges are sharp. ``phi``: azimuths of the rows [rad]. ``ends``: axial
-    range [m]. ``step``: axial distance of the grid lines [m].
+    The grid lines follow the helix of the groove, so that its edges are sharp. ``phi``: azimuths of the rows [rad].
+    ``ends``: axial range [m]. ``step``: axial distance of the grid lines [m].
     """
     rise = grooves.slope * (phi - phi[0])
     low, high = ends[0] - max(rise.max(), 0.0), ends[1] - min(rise.min(), 0.0)

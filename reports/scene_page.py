@@ -25,7 +25,7 @@ from rollbench.reports.manifest import is_mapping_of_texts, parse_json, sha256
 from rollbench.reports.pages import inline_svg, load_templates
 from rollbench.reports.view import MARKER, viewer_elements_html
 
-#: HTML identifiers of the script elements of the page that contain data.
+#: HTML identifiers of the script elements in which a page contains data.
 BLOCKS = ("manifest", "scene", "results")
 
 
@@ -66,7 +66,7 @@ class ScenePage:
 def page_manifest(page: ScenePage, html: str) -> dict[str, Any]:
     """Return the manifest of a page: its origin, and the SHA-256 checksums of scene file, results, used files and page.
 
-    html: text of the page with an empty manifest, of which the checksum is computed.
+    ``html``: text of the page with an empty manifest, of which the page's checksum is computed.
     """
     return {
         "provenance": dict(page.provenance),
@@ -131,7 +131,7 @@ def _svg_of_item(item: Figure | Sketch) -> Markup:
 
 
 def _picture_as_base64(item: LoadedScrew | None) -> tuple[str, str]:
-    """Draw the 3D picture of a page, and return it as a base64 text; a second text states the reason if it cannot be drawn.
+    """Draw the 3D picture of a page; return the PNG file as base64 text, and the reason if it cannot be drawn.
 
     One of the two texts is empty. Both are empty if ``item`` is None, for a page without a picture.
     """
@@ -155,15 +155,15 @@ def read_page_data(html: str) -> dict[str, Any]:
     for name in BLOCKS:
         found = re.search(rf'<script type="application/json" id="{name}">(.*?)</script>', html, re.DOTALL)
         if found is None:
-            raise ValueError(f"a page without the data block {name!r}")
+            raise ValueError(f"a page without the script element {name!r}, which contains its data")
         try:
             out[name] = parse_json(found[1])
         except ValueError as error:
-            raise ValueError(f"a page with a damaged data block {name!r} ({error})") from None
+            raise ValueError(f"a page whose script element {name!r} contains damaged data ({error})") from None
     manifest, texts = out["manifest"], isinstance(out["scene"], str)
     whole = isinstance(manifest, dict) and all(
         is_mapping_of_texts(manifest.get(key, {})) for key in ("files", "provenance")
     )
     if not (whole and texts and isinstance(out["results"], dict)):
-        raise ValueError("a page with a damaged manifest")
+        raise ValueError("a page whose manifest, scene text or results are damaged")
     return out

@@ -228,8 +228,8 @@ def _draw_supports_and_loads(scene: Scene, scale: _Scale, below: float) -> Itera
 def _fixed_nut_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, float, float]], bool]:
     """Return the annular faces at which the nut is fixed, and whether its outer surface is fixed instead.
 
-    A face is given by its axial position, inner and outer radius [m]. ``low``, ``high``: axial positions of the nut's faces
-    [m].
+    Each face is given by its axial position, inner and outer radius [m]. ``low``, ``high``: axial positions [m] of the left
+    and right face of the nut.
     """
     solid = dimensions_of_3d_parts(scene)
     if solid.nut_held.startswith("outer surface"):

@@ -24,9 +24,9 @@ from rollbench.reports.content import CaseView, SetView, View
 
 #: HTML element that marks a page as written by this program, which may therefore replace the page or its folder.
 MARKER = '<meta name="generator" content="rollbench">'
-#: Step of the grids of the drawn surfaces, as a multiple of the step in a picture.
+#: Step of the surface grids in the 3D viewer, as a multiple of the step in a picture.
 COARSE = 3.0
-#: Length of grooved shaft drawn on each side of the centre of a nut, in nut lengths; the same for a bearing ring.
+#: Length of shaft drawn on each side of the centre of a nut [nut lengths], and of a bearing row [ring widths].
 NUT, RING = 0.8, 0.5
 #: Millimetres per metre.
 MM = 1e3
@@ -81,15 +81,15 @@ def _viewer_file(name: str) -> str:
 
 
 def _viewer_unit_vectors() -> dict[str, list[float]]:
-    """Return the unit vectors towards the reader (``sight``) and upwards (``up``), for the script of the 3D viewer."""
+    """Return the unit vectors towards the reader ("sight") and upwards on the screen ("up"), for the 3D viewer."""
     return {"sight": scene3d.view_direction().tolist(), "up": scene3d.viewer_and_upward_vectors()[1].tolist()}
 
 
 def _load_case_data(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
     """Return the data of one load case for the script of the 3D viewer.
 
-    ``surfaces``: number of each surface drawn so far, by its JSON text. New surfaces are added to it, and load cases share
-    equal ones.
+    ``surfaces``: numbers of all surfaces so far, by the JSON text of the surface. New surfaces are added to it; load cases
+    share equal surfaces.
     """
     drawn = [s for one in case.sets for s in _surfaces_of_set(one, case.shaft is not None)]
     if case.shaft is not None:
@@ -163,7 +163,7 @@ def _drawn_shaft_range(rolling_set: RollingSet, parts: Scene, length: float) -> 
 
 
 def _viewer_data_of_set(one: SetView) -> dict[str, Any]:
-    """Return the data of one nut or bearing row for the 3D viewer: lengths in mm, reductions of clearance in um."""
+    """Return the data of one nut or bearing row for the 3D viewer; lengths are in mm, reductions of clearance in um."""
     head = {"name": one.name, "kind": one.kind, "expected": one.expected}
     if isinstance(one.parts, RollerRow):
         return head | _rollers_of_row(one.parts, one.position, _apex_direction(one.thrust))

@@ -1,4 +1,4 @@
-"""``rollbench report SCENE`` for a shaft with several ball nuts or bearings: the page on one load case."""
+"""``rollbench report SCENE`` for a shaft that carries several ball nuts or bearings: the page on one load case."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from rollbench.reports.scene_page import ScenePage
 
 
 def page_of_axis(name: str, one: SolvedAxis, stores: Sequence[Path]) -> ScenePage:
-    """Return the page on the results of a shaft with several sets of balls or rollers (nuts and bearings).
+    """Return the page with the results of a shaft that carries several ball nuts or bearing rows.
 
     Parameters
     ----------
@@ -74,12 +74,12 @@ def page_of_axis(name: str, one: SolvedAxis, stores: Sequence[Path]) -> ScenePag
 
 
 def highest_pressure_sentence(result: AxisResult, answers: AxisAnswers) -> str:
-    """Return the main result as one sentence: the contact with the highest pressure relative to its limit.
+    """Return the main result of a shaft as one sentence: the contact with the highest pressure relative to its limit.
 
     Parameters
     ----------
     result
-        Solution of a shaft with several sets of balls or rollers.
+        Solution of a shaft that carries several ball nuts or bearing rows.
     answers
         Results derived from the contact loads of this solution.
 
@@ -101,7 +101,7 @@ def highest_pressure_sentence(result: AxisResult, answers: AxisAnswers) -> str:
 
 
 def _force_and_stiffness_tables(one: SolvedAxis) -> list[Table]:
-    """Return the table of force and stiffness of each nut or bearing, and the stiffness of the whole shaft if computed.
+    """Return the table of force and stiffness of each nut and bearing and, if computed, the stiffness of the whole shaft.
 
     ``one``: the solved shaft.
     """
@@ -123,9 +123,9 @@ def _force_and_stiffness_tables(one: SolvedAxis) -> list[Table]:
 
 
 def _contact_load_tables(result: AxisResult) -> Iterator[Table]:
-    """Yield the table of all loaded ball contacts and that of all rollers, each if there are any.
+    """Yield a table of all loaded ball contacts and a table of all rollers; each only if there are any.
 
-    ``result``: solution of a shaft with several nuts or bearings.
+    ``result``: solution of a shaft that carries several nuts or bearings.
     """
     names = [s.of.name for s in result.sets]
     rows: list[Row] = [

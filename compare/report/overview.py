@@ -1,4 +1,4 @@
-"""First screen of the validation report: errors of low-order models against the 3D reference, and their run times."""
+"""First page of the validation report: errors of low-order models against the 3D reference, and their run times."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Summary, Table, Text
 
-QUESTION = "How far can a low-order model of a ball screw be trusted, and what does a better answer cost?"
-TITLE = "Errors on all compared screws, and error of every model and mesh over run time"
+QUESTION = "How accurate are low-order models of ball screws, and how much run time does a more accurate model take?"
+TITLE = "Contact-load errors of the models on all compared screws, and error of each model and 3D mesh over its run time"
 #: Families of models, which share a colour, with the names of their models.
 FAMILIES = (
     ("refined", ("refined",)),
@@ -43,6 +43,7 @@ FAMILIES = (
     ("axial bars", ("mei", "mei-nut", "liu")),
     ("bodies condensed from 3D", ("condensed",)),
 )
+#: Family name of all 3D meshes.
 SOLID = "3D reference"
 #: Columns of the table of bias, scatter and largest error.
 BIAS, SCATTER = Quantity("bias", "bias", "%", "+.2f"), Quantity("scatter", "scatter", "%", ".2f")
@@ -55,41 +56,42 @@ NAMES = {DEFAULT: "the refined model", "lin": "Lin's model"}
 
 @dataclass(frozen=True)
 class ModelAccuracy:
-    """Errors and run time of one model or mesh level over the shipped scenes.
+    """Contact-load errors and run time of one model or 3D mesh level, summarised over the shipped scenes.
 
-    For the finest mesh level, which is the reference, the error is its grid uncertainty.
+    For the finest mesh level, which is the reference, its mesh uncertainty takes the place of the error.
     """
 
-    #: Short name of the model or mesh level.
+    #: Short name of the model or mesh level, for figures.
     name: str
-    #: Name in tables.
+    #: Name of the model or mesh level in tables.
     label: str
-    #: Family of the model.
+    #: Family of the model, which determines its colour: one of `FAMILIES` or all 3D meshes.
     family: str
-    #: Number of scenes.
+    #: Number of scenes on which the model or mesh converged.
     scenes: int
     #: Largest error of a contact load over all scenes [% of the mean load].
     worst: float
-    #: Scene with this error.
+    #: Name of the scene with this error.
     worst_scene: str
     #: Median over the scenes of the largest error [% of the mean load].
     median: float
-    #: Median over the scenes of the RMS error [% of the mean load].
+    #: Median over the scenes of the RMS error of the contact loads [% of the mean load].
     rms: float
-    #: Largest RMS error [% of the mean load].
+    #: Largest RMS error over the scenes [% of the mean load].
     worst_rms: float
-    #: Median time of a cold start [s]; None: not measured.
+    #: Median time in a new process with empty caches [s] (cold start); None: not measured.
     cold: float | None
-    #: Median over the scenes of the largest error by the gate's rule [%], with the ends of its uncertainty.
+    #: Median over the scenes of the largest error as ``rollbench check`` judges it [%], and of the ends of its range.
     gate: LargestError
-    #: Number of scenes that pass the gate at `LIMIT`.
+    #: Number of scenes that pass ``rollbench check`` with its default limit.
     passed: int
 
 
 def model_family(point: TimePoint) -> str:
-    """Return the family of the model whose error and run time on a scene are given; all 3D meshes form one family.
+    """Return the name of the family to which the model or 3D mesh of a measured point belongs.
 
-    The families are those of `FAMILIES`; a model of no family is its own, under its label.
+    ``point``: error and run time of the model on a scene. Families of models are those of `FAMILIES`; a model that is in
+    none of them forms its own family, named by its label. All 3D meshes form one family.
     """
     if point.kind != "model":
         return SOLID
@@ -97,29 +99,29 @@ def model_family(point: TimePoint) -> str:
 
 
 def error_or_uncertainty(point: TimePoint) -> float:
-    """Return the largest error of a model or mesh on a scene [% of the mean load].
+    """Return the largest contact-load error of a model or 3D mesh on a scene [% of the mean load].
 
-    ``point``: its errors and run time. For the finest mesh level, which is the reference, its grid uncertainty is returned.
+    ``point``: its errors and run time. For the finest mesh level, which is the reference, its mesh uncertainty is returned.
     """
     return point.high if point.error == 0.0 and point.high is not None else point.error
 
 
 def error_by_gate(point: TimePoint) -> LargestError:
-    """Return the largest error of a model or mesh on a scene as ``rollbench check`` (the gate) judges it [%].
+    """Return the largest contact-load error of a model or 3D mesh on a scene as ``rollbench check`` judges it [%].
 
-    ``point``: its errors and run time. The error has the ends of its range due to the grid uncertainty. For the finest mesh
-    level, which is the reference, the error is replaced by its grid uncertainty.
+    ``point``: its errors and run time. For the finest mesh level, which is the reference, its mesh uncertainty takes the
+    place of the error.
     """
     return replace(point.gate, error=point.gate.high) if point.gate.error == 0.0 else point.gate
 
 
 def errors_by_model(points: Mapping[str, Sequence[TimePoint]]) -> list[ModelAccuracy]:
-    """Return the errors and run times of every model and mesh level over its scenes, largest median error first.
+    """Return errors and run times of every model and 3D mesh level, summarised over the scenes; least accurate first.
 
     Parameters
     ----------
     points
-        Error and run time of each model and mesh level, by scene.
+        Errors and run time of each model and mesh level, by name of the scene.
     """
     found: dict[str, list[tuple[str, TimePoint]]] = {}
     for scene, several in points.items():
@@ -130,9 +132,9 @@ def errors_by_model(points: Mapping[str, Sequence[TimePoint]]) -> list[ModelAccu
 
 
 def _accuracy_of_model(label: str, group: Sequence[tuple[str, TimePoint]]) -> ModelAccuracy:
-    """Return medians and maxima over the scenes of errors and run time of one model or mesh level.
+    """Return the errors and run time of one model or mesh level, as medians and maxima over the scenes.
 
-    ``label``: its name in tables. ``group``: names of the scenes, each with errors and run time of the model on it.
+    ``label``: its name in tables. ``group``: pairs of a scene's name, and errors and run time on this scene.
     """
     first = group[0][1]
     errors = [error_or_uncertainty(p) for _, p in group]
@@ -158,10 +160,10 @@ def _accuracy_of_model(label: str, group: Sequence[tuple[str, TimePoint]]) -> Mo
 
 
 def pareto_front(found: Sequence[ModelAccuracy]) -> list[ModelAccuracy]:
-    """Return the Pareto-optimal models and mesh levels, fastest first.
+    """Return the Pareto-optimal models and mesh levels, fastest first: no other is both faster and more accurate.
 
-    ``found``: errors and run times of all models and mesh levels. No other one has both a smaller median error by the
-    gate's rule and a shorter cold start.
+    ``found``: errors and run times of all models and mesh levels. Compared are the median of the largest error, as
+    ``rollbench check`` judges it, and the time of a cold start.
     """
     best: list[ModelAccuracy] = []
     for one in sorted((s for s in found if s.cold is not None), key=lambda s: (s.cold, s.gate.error)):
@@ -178,16 +180,16 @@ def error_distribution_and_time_figure(
     *,
     all_names: bool = True,
 ) -> Figure:
-    """Draw the distribution of errors over all compared screws, and the error over the time of a cold start.
+    """Draw two panels: distribution of load errors over all compared screws, and load error over cold-start time.
 
     Parameters
     ----------
     screws
         Largest error on each screw [% of the mean load], by model.
     points
-        Error and run time of each model and mesh level, by scene.
+        Errors and run time of each model and mesh level, by name of the scene.
     name
-        Name of the figure.
+        File name of the figure.
     size
         Width and height [inches].
     all_names
@@ -197,8 +199,8 @@ def error_distribution_and_time_figure(
     time = _error_over_time_panel(points, errors_by_model(points), "run time of a cold start / s", all_names=all_names)
     counts = " and ".join(sorted({str(errors.size) for errors in screws.values()}))
     caption = (
-        f"Share of {counts} screws up to a given largest error of a contact load. {TIMED} A cold start is a new "
-        "process with empty caches, Python's imports included."
+        f"First panel: share of {counts} screws whose largest contact-load error is below the abscissa. Second panel: "
+        f"{TIMED} Cold start: a new process with empty caches."
     )
     panels = (error_distribution_panel(screws), time)
     return Figure(name, TITLE, panels, caption, columns=2 if all_names else 1, size=size)
@@ -206,21 +208,19 @@ def error_distribution_and_time_figure(
 
 #: Caption of a panel of errors over run time.
 TIMED = (
-    f"Error over run time: by the gate's rule, {RULE}; horizontal line: the gate's limit of {LIMIT:g} %. Light points: "
-    "single shipped scenes. Dark markers: medians; bars: range due to the grid uncertainty of the reference. The finest "
-    "mesh level is the reference; it is drawn at its grid uncertainty. The condensed model takes the compliance of the "
-    "bodies from a 3D run, whose time is not included. All times were measured in one run of the benchmark; models that it "
-    "did not time are left out."
+    f"Largest error on each scene, {RULE}; horizontal line: {LIMIT:g} %, the default limit of rollbench check. Light "
+    "points: single scenes. Dark markers: medians; bars: range due to the mesh uncertainty of the 3D reference. The finest "
+    "mesh is the reference, drawn at its own uncertainty. The time of the condensed model excludes its 3D run."
 )
 
 
 def error_distribution_panel(screws: Mapping[str, Array]) -> Panel:
-    """Return the panel of the cumulative distribution of the largest error over all compared screws.
+    """Return the panel of the cumulative distribution of the largest contact-load error over all compared screws.
 
     Parameters
     ----------
     screws
-        Sorted largest errors of the screws [% of the mean load], by model.
+        Largest error on each screw, in ascending order [% of the mean load], by model.
     """
     series = []
     for model, errors in screws.items():
@@ -231,15 +231,15 @@ def error_distribution_panel(screws: Mapping[str, Array]) -> Panel:
 
 
 def further_load_case_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
-    """Draw the largest error of each model and mesh level over the time of a further load case of the same scene.
+    """Draw the largest load error of each model and 3D mesh level over the time of a further load case of a known geometry.
 
-    ``points``: errors and run times of each model and mesh level, by scene.
+    ``points``: errors and run times of each model and mesh level, by name of the scene.
     """
     warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
     panel = _error_over_time_panel(warm, errors_by_model(warm), "run time of a further load case / s", all_names=True)
     return Figure(
         "error-time-further",
-        "Largest error of each model and mesh level over the run time of a further load case",
+        "Largest contact-load error of each model and 3D mesh level over the run time of a further load case",
         (panel,),
         TIMED,
         columns=1,
@@ -247,18 +247,18 @@ def further_load_case_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figur
 
 
 def largest_errors_on_screws(points: Sequence[Point]) -> dict[str, Array]:
-    """Return the sorted largest errors on all compared screws [% of the mean load], by model, without bearings.
+    """Return the largest contact-load error on each compared screw, in ascending order [% of the mean load], by model.
 
-    ``points``: errors of one model on one scene each.
+    ``points``: one record for each model and scene. Bearings (scenes without lead) are left out.
     """
     of_screws = [p for p in points if p.features["lead"] > 0.0]
     return {model: np.sort([p.percent for p in of_screws if p.model == model]) for model in KINDS}
 
 
 def gate_errors_on_screws(points: Sequence[Point]) -> dict[str, Array]:
-    """Return the largest errors on all compared screws by the gate's rule [%], by model, without bearings.
+    """Return the largest load error on each compared screw as ``rollbench check`` judges it [%], by model.
 
-    ``points``: errors of one model on one scene each. The gate is ``rollbench check``.
+    ``points``: one record for each model and scene. Bearings (scenes without lead) are left out.
     """
     known = [(p.model, p.gate_percent) for p in points if p.features["lead"] > 0.0 and p.gate_percent is not None]
     return {model: np.array([error for name, error in known if name == model]) for model in KINDS}
@@ -267,18 +267,20 @@ def gate_errors_on_screws(points: Sequence[Point]) -> dict[str, Array]:
 def _error_over_time_panel(
     points: Mapping[str, Sequence[TimePoint]], found: Sequence[ModelAccuracy], label: str, *, all_names: bool
 ) -> Panel:
-    """Return the panel of the error by the gate's rule over run time: scenes, medians of models, and their Pareto front.
+    """Return the panel of load errors over run time: a point per scene and model, medians, and the Pareto front.
+
+    The errors are the largest of each scene, as ``rollbench check`` judges them.
 
     Parameters
     ----------
     points
-        Errors and run times of each model and mesh level, by scene; the field ``cold`` is the drawn time [s].
+        Errors and run times of each model and mesh level, by name of the scene; the field ``cold`` is the drawn time [s].
     found
-        Medians over the scenes of each model and mesh level.
+        Medians over the scenes, for each model and mesh level.
     label
         Label of the time axis.
     all_names
-        Whether all medians are named; if not, only those of representative models and of the Pareto front.
+        Whether the medians of all models are labelled; if not, only those of `KINDS` and of the Pareto front.
     """
     others = [model_family(p) for several in points.values() for p in several]
     families = list(dict.fromkeys([*(family for family, _ in FAMILIES), SOLID, *others]))
@@ -322,9 +324,10 @@ def _error_over_time_panel(
 
 
 def _is_drawn_with_family(point: TimePoint, family: str) -> bool:
-    """Return whether the error of a model on a scene is drawn with a family of models.
+    """Return whether a point of the error-over-time figure is drawn in the colour of a family of models.
 
-    It is drawn if the model is of this family, converged, and has an error above zero.
+    ``point``: error and run time of a model on a scene. It is drawn if the model belongs to ``family`` and converged, and
+    if the error is above zero.
     """
     return point.status == "converged" and error_or_uncertainty(point) > 0.0 and model_family(point) == family
 
@@ -332,20 +335,20 @@ def _is_drawn_with_family(point: TimePoint, family: str) -> bool:
 def accuracy_sentence(
     screws: Mapping[str, Array], gate: Mapping[str, Array], drawn: int, bars: Sequence[float], total: float | None = None
 ) -> str:
-    """Return the sentences on the errors of the models on all compared screws and on the accuracy of the 3D reference.
+    """Return the sentences on the models' load errors on all compared screws, and on the accuracy of the 3D reference.
 
     Parameters
     ----------
     screws
         Largest error on each screw [% of the mean load], by model.
     gate
-        Largest error on each screw by the gate's rule [%], by model.
+        Largest error on each screw as ``rollbench check`` judges it [%], by model.
     drawn
         Number of randomly drawn screws among them.
     bars
-        Grid uncertainty of the 3D reference for each scene [%].
+        Mesh uncertainty of the 3D reference for each scene [% of the mean load].
     total
-        Largest total uncertainty of the 3D reference [%], modelling choices and input tolerances included.
+        Largest total uncertainty of the 3D reference [% of the mean load], modelling choices and input tolerances included.
     """
     largest = []
     for model, errors in screws.items():
@@ -362,20 +365,22 @@ def accuracy_sentence(
 
 
 def screws_within_limit_text(errors: Mapping[str, Array]) -> str:
-    """Return the clause that states on how many screws each model is within the gate's `LIMIT`; empty without errors.
+    """Return the clause on the number of screws on which each model's loads are within the limit of ``rollbench check``.
 
     Parameters
     ----------
     errors
-        Largest error on each screw by the gate's rule [%], by model.
+        Largest load error on each screw as ``rollbench check`` judges it [%], by model; if empty, the clause is empty.
     """
     found = {NAMES[model]: of_model for model, of_model in errors.items() if of_model.size}
     counts = [f"{name} on {(e <= LIMIT).sum()} of {e.size}" for name, e in found.items()]
-    return f"Every contact load within the gate's {LIMIT:g} %: {', '.join(counts)} screws" if counts else ""
+    return (
+        f"Every contact load is within {LIMIT:g} % of the 3D reference: by {', by '.join(counts)} screws" if counts else ""
+    )
 
 
 def _grid_uncertainty_range_text(bars: Sequence[float]) -> str:
-    """Return the smallest and largest grid uncertainty [%] as text; ``bars`` has one for each scene."""
+    """Return as text the range of the mesh uncertainty [%]; ``bars``: the uncertainty of each scene."""
     if not bars:
         return "unknown (one mesh level only)"
     low, high = f"{min(bars):.1f}", f"{max(bars):.1f}"
@@ -383,11 +388,11 @@ def _grid_uncertainty_range_text(bars: Sequence[float]) -> str:
 
 
 def random_screws_paragraph(drawn: int) -> str:
-    """Return the paragraph on the randomly drawn screws; ``drawn`` is their number."""
+    """Return the paragraph on the randomly drawn screws that were compared in 3D; ``drawn`` is their number."""
     return (
         f"{drawn} catalogue screws, drawn at random with a fixed seed, none replaced, were compared with mesh level 1 of "
-        "the 3D reference (section survey). Finer mesh levels, run times and verdicts of the gate are shown for the "
-        "shipped scenes:"
+        "the 3D reference (section survey). Finer mesh levels, run times and verdicts of rollbench check (the gate) are "
+        "shown for the shipped scenes:"
     )
 
 
@@ -445,7 +450,7 @@ LIMITS = (
 
 
 def largest_error_figure(found: Sequence[ModelAccuracy]) -> Figure:
-    """Draw the largest error of each model and mesh level: bar for the median over the scenes, marker for the maximum.
+    """Draw the largest load error of each model and 3D mesh level: its median over the scenes as a bar, and its maximum.
 
     ``found``: errors of each model and mesh level over the shipped scenes.
     """
@@ -463,14 +468,14 @@ def largest_error_figure(found: Sequence[ModelAccuracy]) -> Figure:
     )
     medians = {s.name: s.median for s in found}
     title = ", ".join(f"{medians[model]:.2g} % by {NAMES[model]}" for model in KINDS if model in medians)
-    caption = "Errors against the finest mesh level of the 3D reference, on the shipped scenes."
+    caption = "Errors against the finest mesh level of the 3D reference. Bars: medians; markers: maxima."
     size = (7.6, 1.2 + 0.26 * len(found))
-    title = f"Median over the scenes of the largest error of a contact load: {title}"
+    title = f"Median over the shipped scenes of the largest contact-load error, of the mean load: {title}"
     return Figure("overview-bars", title, (panel,), caption, columns=1, size=size)
 
 
 def model_accuracy_table(found: Sequence[ModelAccuracy]) -> Table:
-    """Return the table of errors and run times of each model and mesh level over the shipped scenes.
+    """Return the table of load errors and run times of each model and 3D mesh level over the shipped scenes.
 
     ``found``: errors and run times of each model and mesh level.
     """
@@ -496,18 +501,20 @@ def model_accuracy_table(found: Sequence[ModelAccuracy]) -> Table:
         "limit on every contact. The finest mesh level is the reference: as its error its grid uncertainty is shown, and "
         "its RMS error is zero by definition."
     )
-    table = Table.of("overview-models", "Errors of each model and mesh level on the shipped scenes", rows, note)
+    table = Table.of(
+        "overview-models", "Errors and run times of each model and 3D mesh level on the shipped scenes", rows, note
+    )
     return replace(table, csv_only=("label", "rms", "worst_rms"))
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the first section of the report: summary of errors, coverage and limits, with the main figures and tables.
+    """Return the section with the report's summary: errors of the models, compared scenes, limits, main figures and tables.
 
     ``step`` is called with each line of progress.
     """
     step("error against run time, every model and mesh on every scene")
     points = study.compute_once(points_of_all_scenes, step)
-    title = "Errors of each model and mesh level on the shipped scenes"
+    title = "Contact-load errors of each model and 3D mesh level on the shipped scenes"
     if not points:
         return Section("overview", title, (Text(("No run of the 3D reference is stored.",)),))
     found = study.references(tuple(points))
@@ -543,19 +550,19 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def largest_total_uncertainty(study: Study, found: Mapping[str, Reference]) -> float | None:
-    """Return the largest total uncertainty of the 3D reference among the case studies [% of the mean load].
+    """Return the largest total uncertainty of the 3D contact loads in Lin's case studies [% of the mean load].
 
     It combines the uncertainties by mesh, modelling choices and input tolerances. ``found``: 3D reference of each scene, by
-    name of the scene. Returns None if no case study is among them.
+    name of the scene; if no case study is among them, None is returned.
     """
     totals = [uncertainty_of_loads(study.scene(name), ref).percent for name, ref in found.items() if name in REFERENCED]
     return max(totals, default=None)
 
 
 def quantity_error_table(study: Study) -> Table:
-    """Return the table of the errors of each quantity: bias, scatter and largest error.
+    """Return the table of bias, scatter and largest error of the models in each computed quantity.
 
-    Errors are against the 3D reference, and against values that others have printed or measured.
+    The errors are against the 3D reference and, in the last rows, against values that others have printed or measured.
     """
     rungs = study.compute_once(ladder)
     rows = validated_errors_of_models(study, rungs)
@@ -597,13 +604,13 @@ def quantity_error_table(study: Study) -> Table:
         f"First rows: the gate's verdict on every scene, {RULE}. Then: errors against the finest mesh level of the 3D "
         "reference of each scene. Last rows: errors against values that others have printed or measured (section outside)."
     )
-    return Table.of("quantities", "Bias, scatter and largest error of each quantity", cells, note)
+    return Table.of("quantities", "Bias, scatter and largest error of each model in each computed quantity", cells, note)
 
 
 def gate_verdict_word(study: Study, rung: Rung) -> str:
-    """Return the verdict of ``rollbench check``, at its default limit, on a model's contact loads on a scene.
+    """Return the verdict "pass", "fail" or "undecided" of ``rollbench check`` on a model's contact loads on a scene.
 
-    ``rung``: solution of the scene by the model. The verdict is "pass", "fail" or "undecided".
+    ``rung``: solution of the scene by the model. The error limit is the default.
     """
     reference = study.reference(rung.scene)
     assert reference is not None  # a rung stands against one
@@ -611,9 +618,9 @@ def gate_verdict_word(study: Study, rung: Rung) -> str:
 
 
 def computed_over_reference_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
-    """Draw the computed load over the reference load of every contact of every scene, both divided by the mean load.
+    """Draw, for every contact, the load by a low-order model over the load by the 3D reference.
 
-    ``found``: 3D reference of each scene, by name of the scene.
+    Both are divided by the mean load. ``found``: 3D reference of each scene, by name of the scene.
     """
     series = []
     for model in KINDS:
@@ -634,10 +641,10 @@ def computed_over_reference_figure(study: Study, found: Mapping[str, Reference])
     series.append(Series("equal loads", [0.0, end], [0.0, end], "line"))
     series.append(Series(f"the gate's ±{LIMIT:g} %", [*truths, end, *truths], lines.tolist(), "line"))
     panel = Panel("", "load by the 3D reference / mean load", "load by the model / mean load", tuple(series))
-    caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Lines: the gate's limit of {LIMIT:g} %."
+    caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Outer lines: {LIMIT:g} %, the limit of rollbench check."
     return Figure(
         "contacts",
-        "Contact load by the models over contact load by the 3D reference",
+        "Load of each contact by the low-order models over its load by the 3D reference",
         (panel,),
         caption,
         columns=1,

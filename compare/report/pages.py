@@ -1,6 +1,6 @@
-"""Parts of the validation report in order, with the page on which each is shown and the programs that it requires.
+"""Table of the validation report's parts, with the page on which each is shown and the software that each needs.
 
-A report states which parts it leaves out and how to obtain them. It also recomputes one shipped run of the 3D reference as
+A report states which parts it leaves out and how to obtain them. It also recomputes one shipped run of the 3D reference, as
 a check of the installation.
 """
 
@@ -25,29 +25,29 @@ from rollbench.meshes.libraries import MESHING, PICTURES, apt_command
 from rollbench.reports.content import FieldPicture, LoadedScrew, Page, Section, Table
 from rollbench.reports.offscreen import reason_drawing_fails
 
-#: Titles of the pages by name. A publication's page has the name and title of its case, or its first section's title.
+#: Titles of the report's pages by file name. A publication's page has the name and title of its case (`compare.case`).
 PAGES = {
     "reading": "How to read this report",
     **{case.name: case.title[:1].upper() + case.title[1:] for case in all_cases() if case.page},
-    "cases": "Each compared scene",
-    "accuracy": "Errors of the models",
+    "cases": "Each compared screw and bearing",
+    "accuracy": "Contact-load errors of the low-order models",
     "reference": "Uncertainty of the 3D reference",
-    "robustness": "Stability and run time",
+    "robustness": "Numerical stability on stiff and extreme scenes",
     "tolerances": "Effect of manufacturing tolerances",
     "trust": "Quantities for which each model is accurate enough",
-    "entries": "All printed values and their verdicts",
+    "entries": "All numbers printed in publications, and whether they are reproduced",
 }
 
-#: Parts that summarise the results of all others, and are therefore made last.
+#: Names of the parts that summarise results of all other parts, and are therefore made last.
 GATHERING = ("overview", "notes", "verdicts", "audit")
 
-#: Pages that need compiled kernels: if two processes make the report, one of them makes all of these.
+#: Pages that need compiled kernels. If two processes make the report, one of them makes all these pages.
 COMPILED = ("lin", "smith", "liu")
 
 #: Verdicts on printed numbers that do not test a model, and the noun for each in a sentence.
 APART = {"input": "inputs", "identity": "identities"}
 
-#: Verbs for the other verdicts in a sentence.
+#: Predicates for the other verdicts on printed numbers, in a sentence.
 WORDS = {
     "reproduced": "are reproduced",
     "only as printed": "are obtained only if an error of the publication is repeated",
@@ -69,17 +69,17 @@ class ReportPart:
     module: str
     #: Whether the part is included in a quick report.
     quick: bool = False
-    #: Whether the part shows runs of the 3D reference.
+    #: Whether the part shows results of runs of the 3D reference.
     runs: bool = False
     #: Whether the whole part needs gmsh.
     meshes: bool = False
-    #: Contents that need gmsh, if the rest of the part does not.
+    #: Description of the contents that need gmsh, if the rest of the part does not; empty: none.
     meshed: str = ""
-    #: Package of the module.
+    #: Package in which ``module`` is looked up.
     package: str = "rollbench.compare"
 
 
-#: Parts whose page is chosen here, in the order of the pages.
+#: Parts of the report whose page is chosen in this module.
 PLACED = (
     ReportPart("how-to-read", "reading", "sections.how_to_read", quick=True, runs=True),
     ReportPart("sheets", "cases", "sections.sheets", quick=True, runs=True),
@@ -118,9 +118,9 @@ PLACED = (
 
 
 def _all_report_parts() -> tuple[ReportPart, ...]:
-    """Return all parts of the report in the order of the pages: those of `PLACED`, and pages of further publications.
+    """Return all parts of the report in the order of its pages.
 
-    A publication whose page is not among those of `PLACED` gets a part of its own.
+    These are the parts in `PLACED`, and a part for each publication whose page is not among theirs.
     """
     placed = {part.page for part in PLACED}
     cases = (case for case in all_cases() if case.page and case.name not in placed)
@@ -133,12 +133,12 @@ SECTIONS = _all_report_parts()
 
 
 def arrange_pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
-    """Return the pages of the report in order, filled with sections; pages without a section are left out.
+    """Return the pages of the report in their order, each with its sections; pages without a section are left out.
 
     Parameters
     ----------
     by_name
-        Sections by the name of their part of the report.
+        Sections of each part of the report, by the part's name.
     """
     by_page: dict[str, list[Section]] = {}
     for part in SECTIONS:
@@ -150,9 +150,9 @@ def arrange_pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
 
 
 def page_summary_sentence(sections: Sequence[Section]) -> str:
-    """Return the summary sentence of a page: the first conclusion of its sections, else the number of each verdict.
+    """Return the sentence that summarises a page: the first conclusion among its sections or, without one, verdict counts.
 
-    ``sections``: sections of the page. The sentence is empty if no section has a conclusion or a table of verdicts.
+    ``sections``: sections of the page. The sentence is empty if they have neither a conclusion nor a table with verdicts.
     """
     text = next((section.conclusion for section in sections if section.conclusion), "")
     if text:
@@ -168,21 +168,21 @@ def page_summary_sentence(sections: Sequence[Section]) -> str:
     return f"Of {total} printed numbers and claims that test a model on this page, {words}{of}."
 
 
-#: Parts that take most of a report's time: they are made with ``--all``, with ``--fresh``, or if named.
+#: Names of the parts that take most of a report's time: made only with ``--all`` or ``--fresh``, or if the user names them.
 COSTLY = frozenset({"pictures", "friction", "friction-screw", "rolling", "verification", "stability"})
 
-#: Scene and level of the shipped run that is recomputed: a quarter of a minute on one core.
+#: Scene and mesh level of the shipped 3D run that is recomputed as a check: a quarter of a minute on one core.
 CHECKED, LEVEL = "unseen-four-point", 1
 
-#: Largest difference [% of the mean load] that can be due to round-off on another processor.
+#: Largest difference of recomputed contact loads [% of the mean load] that can be due to round-off on another processor.
 AGREES = 1e-3
 
 
 @dataclass(frozen=True)
 class OmittedParts:
-    """Parts or pictures that a report leaves out, with the reason and the command by which they can be obtained."""
+    """Parts or pictures that a report leaves out, with the reason and the command that adds them."""
 
-    #: Names of the parts or pictures.
+    #: Names of the parts or pictures that are left out.
     names: tuple[str, ...]
     #: Reason for which they are left out.
     why: str
@@ -197,7 +197,7 @@ class OmittedParts:
 def split_makeable_parts(
     parts: Sequence[ReportPart], *, named: bool, everything: bool
 ) -> tuple[list[ReportPart], list[OmittedParts]]:
-    """Return the parts of the report that are made, and those that are left out.
+    """Split requested parts of the report into those that can be made and those that are left out; return both.
 
     Parts that take long are left out unless the user names parts or requests all. Parts that generate meshes are left out
     if gmsh cannot be loaded.
@@ -226,7 +226,7 @@ def split_makeable_parts(
 
 
 def omitted_pictures(sections: Iterable[Section]) -> list[OmittedParts]:
-    """Return the entry on 3D pictures if they cannot be drawn on this machine; an empty list if nothing is missing.
+    """Return a list with an entry on the report's 3D pictures if this machine cannot draw them; else an empty list.
 
     ``sections``: sections of the report, which may contain 3D pictures.
     """
@@ -246,7 +246,7 @@ class RecomputedRunCheck:
     scene: str
     #: Mesh level.
     level: int
-    #: Largest difference of a contact load [% of the mean load].
+    #: Largest difference of a contact load between the two runs [% of the mean load].
     percent: float
     #: Time of the recomputation [s].
     seconds: float

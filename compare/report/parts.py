@@ -1,4 +1,4 @@
-"""Parts common to all pages on scenes: table of results, text of the scene file, notes, provenance, hashes."""
+"""Contents that all pages on scenes have: table of results, text of the scene file, warnings, origin, hashes."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from rollbench.reports.cells import replace_um_by_micrometre
 from rollbench.reports.content import Figure, Quantity, Row, Section, Table, Text
 from rollbench.reports.manifest import sha256
 
+#: Libraries whose versions a page states.
 LIBRARIES = ("numpy", "scipy", "numba")
 
 
@@ -29,9 +30,9 @@ def scene_text(name: str) -> str:
 
 
 def warnings_and_assumptions_section(result: StaticResult | AxisResult, warnings: Sequence[str] = ()) -> Section:
-    """Return the section on warnings, assumptions and neglected effects of a solution.
+    """Return the page section that lists warnings, assumptions and neglected effects of a solution.
 
-    ``warnings``: further warnings, which are listed before those of the solution.
+    ``result``: the solution. ``warnings``: further warnings, which are listed before those of the solution.
     """
     items: list[Text | Table | Figure] = []
     warned = (*warnings, *result.warnings)
@@ -42,12 +43,12 @@ def warnings_and_assumptions_section(result: StaticResult | AxisResult, warnings
 
 
 def results_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Table:
-    """Return the table of results for a page, with the rows that ``rollbench solve`` prints.
+    """Return the page's table of results, which has the rows that ``rollbench solve`` prints.
 
     Parameters
     ----------
     rows
-        Rows of results as texts.
+        Rows of results; each cell is a text.
     title
         Title of the table.
     note
@@ -68,12 +69,12 @@ def results_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Tabl
 
 
 def source_code_hash() -> dict[str, str]:
-    """Return the SHA-256 of the program's source code, under the name by which a page states it, as a dictionary."""
+    """Return a dictionary with the SHA-256 of the program's source code, under the key that pages use for it."""
     return {SOURCES: sources_hash()}
 
 
 def page_provenance(name: str, scene: Scene | Assembly, text: str, model: str) -> dict[str, str]:
-    """Return what a page states on its origin: scene with its hash, versions, date and model.
+    """Return what a page states about its origin: scene with its hash, versions, date and model, each by its label.
 
     Parameters
     ----------

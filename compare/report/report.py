@@ -1,4 +1,4 @@
-"""Writes the validation report (`rollbench.report`): computes missing runs, makes the sections and writes the pages."""
+"""Write the validation report (`rollbench.report`): compute missing 3D runs, make the sections and write the pages."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ Step = Callable[[str], None]
 
 
 def report_provenance() -> dict[str, str]:
-    """Return what the report states on its own origin: versions of program and libraries, date, machine, publications."""
+    """Return what the report states about its origin, by label: versions, date, machine, and publications compared."""
     packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "pymetis", "matplotlib", "pyvista")
     return {
         "rollbench": f"{__version__}, commit {source_commit()}",
@@ -68,31 +68,31 @@ def report_provenance() -> dict[str, str]:
 
 
 class Progress:
-    """Printer of progress lines for a report: number and name of the section that is made, its steps, the elapsed time."""
+    """Printer of progress lines while a report is made: number and name of each section, its steps, the elapsed time."""
 
     def __init__(self, total: int, say: Step) -> None:
         """Start the clock and the count of sections.
 
-        ``total``: number of sections. ``say``: function that prints a line.
+        ``total``: number of sections to be made. ``say``: function that prints a line.
         """
         self.total, self.count, self.say = total, 0, say
         self.start = perf_counter()
 
     def section(self, name: str) -> None:
-        """Print the name of the next section with its number and the elapsed time."""
+        """Count one section more, and print its name with its number and the elapsed time."""
         self.count += 1
         self.say(f"[{self.count}/{self.total}] {name} ({perf_counter() - self.start:.1f} s)")
 
     def step(self, text: str) -> None:
-        """Print a line, indented, on a step within the section that is being made."""
+        """Print an indented line on a step of the section that is being made."""
         self.say(f"      {text}")
 
 
 def compute_missing_references(study: Study, engine: Engine, step: Step, *, fresh: bool = False) -> None:
-    """Compute the runs of the 3D reference that the report needs and that are not stored.
+    """Compute those runs of the 3D reference that the report needs and that are not stored yet.
 
-    ``engine``: engine that computes the runs. ``step`` is called with each line of progress. ``fresh``: whether stored runs
-    are computed again. The runs are written to the study's first folder of stored runs; nothing is done if it has none.
+    They are written to the study's first folder of stored runs; without such a folder, nothing is done. ``engine``: engine
+    that computes the runs. ``step`` is called with each line of progress. ``fresh``: whether stored runs are computed anew.
     """
     from rollbench.compare.models.comparison import REFERENCED
     from rollbench.compare.models.modelling import REFINED, VARIED
@@ -133,10 +133,10 @@ def compute_missing_references(study: Study, engine: Engine, step: Step, *, fres
 
 
 def save_uncertainty_experience(stores: Sequence[Path]) -> None:
-    """Store the two parts of the uncertainty of the 3D reference that are estimated from all compared scenes.
+    """Store the two contributions to the uncertainty of the 3D reference that are estimated from all compared scenes.
 
-    One is the part of the discretisation uncertainty that the mesh levels of a single scene do not show; the other is due
-    to modelling choices. ``stores``: folders of runs, to the first of which both are written.
+    One is the part of the mesh uncertainty that the mesh levels of a single scene do not show; the other is due to
+    modelling choices. ``stores``: folders of 3D runs, to the first of which both are written.
     """
     from rollbench.compare.models import uncertainty
     from rollbench.compare.models.modelling import VARIED, combine_effects, effects_of_variants
@@ -156,9 +156,9 @@ def save_uncertainty_experience(stores: Sequence[Path]) -> None:
 
 
 def select_report_parts(only: Sequence[str], *, quick: bool = False) -> list[ReportPart]:
-    """Return the parts of the report that the user names in ``only``; without names, those of a full or quick report.
+    """Return the parts of the report that are to be made: those named in ``only`` or, without names, all of them.
 
-    Raises InputError for an unknown name.
+    ``quick``: whether, without names, only the parts of a quick report are returned. Raises InputError for an unknown name.
     """
     for name in only:
         if name not in (names := [part.name for part in SECTIONS]):
@@ -167,7 +167,7 @@ def select_report_parts(only: Sequence[str], *, quick: bool = False) -> list[Rep
 
 
 def parts_of_case_page(name: str) -> list[ReportPart]:
-    """Return the parts of the report's page on a publication.
+    """Return the parts of the report that make up its page on one publication.
 
     ``name``: name of the publication's case, such as "lin". Raises InputError if it has no page.
     """
@@ -178,9 +178,9 @@ def parts_of_case_page(name: str) -> list[ReportPart]:
 
 
 def save_model_errors(study: Study) -> None:
-    """Store the errors of the models against the 3D reference, from which ``rollbench solve`` estimates its errors.
+    """Store the models' errors against the 3D reference, from which ``rollbench solve`` estimates its expected errors.
 
-    They are written to the study's first folder of stored runs.
+    ``study``: has the errors, and the folders of stored runs, to the first of which they are written.
     """
     from rollbench.compare.models.applicability import save_descriptors
     from rollbench.compare.models.model_form import save_model_errors
@@ -193,9 +193,9 @@ def save_model_errors(study: Study) -> None:
 
 
 def _make_sections_of_part(part: ReportPart, step: Step, study: Study) -> Sequence[Section]:
-    """Return the sections of one part of the report; for the part "ladder" also store the errors of the models.
+    """Make the sections of one part of the report; for the part "ladder", also store the errors of the models.
 
-    ``step`` is called with each line of progress.
+    ``part``: the part, which names the module that makes it. ``step`` is called with each line of progress.
     """
     path, _, function = part.module.partition(":")
     module = import_module(f"{part.package}.{path}")
@@ -211,25 +211,25 @@ def _make_sections_of_part(part: ReportPart, step: Step, study: Study) -> Sequen
 def _make_in_worker(
     parts: Sequence[ReportPart], tables: Sequence[str], given: tuple[Any, ...], say: Step, *, keeping: bool
 ) -> tuple[dict[str, Sequence[Section]], Study]:
-    """Make sections of the report in a worker process.
+    """Make parts of the report in a worker process.
 
     Parameters
     ----------
     parts
-        Parts to make.
+        Parts of the report to make.
     tables
-        Names of tables of printed numbers, for which computed values are added to the returned study.
+        Names of tables of printed numbers; the computed values of these numbers are added to the returned study.
     given
-        Arguments of `Study`.
+        Arguments with which the process makes its `Study`.
     say
         Called with each line of progress.
     keeping
-        Whether compliance data of bodies are stored on disk, as on the command line.
+        Whether compliances of bodies are stored on disk, as on the command line.
 
     Returns
     -------
     dict, Study
-        Sections by the name of their part, and a study with the scenes and evidence that they used.
+        Sections of each part by its name, and a study with the scenes and computed values that they used.
     """
     if keeping:
         cache.switch_on_geometry_cache()
@@ -254,12 +254,12 @@ def make_sections(
     """Make the sections of the report's parts, in one process or in two.
 
     Of two processes, one makes the pages that use compiled kernels and the other makes the rest, so that nothing is
-    compiled or computed twice. Parts that collect the results of all others are made last.
+    compiled or computed twice. Parts that summarise the results of all others are made last.
 
     Parameters
     ----------
     parts
-        Parts to make.
+        Parts of the report to make.
     announce
         Called with the name of each part: before it is made, or when its process has finished.
     step
@@ -274,7 +274,7 @@ def make_sections(
     Returns
     -------
     dict[str, Sequence[Section]]
-        Sections by the name of their part.
+        Sections of each part of the report, by the part's name.
     """
     sections: dict[str, Sequence[Section]] = {}
     if workers > 1:
@@ -315,10 +315,10 @@ def write_validation_report(
     source: str = "",
     say: Step = show_progress_message,
 ) -> CommandOutput:
-    """Compute missing runs, make all sections, and write the validation report.
+    """Write the validation report: compute missing 3D runs, make all sections, and write the pages.
 
-    One shipped run of the 3D reference is recomputed as a check. Run times of models and meshes are those of the stored
-    measuring run; with ``fresh`` they are measured anew.
+    One shipped run of the 3D reference is recomputed as a check. Run times of models and meshes are stored ones; with
+    ``fresh`` they are measured anew.
 
     Parameters
     ----------
@@ -347,7 +347,7 @@ def write_validation_report(
 
     Returns
     -------
-    Answer
+    CommandOutput
         Lines for the terminal, and the exit code: 1 if the recomputed run differs from the shipped one.
 
     Raises
@@ -420,9 +420,9 @@ def write_validation_report(
 
 
 def check_scene_arguments(names: Sequence[str], **given: Any) -> None:
-    """Raise InputError if there is no scene, or if an argument that needs a single scene is used with several.
+    """Raise InputError if ``names`` is empty, or if an argument that needs a single scene is given for several.
 
-    ``names``: names or files of the scenes. ``given``: values of such arguments by their names; None: not used.
+    ``names``: names or files of the scenes. ``given``: values of such arguments by their names; None: not given.
     """
     if not names:
         allowed, advice = "at least one name or file of a scene", "name a scene"

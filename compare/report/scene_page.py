@@ -1,4 +1,4 @@
-"""``rollbench report SCENE``: a page on the results of one scene, to be handed to a customer.
+"""``rollbench report SCENE``: a page with the results of one screw or bearing, for the user's customers.
 
 It shows contact loads, stiffness, friction and the errors to expect. The section on friction shows the torque over a turn,
 the losses, and the effect of the friction coefficient and of the play.
@@ -66,14 +66,14 @@ from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row,
 from rollbench.reports.manifest import sha256
 from rollbench.reports.scene_page import ScenePage
 
-SKETCH = "Screw, nut and balls of the scene, to scale near the nut; hatched: surfaces that a 3D model fixes"
+SKETCH = "Side view of screw, nut and balls, to scale near the nut; hatched: surfaces at which the nut is fixed"
 
 
 @contextmanager
 def folder_errors_as_input_errors(out: Path) -> Iterator[None]:
-    """Turn errors on writing to the folder ``out`` inside the ``with`` block into InputError.
+    """Raise InputError in place of the OSError or ValueError of a ``with`` block that writes a report to a folder.
 
-    InputError is also raised, before the block, if the folder contains files that do not belong to a report.
+    ``out``: the folder. InputError is also raised, before the block, if it contains files that do not belong to a report.
     """
     from rollbench.reports.pages import check_report_folder
 
@@ -86,7 +86,7 @@ def folder_errors_as_input_errors(out: Path) -> Iterator[None]:
 
 
 def solve_and_make_page(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
-    """Solve a scene by the default model and make the page of its results; of several load cases, that of the worst.
+    """Solve a scene by the default model and make its result page; of several load cases, that of the highest pressure.
 
     Parameters
     ----------
@@ -120,10 +120,11 @@ def solve_and_make_page(name: str, stores: Sequence[Path], file: Path | None = N
 
 
 def _page_of_worst_case(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:
-    """Return the page of the load case with the highest pressure, preceded by the results of all cases together.
+    """Return the page on the load case of a duty cycle with the highest pressure; it begins with the results of all cases.
 
-    ``name``: name or file of the scene. ``stores``: folders with stored runs of the 3D reference. ``file``: file with
-    contact loads that replaces the 3D reference. Raises Refusal if no load case converges and loads a contact.
+    ``name``: name or file of the scene. ``cycle``: its load cases. ``stores``: folders with stored runs of the 3D
+    reference. ``file``: file with contact loads that replaces the 3D reference. Raises Refusal if no load case converges
+    and loads a contact.
     """
     solved = [solve_with_results(case.scene, default_model(case.scene), Options()) for case in cycle.cases]
     names = [case.name for case in cycle.cases]
@@ -163,7 +164,7 @@ def _page_of_worst_case(name: str, cycle: DutyCycle, stores: Sequence[Path], fil
 def _page_of_load_case(
     name: str, scene: Scene, stores: Sequence[Path], file: Path | None = None, case: str | None = None
 ) -> ScenePage:
-    """Return the page on the results of one load case of a scene with one set of balls.
+    """Return the page with the results of one load case of a scene that has a single nut or bearing row.
 
     ``name``: name or file of the scene. ``stores``: folders with stored runs of the 3D reference. ``file``: file with
     contact loads that replaces the 3D reference. ``case``: name of the load case, to which the rows of the file are
@@ -210,7 +211,7 @@ def _page_of_load_case(
         collect_view_data(scene.title, [one], data, (), stores, given),
         table=results_table(
             solution_rows(one),
-            f"Results by the model {DEFAULT}, each with the error to expect",
+            f"Results by the model {DEFAULT}, with the expected error of each",
             expected_error_sentence(worth),
         ),
     )
@@ -218,18 +219,18 @@ def _page_of_load_case(
 
 @dataclass(frozen=True)
 class ReferenceComparison:
-    """Comparison of the computed contact loads with those of the user's reference file."""
+    """Comparison of the computed contact loads with the loads in the user's reference file."""
 
-    #: Errors of the computed loads.
+    #: Errors of the computed loads against those of the file.
     error: LoadError
-    #: Largest stated uncertainty of the reference [% of the mean load].
+    #: Largest uncertainty that the file states for a load [% of the mean load].
     uncertainty: float
     #: Name, origin and uncertainty of the reference, as text.
     stated: str
 
     @property
     def largest_error(self) -> str:
-        """Clause on the largest error of a contact load, with ball and flank."""
+        """Clause that states the largest error of a computed contact load, with ball and flank."""
         e = self.error
         return f"loads differ by up to {e.max_percent:.2f} % of the mean load (ball {e.ball} {e.side})"
 
@@ -250,16 +251,16 @@ def pressure_and_error_sentence(
     reference: Reference | None,
     given: ReferenceComparison | None,
 ) -> str:
-    """Return the main result as one sentence: highest pressure, static safety, and measured or expected error.
+    """Return the main result of a scene as one sentence: highest pressure, static safety, and error of the loads.
 
     Parameters
     ----------
     answers
         Results derived from the contact loads.
     worth
-        Error to expect, estimated from compared scenes.
+        Expected error of the loads, estimated from other scenes that were compared with the 3D reference.
     judged
-        Errors measured against the stored 3D reference; empty without one.
+        Errors measured against the stored 3D reference, that of the contact loads first; empty without a reference.
     reference
         Stored 3D reference; None: not stored.
     given
@@ -284,9 +285,10 @@ def pressure_and_error_sentence(
 
 
 def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
-    """Return the section on loads and pressures of all contacts, next to the loads of the references.
+    """Return the section with loads and pressures of all contacts, next to the loads of the references.
 
-    ``references``: the user's reference file and the stored 3D reference, as far as they exist.
+    ``result``: solution of the scene. ``references``: the user's reference file and the stored 3D reference, as far as they
+    exist.
     """
     panels = []
     pressure = 1e-6 * own_hertz(scene, draw_specimen(scene, ball_layout(scene), result.member)).pressure(result.load)
@@ -319,7 +321,7 @@ def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Refe
 
 
 def _stiffness_section(answers: Answers, tangent: Tangent) -> Section:
-    """Return the section on stiffness: axial rigidities by ISO 3408-4 and by the model, and the 6 x 6 tangent stiffness.
+    """Return the section on stiffness: axial rigidities by ISO 3408-4 and by the model, and the 6 x 6 tangent matrix.
 
     ``answers``: results derived from the contact loads. ``tangent``: stiffness of the screw at the nut's centre.
     """
@@ -365,8 +367,8 @@ def _error_section(
     It shows the errors measured against references with their validation uncertainty u_val, the error to expect, and
     whether the scene lies in the range of the scenes that were compared with the 3D reference.
 
-    ``worth``: error to expect. ``judged``: errors measured against the stored 3D reference; empty without one.
-    ``reference``: this reference. ``given``: comparison with the user's reference file; None: no file.
+    ``worth``: expected error, estimated from other scenes. ``judged``: errors measured against the stored 3D reference;
+    empty without one. ``reference``: this reference. ``given``: comparison with the user's reference file; None: no file.
     """
     items: list[Text | Table | Figure] = []
     if given is not None:
@@ -401,19 +403,19 @@ def _error_section(
         items += [validated_range_table(scene), validated_range_figure(scene)]
     except ValueError as error:
         items.append(Text((f"The scene cannot be compared with the range of validated scenes: {error}.",)))
-    return Section("error", "Errors of these results", items)
+    return Section("error", "Errors of the results on this page", items)
 
 
 def _picture_of_scene(scene: Scene, result: StaticResult) -> LoadedScrew:
     """Return the 3D picture of the loaded screw, with balls coloured by load and the contact forces as arrows."""
     loaded = result.load > 0.0
     arrows = result.contact_point[loaded], (result.force_direction * result.load[..., None])[loaded]
-    caption = "Balls are coloured by their load; arrows are the contact forces on them."
-    return LoadedScrew("picture", "Ball loads and contact forces", scene, result.load, *arrows, caption)
+    caption = "Colour of a ball: its largest contact load. Arrows: contact forces on the balls."
+    return LoadedScrew("picture", "Loads of the balls and contact forces on them", scene, result.load, *arrows, caption)
 
 
 def _hashes_of_used_files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) -> dict[str, str]:
-    """Return the SHA-256 of the program's code, the data of the error estimate and the reference runs, by file name.
+    """Return the SHA-256 of the program's source code, of the stored model errors and of the 3D runs, by file name.
 
     ``reference``: 3D reference whose runs were used; None: none. ``stores``: folders in which its runs are looked up.
     """
@@ -424,7 +426,7 @@ def _hashes_of_used_files(scene: Scene, reference: Reference | None, stores: Seq
 
 
 def _scene_provenance(name: str, scene: Scene, text: str, reference: Reference | None, file: Path | None) -> dict[str, str]:
-    """Return what the page states on its origin: scene file, versions, date, and the reference runs that were used.
+    """Return what the page states about its origin, by label: scene file, versions, date, and the 3D runs it used.
 
     ``name``: name or file of the scene. ``text``: its TOML text. ``reference``: 3D reference; None: not stored. ``file``:
     the user's file of contact loads; None: no file.
@@ -443,12 +445,12 @@ def _scene_provenance(name: str, scene: Scene, text: str, reference: Reference |
 #: Number of time steps over one turn, if the scene states no time span.
 STEPS = 24
 
-#: Changes of the ball radius relative to the scene [m], at the points of the figure.
+#: Changes of all ball radii from those of the scene [m], at the points of the figure of friction torque.
 PLAY = (-10e-6, -5e-6, -2e-6, 0.0, 2e-6)
 
 
 def friction_section(scene: Scene, result: StaticResult, options: Options) -> Section | None:
-    """Return the section on friction: torque, losses by contact and cause, and effects of coefficient and play.
+    """Return the section on friction: torque, losses, and effect of the friction coefficient and of the ball size.
 
     ``result``: static solution without friction. ``options``: options of the model. Returns None if the scene has no
     friction coefficient.
@@ -486,8 +488,8 @@ def friction_section(scene: Scene, result: StaticResult, options: Options) -> Se
         for row in losses_by_contact_and_cause(state)
     ]
     caption = (
-        "Friction torque over the angle of the rotating part; over the friction coefficient in the range of lubricated "
-        f"contacts, {MEASURED[0]:g} to {MEASURED[1]:g}; and over a change of all ball radii."
+        "Panels: torque over the angle of the rotating part; over the friction coefficient, in the range of lubricated "
+        f"contacts ({MEASURED[0]:g} to {MEASURED[1]:g}); over a change of all ball radii."
     )
     return Section(
         "friction",
@@ -503,18 +505,18 @@ def friction_section(scene: Scene, result: StaticResult, options: Options) -> Se
 
 
 def _friction_time_span(scene: Scene, motion: Motion) -> Time:
-    """Return the time span over which friction is computed: that of the scene or, if it states none, the time of one turn.
+    """Return the time span over which friction is computed: the scene's own or, if it has none, that of one turn.
 
-    For a bearing (no lead) it is the time in which the ball pattern repeats, one ball pitch.
+    For a bearing (no lead) it is the time in which the rotating part turns by one ball pitch. ``motion``: the rotation.
     """
     angle = 2.0 * np.pi / (scene.ball_count if scene.track.lead == 0.0 else 1.0)
     return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")
 
 
 def _torque_over_rotation_panel(run: TransientRun) -> list[Panel]:
-    """Return the panel of friction torque over the angle of rotation, of all contacts and of those with the grooves.
+    """Return a list with the panel of friction torque over the angle of rotation: in total, and by the grooves alone.
 
-    ``run``: friction over time. The list is empty if the computation over time did not start.
+    ``run``: friction computed over time. The list is empty if this computation did not start.
     """
     h = run.history
     if not h.begun_step_count:

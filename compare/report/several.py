@@ -1,4 +1,4 @@
-"""Writes the pages of one or several scenes to a folder; for several scenes also a first page that compares them."""
+"""Write the result pages of one or several scenes to a folder; for several scenes also a first page that compares them."""
 
 from __future__ import annotations
 
@@ -18,8 +18,9 @@ from rollbench.reports.manifest import sha256
 from rollbench.reports.pages import replace_folder
 from rollbench.reports.scene_page import ScenePage, render_page
 
+#: File name of the first page.
 INDEX = "index.html"
-#: Groups of the JSON results whose numbers the first page compares.
+#: Groups of the JSON results whose numbers the first page compares, by key.
 GROUPS = (
     "loads",
     "axial",
@@ -37,7 +38,7 @@ GROUPS = (
     "friction",
     "model_form",
 )
-#: Numbers in these groups that are not results, such as the number of a ball.
+#: Keys in these groups whose numbers are not results, such as the number of a ball.
 LEFT_OUT = ("worst_ball", "ball", "compared", "distance", "allowed_over_diameter")
 
 
@@ -87,7 +88,7 @@ def write_scene_pages(names: Sequence[str], out: Path, store: Path, reference: P
 
 
 def _page_file_names(names: Sequence[str]) -> list[str]:
-    """Return the file name of each scene's page; a number is appended to names that are already taken."""
+    """Return the file names of the scenes' pages, made of the scenes' names; equal names get a number appended."""
     files = [INDEX]
     for name in names:
         stem = re.sub(r"[^A-Za-z0-9._-]+", "-", Path(name).stem).strip("-.") or "scene"
@@ -99,7 +100,7 @@ def _page_file_names(names: Sequence[str]) -> list[str]:
 
 
 def comparison_page(names: Sequence[str], pages: Sequence[ScenePage], files: Mapping[str, str]) -> ScenePage:
-    """Return the first page of several scenes: the main result of each, and a table of all numerical results.
+    """Return the page that compares several scenes: the main result of each, and a table of all numerical results.
 
     Parameters
     ----------
@@ -111,7 +112,7 @@ def comparison_page(names: Sequence[str], pages: Sequence[ScenePage], files: Map
         HTML text of each page, by the name of its file.
     """
     labels = [file.removesuffix(".html") for file in files]
-    note = "A dash: no such result for this scene. Loads are contact loads; errors are the errors to expect."
+    note = "A dash: no such result for this scene. Loads are contact loads; errors are expected errors."
     table = Table.of(
         "answers", "Numerical results of all scenes", numerical_result_rows(labels, pages), note, unfolded=True
     )
@@ -122,7 +123,7 @@ def comparison_page(names: Sequence[str], pages: Sequence[ScenePage], files: Map
         verdict="",
         answers=[(label, f"{page.title}. {page.verdict}") for label, page in zip(labels, pages, strict=True)],
         picture=None,
-        parts=(Section("answers", "Comparison of the results", (table,)),),
+        parts=(Section("answers", "Numerical results of the scenes side by side", (table,)),),
         provenance={label: page.provenance["scene"] for label, page in zip(labels, pages, strict=True)}
         | {key: pages[0].provenance[key] for key in ("rollbench", "date", "libraries", "Python", "model")},
         scene_text="",
@@ -133,12 +134,12 @@ def comparison_page(names: Sequence[str], pages: Sequence[ScenePage], files: Map
 
 
 def numerical_result_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
-    """Return the rows of the comparison: one for each numerical result, with a column for each scene or load case.
+    """Return the rows of the table that compares scenes: a row for each numerical result, a column for each load case.
 
     Parameters
     ----------
     labels
-        Column heading of each scene.
+        Column heading of each scene; the name of a load case is appended.
     pages
         Page of each scene, which contains its results.
     """
@@ -159,18 +160,18 @@ def numerical_result_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> 
 
 
 def _group_rank(key: tuple[str, str]) -> int:
-    """Return the position of a result's group in `GROUPS`, by which rows are sorted; unknown groups come last.
+    """Return the position in `GROUPS` of a result's group, by which table rows are sorted; unknown groups come last.
 
-    ``key``: name of the group and key of the result.
+    ``key``: name of the group in words, and key of the result in it.
     """
     groups = [words_and_unit_of_key(group)[0] for group in GROUPS]
     return groups.index(key[0]) if key[0] in groups else len(groups)
 
 
 def _numbers_of_summary(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[tuple[str, str], float]]:
-    """Yield the numbers in the summary of a scene's JSON results, each as ((group, key), value).
+    """Yield each number in the summary of a scene's JSON results as a pair: (name of its group, key) and value.
 
-    ``group``: name that replaces those of the groups; empty: the groups keep their names.
+    ``group``: name that replaces the names of all groups; empty: the groups keep their names.
     """
     for name in GROUPS:
         table = summary.get(name)

@@ -40,14 +40,16 @@ BINS, NEAR = 24, 2.0
 
 
 def survey_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on randomly drawn catalogue screws: histogram of errors, errors near nut faces, all screws.
+    """Return the section on contact-load errors of the low-order models on randomly drawn catalogue screws.
+
+    It has the histogram of errors, errors near nut faces, errors over run time, and a table of all screws.
 
     ``step`` is called with each line of progress.
     """
     step("stored results of the randomly drawn screws")
     every = survey.shipped_survey()["scenes"]
     scenes = survey.records_of_known_screws()
-    title = "Errors of the models on randomly drawn catalogue screws"
+    title = "Contact-load errors of the models on randomly drawn catalogue screws"
     if not scenes:
         return Section("survey", title, (Text(("No results of randomly drawn screws are stored.",)),))
     good = len(scenes) - len(survey.records_without_converged_loads(scenes))
@@ -78,7 +80,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
         Text((about,)),
         Table(
             "stability-survey",
-            "Errors of the models on all randomly drawn screws",
+            "Summary of the models' errors on all randomly drawn screws",
             tuple(Quantity(name, name, "", "s" if name in survey.SUMS[:3] else ".2f") for name in survey.SUMS),
             [
                 row | {"error": WORDS[row["error"].removeprefix("largest_")]}
@@ -89,7 +91,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
         *_later_screws_items(scenes, [r for r in every if r["number"] >= KNOWN_SCREWS]),
         Table(
             "stability-survey-scenes",
-            "Errors of both low-order models on each randomly drawn screw",
+            "Contact-load errors of the refined model and Lin's model on each randomly drawn screw",
             (
                 *(Quantity(name, name, "", "s") for name in ("scene", "screw", "contacts", "status")),
                 *(Quantity(name, name, "% of mean", ".2f") for name in errors),
@@ -98,11 +100,11 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
             csv_only=[f"{model} expected" for model in MODELS],
         ),
     )
-    return Section("survey", title, items, conclusion=f"{passed}.")
+    return Section("survey", title, items, conclusion=f"Randomly drawn screws: {passed[:1].lower()}{passed[1:]}.")
 
 
 def error_and_time_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | Table | Figure, ...]:
-    """Return figure, text and table of errors and run times of models and mesh levels on randomly drawn screws.
+    """Return figure, text and table of load errors and run times of models and 3D mesh levels on random screws.
 
     Parameters
     ----------
@@ -148,10 +150,11 @@ def error_and_time_items(study: Study, scenes: Sequence[survey.Record]) -> tuple
     panels = tuple(_error_over_time_panel(timed, name, lin) for name in ("new screw", "further load case"))
     coarse = next((s for s in timed if s.name.startswith("3D")), None)
     title = (
-        "Errors of models and mesh levels over processor time on drawn screws"
+        "Contact-load errors of models and 3D mesh levels over processor time, on randomly drawn screws"
         if coarse is None
-        else f"Mesh level 1 of the 3D reference differs from level 2 by {_percentile(coarse.errors, 50):.2f} % (median of "
-        f"the drawn screws) and takes {_percentile(coarse.seconds, 50):.0f} s"
+        else "Contact loads on mesh levels 1 and 2 of the 3D reference differ by at most "
+        f"{_percentile(coarse.errors, 50):.2f} % (median of the drawn screws); level 1 takes "
+        f"{_percentile(coarse.seconds, 50):.0f} s per screw"
     )
     counts = {s.judged_by: s.seconds.size for s in timed}
     markers = " ".join(
@@ -159,33 +162,36 @@ def error_and_time_items(study: Study, scenes: Sequence[survey.Record]) -> tuple
         for shape, (by, count) in zip(("Circles", "Squares"), counts.items(), strict=False)
     )
     caption = (
-        f"Markers: medians of the largest error by the gate's rule, {RULE}; bars: up to the 95th percentile. {markers} "
-        "Horizontal line: the gate's limit. Pale points: the errors against ANSYS and the run times that Lin's thesis "
-        "prints, on another computer."
+        f"Markers: medians of the largest error, {RULE}; bars: up to the 95th percentile. {markers} Horizontal line: "
+        f"{LIMIT:g} %, the limit of rollbench check. Pale points: errors against ANSYS and run times in Lin's thesis."
     )
     return (
         Figure("survey-levels", title, panels, caption, columns=2),
         Text((about,)),
-        Table.of("stability-levels", "Errors and times of models and mesh levels on drawn screws", rows),
+        Table.of(
+            "stability-levels",
+            "Contact-load errors and run times of models and 3D mesh levels on randomly drawn screws",
+            rows,
+        ),
     )
 
 
 def _percentile(values: Array, percent: float) -> float | None:
-    """Return a percentile of values (``percent`` from 0 to 100); None if there are no values."""
+    """Return a percentile of the numbers in ``values`` (``percent``: 0 to 100); None if the array is empty."""
     return float(np.percentile(values, percent)) if values.size else None
 
 
 def _error_over_time_panel(found: Sequence[ErrorsAndTimes], time: str, lin: Sequence[tuple[float, float]]) -> Panel:
-    """Return the panel of errors of models and mesh levels over processor time.
+    """Return the panel of largest contact-load errors of models and 3D mesh levels over processor time, on random screws.
 
     Parameters
     ----------
     found
         Errors and times of each model or mesh level.
     time
-        "new screw" or "further load case": the time to show.
+        Abscissa: time for a "new screw" or for a "further load case" of a screw solved before.
     lin
-        Time [s] and error [%] that Lin's thesis prints, for each of its cases.
+        Run time [s] and largest error [%] that Lin's thesis prints for its model, in case studies 1 and 2.
     """
     new = time == "new screw"
     places = [(float(np.median(s.seconds if new else s.further)), float(np.median(s.errors)), s) for s in found]
@@ -217,14 +223,14 @@ def _error_over_time_panel(found: Sequence[ErrorsAndTimes], time: str, lin: Sequ
 
 
 def _later_screws_items(first: list[dict[str, Any]], further: list[dict[str, Any]]) -> tuple[Text | Table, ...]:
-    """Return text and table of the refined model's errors on screws drawn before and after its last change.
+    """Return text and table that compare the refined model's errors on screws drawn before and after its last change.
 
     Parameters
     ----------
     first
-        Results of the screws that were known during development.
+        Stored results of the screws that were known while the model was developed.
     further
-        Results of the screws drawn afterwards; if there are none, the returned tuple is empty.
+        Stored results of the screws drawn after its last change; if there are none, the returned tuple is empty.
     """
     if not further:
         return ()
@@ -245,15 +251,15 @@ def _later_screws_items(first: list[dict[str, Any]], further: list[dict[str, Any
             **{name: f"{a.as_expected} of {a.screws}" for name, a in found.items()},
         },
     ]
-    title = "Errors of the refined model on screws drawn before and after its last change"
+    title = "Contact-load errors of the refined model on screws drawn before and after its last change"
     return Text((about,)), Table.of("stability-unseen", title, rows)
 
 
 def _face_distances_and_errors(scenes: Sequence[Mapping[str, Any]], model: str) -> Array:
-    """Return the distance of the outermost ball from a nut face and a model's largest error, for each random screw.
+    """Return, for n random screws, the distance of the outermost ball from a nut face and a model's largest load error.
 
     ``scenes``: stored results of the screws. ``model``: name of the model. The array is (n, 2): distance [ball radii], and
-    error [% of the mean load].
+    largest contact-load error [% of the mean load].
     """
     rows = [
         (min(r["low_face_radii"], r["high_face_radii"]), found["largest_percent"])
@@ -264,9 +270,10 @@ def _face_distances_and_errors(scenes: Sequence[Mapping[str, Any]], model: str) 
 
 
 def survey_figure(scenes: Sequence[Mapping[str, Any]]) -> Figure:
-    """Draw the histogram of largest errors, and the errors over the distance of the outermost ball from a nut face.
+    """Draw the histogram of the largest contact-load errors, and these errors over the distance of a ball from a nut face.
 
-    ``scenes`` are the stored results of the randomly drawn screws.
+    ``scenes``: stored results of the randomly drawn screws, with one largest error per screw and model. The distance is
+    that of the outermost ball.
     """
     found = {model: errors for model in MODELS if (errors := _face_distances_and_errors(scenes, model)).size}
     every = np.concatenate([errors[:, 1] for errors in found.values()])
@@ -281,21 +288,25 @@ def survey_figure(scenes: Sequence[Mapping[str, Any]]) -> Figure:
         ),
     )
     near = "; ".join(f"{name}: {_median_errors_near_faces_text(errors)}" for name, errors in found.items())
-    title = f"The error grows towards the nut faces: median up to and beyond {NEAR:g} ball radii from a face, {near}"
-    return Figure("survey", title, panels, f"{len(scenes)} randomly drawn screws; {BINS} bins of equal ratio.")
+    title = (
+        f"Median contact-load error with the outermost ball up to, and beyond, {NEAR:g} ball radii from a nut face: {near}"
+    )
+    return Figure(
+        "survey", title, panels, f"{len(scenes)} randomly drawn screws. First panel: histogram on a logarithmic abscissa."
+    )
 
 
 def _median_errors_near_faces_text(errors: Array) -> str:
-    """Return as text the median error of screws whose outermost ball is near a nut face, and that of the others.
+    """Return two median errors as text: of screws with a ball closer than `NEAR` to a nut face, and of the other screws.
 
-    ``errors``: distance of the outermost ball [ball radii] and largest error [% of the mean load] of each screw, (n, 2).
+    ``errors``: distance of the outermost ball [ball radii] and largest error [% of the mean load] of n screws, (n, 2).
     """
     near = errors[:, 0] < NEAR
     return " and ".join(f"{np.median(errors[one, 1]):.2g} %" for one in (near, ~near) if one.any())
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
-    """Return the section on numerical stability: which formulations solve each stiff or extreme scene.
+    """Return the section on numerical stability: which formulations of the equations solve each stiff or extreme scene.
 
     ``study`` is not used. ``step`` is called with each line of progress.
     """
@@ -336,10 +347,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
                     "allows.",
                 )
             ),
-            Table.of("stability-summary", "Number of cases solved by each formulation", summary),
+            Table.of("stability-summary", "Number of stiff and extreme scenes solved by each formulation", summary),
             Table(
                 "stability-cases",
-                "Status of each formulation on each stiff or extreme scene",
+                "Solver status of each formulation of the equations on each stiff or extreme scene",
                 columns,
                 stability_table_rows(rows),
             ),
@@ -353,8 +364,12 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
                     "or rollers are checked node by node: beam, springs, Hertz' law, every ball.",
                 )
             ),
-            Table.of("stability-campaign", "Outcomes on random extreme scenes", campaign_rows(shipped_campaigns())),
+            Table.of(
+                "stability-campaign",
+                "Outcomes of solving random extreme screws, bearings and shafts",
+                campaign_rows(shipped_campaigns()),
+            ),
         ),
-        conclusion=f"The energy solver solves {solved} of {total} stiff and extreme scenes from a cold start; Newton's "
-        f"method as in Lin's thesis solves at most {newton} of the {applicable} to which it applies.",
+        conclusion=f"Energy minimisation solves {solved} of {total} stiff and extreme scenes from a cold start; "
+        f"Newton's method as in Lin's thesis solves at most {newton} of the {applicable} to which it applies.",
     )

@@ -1,6 +1,6 @@
-"""``rollbench verify``: compares the hashes of a report's files and inputs with those of its manifest.
+"""``rollbench verify``: compare the hashes of a report's files and inputs with the hashes in its manifest.
 
-Also lists the changes between two reports or pages.
+The module also lists the changes between two reports or between two pages.
 """
 
 from __future__ import annotations
@@ -22,13 +22,14 @@ from rollbench.compare.text.printing import CommandOutput
 from rollbench.reports.manifest import FILE, file_hashes, read_manifest, read_report_file, sha256
 from rollbench.reports.scene_page import html_without_manifest, read_page_data, results_hash
 
-#: Changes of a number [%] that are ignored: round-off between two pages, and solver tolerances between two reports.
+#: Relative changes of a number [%] that are ignored: as round-off between pages, as solver tolerance between reports.
 ROUND_OFF, SAME = 1e-6, 1e-3
 #: Units of measured run times and memory, which differ from run to run.
 MEASURED = ("[s]", "[ms]", "[µs]", "[MB]")
 #: Largest number of changes listed for each table.
 MOST = 6
 
+#: Tables of a report by name: their rows, each with the text of every cell by the heading of its column.
 Tables = Mapping[str, list[dict[str, str]]]
 
 
@@ -54,7 +55,7 @@ def read_tables(report: Path) -> Tables:
 
 
 def report_differences(old: Tables, new: Tables) -> Iterator[str]:
-    """Yield a line of text for each difference between the tables of two reports.
+    """Yield a line of text for each difference between the tables of an old and a new report.
 
     ``old``, ``new``: rows of each table, by name of the table. Rows are matched by the texts of their cells, or by their
     position if the texts differ. Measured run times and memory are not compared.
@@ -87,7 +88,7 @@ def _table_differences(old: Sequence[dict[str, str]], new: Sequence[dict[str, st
 
 
 def _rows_by_text(rows: Sequence[dict[str, str]]) -> dict[str, dict[str, str]]:
-    """Return the rows of a table by a key made of their first three text cells; equal keys are numbered."""
+    """Return the rows of a table by a key that consists of a row's first three cells with text; equal keys are numbered."""
     by_text: dict[str, dict[str, str]] = {}
     for row in rows:
         texts = [cell for cell in row.values() if cell and _number_or_text(cell) is None]
@@ -125,11 +126,11 @@ def _cell_difference(where: str, old: str | None, new: str | None) -> Iterator[s
 
 @dataclass(frozen=True)
 class HashCheck:
-    """Hash of one input or file of a report: as the report's manifest states it, and as computed now."""
+    """SHA-256 of one input or file of a report, as its manifest states it and as computed now."""
 
-    #: Name of the input or file.
+    #: Name of the input or file in the manifest.
     name: str
-    #: Hash in the manifest; empty: not in the manifest.
+    #: Hash in the manifest; empty: the manifest does not name the file.
     stated: str
     #: Hash computed now; empty: the file is missing.
     found: str
@@ -149,7 +150,7 @@ class HashCheck:
 
 
 def report_folder(report: Path) -> Path:
-    """Return the folder of a report; ``report`` is the path of that folder or of the report's first page."""
+    """Return the folder of a report, given the path of this folder or of the report's first page."""
     return report if report.is_dir() else report.parent
 
 
@@ -173,10 +174,10 @@ def check_report_hashes(report: Path, stores: Sequence[Path]) -> Iterator[HashCh
 
 
 def read_first_page(report: Path) -> tuple[str, dict[str, Any]]:
-    """Read a page written by `rollbench report SCENE`.
+    """Read a page that `rollbench report SCENE` wrote: return its HTML text and the data that it contains.
 
-    ``report`` is the path of the page or of its folder. Returns the HTML text, and manifest, scene file and results by the
-    names "manifest", "scene" and "results". Raises InputError for a file that is no such page.
+    ``report``: path of the page or of its folder. The data are manifest, scene file and results, by the names "manifest",
+    "scene" and "results". Raises InputError for a file that is no such page.
     """
     path = report / "index.html" if report.is_dir() else report
     try:
@@ -206,7 +207,7 @@ def check_page_hashes(html: str, blocks: dict[str, Any], stores: Sequence[Path])
 
 
 def verify_hashes(report: Path, store: Path) -> CommandOutput:
-    """Check all hashes of a report or page, and return lines for the terminal and the exit code, 1 if any hash differs.
+    """Check all hashes of a report or page; return lines for the terminal and the exit code: 1 if any hash differs, else 0.
 
     ``report``: folder or first page of the report. ``store``: folder with runs of the 3D reference, used besides the
     shipped runs. Raises InputError for a file without manifest.
@@ -223,7 +224,7 @@ def verify_hashes(report: Path, store: Path) -> CommandOutput:
 def write_and_compare_pages(
     scenes: Sequence[str], out: Path, store: Path, against: Path | None = None, reference: Path | None = None
 ) -> CommandOutput:
-    """Write the page of one scene, or the pages of several scenes with a table of all.
+    """Write the result page of one scene, or pages of several scenes with a table of all; list changes from an old page.
 
     Parameters
     ----------
@@ -240,7 +241,7 @@ def write_and_compare_pages(
 
     Returns
     -------
-    Answer
+    CommandOutput
         Lines for the terminal, and the exit code: 1 if a load case did not converge.
 
     Raises
@@ -268,13 +269,13 @@ def write_and_compare_pages(
 
 
 def _reproducible_manifest(manifest: dict[str, Any]) -> dict[str, Any]:
-    """Return a page's manifest without the entries that differ in every run: date and hashes of page and results."""
+    """Return a page's manifest without the entries that change in every run: date, and hashes of page and results."""
     kept = {key: value for key, value in manifest.items() if key not in ("page", "results")}
     return kept | {"provenance": {k: v for k, v in manifest["provenance"].items() if k != "date"}}
 
 
 def _results_without_solver_report(results: dict[str, Any]) -> dict[str, Any]:
-    """Return the results of a scene without the solver's report, which contains run times."""
+    """Return the JSON results of a scene without the entries on the solver, which contain run times."""
     kept = {key: value for key, value in results.items() if key != "solver"}
     return kept | (
         {"cases": [_results_without_solver_report(one) for one in results["cases"]]} if "cases" in results else {}
@@ -282,9 +283,9 @@ def _results_without_solver_report(results: dict[str, Any]) -> dict[str, Any]:
 
 
 def result_differences(old: Any, new: Any, path: str = "") -> Iterator[str]:
-    """Yield a line of text for each difference between two JSON results; numbers that differ by round-off are equal.
+    """Yield a line of text for each difference between old and new JSON results; differences by round-off are ignored.
 
-    ``path``: keys that lead to the compared values, joined by dots, for the lines.
+    ``path``: keys that lead to the compared values, joined by dots; the lines begin with it.
     """
     if isinstance(old, dict) and isinstance(new, dict):
         for key in dict.fromkeys((*old, *new)):

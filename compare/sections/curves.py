@@ -1,4 +1,4 @@
-"""Curves of contact loads and displacements for figures, and the figure of a mesh study."""
+"""Curves of contact loads and displacements for the report's figures, and the convergence figure of a mesh study."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from rollbench.reports.content import Figure, Panel, Series
 
 
 def scale_to_python_floats(values: Array, factor: float = 1.0) -> list[float]:
-    """Return an array times a factor as a list of Python floats, as a figure needs it."""
+    """Return ``factor`` times the values of an array as a list of Python floats, which the records of figures take."""
     return [factor * float(v) for v in values]
 
 
 def lateral_displacement_curves(
     stations: Array, moved: Array, name: str = "u_{}", style: str = "line", *, emphasis: bool = False
 ) -> tuple[Series, Series]:
-    """Return two curves of the lateral displacements of a screw's centreline [um], in x and y, over axial position [mm].
+    """Return two curves of a screw centreline's lateral displacement [um], in x and in y, over the axial position [mm].
 
     Parameters
     ----------
@@ -32,9 +32,9 @@ def lateral_displacement_curves(
     moved
         Displacements in x, y and possibly further directions, (k, 2 or more) [m].
     name
-        Label of a curve, with a placeholder for the direction.
+        Label of each curve, with the placeholder {} for the direction x or y.
     style
-        Style of the curves.
+        Style of the curves, as in `Series`.
     emphasis
         Whether the curves are drawn bold.
     """
@@ -47,7 +47,10 @@ def lateral_displacement_curves(
 
 
 def contact_load_panel(title: str, *series: Series, zero: bool = False) -> Panel:
-    """Return a panel of contact loads [N] over the number of the ball, filled with the curves ``series``."""
+    """Return a panel titled ``title`` with curves of contact loads [N] over the number of the ball.
+
+    ``series``: the curves. ``zero``: whether the ordinate begins at zero.
+    """
     return Panel(title, "ball", "contact load / N", series, zero=zero, integer_x=True)
 
 
@@ -60,22 +63,22 @@ def contact_load_curve(
     emphasis: bool = False,
     uncertainty: Array | None = None,
 ) -> Series:
-    """Return the curve of the contact loads [N] on one flank over the number of the ball.
+    """Return the curve of the contact loads [N] of all balls on one flank, over the number of the ball.
 
     Parameters
     ----------
     label
         Label of the curve.
     result
-        Solution with the contact loads.
+        Solution or reference whose contact loads are drawn.
     side
         Index of the flank in SL, SR, NL, NR.
     style
-        Style of the curve.
+        Style of the curve, as in `Series`.
     emphasis
         Whether the curve is drawn bold.
     uncertainty
-        Uncertainty of the loads, (n, 4) [N], drawn as bars; None: no bars.
+        Uncertainty of the loads of n balls on the four flanks, (n, 4) [N], drawn as error bars; None: no bars.
     """
     load = result.load[:, side]
     balls = [float(i + 1) for i in range(load.size)]
@@ -92,7 +95,7 @@ MOST = 8
 
 
 def mesh_convergence_figure(name: str, study_rows: Sequence[Mapping[str, Any]], reference: Reference) -> Figure | None:
-    """Draw the convergence of the largest and smallest loads and of displacements with the cell size.
+    """Draw how the largest and smallest contact loads and the displacements of a scene converge with the cell size.
 
     The curves are differences from the finest mesh level, in per cent of the largest value in the panel, over the cell size
     relative to that of the finest level. The uncertainty at the finest level and the extrapolation to zero cell size are
@@ -123,7 +126,7 @@ def mesh_convergence_figure(name: str, study_rows: Sequence[Mapping[str, Any]], 
             panels.append(Panel(title, "cell size / cell size of the finest level", label, tuple(series)))
     if not panels:
         return None
-    caption = "Bars: uncertainty of the finest level. Lines that end at cell size zero: accepted extrapolations."
+    caption = "Bars: uncertainty of the finest mesh level. Thin lines to cell size zero: extrapolations by a power law."
     title = f"Convergence of contact loads and displacements of {name} with the cell size"
     return Figure(f"mesh-study-{name}", title, tuple(panels), caption)
 
@@ -131,18 +134,18 @@ def mesh_convergence_figure(name: str, study_rows: Sequence[Mapping[str, Any]], 
 def _convergence_curve_and_power_law(
     row: Mapping[str, Any], keys: Sequence[str], sizes: Sequence[float], scale: float
 ) -> list[Series]:
-    """Return the curve of one quantity over the cell size and, if it was extrapolated, its power law to cell size zero.
+    """Return the curve of one quantity over the cell size, and the fitted power law to cell size zero if there is one.
 
     Parameters
     ----------
     row
         Row of the mesh-study table for the quantity.
     keys
-        Keys of the mesh levels in the row, the finest last.
+        Keys under which the row has the value on each mesh level; the finest level last.
     sizes
         Cell sizes of the levels relative to the finest.
     scale
-        Value by which differences are divided.
+        Value by which the differences from the finest level are divided; 0: no curve is returned.
     """
     finest, bar = row[keys[-1]], row["uncertainty"] or 0.0
     if scale == 0.0:

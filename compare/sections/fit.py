@@ -26,7 +26,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
-#: Names of the quantities whose errors are compared, by field of a comparison.
+#: Names of the quantities whose errors are compared, by name of the field of a `Point` that has the error.
 NAMES = {
     "gate_percent": "worst contact load",
     "percent": "worst contact load",
@@ -64,28 +64,28 @@ NOT_FIT = (
 
 @dataclass(frozen=True)
 class ModelErrors:
-    """Absolute errors of one model in one quantity, over all compared scenes."""
+    """Absolute errors of one model in one quantity, against the 3D reference, on all compared scenes."""
 
-    #: Quantity, a key of ``NAMES``.
+    #: Quantity whose error is given, as a key of `NAMES`.
     key: str
     #: Name of the model.
     model: str
-    #: Absolute errors, one for each scene, (n,) [%].
+    #: Absolute errors on n scenes, (n,) [%].
     errors: Array
 
     @property
     def within(self) -> float | None:
-        """Share (0 to 1) of scenes within the error limit of ``rollbench check``; None if the quantity has no limit."""
+        """Share (0 to 1) of scenes with an error within the limit of ``rollbench check``; None if there is no limit."""
         return float(np.mean(self.errors <= LIMITS[self.key])) if self.key in LIMITS else None
 
     @property
     def good(self) -> bool | None:
-        """Whether 95 % of the scenes are within the limit of ``rollbench check``; None if the quantity has no limit."""
+        """Whether the errors on 95 % of the scenes are within the limit of ``rollbench check``; None without a limit."""
         return None if self.within is None else self.within >= 0.95
 
     @property
     def table_row(self) -> Row:
-        """Table row: median, 95th percentile, largest error, limit of `rollbench check`, share of scenes within it."""
+        """Table row: median, 95th percentile and largest error, limit of ``rollbench check``, share of scenes within it."""
         share, good = self.within, self.good
         return {
             "quantity": WORDS[self.key],
@@ -94,16 +94,16 @@ class ModelErrors:
             Quantity("median", "error, median", "%", ".2f"): float(np.median(self.errors)),
             Quantity("p95", "error, 95th percentile", "%", ".2f"): float(np.percentile(self.errors, 95)),
             Quantity("largest", "error, largest", "%", ".1f"): float(self.errors.max()),
-            Quantity("limit", "the gate's limit", "%", ".3g"): LIMITS.get(self.key),
+            Quantity("limit", "limit of rollbench check", "%", ".3g"): LIMITS.get(self.key),
             Quantity("within", "scenes within the limit", "%", ".0f"): None if share is None else 100.0 * share,
             "verdict": None if good is None else "yes" if good else "no",
         }
 
 
 def errors_by_model_and_quantity(points: Sequence[Point]) -> list[ModelErrors]:
-    """Return the absolute errors of every model in every compared quantity.
+    """Return the absolute errors of every model in every compared quantity, over all scenes.
 
-    ``points``: errors of one model on one scene each.
+    ``points``: one record for each model and scene, with the errors in all quantities.
     """
     found = []
     for model in dict.fromkeys(p.model for p in points):
@@ -115,21 +115,21 @@ def errors_by_model_and_quantity(points: Sequence[Point]) -> list[ModelErrors]:
 
 
 def accurate_quantities_sentence(found: Sequence[ModelErrors]) -> str:
-    """Return the sentence that states for which quantities the default model is accurate enough, and Lin's model is not.
+    """Return the sentences on the quantities for which the default model is, and Lin's model is not, accurate enough.
 
-    A model is accurate enough if its error is within the gate's limit on at least 95 % of the compared scenes. ``found``:
-    errors by model and quantity.
+    A model is accurate enough for a quantity if its error is within the limit of ``rollbench check`` on at least 95 % of
+    the compared scenes. ``found``: errors by model and quantity.
     """
     good = [NAMES[x.key] for x in found if x.model == DEFAULT and x.good]
     bad = [NAMES[x.key] for x in found if x.model == "lin" and x.good is False]
-    held = " Accurate enough: within the gate's limit on at least 95 % of the compared scenes."
+    held = " Accurate enough: error within the limit of rollbench check on at least 95 % of the compared scenes."
     fit = f"is accurate enough for the {_join_names(good)}." if good else "is not shown to be accurate enough."
     unfit = f" The model lin is not accurate enough for the {_join_names(bad)}." if bad else ""
-    return f"On ordinary screws, the model {DEFAULT} {fit}{unfit}{held}"
+    return f"On the compared screws, the model {DEFAULT} {fit}{unfit}{held}"
 
 
 def _join_names(names: Sequence[str]) -> str:
-    """Return names joined as in a sentence: with commas, and "and" before the last."""
+    """Return the names as text, joined by commas and, before the last, by "and"."""
     return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
@@ -147,7 +147,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
         "error by the gate's rule is not stored for all scenes."
     )
     table = Table.of(
-        "fit-for", "Errors of each model over all compared scenes, by quantity", [x.table_row for x in found], note
+        "fit-for",
+        "Errors of each model against the 3D reference over all compared scenes, by quantity",
+        [x.table_row for x in found],
+        note,
     )
     return Section(
         "fit",
@@ -158,9 +161,9 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
 
 
 def validated_range_table(scene: Scene | None = None) -> Table:
-    """Return the table of the range of compared scenes in each descriptor (sizes, angle, load and so on).
+    """Return the table of the range in each descriptor (size, angle, load) of the scenes compared with the 3D reference.
 
-    If ``scene`` is not None, its values are added, and whether they lie inside the ranges.
+    ``scene``: scene whose values are added, with a statement whether they lie inside the ranges; None: no scene.
     """
     rows: list[Row] = []
     placed = {} if scene is None else {p.descriptor.name: p for p in descriptors_with_ranges(scene)}
@@ -186,14 +189,17 @@ def validated_range_table(scene: Scene | None = None) -> Table:
         "their error is not known."
     )
     return Table.of(
-        "applicability", "Range of screw sizes and features that were compared with the 3D reference", rows, note
+        "applicability",
+        "Range of the sizes, angles and loads of the screws that were compared with the 3D reference",
+        rows,
+        note,
     )
 
 
 def validated_range_figure(scene: Scene | None = None) -> Figure:
-    """Draw the compared scenes over pairs of descriptors (sizes, angle, load and so on).
+    """Draw the scenes compared with the 3D reference as points in diagrams of two descriptors (size, angle, load) each.
 
-    If ``scene`` is not None, it is marked.
+    ``scene``: scene that is marked in the diagrams; None: no scene.
     """
     pairs = ((0, 1), (2, 4), (6, 3), (5, 7))
     ring = scene is not None and scene.track.lead == 0.0
@@ -211,17 +217,19 @@ def validated_range_figure(scene: Scene | None = None) -> Figure:
             series.append(Series(scene.name, [a.value(scene)], [b.value(scene)], "markers", emphasis=True))
         panels.append(Panel("", _descriptor_label(a), _descriptor_label(b), tuple(series)))
     return Figure(
-        "applicability", "Range of screw sizes and features that were compared with the 3D reference", tuple(panels)
+        "applicability",
+        "Range of the sizes, angles and loads of the screws that were compared with the 3D reference",
+        tuple(panels),
     )
 
 
 def _descriptor_label(d: Descriptor) -> str:
-    """Return name and unit of a descriptor as the label of an axis."""
+    """Return the axis label of a descriptor: its name with its unit, if it has one."""
     return f"{d.name} / {d.unit}" if d.unit else d.name
 
 
 def validated_range_items(study: Study) -> tuple[Table | Figure, ...]:  # noqa: ARG001 - as every part of a section
-    """Return table and figure of the range of compared scenes, without marking a scene.
+    """Return table and figure of the range of scenes that were compared with the 3D reference; no scene is marked.
 
     ``study`` is not used.
     """

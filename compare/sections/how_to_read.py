@@ -61,7 +61,10 @@ TERMS = (
 
 
 def example_of_verdict(study: Study) -> str:
-    """Return a paragraph that explains error, uncertainty and verdict on one contact; empty without the 3D reference."""
+    """Return a paragraph that explains error, uncertainty and verdict by the load of one contact of `SCENE`.
+
+    ``study``: has the solutions and the stored 3D reference. The text is empty if the reference is not stored.
+    """
     found = study.reference(SCENE)
     if found is None:
         return ""
@@ -82,7 +85,7 @@ def example_of_verdict(study: Study) -> str:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section that explains the terms of the report, with one example.
+    """Return the section that explains the terms error, uncertainty, class and verdict, with one example.
 
     ``step`` is called with each line of progress.
     """
@@ -93,9 +96,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def assumption_rows(study: Study) -> list[dict[str, Cell]]:
-    """Return table rows of the assumptions that scenes make where a publication leaves an input open.
+    """Return table rows of the values that scenes assume for inputs that a publication does not print.
 
-    Each row has the text of the assumption ("assumed") and the names of the scenes that make it ("scenes").
+    ``study``: has the scenes that the report uses. Each row has the text of the assumption ("assumed") and the names of the
+    scenes that make it ("scenes").
     """
     by_text: dict[str, list[str]] = {}
     for name, scene in study.used.items():
@@ -109,15 +113,15 @@ def assumption_rows(study: Study) -> list[dict[str, Cell]]:
 
 
 def _verdict_explanation(f: Evidence) -> str:
-    """Return the explanation of the verdict on a printed number: the remark on its computed value, else the printed one.
+    """Return the explanation of the verdict on a printed number: a remark on its computed value or on the number itself.
 
-    ``f``: printed number with its computed value and verdict.
+    ``f``: printed number with its computed value, both remarks and the verdict.
     """
     return f.words if f.words and f.agrees is not None else f.printed.remark
 
 
 def rows_not_reproduced(found: Sequence[Evidence]) -> list[Row]:
-    """Return the rows of printed numbers that are contradicted, or that the text of the publication does not determine.
+    """Return table rows of printed numbers that are contradicted, or that the publication's text does not determine.
 
     ``found``: printed numbers with their computed values and verdicts.
     """
@@ -136,23 +140,23 @@ def rows_not_reproduced(found: Sequence[Evidence]) -> list[Row]:
 
 
 def notes_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on assumptions of the scenes and of the models, and on numbers that are not reproduced.
+    """Return the section on assumptions of scenes and models, and on printed numbers that are not reproduced.
 
     ``step`` is called with each line of progress.
     """
     step("assumptions, and numbers that are not reproduced")
     return Section(
         "notes",
-        "Assumptions, and printed numbers that are not reproduced",
+        "Values assumed for missing inputs, and printed numbers that are not reproduced",
         (
             Table.of(
                 "not-reproduced",
-                "Printed numbers that are contradicted, or that the text does not determine",
+                "Numbers in publications that are contradicted, or that the publication's text does not determine",
                 rows_not_reproduced(evidence(study)),
             ),
             Table(
                 "assumptions",
-                "Assumptions for inputs that a publication leaves open",
+                "Values assumed for inputs that a publication does not print",
                 (Quantity("assumed", "assumption", "", "s"), Quantity("scenes", "scenes", "", "s")),
                 assumption_rows(study),
             ),

@@ -1,4 +1,4 @@
-"""Report section on the sequence of models from Lin's to the refined one: errors of each against the 3D reference."""
+"""Report section on the sequence of models from Lin's model to the refined model: errors against the 3D reference."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
-#: Least number of scenes for which a model's expected errors are drawn.
+#: Least number of scenes for which a figure of expected over measured errors of a model is drawn.
 MANY = 40
-#: Choices of the refined model that its derivation leaves open, varied one at a time.
+#: Modelling choices of the refined model that its derivation does not determine, each with the changed model.
 CHOICES: dict[str, Backend] = {
     "loaded patch of the body compliance 1.5 times as wide": replace(REFINED, width=1.5),
     "loaded patch of the body compliance 2/3 as wide": replace(REFINED, width=1.0 / 1.5),
@@ -35,7 +35,7 @@ CHOICES: dict[str, Backend] = {
     "screw as a beam except for its contacts": replace(REFINED, screw="beam"),
     "section of the screw by Lin C.8": replace(REFINED, section="scene"),
 }
-#: Scenes on which these choices are varied.
+#: Scenes on which these modelling choices are varied.
 VARIED = ("lin-case1", "lin-case3", "unseen-thin-nut")
 
 
@@ -45,18 +45,19 @@ class ChoiceEffect:
 
     #: Name of the scene.
     scene: str
-    #: Description of the changed choice.
+    #: Description of the change to the modelling choice.
     label: str
-    #: Largest change of a contact load by the choice [% of the mean load].
+    #: Largest change of a contact load that the changed choice causes [% of the mean load].
     change: float
-    #: Errors of the changed model against the 3D reference.
+    #: Contact-load errors of the changed model against the 3D reference.
     error: LoadError
 
 
 def modelling_choice_effects(study: Study, name: str) -> Iterator[ChoiceEffect]:
-    """Yield the effect on contact loads of each modelling choice of the refined model, first of none, on one scene.
+    """Yield, for one scene, the effect of each modelling choice of the refined model on the contact loads.
 
-    ``name``: name of the scene. Yields nothing for a scene without a stored 3D reference.
+    The first effect is that of the unchanged model. ``name``: name of the scene. Yields nothing for a scene without a
+    stored 3D reference.
     """
     scene, reference = study.scene(name), study.reference(name)
     if reference is None:
@@ -70,9 +71,9 @@ def modelling_choice_effects(study: Study, name: str) -> Iterator[ChoiceEffect]:
 
 
 def model_error_table(rungs: Sequence[Rung]) -> Table:
-    """Return the table of the errors of every model, from the simplest to the refined one, on every scene.
+    """Return the table of the contact-load errors of every low-order model on every scene, simplest model first.
 
-    ``rungs``: solution of each scene by each model, with its errors against the 3D reference.
+    ``rungs``: solution of each scene by each model of the sequence, with its errors against the 3D reference.
     """
     rows: list[Row] = [
         {
@@ -94,11 +95,16 @@ def model_error_table(rungs: Sequence[Rung]) -> Table:
         "three times their difference. Times are for a new geometry in a running process, with interpreted kernels; the "
         "table of run times also has new processes."
     )
-    return Table.of("ladder", "Errors of the models on each scene, from the simplest model to the refined one", rows, note)
+    return Table.of(
+        "ladder",
+        "Contact-load errors of each low-order model on each scene, from the simplest to the refined model",
+        rows,
+        note,
+    )
 
 
 def model_error_figure(rungs: Sequence[Rung]) -> Figure:
-    """Draw the largest and the RMS error of each model: a line for every scene, and one for the median of the scenes.
+    """Draw the largest and the RMS contact-load error over the sequence of models: a line per scene, and their median.
 
     ``rungs``: solution of each scene by each model, with its errors against the 3D reference.
     """
@@ -118,10 +124,10 @@ def model_error_figure(rungs: Sequence[Rung]) -> Figure:
         panel("largest error", lambda r: float(r.error.max_percent)),
         panel("RMS error", lambda r: float(r.error.rms_percent)),
     )
-    caption = f"Light lines: each of the {len(scenes)} scenes."
+    caption = f"Each light line: one of the {len(scenes)} shipped scenes."
     return Figure(
         "ladder-rungs",
-        "Error of each model against the 3D reference, from the simplest to the refined one",
+        "Contact-load error of each low-order model against the 3D reference, from the simplest to the refined model",
         panels,
         caption,
         same_y=True,
@@ -129,7 +135,7 @@ def model_error_figure(rungs: Sequence[Rung]) -> Figure:
 
 
 def choice_effects_table(study: Study, step: Callable[[str], None]) -> Table:
-    """Return the table of the effect of each modelling choice of the refined model, changed one at a time on three scenes.
+    """Return the table of load changes on three scenes when one modelling choice of the refined model is changed.
 
     ``step`` is called with each line of progress.
     """
@@ -152,13 +158,18 @@ def choice_effects_table(study: Study, step: Callable[[str], None]) -> Table:
         "details. The nut grooves are a layer that is softer along the axis than around it, because lands are rings that "
         "are supported only at their base. The number of harmonics is the largest that a patch can excite."
     )
-    return Table.of("ladder-choices", "Errors of the refined model if one of its modelling choices is changed", rows, note)
+    return Table.of(
+        "ladder-choices",
+        "Contact-load errors of the refined model when one of its modelling choices is changed",
+        rows,
+        note,
+    )
 
 
 def body_simplification_table(study: Study) -> Table:
-    """Return the table of how much the simplified screw and nut contribute to the refined model's error.
+    """Return the table of the refined model's error with the compliance of screw, nut or both from the 3D reference.
 
-    For each scene, the model is also solved with the compliance of screw, nut or both taken from the 3D reference.
+    The difference from the error of the unchanged model is the contribution of the model's simplified screw or nut.
     """
     found = study.compute_once(errors_by_replaced_body)
     names: dict[tuple[str, ...], str] = {(): "none", ("screw",): "screw", ("nut",): "nut", PARTS: "both"}
@@ -177,14 +188,15 @@ def body_simplification_table(study: Study) -> Table:
         "reference. The decrease of the error is the share of that body. The remaining error is due to the rest of the "
         "low-order model (contact law, kinematics, beam beyond the nut) and to the uncertainty of the reference."
     )
-    title = "Error of the refined model with the compliance of screw or nut taken from the 3D reference"
+    title = "Contact-load error of the refined model with the compliance of screw or nut from the 3D reference"
     return Table.of("ladder-shares", title, rows, note)
 
 
 def expected_error_test_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
-    """Return table and figure that test the error to expect: it is estimated for each screw from all others, and measured.
+    """Return table and figure that compare the expected error of each model with the measured one, screw by screw.
 
-    ``rungs``: solution of each scene by each model, with its errors against the 3D reference.
+    The expected error of a screw is estimated from all other screws. ``rungs``: solution of each scene by each model, with
+    its errors against the 3D reference.
     """
     rows = leave_one_out_rows(study, rungs)
     lines: list[Row] = []
@@ -222,14 +234,16 @@ def expected_error_test_items(study: Study, rungs: Sequence[Rung]) -> list[Table
         f"{SHARE:.0%} of the other scenes are covered."
     )
     out: list[Table | Figure] = [
-        Table.of("ladder-estimate", "Expected error of each model compared with the measured error", lines, note)
+        Table.of(
+            "ladder-estimate", "Expected contact-load error of each model compared with the measured error", lines, note
+        )
     ]
     if panels:
-        caption = "On or above the line, the error was not larger than expected."
+        caption = "One point for each screw. On or above the line: the measured error does not exceed the expected one."
         out.append(
             Figure(
                 "ladder-estimate-figure",
-                "Expected over measured error of the models, for each compared screw",
+                "Expected over measured contact-load error of each model on the compared screws",
                 tuple(panels),
                 caption,
             )
@@ -238,7 +252,7 @@ def expected_error_test_items(study: Study, rungs: Sequence[Rung]) -> list[Table
 
 
 def largest_errors_sentence(rungs: Sequence[Rung]) -> str:
-    """Return the sentence on the largest errors of each model, on case studies and on screws not used in development.
+    """Return the sentence on the largest errors of three models, on case studies and on screws not used in development.
 
     ``rungs``: solution of each scene by each model, with its errors against the 3D reference.
     """
@@ -256,13 +270,13 @@ def largest_errors_sentence(rungs: Sequence[Rung]) -> str:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on the sequence of models from Lin's to the refined one, with the errors of each.
+    """Return the section on the errors of the sequence of models from Lin's rigid-nut model to the refined model.
 
     ``step`` is called with each line of progress.
     """
     step("every model on every scene with a 3D reference")
     rungs = study.compute_once(ladder)
-    title = "Errors of the models from Lin's model to the refined one"
+    title = "Contact-load errors of a sequence of models, from Lin's rigid-nut model to the refined model"
     if not rungs:
         return Section("ladder", title, (Text(("No run of the 3D reference is stored.",)),))
     text = (
@@ -290,7 +304,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         name: float(np.median([r.error.max_percent for r in rungs if r.model == name])) for name in ("lin", "refined")
     }
     conclusion = (
-        f"Median over the scenes of the largest error: {median['lin']:.1f} % of the mean load by Lin's model, "
+        f"Median over the scenes of the largest contact-load error: {median['lin']:.1f} % of the mean load by Lin's model, "
         f"{median['refined']:.1f} % by the refined model."
     )
     return Section("ladder", title, (*items, *expected_error_test_items(study, rungs)), conclusion=conclusion)

@@ -49,7 +49,7 @@ MM, MPA = 1e3, 1e-6
 
 
 def pressure_panel(name: str, found: ContactPressure) -> PressurePanel:
-    """Return the map of nodal pressures of one contact, with the contact ellipse by Hertz.
+    """Return the contour plot of the nodal pressures of one contact, with its contact ellipse by Hertz theory.
 
     ``name``: title of the map, such as "ball 5, SL". ``found``: pressures at the nodes of the contact, with Hertz's
     solution.
@@ -67,10 +67,10 @@ def pressure_panel(name: str, found: ContactPressure) -> PressurePanel:
 
 
 def pressure_profiles_figure(found: dict[str, ContactPressure]) -> Figure:
-    """Draw the contact pressure across and along the groove, by the 3D reference and by Hertz theory.
+    """Draw the pressure of each contact across and along the groove, by the 3D reference and by Hertz theory.
 
-    The curves follow the two lines of nodes through the node with the largest pressure. ``found`` has the pressures by name
-    of the contact.
+    The curves follow the two lines of nodes through the node with the largest pressure. ``found``: pressures at the nodes
+    of each contact, by the contact's name.
     """
     panels = []
     for name, one in found.items():
@@ -98,15 +98,15 @@ def pressure_profiles_figure(found: dict[str, ContactPressure]) -> Figure:
             )
     return Figure(
         "pressure-profiles",
-        "Contact pressure across and along the groove, by the 3D reference and by Hertz",
+        "Contact pressure of one ball across and along the groove, by the 3D reference and by Hertz theory",
         tuple(panels),
-        "Along the lines of nodes through the node with the largest pressure. Hertz: closed form for the same load, "
-        "centred on the resultant force.",
+        "Dots: the lines of nodes through the largest pressure. Curves: Hertz theory for the same load, centred on the "
+        "resultant force.",
     )
 
 
 def node_spacing_along_groove(found: ContactPressure) -> float:
-    """Return the mean distance of neighbouring nodes of a contact patch along the groove [m].
+    """Return the mean distance [m] of neighbouring nodes in the groove direction, in the fine mesh patch of one contact.
 
     ``found``: pressures of the contact, with the positions of its nodes.
     """
@@ -117,7 +117,7 @@ def node_spacing_along_groove(found: ContactPressure) -> float:
 def pressure_table(groups: dict[str, dict[str, ContactPressure]]) -> Table:
     """Return the table of the largest pressure of each contact, by the 3D reference and by Hertz theory.
 
-    ``groups`` has the pressures by scene and by name of the contact.
+    ``groups``: nodal pressures by name of the scene, then by name of the contact.
     """
     rows: list[Row] = [
         {
@@ -137,7 +137,7 @@ def pressure_table(groups: dict[str, dict[str, ContactPressure]]) -> Table:
     ]
     return Table.of(
         "pictures-pressure",
-        "Largest nodal pressure by the 3D reference and pole pressure by Hertz",
+        "Largest nodal pressure of each contact by the 3D reference, and pole pressure by Hertz theory",
         rows,
         (
             "Nodal pressure: nodal force over tributary area. Where the pressure varies nonlinearly, this value is too "
@@ -164,33 +164,33 @@ BESIDE = 0.02e-3
 
 @dataclass(frozen=True)
 class PicturedSolution:
-    """Solution of a scene by the 3D reference on the coarsest mesh, from which pictures are drawn."""
+    """Solution of one scene by the 3D reference on its coarsest mesh level, from which the report's pictures are drawn."""
 
-    #: Scene that is shown.
+    #: Scene that is shown: screw, nut, balls and loads.
     scene: Scene
-    #: Set-up of the 3D reference.
+    #: Set-up of the 3D computation: condensed meshes and dimensions of screw, nut and balls.
     setup: Setup
     #: Meshes of screw, nut, balls and contact patches.
     meshes: Meshes
     #: Solution of the 3D reference.
     result: ReferenceResult
-    #: Nodal contact forces of all balls [N], by flank.
+    #: Nodal forces in the contacts of all balls [N], by index of the flank in SL, SR, NL, NR.
     forces: dict[int, Array]
-    #: Index of the ball whose surroundings are drawn.
+    #: Index (from 0) of the ball around which meshes and stresses are drawn.
     ball: int
 
 
 @dataclass(frozen=True)
 class StressFields:
-    """Stress fields of the 3D reference around one ball, in the ball's frame."""
+    """Stress fields of the 3D reference around one ball, rotated so that the ball lies at azimuth 0."""
 
-    #: Fields in the coarse meshes of screw and nut.
+    #: Fields in the coarse meshes of screw and nut, in this order.
     bodies: tuple[SolidField, SolidField]
     #: Field in the coarse mesh of the ball.
     ball: SolidField
-    #: Fields in the fine patches of the grooves, by flank.
+    #: Fields in the fine patches of the grooves, by index of the flank in SL, SR, NL, NR.
     grooves: dict[int, SolidField]
-    #: Fields in the fine patches of the ball, by flank.
+    #: Fields in the fine patches of the ball, by index of the flank that each touches.
     patches: dict[int, SolidField]
 
 
@@ -216,14 +216,14 @@ def solve_pictured_scene(study: Study, step: Step) -> PicturedSolution:
         meshes = mesh_parts(scene, setup.map, setup.layout, setup.dims, sides, settings, store)
     result = solve_reference(setup, scene, sides=sides)
     if not result.contact.converged:
-        raise RuntimeError(f"pictures: {SCENE} on level {LEVEL}: {result.status}")
+        raise RuntimeError(f"pictures of the 3D reference: {SCENE} on mesh level {LEVEL} was not solved: {result.status}")
     return PicturedSolution(
         scene, setup, meshes, result, pressure_function_forces_by_flank(setup, result), int(result.load[:, 0].argmax())
     )
 
 
 def compute_stresses(solved: PicturedSolution, step: Step) -> StressFields:
-    """Compute the stress fields around the ball that is drawn, in screw, nut, ball and their fine patches.
+    """Compute the stress fields around the pictured ball: in screw, nut and ball, and in their fine contact patches.
 
     ``solved``: solution of the scene under its loads. ``step`` is called with each line of progress.
     """
@@ -253,9 +253,9 @@ def compute_stresses(solved: PicturedSolution, step: Step) -> StressFields:
 
 
 def groove_unit_vectors(solved: PicturedSolution) -> tuple[Array, Array, Array]:
-    """Return unit vectors (3,) of the groove's cross-section at azimuth 0: radial, along the groove, and normal to both.
+    """Return three unit vectors of the groove at azimuth 0: radial, along the groove, and normal to both, each (3,).
 
-    The screw's axis is z. The groove rises along the axis with the lead angle.
+    The screw's axis is z. The first and third vector span the groove's cross-section, which is inclined by the lead angle.
     """
     alpha = solved.setup.map.alpha
     return (
@@ -266,9 +266,9 @@ def groove_unit_vectors(solved: PicturedSolution) -> tuple[Array, Array, Array]:
 
 
 def contact_point(solved: PicturedSolution, side: int) -> Array:
-    """Return the nominal contact point [m] of the ball at azimuth 0 with a flank, in the ball's frame.
+    """Return the nominal contact point (3,) [m] between a ball at azimuth 0 and one flank, in the screw's frame.
 
-    ``side`` is the index of the flank in SL, SR, NL, NR.
+    ``side``: index of the flank in SL, SR, NL, NR.
     """
     from rollbench.meshes.ball_body import contact_frame_vectors
 
@@ -277,7 +277,7 @@ def contact_point(solved: PicturedSolution, side: int) -> Array:
 
 
 def keep_used_nodes(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
-    """Return cells of a mesh as a part to be drawn, with only the nodes that these cells use.
+    """Return selected cells of a mesh as a `MeshPart` for a picture, without the nodes that these cells do not use.
 
     Parameters
     ----------
@@ -286,7 +286,7 @@ def keep_used_nodes(points: Array, cells: Index, kind: str, colour: str) -> Mesh
     cells
         Node numbers of the cells to draw.
     kind
-        Type of the cells.
+        Element type of the cells, as in `MeshPart`.
     colour
         Colour of the part.
     """
@@ -295,7 +295,7 @@ def keep_used_nodes(points: Array, cells: Index, kind: str, colour: str) -> Mesh
 
 
 def mesh_overview(solved: PicturedSolution) -> FieldPicture:
-    """Return the picture of the meshes of the screw and half of the nut, with the fine patches at all contacts.
+    """Return the picture of the meshes of the screw, of the rear half of the nut, and of the fine patches at all contacts.
 
     ``solved``: solution of the scene on the coarsest mesh level.
     """
@@ -320,7 +320,7 @@ def mesh_overview(solved: PicturedSolution) -> FieldPicture:
     scene = solved.scene
     return FieldPicture(
         "mesh-screw",
-        "Mesh of the 3D reference: screw, nut cut open, and the fine patches at all contacts",
+        "Mesh of the 3D reference: screw, nut cut open, and fine patches at all contacts",
         tuple(parts),
         sight=(*(toward[:2] + 0.0), 0.25),
         up=(-toward[1], toward[0], 0.0),
@@ -329,18 +329,18 @@ def mesh_overview(solved: PicturedSolution) -> FieldPicture:
         scale_bar=10e-3,
         caption=(
             f"{SCENE}, level {LEVEL}: {len(meshes.screw.cells)} and {len(nut.cells)} second-order tetrahedra in screw and "
-            f"nut, and at every contact a patch of {len(mesh_groove_patch(setup, meshes, 0).cells)} second-order hexahedra "
-            f"(orange), which is condensed exactly. As one mesh: {setup.unknowns / 1e6:.2f} million unknowns. Balls are "
-            "not drawn; the round hollows along the cut of the nut are cross-sections of its groove."
+            f"nut; orange: a patch of {len(mesh_groove_patch(setup, meshes, 0).cells)} second-order hexahedra at every "
+            f"contact. As one mesh: {setup.unknowns / 1e6:.2f} million unknowns. Balls are not drawn; the round hollows "
+            "along the cut are cross-sections of the nut's groove."
         ),
     )
 
 
 def _mesh_parts_around_ball(found: StressFields, *, values: bool) -> tuple[MeshPart, ...]:
-    """Return the meshes of screw, nut, ball and fine patches around the ball, as parts to be drawn.
+    """Return the meshes of screw, nut, ball and fine patches around the pictured ball, as parts of a picture.
 
-    ``found``: their stress fields. With ``values`` the parts are coloured by the von Mises stress [MPa]; otherwise the
-    edges of their cells are drawn.
+    ``found``: these meshes with their stress fields. ``values``: whether the parts are coloured by the von Mises stress
+    [MPa]; if not, the edges of their cells are drawn.
     """
 
     def coloured(piece: SolidField, colour: str) -> MeshPart:
@@ -366,11 +366,11 @@ def groove_section_picture(
     height: float,
     side: int | None = None,
 ) -> FieldPicture:
-    """Return the picture of the mesh in the groove's cross-section through the ball; the screw is below, the nut above.
+    """Return the picture of the meshes of screw, ball and nut in the groove's cross-section through the ball's centre.
 
-    ``solved``: solution of the scene. ``found``: meshes and stresses around the ball. ``name``: file name of the picture.
-    ``height``: height of the shown region [m]. ``side``: index in SL, SR, NL, NR of the flank whose contact alone is shown,
-    enlarged; None: the whole ball is shown.
+    The screw is below, the nut above. ``solved``: solution of the scene. ``found``: meshes and stresses around the ball.
+    ``name``: file name of the picture. ``height``: height of the shown region [m]. ``side``: index in SL, SR, NL, NR of the
+    flank whose contact alone is shown, enlarged; None: the whole ball is shown.
     """
     x3, y3, _ = groove_unit_vectors(solved)
     m = solved.setup.map
@@ -394,9 +394,9 @@ def groove_section_picture(
 
 
 def contact_picture(solved: PicturedSolution, found: StressFields) -> FieldPicture:
-    """Return the picture of the mesh of the screw's groove around one contact, seen from the ball along the normal.
+    """Return the picture of the mesh of the screw's groove around the ball's contact on flank SL, seen from the ball.
 
-    ``solved``: solution of the scene. ``found``: meshes and stresses around the ball. The contact is that with flank SL.
+    ``solved``: solution of the scene. ``found``: meshes and stresses around the ball.
     """
     x3, y3, _ = groove_unit_vectors(solved)
     point, b = contact_point(solved, 0), solved.setup.map.ball
@@ -415,14 +415,14 @@ def contact_picture(solved: PicturedSolution, found: StressFields) -> FieldPictu
         focus=tuple(point),
         height=1.6 * b,
         scale_bar=1e-3,
-        caption="Seen from the ball. The patch is finest in its middle, where contact may occur: cells are "
-        f"{MM * solved.setup.settings.semi[1] / solved.setup.settings.b_over_h:.2f} mm long along the groove, and nodes "
-        "are half as far apart.",
+        caption="Seen from the ball. Cells are smallest in the middle of the fine patch, where contact may occur: "
+        f"{MM * solved.setup.settings.semi[1] / solved.setup.settings.b_over_h:.2f} mm "
+        "long along the groove.",
     )
 
 
 def ball_picture(solved: PicturedSolution, found: StressFields) -> FieldPicture:
-    """Return the picture of the mesh of a ball with its fine patches, with the contact with the screw in front.
+    """Return the picture of the mesh of a ball with a fine patch at each contact; the screw's contact faces the viewer.
 
     ``solved``: solution of the scene. ``found``: meshes and stresses around the ball.
     """
@@ -450,11 +450,11 @@ def ball_picture(solved: PicturedSolution, found: StressFields) -> FieldPicture:
 
 
 def solve_contact_pressures(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
-    """Compute the contact pressures of one ball on a fine mesh.
+    """Compute the nodal contact pressures of one ball of a scene on a fine 3D mesh.
 
-    The ball is pressed by its contact loads in the stored 3D reference, or by those of the default model if none is stored.
-    The ball is the one whose least loaded contact carries the largest load. ``name``: name of the scene. Returns the index
-    of the ball, from 0, and the pressures by name of the contact, such as "ball 5, SL".
+    The ball carries its contact loads from the stored 3D reference, or from the default model if no reference is stored. It
+    is the ball whose least loaded contact has the largest load. ``name``: name of the scene. Returns the index of the ball,
+    from 0, and the pressures by name of the contact, such as "ball 5, SL".
     """
     from rollbench.hifi.fields import ball_contact_pressures
 
@@ -470,7 +470,10 @@ def solve_contact_pressures(study: Study, name: str) -> tuple[int, dict[str, Con
 
 
 def loaded_balls_picture(solved: PicturedSolution) -> LoadedScrew:
-    """Return the picture of the contact loads on all balls by the 3D reference."""
+    """Return the 3D picture of a loaded screw: balls coloured by their contact loads, contact forces as arrows.
+
+    ``solved``: solution of the scene by the 3D reference.
+    """
     scene, result = solved.scene, solved.result
     layout, m = ball_layout(scene), solved.setup.map
     ball = float(draw_specimen(scene, layout).ball_radius.max())
@@ -495,7 +498,7 @@ def loaded_balls_picture(solved: PicturedSolution) -> LoadedScrew:
 
 
 def von_mises_caption(solved: PicturedSolution, found: StressFields) -> str:
-    """Return the caption with the largest von Mises stresses near the screw contact, by the 3D reference and by Hertz.
+    """Return a caption with the largest von Mises stresses near the ball's contact with the screw, in 3D and by Hertz.
 
     ``solved``: solution of the scene. ``found``: stress fields around the ball.
     """
@@ -509,15 +512,15 @@ def von_mises_caption(solved: PicturedSolution, found: StressFields) -> str:
     top, at = float(closed.max()), float(depth[closed.argmax()])
     return (
         f"Largest nodal values: {MPA * found.grooves[0].von_mises.max():.0f} MPa in the groove and "
-        f"{MPA * found.patches[0].von_mises.max():.0f} MPa in the ball. Half-space under Hertz pressure: "
+        f"{MPA * found.patches[0].von_mises.max():.0f} MPa in the ball. Closed form, half-space under Hertz pressure: "
         f"{MPA * top:.0f} MPa ({top / h.pole_pressure:.3f} of the pole pressure), {1e6 * at:.0f} µm below the surface."
     )
 
 
 def pressure_map(name: str, title: str, found: dict[str, ContactPressure], caption: str) -> PressureMap:
-    """Return the pressure maps of all contacts of one ball, with the contact ellipses by Hertz.
+    """Return the figure with pressure contours of all contacts of one ball, and their contact ellipses by Hertz theory.
 
-    ``name``: file name of the figure. ``found``: pressures by name of the contact, such as "ball 5, SL".
+    ``name``: file name of the figure. ``found``: nodal pressures by name of the contact, such as "ball 5, SL".
     """
     panels = tuple(pressure_panel(contact, x) for contact, x in found.items())
     axes = "across the groove / mm", "along the groove / mm", "pressure / MPa"
@@ -542,19 +545,17 @@ def make_section(study: Study, step: Step) -> Section:
         "the groove's cross-section, with the radial direction upwards and the screw axis to the right."
     )
     mesh = (
-        "Lines are faces of cells cut by the plane. Orange and green: fine patches of grooves and ball. The patches of the "
-        "grooves are aligned with the azimuth, so the section crosses them at the lead angle."
+        "Lines: faces of cells cut by the plane. Orange: fine patches of the grooves of screw and nut; green: those of the "
+        "ball."
     )
     pressure = (
-        f"Mesh level {FINE_LEVEL}. Pressure: nodal force over tributary area; dots are nodes (the note of the table "
-        "explains their scatter). Ellipse: Hertz's closed form for the same load and the local curvatures, centred on the "
-        "resultant force. The loads of the finest stored reference are applied to the 3D ball between its 3D groove "
-        "patches, which are fixed where they join screw and nut."
+        f"Mesh level {FINE_LEVEL}; dots: nodes. Pressure: nodal force over tributary area. Ellipse: Hertz theory for the "
+        "same load. The ball is pressed with its contact loads in the 3D reference between groove patches that are held "
+        "where they join screw and nut."
     )
     stress = (
-        "Linear elastic, nominal geometry. The bodies are solved once more under the contact loads of all balls: the "
-        "screw is fixed at the lower end of its 3D section and free at the other; the nut is fixed at its "
-        f"{solved.setup.dims.nut_held}. The colour scale is logarithmic."
+        "Linear elastic; logarithmic colour scale. Screw and nut carry the contact loads of all balls; the screw is fixed "
+        f"at the lower end of its 3D section, the nut at its {solved.setup.dims.nut_held}."
     )
     title = f"Mesh around {ball} in the cross-section of the groove"
     whole = groove_section_picture(solved, found, "mesh-section", title, mesh, height=3.3 * b)
@@ -576,13 +577,15 @@ def make_section(study: Study, step: Step) -> Section:
             whole,
             contact_picture(solved, found),
             ball_picture(solved, found),
-            pressure_map("pressure-two", f"Contact pressure of ball {ball2 + 1} of {SCENE}, both contacts", two, pressure),
+            pressure_map(
+                "pressure-two", f"Contact pressure on both contacts of ball {ball2 + 1} of {SCENE}", two, pressure
+            ),
             pressure_profiles_figure(two),
             pressure_map(
                 "pressure-four",
-                f"Contact pressure of ball {ball4 + 1} of {FOUR} on all four flanks",
+                f"Contact pressure on all four flanks of ball {ball4 + 1} of {FOUR}",
                 four,
-                f"Mesh level {FINE_LEVEL}; computed in the same way as for {SCENE}.",
+                f"Mesh level {FINE_LEVEL}. Pressure: nodal force over tributary area. Ellipse: Hertz theory, same load.",
             ),
             pressure_table({SCENE: two, FOUR: four}),
             around,

@@ -53,7 +53,7 @@ def case_studies(study: Study) -> dict[str, Reference]:
 
 
 def modelling_uncertainty_by_scene(study: Study) -> dict[str, Modelling]:
-    """Return the modelling uncertainty of the 3D reference for the scenes on which modelling choices were varied."""
+    """Return the modelling uncertainty of the 3D reference, by name of the scenes with varied modelling choices."""
     return study.compute_once(_compute_modelling_uncertainty)
 
 
@@ -68,7 +68,7 @@ def _compute_modelling_uncertainty(study: Study) -> dict[str, Modelling]:
 
 
 def solve_loads_by_model(study: Study, name: str, model: str) -> Loads:
-    """Return contact loads and displacements of a scene by a low-order model.
+    """Solve a scene by a low-order model, and return its contact loads and displacements.
 
     ``name``: name of the scene. ``model``: name of the model.
     """
@@ -76,10 +76,10 @@ def solve_loads_by_model(study: Study, name: str, model: str) -> Loads:
 
 
 def load_error_table(study: Study, found: References) -> Table:
-    """Return the table of errors against the finest level of the 3D reference, for each scene.
+    """Return the table of contact-load errors against the finest mesh level of the 3D reference, for each scene.
 
-    It lists the low-order models, the mesh of Lin's thesis, and coarser mesh levels. ``found``: 3D reference of each scene,
-    by name of the scene.
+    Its rows are the low-order models, the 3D model on the mesh of Lin's thesis, and coarser mesh levels. ``found``: 3D
+    reference of each scene, by name of the scene.
     """
     rows: list[Row] = []
     modelled = modelling_uncertainty_by_scene(study)
@@ -105,9 +105,12 @@ def load_error_table(study: Study, found: References) -> Table:
         "dimensions that are not printed (section reference-mesh). No error is reduced by an uncertainty; section u-val "
         "combines both uncertainties with the input tolerances."
     )
-    return Table.of("reference-errors", "Errors of the low-order models against the 3D reference on each scene", rows, note)
+    return Table.of(
+        "reference-errors", "Contact-load errors of the low-order models against the 3D reference on each scene", rows, note
+    )
 
 
+#: Names of the 3D runs in tables and figures, by the name under which their loads are returned.
 LABELS = {
     "3D source mesh": "3D reference, mesh of Lin's thesis",
     **{f"3D level {level}": f"3D reference, level {level}" for level in LEVELS},
@@ -121,18 +124,18 @@ def _load_error_row(
     printed: str | None,
     bars: tuple[float | None, float | None],
 ) -> Row:
-    """Return one row of `load_error_table`: errors of one model on one scene.
+    """Return one row of `load_error_table`: contact-load errors of one model or mesh on one scene.
 
     Parameters
     ----------
     named
-        Names of scene and model.
+        Name of the scene, and label of the model or mesh.
     load_error
         Errors of the contact loads; None for the finest mesh level itself.
     ratio
         Ratio of the largest to the smallest load on flank SL.
     printed
-        Printed errors as text.
+        Errors that Lin's thesis prints for its model, as text.
     bars
         Grid uncertainty and modelling uncertainty of the 3D reference [% of the mean load].
     """
@@ -157,7 +160,7 @@ def _load_error_row(
 
 
 def contact_load_tables(study: Study, found: References) -> list[Table]:
-    """Return a table for each scene with the load of every contact by every model, and its contact angle.
+    """Return, for each scene, a table with the load and contact angle of every contact by every model and mesh.
 
     ``found``: 3D reference of each scene, by name of the scene.
     """
@@ -186,7 +189,9 @@ def contact_load_tables(study: Study, found: References) -> list[Table]:
                     Quantity("low_angle", "contact angle, refined model", "deg", ".2f"): _number_or_none(low.angle[i, s]),
                 }
             )
-        out.append(Table.of(f"reference-loads-{name}", f"Contact loads and contact angles of {name} by every model", rows))
+        out.append(
+            Table.of(f"reference-loads-{name}", f"Loads and contact angles of all contacts of {name} by every model", rows)
+        )
     return out
 
 
@@ -220,10 +225,9 @@ def centreline_displacement_table(study: Study, found: References) -> Table:
 
 
 def contact_load_figures(study: Study, found: References) -> list[Figure]:
-    """Draw the contact loads of each scene by all models, with the uncertainty of the 3D reference as a band.
+    """Draw the contact loads of all balls by all models, with the uncertainty of the 3D reference as a band.
 
-    ``found``: 3D reference of each scene, by name of the scene. There is one figure for each scene, with a panel for each
-    flank.
+    ``found``: 3D reference of each scene, by name of the scene. Each scene has a figure, with a panel for each flank.
     """
     out = []
     for name, ref in found.items():
@@ -244,7 +248,13 @@ def contact_load_figures(study: Study, found: References) -> list[Figure]:
                 )
             series += [contact_load_curve(m.label, a, s) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
             panels.append(contact_load_panel(SIDES[s], *series))
-        out.append(Figure(f"reference-loads-{name}", f"Contact load of every ball of {name} by all models", tuple(panels)))
+        out.append(
+            Figure(
+                f"reference-loads-{name}",
+                f"Contact load of every ball of {name} by the low-order models and the 3D reference",
+                tuple(panels),
+            )
+        )
     return out
 
 
@@ -261,13 +271,18 @@ def centreline_displacement_figure(study: Study, found: References) -> Figure:
         solid = lateral_displacement_curves(line[:, 0], line[:, 1:], "u{}, 3D reference", "markers", emphasis=True)
         series = (x for pair in zip(model, solid, strict=True) for x in pair)
         panels.append(Panel(name, "axial position / mm", "displacement / µm", tuple(series)))
-    return Figure("reference-centreline", "Lateral displacement of the screw's centreline over its length", tuple(panels))
+    return Figure(
+        "reference-centreline",
+        "Lateral displacement of the screw's centreline by the refined model and the 3D reference",
+        tuple(panels),
+    )
 
 
 def lin_model_gate_paragraph(found: References, study: Study) -> str:
-    """Return the paragraph on the errors of Lin's model by the gate's rule: largest error, contacts beyond the limit.
+    """Return the paragraph on the load errors of Lin's model as ``rollbench check`` (the gate) judges them.
 
-    The gate is ``rollbench check``. ``found``: 3D reference of each scene, by name of the scene.
+    It states, for each scene, the largest error and the number of contacts beyond the limit. ``found``: 3D reference of
+    each scene, by name of the scene.
     """
     worst = []
     for name, ref in found.items():
@@ -286,10 +301,11 @@ def lin_model_gate_paragraph(found: References, study: Study) -> str:
 
 
 def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | None:
-    """Return the error of Lin's model on one contact against a 3D reference with a rigid nut [% of the contact's load].
+    """Return the load error of Lin's model on one contact against a 3D model with a rigid nut [% of the contact's load].
 
     ``name``: name of the scene. ``ball``: number of the ball, from 1. ``side``: flank (SL, SR, NL or NR). Lin's model has a
-    rigid nut, so this error excludes the effect of nut elasticity. Returns None if no such run is stored.
+    rigid nut, so this error excludes the effect of nut elasticity. Returns None if no such 3D run is stored, or if the
+    contact is unloaded in it.
     """
     run = load_run(study.scene(name), min(LEVELS), stores=study.stores)
     if run is None or "elastic nut" not in run.without:
@@ -300,9 +316,9 @@ def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | No
 
 
 def exceedance_table(found: References, study: Study) -> Table:
-    """Return the table of contacts on which Lin's model exceeds the gate's limit, with the known cause of each error.
+    """Return the table of contacts on which the load error of Lin's model exceeds the limit of ``rollbench check``.
 
-    The gate is ``rollbench check``. ``found``: 3D reference of each scene, by name of the scene.
+    Each row has the known cause of the error. ``found``: 3D reference of each scene, by name of the scene.
     """
     causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
     rows: list[Row] = []

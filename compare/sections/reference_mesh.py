@@ -1,4 +1,4 @@
-"""Report section on the uncertainty of the 3D reference: mesh levels, mesh study, modelling choices, left-out effects."""
+"""Report section on the uncertainty of the 3D reference: by its mesh, its modelling choices, and effects left out of it."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ References = Mapping[str, Reference]
 
 
 def _load_change_cells(error: LoadError, form: str = ".2f") -> Row:
-    """Return the table cells on the load changes that a modelling or numerical choice causes: largest, RMS, and ball.
+    """Return the table cells on the load changes that a changed choice of the 3D reference causes: largest, RMS, and ball.
 
-    ``error``: the load changes. ``form``: number format of the first two cells.
+    ``error``: the load changes, as errors of the changed run. ``form``: number format of the first two cells.
     """
     return {
         Quantity("max", "largest change of a load", "% of mean", form): error.max_percent,
@@ -38,12 +38,12 @@ def _load_change_cells(error: LoadError, form: str = ".2f") -> Row:
 
 
 def _refines_one_choice(variant: str) -> bool:
-    """Return whether a variant of the 3D reference refines a single numerical choice; ``variant`` is its name."""
+    """Return whether a variant of the 3D reference, given by its name, refines one numerical setting of the mesh."""
     return variant in VARIANTS and bool(VARIANTS[variant].refined)
 
 
 def mesh_level_table(study: Study, found: References) -> Table:
-    """Return the table of the mesh levels of every scene: unknowns, times, load changes to finer levels, mesh quality.
+    """Return the table of the mesh levels of every scene: unknowns, run times, load changes to finer levels, mesh quality.
 
     ``found``: 3D reference of each scene, by name of the scene.
     """
@@ -91,12 +91,15 @@ def mesh_level_table(study: Study, found: References) -> Table:
         f"geometry are those of one common set-up. {_measured_times_sentence(common)}"
     )
     return Table.of(
-        "reference-levels", "Contact loads, unknowns and times on each mesh level of the 3D reference", rows, note
+        "reference-levels",
+        "Changes of contact loads, unknowns and run times on each mesh level of the 3D reference",
+        rows,
+        note,
     )
 
 
 def mesh_uncertainty_table(found: References) -> Table:
-    """Return the table of the mesh uncertainty of contact loads in every scene, with its contributions.
+    """Return the table of the mesh uncertainty of the 3D contact loads of every scene, with its contributions.
 
     ``found``: 3D reference of each scene, by name of the scene.
     """
@@ -137,9 +140,9 @@ def mesh_uncertainty_table(found: References) -> Table:
 
 
 def uncertainty_coverage_table(study: Study) -> Table | None:
-    """Return the table that tests the stated uncertainty of each mesh level by the loads on a finer level.
+    """Return the table that tests the mesh uncertainty of each mesh level by the contact loads on a finer level.
 
-    Returns None if runs are missing.
+    Returns None if runs of the 3D reference are missing.
     """
     found = test_all_mesh_levels(study)
     if not found:
@@ -169,7 +172,7 @@ def uncertainty_coverage_table(study: Study) -> Table | None:
     )
     return Table(
         "reference-coverage",
-        "Stated uncertainty (95 %) of a mesh level, and the change of loads on a finer level",
+        "Test of the mesh uncertainty (95 %): share of contact loads that change by less on a finer mesh",
         tuple(columns),
         rows,
         note,
@@ -177,9 +180,9 @@ def uncertainty_coverage_table(study: Study) -> Table | None:
 
 
 def _uncertainty_coverage_row(name: str, group: Sequence[UncertaintyTest]) -> dict[str, Cell]:
-    """Return the row of `uncertainty_coverage_table` for one scene, or for several scenes with medians over them.
+    """Return the row of `uncertainty_coverage_table` for one scene, or for several scenes by medians over them.
 
-    ``name``: text in the first cell. ``group``: tests of the mesh uncertainty of the scene or scenes, on all levels.
+    ``name``: text in the first cell. ``group``: tests of the mesh uncertainties of these scenes, on all mesh levels.
     """
     row: dict[str, Cell] = {"scene": name, "contacts": sum(h.contacts for h in group if h.level == min(LEVELS))}
     row["judge"] = ", ".join(map(str, sorted({h.judge for h in group})))
@@ -193,7 +196,7 @@ def _uncertainty_coverage_row(name: str, group: Sequence[UncertaintyTest]) -> di
 
 
 def common_error_paragraph(study: Study) -> str:
-    """Return the paragraph on the error that is common to all contacts and that the stated uncertainty does not include."""
+    """Return the paragraph on the error that all contact loads share and that the stated uncertainty does not include."""
     low, high = SHARED
     moves = [
         f"{e.choice} {float(e.change[e.change != 0.0].mean()):+.3f} %"
@@ -218,7 +221,7 @@ def _measured_times_sentence(common: Measured | None) -> str:
 
 
 def stage_table(found: References) -> Table:
-    """Return the table of the time of each stage of the run on the finest mesh level, by scene.
+    """Return the table of the run time of each stage of the 3D reference on its finest mesh level, scene by scene.
 
     ``found``: 3D reference of each scene, by name of the scene.
     """
@@ -233,12 +236,12 @@ def stage_table(found: References) -> Table:
     columns = [Quantity("scene", "scene", "", "s"), *(Quantity(k, k, "s", ".1f") for k in names)]
     columns.append(Quantity("contact", "load case", "s", ".1f"))
     note = f"Scenes with the same geometry share all stages except the load case. {_measured_times_sentence(common)}"
-    title = "Time of each stage of the 3D reference on its finest mesh level"
+    title = "Run time of each stage of the 3D computation on its finest mesh level"
     return Table("reference-stages", title, columns, rows, note)
 
 
 def mesh_study_items(study: Study, found: References) -> list[Table | Figure]:
-    """Return the table and figure of the mesh study of every scene that was solved on at least two mesh levels.
+    """Return, for every scene solved on two mesh levels or more, table and figure of its loads over the mesh levels.
 
     ``found``: 3D reference of each scene, by name of the scene.
     """
@@ -262,21 +265,30 @@ def mesh_study_items(study: Study, found: References) -> list[Table | Figure]:
         if any(row.get("modelling_spread") is not None for row in rows):
             columns.append(Quantity("modelling_spread", "modelling uncertainty", "", "g2"))
             columns.append(Quantity("scene_choices", "largest effect of choices of the scene", "", "g2"))
-        out.append(Table(f"mesh-study-{name}", f"Mesh study of {name}", columns, rows, accuracy_sentence(ref)))
+        out.append(
+            Table(
+                f"mesh-study-{name}",
+                f"Contact loads and displacements of {name} on each mesh level",
+                columns,
+                rows,
+                accuracy_sentence(ref),
+            )
+        )
         figure = mesh_convergence_figure(name, table, ref)
         if figure is not None:
             out.append(figure)
     return out
 
 
-#: Names of the kinds of choices in tables.
+#: Names of the kinds of choices (modelling, numerical, of the scene) in tables, by kind.
 KINDS = {"modelling": "modelling", "numerical": "numerical", "scene": "of the scene"}
 
 
 def modelling_choice_table(study: Study) -> Table | None:
-    """Return the table of the load changes caused by modelling choices of the 3D reference; None if no run is stored.
+    """Return the table of the changes of contact loads when one modelling choice of the 3D reference is changed.
 
-    It also has the error of Lin's model against the 3D reference with each changed choice.
+    It also has the error of Lin's model against the 3D reference with each changed choice. Returns None if no run with a
+    changed choice is stored.
     """
     rows: list[Row] = []
     for name in VARIED:
@@ -307,14 +319,14 @@ def modelling_choice_table(study: Study) -> Table | None:
         "groove of the screw ends are choices of the scene. The coupling of axial force and twist that beam models "
         "neglect is estimated here; the refined model includes it."
     )
-    title = "Effect of idealisations and of dimensions that are not printed on the loads of the 3D reference (level 1)"
+    title = "Change of the 3D reference's contact loads (mesh level 1) by one modelling choice or unprinted dimension"
     return Table.of("reference-spread", title, rows, note) if rows else None
 
 
 def numerical_choice_table(study: Study) -> Table | None:
-    """Return the table of the load changes when each numerical choice of the finest mesh level is refined alone.
+    """Return the table of load changes when one numerical setting of the finest mesh level is refined at a time.
 
-    The changes are compared with the grid uncertainty. Returns None if no run is stored.
+    The changes are compared with the mesh uncertainty of the loads. Returns None if no such run is stored.
     """
     scene, found, rows = study.scene(REFINED), study.reference(REFINED), list[Row]()
     if found is None:
@@ -340,14 +352,14 @@ def numerical_choice_table(study: Study) -> Table | None:
         "One numerical choice at a time is refined beyond the finest mesh level; changes are relative to the unchanged "
         "scene on the finest level. The grid uncertainty is the stated one with all its contributions."
     )
-    title = "Effect of refining each numerical choice of the finest mesh level alone"
+    title = "Change of contact loads when one numerical setting of the finest mesh level is refined"
     return Table.of("reference-choices", title, rows, note) if rows else None
 
 
 def modelling_uncertainty_table(study: Study) -> Table | None:
-    """Return the table of the modelling uncertainty of the 3D reference, by choice and in total; None without runs.
+    """Return the table of the uncertainty of the 3D contact loads by modelling choices, for each choice and in total.
 
-    Choices that were not varied are listed with the reason.
+    Choices that were not varied are listed with the reason. Returns None if no run with a changed choice is stored.
     """
     found = modelling_uncertainty_by_scene(study)
     if not found:
@@ -374,12 +386,19 @@ def modelling_uncertainty_table(study: Study) -> Table | None:
         "value is the error to expect on a typical contact; the largest value is quoted with the grid uncertainty. "
         "This is an estimate from one typical variation of each choice, not a bound."
     )
-    return Table("reference-modelling", "Modelling uncertainty of the 3D reference, by choice", columns, rows, note)
+    return Table(
+        "reference-modelling",
+        "Uncertainty of the 3D reference's contact loads by each modelling choice",
+        columns,
+        rows,
+        note,
+    )
 
 
+#: Replacements of the 3D screw, and of all 3D bodies, in runs that leave out an effect.
 BEAM = "the screw is a Timoshenko beam with homogenised section, with the local response of each contact"
 RIGID = "the nut is rigid, the screw a beam, the ball rigid, each with the local response of each contact"
-#: Effects that the 3D reference includes: what replaces each when it is left out, and the set-up stages that it needs.
+#: Effects of the 3D reference that runs leave out: what then replaces each, and the set-up stages that it needs.
 INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
     "elastic nut": ("the nut is rigid except for the local response of each contact", ("nut",)),
     "3D shaft": (BEAM, ("screw",)),
@@ -390,9 +409,9 @@ INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def _scenes_with_effects_left_out(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
-    """Yield the case studies for which runs of the 3D reference are stored that leave out one of its effects at a time.
+    """Yield the case studies with stored 3D runs that leave out one effect at a time, such as the nut's elasticity.
 
-    Yields the name of the scene, its run on the coarsest mesh level, and the solution by Lin's model.
+    For each, the name of the scene, its run on the coarsest mesh level, and the solution by Lin's model are yielded.
     """
     for name in case_studies(study):
         run = load_run(study.scene(name), min(LEVELS), stores=study.stores)
@@ -401,9 +420,9 @@ def _scenes_with_effects_left_out(study: Study) -> Iterator[tuple[str, Run, Stat
 
 
 def left_out_effects_table(study: Study) -> Table | None:
-    """Return the table of how loads [%] and run time [s] change if one effect is left out of the 3D reference.
+    """Return the table of how contact loads [%] and run time [s] change if one effect is left out of the 3D reference.
 
-    Returns None if no run is stored.
+    Returns None if no such run is stored.
     """
     rows: list[Row] = []
     common = most_frequent_conditions(run.measured for _, run, _ in _scenes_with_effects_left_out(study))
@@ -429,7 +448,7 @@ def left_out_effects_table(study: Study) -> Table | None:
             )
     note = "On the coarsest mesh level. Effects that are small compared with the required accuracy can be left out. "
     note += _measured_times_sentence(common)
-    title = "Change of loads and run time if one effect is left out of the 3D reference"
+    title = "Change of contact loads and run time if one effect is left out of the 3D reference"
     return Table.of("reference-ablation", title, rows, note) if rows else None
 
 
@@ -450,22 +469,22 @@ def rigid_nut_paragraph(study: Study) -> str:
 
 
 def mesh_uncertainty_sentence(found: References) -> str:
-    """Return the sentence on the range of mesh uncertainties of the finest mesh levels; empty without a reference.
+    """Return the sentence on the range, over all scenes, of the mesh uncertainty of the 3D contact loads.
 
-    ``found``: 3D reference of each scene, by name of the scene.
+    ``found``: 3D reference of each scene, by name of the scene; if there is none, the text is empty.
     """
     bars = [largest_uncertainty_percent(ref) for ref in found.values()]
     if not bars:
         return ""
     return (
-        f"The mesh uncertainty (95 %) of contact loads of the 3D reference is {min(bars):.2f} to {max(bars):.2f} % of the "
-        f"mean load on the worst contact of a scene ({len(bars)} scenes). Modelling choices matter more, above all where "
+        f"The mesh uncertainty (95 %) of the 3D reference's contact loads is {min(bars):.2f} to {max(bars):.2f} % of the "
+        f"mean load, on the worst contact of each of {len(bars)} scenes. Modelling choices matter more, above all where "
         "the nut is fixed."
     )
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on the uncertainty of the 3D reference: by mesh, by modelling choices, and of left-out effects.
+    """Return the section on the uncertainty of the 3D reference: by its mesh and by its modelling choices.
 
     ``step`` is called with each line of progress.
     """

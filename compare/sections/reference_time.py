@@ -1,4 +1,4 @@
-"""Report section on error over run time, of every model and mesh level on every compared scene."""
+"""Tables and figures on load error over run time, for every low-order model and 3D mesh level on every compared scene."""
 
 from __future__ import annotations
 
@@ -51,13 +51,13 @@ from rollbench.reports.content import Figure, Panel, Quantity, Row, Series, Tabl
 Step = Callable[[str], None]
 #: Smallest error drawn in the figures [% of the mean load]; smaller errors are drawn at this value.
 FLOOR = 1e-2
-#: Number of solutions whose median time is the warm time.
+#: Number of repeated solutions whose median time is the time of a further solution (warm time).
 WARM_CALLS = 10
 #: Scene whose first solution in a new process is timed with interpreted and with compiled kernels.
 FIRST = "lin-case1"
 #: Number of the longest stages of a set-up that the table names.
 DEAREST = 3
-#: Kinds of work of a set-up, and their headings.
+#: Kinds of work in a set-up of the 3D reference, and their column headings.
 WORK = {
     "all": "CPU time",
     "meshing": "meshing",
@@ -65,15 +65,15 @@ WORK = {
     "elimination": "elimination",
     "dense": "dense algebra of the elimination",
 }
-#: Models that are timed on this scene with interpreted and with compiled kernels.
+#: Models that are timed on the scene `FIRST` with interpreted and with compiled kernels.
 SAMPLE = ("lin", "refined")
-#: Number of panels of one figure.
+#: Largest number of panels in one figure.
 PANELS = 6
 
 
 @dataclass(frozen=True)
 class LargestError:
-    """Largest error of a contact load [%], with its range due to the grid uncertainty of the reference."""
+    """Largest error of a contact load [%], with its range due to the mesh uncertainty of the 3D reference."""
 
     #: Largest error [%].
     error: float
@@ -87,35 +87,35 @@ class LargestError:
 class TimePoint:
     """Error and run time of one model or mesh level on one scene, against the finest mesh level of the 3D reference."""
 
-    #: Name in tables.
+    #: Name of the model or mesh level in tables.
     label: str
     #: Kind: low-order model, mesh level of the 3D reference, or the mesh of Lin's thesis ("source mesh").
     kind: Literal["model", "level", "source mesh"]
-    #: Largest error [% of the mean load].
+    #: Largest error of a contact load [% of the mean load].
     error: float
-    #: RMS error [% of the mean load].
+    #: RMS error of the contact loads [% of the mean load].
     rms: float
-    #: Lower end of the range of the largest error [%]; None with a single mesh level.
+    #: Lower end of the range of ``error`` due to the mesh uncertainty [% of the mean load]; None with one mesh level.
     low: float | None
-    #: Upper end of the range of the largest error [%]; None with a single mesh level.
+    #: Upper end of this range [% of the mean load]; None with one mesh level.
     high: float | None
-    #: Time of a cold start [s]; None: not measured.
+    #: Time in a new process with empty caches [s] (cold start); None: not measured.
     cold: float | None
-    #: Time of a further solution of the same geometry [s]; None: not measured.
+    #: Time of a further solution of the same geometry in this process [s]; None: not measured.
     warm: float | None
-    #: Number of unknowns.
+    #: Number of unknowns of the model or mesh.
     unknowns: int
     #: Peak memory [MB]; None: not measured.
     memory: float | None
-    #: Short name.
+    #: Short name of the model or mesh level, for figures.
     name: str
-    #: Largest error by the gate's rule.
+    #: Largest error as ``rollbench check`` (the gate) judges it.
     gate: LargestError
     #: Status of the solver, such as "converged".
     status: str = "converged"
-    #: Conditions of the time measurement.
+    #: Conditions of the time measurement: program version and machine; None: not measured.
     measured: Measured | None = None
-    #: Time from an earlier measurement with its conditions, as text.
+    #: Time from an earlier measurement, with its conditions, as text; empty: none.
     older: str = ""
 
 
@@ -132,11 +132,11 @@ def largest_error_with_range(loads: Array, reference: Reference, scale: Array) -
     reference
         Contact loads of the 3D reference with their uncertainty.
     scale
-        Load by which the error of each contact is divided, (n, 4) [N], such as the mean load for all contacts.
+        Load by which the error of each contact is divided, (n, 4) [N]; for all contacts, for example, the mean load.
 
     Returns
     -------
-    Largest
+    LargestError
         Largest error and the ends of its range [%].
     """
     off = np.abs(error_percent(loads, reference.load, scale))
@@ -158,7 +158,7 @@ def errors_against_reference(loads: Array, reference: Reference) -> dict[str, An
 
 
 def further_solution_seconds(model: Model, scene: Scene, options: Options) -> float:
-    """Return the time in which a model solves a scene again [s], when body compliances and compiled kernels are ready.
+    """Return the time [s] in which a model solves a scene again, with body compliances and compiled kernels available.
 
     It is the median of `WARM_CALLS` solutions, after one that is not timed.
     """
@@ -171,7 +171,7 @@ def further_solution_seconds(model: Model, scene: Scene, options: Options) -> fl
 
 
 def measure_run_times(study: Study, names: Sequence[str], step: Step, *, levels: bool) -> StoredRunTimes:
-    """Measure the times in which all models solve the named scenes: in a new process (cold) and in a running one (warm).
+    """Measure the times in which all models solve the named scenes, in a new process (cold) and in a running one (warm).
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def measure_run_times(study: Study, names: Sequence[str], step: Step, *, levels:
 
     Returns
     -------
-    Kept
+    StoredRunTimes
         Measured times, with program version, machine and date.
     """
     times, cold_levels, first = {}, [], {}
@@ -220,7 +220,7 @@ def measure_commands(step: Step) -> StoredRunTimes:
 
 
 def run_times_to_show(study: Study, step: Step) -> StoredRunTimes | None:
-    """Return the run times that a report shows: the stored ones or, for a timed study, newly measured ones.
+    """Return the run times that a report shows: stored ones or, if the study asks for it, newly measured ones.
 
     A new measurement times every model and mesh level on every compared scene (about an hour) and is written to the study's
     first folder of stored runs. A quick study times the models only, and stores nothing. Returns None if the study is not
@@ -243,10 +243,10 @@ def compared_scenes(study: Study) -> dict[str, Reference]:
 
 
 def models_with_bodies(name: str, found: Reference, study: Study) -> list[tuple[Model, Path | None]]:
-    """Return the models that can describe a scene, each with the file of condensed bodies that it needs, or None.
+    """Return the models that can describe a scene, each with the file of body compliances that it needs (or None).
 
-    ``name``: name of the scene. ``found``: its 3D reference, whose finest run supplies the condensed bodies. The model
-    "condensed" is left out if there is no such file.
+    Only the model "condensed" needs a file: the compliances of screw and nut, condensed in the finest 3D run. It is left
+    out if there is no such file. ``name``: name of the scene. ``found``: its 3D reference.
     """
     scene, bodies = study.scene(name), path_of_condensed_bodies(study.scene(name), found, study.stores)
     further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
@@ -255,7 +255,7 @@ def models_with_bodies(name: str, found: Reference, study: Study) -> list[tuple[
 
 
 def stored_reference_runs(name: str, found: Reference, study: Study) -> list[Run]:
-    """Return the stored runs of a scene's 3D reference: that on the mesh of Lin's thesis, if stored, then the mesh levels.
+    """Return the stored 3D runs of a scene: first the one on the mesh of Lin's thesis, if stored, then all mesh levels.
 
     ``name``: name of the scene. ``found``: its 3D reference on the mesh levels.
     """
@@ -264,7 +264,7 @@ def stored_reference_runs(name: str, found: Reference, study: Study) -> list[Run
 
 
 def error_and_time_points(name: str, found: Reference, study: Study, step: Step) -> list[TimePoint]:
-    """Return the errors and run times of all models and mesh levels on a scene.
+    """Return the load errors and run times of all models and 3D mesh levels on one scene.
 
     Times from other measurements than the one shown are stated as text, with the conditions of their measurement.
 
@@ -310,10 +310,9 @@ def error_and_time_points(name: str, found: Reference, study: Study, step: Step)
 
 
 def _solve_scene(name: str, model: Model, study: Study, bodies: Path | None) -> StaticResult:
-    """Return the solution of a scene by a low-order model.
+    """Solve a scene by a low-order model, or return the solution that another section has already computed.
 
-    ``bodies``: file of condensed bodies that the model needs; None: no file. With condensed bodies, the solution already
-    computed for the report section "ladder" is used if there is one.
+    ``name``: name of the scene. ``bodies``: file of condensed body compliances that the model needs; None: no file.
     """
     if bodies is None:
         return study.solve(name, model.name)
@@ -324,7 +323,7 @@ def _solve_scene(name: str, model: Model, study: Study, bodies: Path | None) -> 
 
 
 def error_and_time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") -> Table:
-    """Return the table of errors and run times of every model and mesh level on every scene.
+    """Return the table of load errors and run times of every model and 3D mesh level on every scene.
 
     Parameters
     ----------
@@ -362,7 +361,9 @@ def error_and_time_table(points: Mapping[str, Sequence[TimePoint]], measured: st
         "their peaks. Unknowns of the 3D reference are those of the single mesh that is equivalent to its condensed parts."
         + (f" {measured}" if measured else "")
     )
-    return Table.of("reference-time", "Largest error of each model and mesh level over its run time", rows, note)
+    return Table.of(
+        "reference-time", "Contact-load error and run time of each model and 3D mesh level on each scene", rows, note
+    )
 
 
 def kernel_compilation_table(run_times: StoredRunTimes) -> Table:
@@ -391,7 +392,7 @@ def kernel_compilation_table(run_times: StoredRunTimes) -> Table:
 
 
 def command_time_table(run_times: StoredRunTimes) -> Table:
-    """Return the table of waiting times of commands that are started with an empty home directory, without caches.
+    """Return the table of run times of commands that start with an empty home directory, that is without caches.
 
     ``run_times``: measured run times.
     """
@@ -416,11 +417,13 @@ def command_time_table(run_times: StoredRunTimes) -> Table:
         "that caches can achieve. CPU time is the sum over all processes of the command; it depends less on other work on "
         f"the machine. {run_times}"
     )
-    return Table.of("reference-typed", "Waiting times of commands with an empty home directory", rows, note)
+    return Table.of(
+        "reference-typed", "Run times of commands that start with an empty home directory, without caches", rows, note
+    )
 
 
 def cold_level_time_table(run_times: StoredRunTimes) -> Table:
-    """Return the table of run times of each mesh level of the 3D reference on a scene without stored meshes or parts.
+    """Return the table of run times of each mesh level of the 3D reference from a cold start, without stored meshes.
 
     ``run_times``: measured run times.
     """
@@ -450,10 +453,9 @@ def cold_level_time_table(run_times: StoredRunTimes) -> Table:
 
 
 def set_up_cost_tables(costs: SetUpCosts) -> list[Table]:
-    """Return two tables on the set-up of the 3D reference: its processor time by stage, and the effect of cheaper variants.
+    """Return two tables on the set-up of the 3D reference: processor time of its stages, and cheaper variants of it.
 
-    ``costs``: measured processor times, and for each cheaper variant of the set-up the time that it saves and the load
-    change that it causes.
+    ``costs``: measured processor times and, for each cheaper variant, the saved time and the change of contact loads.
     """
     measured = f"Measured with {Measured(costs.version, machine=costs.machine)}, {costs.date}, by tests/set_up_costs.py."
     rows: list[Row] = [
@@ -491,13 +493,23 @@ def set_up_cost_tables(costs: SetUpCosts) -> list[Table]:
         f"ten values of each, 100,000 patches. {measured}"
     )
     return [
-        Table.of("reference-set-up-costs", "Processor time of a set-up of the 3D reference, by stage and work", rows, note),
-        Table.of("reference-set-up-ways", "Time saved and loads changed by cheaper set-ups", ways, tried),
+        Table.of(
+            "reference-set-up-costs",
+            "Processor time of the set-up of the 3D reference, by stage and kind of work",
+            rows,
+            note,
+        ),
+        Table.of(
+            "reference-set-up-ways",
+            "Cheaper variants of the 3D set-up that were rejected: time saved and change of loads",
+            ways,
+            tried,
+        ),
     ]
 
 
 def _costliest_stages(level: ColdLevelTime) -> str:
-    """Return as text the `DEAREST` stages that take most time in the set-up of a mesh level, each with its seconds."""
+    """Return as text the `DEAREST` longest stages in the set-up of a 3D mesh level, each with its seconds."""
     if level.stages is None:
         return "not measured"
     stages = sorted(level.stages.items(), key=lambda stage: -stage[1])
@@ -505,7 +517,7 @@ def _costliest_stages(level: ColdLevelTime) -> str:
 
 
 def speed_ratio_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
-    """Return the table of run times of the 3D reference on its finest mesh level, divided by those of Lin's model.
+    """Return the table of run times of the 3D reference on its finest mesh level over those of Lin's model.
 
     The ratio is given for each scene, for a new process up to the loads and for a further load case of a known geometry.
     ``points``: errors and run times by name of the scene. Raises ValueError if the times come from several measurements.
@@ -528,15 +540,15 @@ def speed_ratio_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
                 }
             )
     printed = printed_entry("lin-2.4.1", "speed_ratio").printed
-    title = f"Run time of the 3D reference over that of Lin's model (Lin's thesis: ANSYS over its model, over {printed})"
+    title = f"Run time of the 3D reference divided by that of Lin's model (for ANSYS, Lin's thesis prints over {printed})"
     return Table.of("reference-speed", title, rows)
 
 
 def error_over_time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
-    """Return the panel of the largest error over the time of a cold start on one scene, with the error's range as bars.
+    """Return the panel of the largest load error over the cold-start time of all models and mesh levels on one scene.
 
-    ``scene``: name of the scene, the title of the panel. ``of_scene``: errors and run times of all models and mesh levels
-    on it. Only converged solutions with a measured time are drawn.
+    ``scene``: name of the scene, the title of the panel. ``of_scene``: errors and run times on it. Only converged solutions
+    with a measured time are drawn; bars show the range of the error due to the mesh uncertainty.
     """
 
     def series(label: str, points: Sequence[TimePoint], style: str, *, emphasis: bool = False) -> Series:
@@ -557,14 +569,14 @@ def error_over_time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
 
 
 def error_over_time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
-    """Draw the error over run time, in one figure for each group of scenes.
+    """Draw the largest load error over run time of all models and mesh levels, in a figure for each group of scenes.
 
     The groups are the case studies without preload, those with preload, and the screws not used in development. ``points``:
     errors and run times by name of the scene.
     """
     caption = (
-        "Errors against the finest mesh level of the 3D reference; bars: range due to its grid uncertainty. Errors below "
-        f"{FLOOR:g} % are drawn at the lower edge."
+        "Errors against the finest mesh level of the 3D reference; bars: range due to its mesh uncertainty. Errors below "
+        f"{FLOOR:g} % are drawn at this value. Cold start: a new process with empty caches."
     )
     plain = [n for n in REFERENCED if n in points and any(p.name == "mei" for p in points[n])]
     groups = {
@@ -575,7 +587,7 @@ def error_over_time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[F
     return [
         Figure(
             f"reference-time{tail}",
-            "Largest error of each model and mesh level over its run time from a cold start",
+            "Largest contact-load error of each model and 3D mesh level over its run time from a cold start",
             tuple(error_over_time_panel(n, points[n]) for n in names),
             caption,
         )
@@ -596,7 +608,7 @@ def points_of_all_scenes(study: Study, step: Step) -> dict[str, list[TimePoint]]
 
 
 def measurement_conditions_sentence(study: Study, step: Step) -> str:
-    """Return a sentence on the conditions of the time measurement: program version, machine and date.
+    """Return a sentence on the conditions under which run times were measured: program version, machine and date.
 
     The sentence is "No run times are stored." if there are none. ``step`` is called with each line of progress.
     """

@@ -1,4 +1,4 @@
-"""Report section with a data sheet for every scene with a 3D reference: sketch, inputs, results, verdict, uncertainty."""
+"""Report section with a data sheet for every scene that has a 3D reference: sketch, inputs, results, verdicts, errors."""
 
 from __future__ import annotations
 
@@ -32,26 +32,26 @@ def scene_inputs_sentence(scene: Scene) -> str:
     track, balls, errors = scene.track, scene.balls, scene.errors.balls
     lead = f"lead {1e3 * track.lead:.4g} mm" + (f", {track.starts} starts" if track.starts > 1 else "")
     words = [
-        f"{scene.ball_count} balls of {2e3 * balls.radius:.5g} mm",
+        f"{scene.ball_count} balls of {2e3 * balls.radius:.5g} mm diameter",
         lead if track.lead else "ball bearing",
         f"pitch diameter {2e3 * track.pitch_radius:.5g} mm",
         f"contact angle {degrees(track.contact_angle):.4g} deg",
-        f"conformity {_conformity_text(scene)}",
+        f"groove radius over ball diameter {_conformity_text(scene)}",
     ]
     if errors.oversize:
-        words.append(f"ball radii {errors.oversize * 1e6:+.3g} um")
+        words.append(f"ball radii {errors.oversize * 1e6:+.3g} um from nominal")
     if scene.errors.lead_offset:
         words.append(f"lead offset {scene.errors.lead_offset * 1e6:.3g} um")
     return f"{', '.join(words)}."
 
 
 def _conformity_text(scene: Scene) -> str:
-    """Return the conformities of screw and nut (groove radius over ball diameter) as text, once if they are equal."""
+    """Return the conformities (groove radius over ball diameter) of screw and nut as text; one number if both are equal."""
     found = [f"{body.groove_radius / (2.0 * scene.balls.radius):.3g}" for body in (scene.screw, scene.nut)]
     return " and ".join(dict.fromkeys(found))
 
 
-#: Models on a data sheet; the uncertainty is stated for the first.
+#: Names of the models on a data sheet; the uncertainty u_val is stated for the first.
 MODELS = (DEFAULT, "lin")
 
 LEGEND = (
@@ -65,13 +65,13 @@ Judged = Mapping[tuple[str, str], Validated]
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section with a data sheet for every compared scene; the cases of Lin's thesis come first.
+    """Return the section with a data sheet for every scene that has a 3D reference; Lin's case studies come first.
 
     ``step`` is called with each line of progress.
     """
     step("a data sheet for every scene with a 3D reference")
     found = study.references((*REFERENCED, *UNSEEN))
-    title = "Geometry, loads and errors of each compared scene"
+    title = "Geometry, loads and errors of each compared screw and bearing"
     if not found:
         return Section("sheets", title, (Text(("No run of the 3D reference is stored.",)),))
     judged = {name: errors_by_model(study, name) for name in found}
@@ -84,9 +84,9 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def errors_by_model(study: Study, name: str) -> Judged:
-    """Return the error of every model in every quantity on a scene, with its uncertainty.
+    """Return the error of each model in `MODELS` in every quantity on a scene, with the uncertainty of the error.
 
-    ``name``: name of the scene. The keys are pairs of model and quantity.
+    ``name``: name of the scene. The keys are pairs: name of the model, name of the quantity.
     """
     return {
         (model, quantity.name): one
@@ -97,9 +97,9 @@ def errors_by_model(study: Study, name: str) -> Judged:
 
 
 def largest_errors_sentence(judged: Mapping[str, Judged]) -> str:
-    """Return the sentence on the largest contact-load error of each model: on all scenes, and by kind of scene.
+    """Return the sentences on the largest contact-load error of each model: over all scenes, then by kind of scene.
 
-    ``judged``: errors by name of the scene, then by model and quantity.
+    ``judged``: errors by name of the scene, then by model and quantity. Kinds: Lin's case studies, and other scenes.
     """
     kinds = (
         ("case studies of Lin's thesis", REFERENCED),
@@ -112,23 +112,23 @@ def largest_errors_sentence(judged: Mapping[str, Judged]) -> str:
             worst = [_largest_error_text(of_kind, model) for model in MODELS]
             words.append(f"{' and '.join(worst)} on the {len(of_kind)} {kind}")
     return (
-        f"Largest error of a contact load on {len(judged)} screws and bearings, in per cent of the mean load: "
+        f"Largest contact-load error over {len(judged)} screws and bearings, in per cent of the mean load: "
         f"{' and '.join(whole)}. In detail: {'; '.join(words)}."
     )
 
 
 def _largest_error_text(judged: Mapping[str, Judged], model: str) -> str:
-    """Return the largest contact-load error of a model over several scenes as text, with the name of the scene.
+    """Return as text the largest contact-load error of a model over several scenes, with the name of that scene.
 
     ``judged``: errors by name of the scene, then by model and quantity.
     """
     errors = {name: abs(v[model, CONTACTS].error) for name, v in judged.items()}
     name = max(errors, key=errors.__getitem__)
-    return f"{errors[name]:.1f} % by {model} ({name})"
+    return f"{errors[name]:.1f} % by the model {model} ({name})"
 
 
 def data_sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequence[Text | Sketch | Table | Figure]:
-    """Return the items of one scene's data sheet: verdict and uncertainty, sketch with inputs, table of results.
+    """Return the contents of one scene's data sheet: text on verdict and uncertainty, sketch, table of results.
 
     ``name``: name of the scene. ``reference``: its 3D reference. ``judged``: errors on this scene, by model and quantity.
     """
@@ -137,17 +137,17 @@ def data_sheet(study: Study, name: str, reference: Reference, judged: Judged) ->
     words = (gate_verdict_sentence(gate), uncertainty_sentence(reference, judged[DEFAULT, CONTACTS]))
     return (
         Text(words, heading=f"{name}: {scene.title}"),
-        sketch_scene(scene, f"sketch-{name}", f"Geometry and loads of {name}"),
+        sketch_scene(scene, f"sketch-{name}", f"Side view of {name} with supports and loads"),
         data_sheet_table(study, scene, reference, judged, gate),
     )
 
 
-#: Verdicts of the gate as verbs in a sentence.
+#: Verdicts of ``rollbench check`` on a model as verbs in a sentence.
 WORDS = {"pass": "passes", "fail": "fails", "undecided": "is undecided at"}
 
 
 def gate_verdicts(study: Study, name: str, reference: Reference) -> dict[str, Verdict]:
-    """Return the verdict of the gate (``rollbench check``) on the contact loads of each model on a scene, by model.
+    """Return the verdict of ``rollbench check`` (the gate) on each model's contact loads on a scene, by model name.
 
     ``name``: name of the scene. ``reference``: its 3D reference.
     """
@@ -155,26 +155,28 @@ def gate_verdicts(study: Study, name: str, reference: Reference) -> dict[str, Ve
 
 
 def gate_verdict_sentence(found: Mapping[str, Verdict]) -> str:
-    """Return the sentence on the gate's verdict on each model, with error and number of the decisive contact.
+    """Return the sentence on the verdicts of ``rollbench check`` on each model, with the contact that decided each.
 
-    ``found``: verdicts of ``rollbench check`` on the contact loads, by model.
+    ``found``: verdicts on the contact loads, by name of the model. The text states error, ball and flank of the contact.
     """
     sentences = [
-        f"{model} {WORDS[v.word]} the gate's {LIMIT:g} %: {_signed_text(v.error or 0.0)} % on ball {v.ball} {v.flank}"
+        f"{model} {WORDS[v.word]} the limit of {LIMIT:g} % of rollbench check: "
+        f"{_signed_text(v.error or 0.0)} % on ball {v.ball} {v.flank}"
         for model, v in found.items()
     ]
     return f"Verdict: {'; '.join(sentences)}."
 
 
 def _signed_text(value: float) -> str:
-    """Return a number as text with sign and two decimals."""
+    """Return a number as text with its sign (a typographic minus) and two decimals."""
     return f"{value:+.2f}".replace("-", "−")
 
 
 def uncertainty_sentence(reference: Reference, bounds: Validated) -> str:
-    """Return the sentence on the uncertainty of a scene's contact-load errors, by mesh, choices and input tolerances.
+    """Return the sentence on the uncertainty of the contact-load error on a scene, and on its three contributions.
 
-    ``reference``: 3D reference of the scene. ``bounds``: error of the default model with these uncertainties.
+    The contributions are mesh, modelling choices and input tolerances. ``reference``: 3D reference of the scene.
+    ``bounds``: error of the default model with these uncertainties.
     """
     levels = ", ".join(str(run.level) for run in reference.runs)
     parts = [("mesh", bounds.grid), ("modelling choices", bounds.choices), ("input tolerances", bounds.inputs)]
@@ -212,4 +214,6 @@ def data_sheet_table(
         values = {key: float(q.take(scene, answer)[0]) if single else None for key, answer in answers.items()}
         words = f"{q.name} [{q.unit}]" if single else "worst contact load, in per cent of the mean load"
         rows.append(quantity_row(words, errors, judged[DEFAULT, q.name].combined, values))
-    return Table.of(f"sheet-{scene.name}", f"Results and errors on {scene.name}", rows)
+    return Table.of(
+        f"sheet-{scene.name}", f"Results on {scene.name} by 3D reference and models, with the models' errors", rows
+    )

@@ -1,4 +1,4 @@
-"""Tables of a publication as it prints them, with the computed value next to each printed number.
+"""Report tables in the layout of a publication's own tables, with the computed value next to each printed number.
 
 The file ``layout.toml`` of a publication describes each printed table: number, title, columns, and rows with a label and a
 key for each column. A table of results is shown twice: in the printed layout, and with a row for each number.
@@ -22,43 +22,43 @@ from rollbench.compare.printed import Printed, load_table, printed_entry
 from rollbench.compare.sections.verdicts import finite_error_or_none
 from rollbench.reports.content import Quantity, Row, Table
 
-#: Further cells of a row, by name of the printed number ("table:key").
+#: Further cells of table rows, by name of the row's printed number ("table:key").
 More = Mapping[str, Row]
 
 
 @dataclass(frozen=True)
 class PrintedLayout:
-    """Layout of one table of a publication: title, columns, and which printed number stands in each cell."""
+    """Layout of one table of a publication: title, columns, and the name of the printed number in each cell."""
 
     #: Name of the publication's case, such as "lin".
     case: str
     #: Number of the table in the publication.
     number: str
-    #: Short description of its contents.
+    #: Short description of the table's contents.
     short: str
-    #: Title.
+    #: Title of the table in the report.
     title: str
-    #: Name of the file of printed numbers that has most of its numbers.
+    #: Name of the file of printed numbers that has most numbers of this table.
     printed: str
-    #: ``input_data_table``, ``results`` or ``sentences``.
+    #: Kind of the numbers: ``"inputs"``, ``"results"``, or ``"sentences"`` for those in the publication's text.
     kind: str
-    #: Headings of the columns.
+    #: Headings of the columns, as printed.
     columns: tuple[str, ...]
-    #: Rows: label, and for each column the name of a printed number ("table:key"; empty for an empty cell).
+    #: Rows: printed label, and for each column the name of a printed number ("table:key"; empty for an empty cell).
     rows: tuple[tuple[str, tuple[str, ...]], ...]
 
     @property
     def names(self) -> list[str]:
-        """Names of the printed numbers of the table, row by row, without empty cells."""
+        """Names ("table:key") of the printed numbers in the table, row by row, without empty cells."""
         return [name for _, names in self.rows for name in names if name]
 
     @property
     def across(self) -> list[tuple[str, ...]]:
-        """Names of the printed numbers in each row of the table, in the order of its columns; empty for an empty cell."""
+        """Names of the printed numbers of each row, in the order of the columns; an empty text for an empty cell."""
         return [names for _, names in self.rows]
 
     def stem(self, what: str = "") -> str:
-        """Return the file name of this table in the report, without ending.
+        """Return the file name, without ending, that this table has in the report.
 
         ``what``: text such as "compared" that is appended to the name.
         """
@@ -66,12 +66,12 @@ class PrintedLayout:
 
     @property
     def heading(self) -> str:
-        """Number and short description of the table, as a heading."""
+        """Heading of the table in the report: its number in the publication and a short description."""
         return self.short if self.kind == "sentences" or self.number[:1].islower() else f"Table {self.number}: {self.short}"
 
     @property
     def significant_digits(self) -> int:
-        """Number of significant digits with which all printed digits can be shown; at least five."""
+        """Number of significant digits of the printed number with most digits, but at least five."""
         texts = (printed_entry(*name.split(":")).printed.partition("e")[0] for name in self.names)
         return max(5, *(len(text.replace(".", "").lstrip("-0")) for text in texts))
 
@@ -79,17 +79,17 @@ class PrintedLayout:
 def read_layouts(case: Case) -> list[PrintedLayout]:
     """Read the layouts of the printed tables of a publication, in the order of its file ``layout.toml``.
 
-    ``case``: the publication. Raises InputError for an unknown printed number.
+    ``case``: the publication. Raises InputError if a layout names a printed number that does not exist.
     """
     path = case.folder / "layout.toml"
     return [_layout_from_record(case.name, str(path), one) for one in tomllib.loads(path.read_text("utf-8"))["table"]]
 
 
 def _layout_from_record(case: str, path: str, one: Mapping[str, Any]) -> PrintedLayout:
-    """Return the layout of one printed table from its record in ``layout.toml``.
+    """Return the layout of one printed table, made of its record in the file ``layout.toml``.
 
     ``case``: name of the publication's case. ``path``: path of the file, for error messages. ``one``: the record. Raises
-    InputError for the name of a printed number that does not exist.
+    InputError if the record names a printed number that does not exist.
     """
     rows = []
     for label, *keys in one["rows"]:
@@ -98,7 +98,7 @@ def _layout_from_record(case: str, path: str, one: Mapping[str, Any]) -> Printed
             try:
                 printed_entry(*name.split(":"))
             except KeyError as error:
-                advice = "correct the key in the layout"
+                advice = "correct this key in the file of table layouts"
                 raise InputError(path, one["number"], name, "the key of a printed number", advice) from error
         rows.append((label, names))
     texts = {key: one[key] for key in ("number", "short", "title", "printed", "kind")}
@@ -106,7 +106,7 @@ def _layout_from_record(case: str, path: str, one: Mapping[str, Any]) -> Printed
 
 
 def format_like_printed_number(value: float | None, printed: str) -> str:
-    """Return a value as text with as many decimals as a printed number has; a dash for None.
+    """Return a computed value as text with as many decimals as the text ``printed`` of a printed number; a dash for None.
 
     Examples
     --------
@@ -124,10 +124,10 @@ def format_like_printed_number(value: float | None, printed: str) -> str:
 
 
 def side_by_side_table_of_layout(layout: PrintedLayout, found: Mapping[str, Evidence], ours: Mapping[str, str]) -> Table:
-    """Return a table in the publication's layout, with the computed number next to each printed one.
+    """Return a table in the publication's layout, with the computed value next to each printed number.
 
-    The computed number has as many digits as the printed one. If it repeats an error of the publication, the correct value
-    is added.
+    The computed value has as many decimals as the printed number. If it repeats an error of the publication, the correct
+    value is added.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def side_by_side_table_of_layout(layout: PrintedLayout, found: Mapping[str, Evid
     found
         Printed and computed values, by name of the printed number.
     ours
-        Texts that replace computed values, such as run times, by name of the printed number.
+        Texts that replace computed values, such as measured run times, by name of the printed number.
     """
     rows: list[Row] = []
     across, down = (
@@ -176,7 +176,7 @@ def side_by_side_table_of_layout(layout: PrintedLayout, found: Mapping[str, Evid
 
 
 def _printed_units(names: Iterable[str], found: Mapping[str, Evidence]) -> set[str]:
-    """Return the set of units of the named printed numbers; claims in words are left out.
+    """Return the set of units of several printed numbers, given by their names; claims in words are left out.
 
     ``found``: printed and computed values, by name of the printed number.
     """
@@ -216,7 +216,7 @@ def printed_and_computed_table(
     columns: Sequence[str] = (),
     note: str = "",
 ) -> Table:
-    """Return the table of printed and computed results of a printed table, with a row for each number.
+    """Return the table that compares each number of a printed table with the computed values, with a row per number.
 
     Rows are in printed order; columns without values are left out.
 
@@ -227,11 +227,11 @@ def printed_and_computed_table(
     found
         Printed and computed values, by name of the printed number.
     more
-        Further cells of the rows, by name of the printed number.
+        Further cells that are added to the rows, by name of the printed number.
     why
-        Reason why there is no 3D value, by name of the printed number.
+        Reason why no value by the 3D reference is shown, by name of the printed number.
     columns
-        Names of printed numbers that are shown in cells of other rows and get no row.
+        Names of printed numbers that ``more`` shows in cells of other rows; they get no row of their own.
     note
         Note below the table.
     """
@@ -259,8 +259,8 @@ def printed_and_computed_table(
 def _printed_and_computed_row(layout: PrintedLayout, evidence: Evidence, why: str) -> Row:
     """Return the row of one printed number: printed value, computed values, and their errors against it [%].
 
-    ``evidence``: the printed number with its computed values. ``why``: text that is shown instead of a 3D value that does
-    not exist.
+    ``evidence``: the printed number with its computed values. ``why``: text that is shown if there is no value by the 3D
+    reference.
     """
     p, form = evidence.printed, f"g{layout.significant_digits}"
     values = {
@@ -287,7 +287,7 @@ def _printed_and_computed_row(layout: PrintedLayout, evidence: Evidence, why: st
 
 
 def _tolerance_band_text(printed_number: Printed) -> str:
-    """Return the tolerance band of a printed number and the origin of the band as text; empty without a band."""
+    """Return as text the tolerance band of a printed number and the origin of the band; empty without a band."""
     return (
         f"Tolerance band: {printed_number.low:g} to {printed_number.high:g}. {printed_number.origin}"
         if printed_number.low is not None and printed_number.high is not None
@@ -303,7 +303,7 @@ def _percent_error_or_none(value: float | None, reference: float | None) -> floa
 
 
 def _zero_if_round_off(value: float | None) -> float | None:
-    """Replace a value by zero if it is below 1e-9, which is round-off; return other values unchanged."""
+    """Return zero for a value below 1e-9, which is round-off, and any other value unchanged."""
     return 0.0 if value is not None and abs(value) < 1e-9 else value
 
 
@@ -315,14 +315,14 @@ def _drop_empty_columns(rows: Sequence[Row]) -> list[Row]:
 
 
 def input_data_table(layout: PrintedLayout, found: Mapping[str, Evidence]) -> Table:
-    """Return the table of the input data of a printed table: printed value, value used in the scene, remark.
+    """Return the table of the inputs in a printed table: printed value, value used in the scene, remark.
 
     Parameters
     ----------
     layout
         Layout of the printed table.
     found
-        Printed and used values, by name of the printed number.
+        Printed values and values used in the scene, by name of the printed number.
     """
     rows: list[Row] = [
         {
@@ -342,9 +342,9 @@ def input_data_table(layout: PrintedLayout, found: Mapping[str, Evidence]) -> Ta
 
 
 def computation_tables(tables: Iterable[str]) -> Iterator[Table]:
-    """Yield, for each file of printed numbers, the table of how its numbers are computed: scenes, function, test, command.
+    """Yield, for each file of printed numbers, a table that states how the numbers are computed.
 
-    ``tables`` are the names of the files.
+    It has scenes, function, test and command. ``tables``: names of the files.
     """
     for name in tables:
         one = all_computations()[name]
@@ -363,9 +363,9 @@ def computation_tables(tables: Iterable[str]) -> Iterator[Table]:
 
 
 def _sort_key_of_place(place: str) -> tuple[bool, list[int], str]:
-    """Return the sort key of a place in a publication, such as "Table 2.1": chapter, then tables before sections.
+    """Return the key by which places in a publication, such as "Table 2.1", are sorted.
 
-    Appendices come last.
+    They are sorted by chapter, tables before sections; appendices come last.
     """
     in_text, text = "Table" not in place, place.rpartition(", ")[2]
     letter = re.match(r"\D*\b([A-Z])\b", text)
@@ -374,7 +374,7 @@ def _sort_key_of_place(place: str) -> tuple[bool, list[int], str]:
 
 
 def reproduced_counts_table(found: Sequence[Evidence], name: str = "printed-by-table", *, unfolded: bool = False) -> Table:
-    """Return the table that counts the printed numbers of each table and section, and how many are reproduced.
+    """Return the table that counts, for each table and section of the publications, printed and reproduced numbers.
 
     Parameters
     ----------
@@ -435,16 +435,17 @@ def _reproduced_counts_row(place: str, found: Sequence[Evidence]) -> Row:
 def tables_of_printed_numbers(
     printed: Sequence[str], listed: Sequence[PrintedLayout], found: Mapping[str, Evidence]
 ) -> Iterator[Table]:
-    """Yield the report's tables of all printed numbers from some files of a publication.
+    """Yield the report's tables of all numbers of a publication that certain files of printed numbers contain.
 
-    Tables with a layout are shown in that layout and row by row; then follow the numbers and claims of the text.
+    Each table of the publication with a layout is yielded in this layout and with a row per number; then follow the numbers
+    and claims of the publication's text.
 
     Parameters
     ----------
     printed
         Names of the files of printed numbers.
     listed
-        Layouts of the publication's tables.
+        Layouts of the publication's printed tables.
     found
         Printed and computed values, by name of the printed number.
     """

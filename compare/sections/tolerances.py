@@ -28,15 +28,15 @@ WORDS = {
 
 @cache
 def stored_sweep() -> dict[str, Any]:
-    """Return the shipped summary of the tolerance sweep of case 3: outputs, main effects and Sobol indices."""
+    """Return the shipped summary of the tolerance sweep of Lin's case 3: outputs, main effects and Sobol indices."""
     found: dict[str, Any] = json.loads(files.text(TOLERANCES))
     return found
 
 
 def sweep_command(found: Mapping[str, Any]) -> str:
-    """Return the ``rollbench sweep`` command by which a summary of a sweep was computed.
+    """Return the ``rollbench sweep`` command line that computes a sweep again.
 
-    ``found``: the summary, which contains scene, varied parameters and options.
+    ``found``: stored summary of the sweep, which contains scene, varied parameters and options.
     """
     vary = "".join(f' --vary "{text}"' for text in found["vary"])
     options = "".join(f" --{name} {found[name]}" for name in ("samples", "method", "seed", "model"))
@@ -54,15 +54,16 @@ def tolerance_description(vary: VariedKey) -> str:
 
 
 def _tolerance_name(row: Mapping[str, Cell]) -> str:
-    """Return the short name of the tolerance in a row of `tolerance_effect_rows`, capitalised."""
+    """Return the tolerance's short name, such as "Ball grade", from a row of `tolerance_effect_rows`."""
     return str(row["key"]).partition(":")[0].capitalize()
 
 
 def tolerance_effect_rows(keys: Sequence[VariedKey], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
-    """Return the table rows on the effect of each tolerance on the largest contact load, largest total Sobol index first.
+    """Return table rows on the effect of each tolerance on the largest contact load, the most influential tolerance first.
 
-    ``keys``: varied tolerances with their ranges. ``found``: summary of the sweep. Each row has the varied range, the range
-    of the mean largest load [N], and the first and total Sobol index with their confidence intervals.
+    ``keys``: varied tolerances with their ranges. ``found``: summary of the sweep. Each row has the varied range; the
+    smallest and largest mean of the largest contact load over this range [N]; and the first and total Sobol index with
+    their confidence intervals.
     """
     indices = found["indices"]["outputs"][MAIN]
     rows: list[dict[str, Cell]] = []
@@ -85,7 +86,7 @@ def tolerance_effect_rows(keys: Sequence[VariedKey], found: Mapping[str, Any]) -
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the section on the effect of each tolerance on the largest contact load in case 3 of Lin's thesis.
 
-    ``study`` records that the scene is used. ``step`` is called with each line of progress.
+    ``study``: collects the scenes that the report uses. ``step`` is called with each line of progress.
     """
     step("stored sweep of tolerances")
     found = stored_sweep()
@@ -96,11 +97,11 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     luck = next(row for row in rows if row["range"] == "any")
     first, second = [row for row in rows if row is not luck][:2]
     conclusion = (
-        f"On {found['converged']} screws within the tolerances, the largest contact load is {load['mean']:.0f} "
-        f"N on average and exceeds {load['quantile_0.95']:.0f} N on one screw in twenty. {_tolerance_name(first)} "
-        f"has the largest effect (total Sobol index {first['total']:.2f}), then {_tolerance_name(second).lower()} "
-        f"({second['total']:.2f}); chance, the random errors within the same tolerances, has an index of "
-        f"{luck['total']:.2f}."
+        f"On {found['converged']} screws with random errors within tolerances, the largest contact load is "
+        f"{load['mean']:.0f} N on average and exceeds {load['quantile_0.95']:.0f} N on one screw in twenty. "
+        f"{_tolerance_name(first)} has the largest effect (total Sobol index {first['total']:.2f}), then "
+        f"{_tolerance_name(second).lower()} ({second['total']:.2f}); chance, the random errors within the same tolerances, "
+        f"has an index of {luck['total']:.2f}."
     )
     text = (
         (

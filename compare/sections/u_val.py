@@ -1,10 +1,10 @@
-"""Report section on validation uncertainty: errors of the models, their bias and scatter, and tests of stated bounds.
+"""Report section on validation uncertainty: errors of the models, their bias and scatter, and tests of error bounds.
 
 u_val is the validation uncertainty of ASME V&V 20: mesh, modelling choices and input tolerances combined. The mesh
-uncertainty of a coarser level is tested by a finer level. It follows from the mesh levels of the scene and from data of all
-other scenes (`compare.reference.estimate`); for the test these data are derived again without the scene and without
-scenes that share its parts. Randomly drawn screws (chosen and computed by ``tests/judging_levels.py``), and levels finer
-than those of the mesh study, are stored as loads only: they are used for tests, not as reference.
+uncertainty of a coarse mesh level is tested by the loads on a finer level. This uncertainty is estimated from the scene's
+own mesh levels and from data of all other scenes (`compare.reference.estimate`); for the test, these data are derived
+without the scene and without scenes that share its parts. Of randomly drawn screws (chosen and computed by
+``tests/judging_levels.py``), and of levels finer than those of the mesh study, only loads are stored, for these tests.
 """
 
 from __future__ import annotations
@@ -63,20 +63,20 @@ from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Ser
 #: scenes.
 JUDGES = "judging_levels.json"
 
-#: Key of the text of a randomly drawn scene in that file.
+#: Key under which the file `JUDGES` has the TOML text of a randomly drawn scene.
 SCENE = "scene"
 
-#: Name of the variant with finer cut-outs for the patches in the coarse meshes.
+#: Name of the variant of the 3D reference whose coarse meshes have finer cut-outs (sockets) for the fine contact patches.
 SOCKETS = "finer-sockets"
 
 #: Scenes that were also solved by another program.
 CHECKED = ("two-balls", "lin-case1-cut")
 
-#: Scenes that were solved on two mesh levels.
+#: Scenes that were solved in 3D on only two mesh levels.
 
 COARSE = ("liu-screw", "liu-drawn", "liu-small", "liu-drawn-1kN")
 
-#: Shipped scenes that are compared.
+#: Shipped scenes whose mesh levels are compared with each other.
 SHIPPED = tuple(dict.fromkeys((*REFERENCED, *CHECKED, *UNSEEN, *COARSE)))
 
 #: Least number of contacts for which the share of loads within their uncertainty is meaningful for a single scene.
@@ -87,22 +87,22 @@ MANY = 40
 class UncertaintyTest:
     """Test of the mesh uncertainty that is stated for the contact loads of one scene on one mesh level.
 
-    It counts the contacts whose load on a finer level differs by less than the stated uncertainty.
+    The test counts the contacts whose load on a finer mesh level differs by less than the stated uncertainty.
     """
 
     #: Name of the scene.
     scene: str
-    #: Finest of the mesh levels from which the tested uncertainty was estimated.
+    #: Finest mesh level among those from which the tested uncertainty was estimated.
     level: int
-    #: Mesh level whose loads test the uncertainty.
+    #: Finer mesh level, whose loads test the uncertainty.
     judge: int
     #: Number of loaded contacts.
     contacts: int
-    #: Uncertainty, RMS over the loaded contacts [% of the mean load].
+    #: Tested uncertainty, as RMS over the loaded contacts [% of the mean load].
     bar: float
-    #: Number of contacts whose load changes by less than its uncertainty.
+    #: Number of contacts whose load on the finer level differs by less than its uncertainty.
     held: int
-    #: Whether the scene was drawn at random.
+    #: Whether the scene is a randomly drawn screw; if not, it comes with rollbench.
     drawn: bool
 
     @property
@@ -113,10 +113,10 @@ class UncertaintyTest:
 
 @cache
 def stored_loads_and_scenes_for_tests(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
-    """Return the contact loads that are stored for tests of the mesh uncertainty only, and the randomly drawn scenes.
+    """Return contact loads that are stored only to test the mesh uncertainty, and the randomly drawn scenes among them.
 
-    ``store``: folder with the file. Returns first the loads of n balls on the four flanks, (n, 4) [N], by name of the scene
-    and mesh level; then the randomly drawn scenes by name. Both are empty if the folder has no such file.
+    ``store``: folder with the file `JUDGES`. First result: loads of n balls on the four flanks, (n, 4) [N], by name of the
+    scene, then by mesh level. Second result: the randomly drawn scenes by name. Both are empty if there is no such file.
     """
     path = store / JUDGES
     data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
@@ -142,10 +142,10 @@ def loads_by_scene_and_level(study: Study) -> dict[str, dict[int, Array]]:
 
 
 def load_scatter_by_sockets(study: Study) -> float | None:
-    """Return the standard deviation of contact loads due to the cut-outs for the fine patches [% of the mean load].
+    """Return the standard deviation of contact loads due to the size of the cut-outs for fine patches [% of the mean load].
 
-    It follows from two runs with different cut-outs. Their difference contains two such errors, hence the division by the
-    root of two. Returns None if the runs are not stored.
+    It follows from two 3D runs with cut-outs of different size. Their difference contains two such errors, hence the
+    division by the root of two. Returns None if the runs are not stored.
     """
     scene = study.scene(REFINED)
     finer, base = load_run(scene, PRODUCTION, SOCKETS, study.stores), unchanged_run(scene, PRODUCTION, study.stores)
@@ -157,9 +157,10 @@ def load_scatter_by_sockets(study: Study) -> float | None:
 
 
 def uncertainty_parameters(study: Study) -> Experience | None:
-    """Return the parameters of the mesh uncertainty that are estimated from all compared scenes; None if runs are missing.
+    """Return the parameters of the mesh uncertainty that follow from the mesh levels of all compared scenes together.
 
-    They are used for contributions to the uncertainty that the mesh levels of a single scene do not show.
+    They give the contributions to the uncertainty that the mesh levels of a single scene do not show. Returns None if 3D
+    runs are missing.
     """
     loads, sockets = loads_by_scene_and_level(study), load_scatter_by_sockets(study)
     return (
@@ -170,14 +171,14 @@ def uncertainty_parameters(study: Study) -> Experience | None:
 
 
 def _shipped_or_drawn_scene(study: Study, name: str) -> Scene:
-    """Return the scene of this name: one that comes with the package, or a randomly drawn screw with stored loads."""
+    """Return the scene called ``name``: a scene that comes with rollbench, or a randomly drawn screw with stored loads."""
     return stored_loads_and_scenes_for_tests(shipped_store())[1].get(name) or study.scene(name)
 
 
 def _errors_near_faces(study: Study) -> dict[str, Array]:
-    """Return the errors of contact loads near free nut faces on mesh level 1, by name of the scene.
+    """Return the largest errors of contact loads on mesh level 1 due to free faces of the nut, by name of the scene.
 
-    The errors are (n, 4) [% of the mean load], for n balls on the four flanks.
+    ``study``: has the scenes and stored runs. The errors are (n, 4) [% of the mean load], for n balls on the four flanks.
     """
     first = min(LEVELS)
     return {
@@ -190,17 +191,17 @@ def _errors_near_faces(study: Study) -> dict[str, Array]:
 
 
 def test_all_mesh_levels(study: Study) -> list[UncertaintyTest]:
-    """Test the mesh uncertainty of every level of every compared scene by the loads on its finest level.
+    """Test the mesh uncertainty of every coarser mesh level of every compared scene by the loads on its finest level.
 
-    Returns an empty list if runs are missing.
+    Returns an empty list if 3D runs are missing.
     """
     return study.compute_once(_compute_level_tests)
 
 
 def test_given_mesh_levels(study: Study, levels: tuple[int, ...]) -> list[UncertaintyTest]:
-    """Test the mesh uncertainty estimated from the mesh levels ``levels`` by the loads on a finer level.
+    """Test, for each scene, the mesh uncertainty estimated from given mesh levels by the loads on its finest level.
 
-    All compared scenes that were solved on these levels and on a finer one are tested.
+    ``levels``: the given mesh levels. Scenes that were solved on these levels and on a finer one are tested.
     """
     return _test_uncertainty_of_scenes(
         study, lambda loads: [levels] if set(levels) <= set(loads) and max(levels) < max(loads) else []
@@ -208,15 +209,15 @@ def test_given_mesh_levels(study: Study, levels: tuple[int, ...]) -> list[Uncert
 
 
 def _compute_level_tests(study: Study) -> list[UncertaintyTest]:
-    """Test the mesh uncertainties of every scene: from its first level, from its first two levels, and so on."""
+    """Test the mesh uncertainty of every scene as estimated from its coarsest level, its two coarsest levels, and so on."""
     return _test_uncertainty_of_scenes(study, lambda loads: [tuple(sorted(loads)[:k]) for k in range(1, len(loads))])
 
 
 def _test_uncertainty_of_scenes(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -> list[UncertaintyTest]:
-    """Test the mesh uncertainties of all scenes by their finest level.
+    """Test mesh uncertainties of all scenes by the contact loads on the finest mesh level of each scene.
 
-    ``choose`` gets the contact loads of a scene by mesh level, and returns the groups of levels from each of which an
-    uncertainty is estimated and tested. Returns an empty list if runs are missing.
+    ``choose``: function of a scene's contact loads by mesh level; it returns the groups of levels from each of which an
+    uncertainty is estimated and tested. Returns an empty list if 3D runs are missing.
     """
     scenes, sockets = loads_by_scene_and_level(study), load_scatter_by_sockets(study)
     if sockets is None or len(scenes) < len(UNSEEN):
@@ -267,7 +268,7 @@ def _test_uncertainty_of_scene(
 
 
 def share_of_covered_contacts(rows: Sequence[UncertaintyTest]) -> float:
-    """Return the share (0 to 1) of all contacts in several tests whose load changes by less than its uncertainty.
+    """Return the share (0 to 1) of contacts, over several tests, whose load on a finer mesh is within its uncertainty.
 
     ``rows``: the tests, each of one scene and mesh level.
     """
@@ -279,16 +280,16 @@ SHOWN = (DEFAULT, "lin")
 
 
 def validated_errors_of_models(study: Study, rungs: Sequence[Rung]) -> list[Validated]:
-    """Return error and validation uncertainty of every model, for each scene and quantity.
+    """Return the error of every model, with its validation uncertainty u_val, for each scene and quantity.
 
-    ``rungs``: solution of each scene by each model.
+    ``rungs``: solution of each scene by each low-order model.
     """
     found = [validated_error(study, r.scene, r.model, q, loads_from_result(r.result)) for r in rungs for q in QUANTITIES]
     return [row for row in found if row is not None]
 
 
 def u_val_table(rows: Sequence[Validated]) -> Table:
-    """Return the table of the models' errors and of the validation uncertainty u_val, for each scene and quantity.
+    """Return the table of the errors of the models in `SHOWN`, with u_val, for each scene and quantity.
 
     ``rows``: error and uncertainty by scene, model and quantity.
     """
@@ -319,9 +320,7 @@ def u_val_table(rows: Sequence[Validated]) -> Table:
         "two scenes; if the last column names another scene, the largest effect there is used. As in ASME V&V 20, the "
         "uncertainties are combined by the root of the sum of squares; they are not subtracted from an error."
     )
-    return Table.of(
-        "u-val", "Error of the models and uncertainty of the 3D reference, for each scene and quantity", cells, note
-    )
+    return Table.of("u-val", "Error of each model and uncertainty of this error, for each scene and quantity", cells, note)
 
 
 def bias_and_scatter_table(found: Sequence[Scatter]) -> Table:
@@ -347,13 +346,15 @@ def bias_and_scatter_table(found: Sequence[Scatter]) -> Table:
         "deviation of the model, after subtraction of the variance by the mesh of the reference. All scenes with a 3D "
         "reference; contacts above a tenth of the mean load."
     )
-    return Table.of("bias-scatter", "Mean error (bias) and its scatter for each model", cells, note)
+    return Table.of(
+        "bias-scatter", "Mean error (bias) of each model against the 3D reference, and its scatter", cells, note
+    )
 
 
 def bias_and_scatter_figure(found: Sequence[Scatter]) -> Figure:
-    """Draw bias and scatter of the errors of each model, with a panel for each quantity.
+    """Draw the mean error (bias) of each model with bars of two standard deviations, in a panel for each quantity.
 
-    ``found``: bias and scatter by model and quantity. Bars extend over two standard deviations to either side.
+    ``found``: bias and scatter by model and quantity.
     """
     panels = []
     order = [m.name for m in RUNGS]
@@ -366,14 +367,16 @@ def bias_and_scatter_figure(found: Sequence[Scatter]) -> Figure:
             Series("no error", [min(x), max(x)], [0.0, 0.0], "line"),
         )
         panels.append(Panel(quantity, "", "relative deviation from the 3D reference / %", series, names=order))
-    return Figure("bias-scatter", "Mean error (bias) and its scatter for each model", tuple(panels))
+    return Figure(
+        "bias-scatter", "Mean error (bias) of each model against the 3D reference, and its scatter", tuple(panels)
+    )
 
 
 def stated_bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
-    """Return the table of stated error bounds, with the number of values that lie within each.
+    """Return the table of the error bounds that rollbench states, with the share of errors that lie within each.
 
-    The bounds are the largest error to expect of each model, and the mesh uncertainty of coarser levels. ``rungs``:
-    solution of each scene by each model.
+    The bounds are the largest expected error of each model, and the mesh uncertainty of coarser 3D mesh levels. ``rungs``:
+    solution of each scene by each low-order model.
     """
     rows = leave_one_out_rows(study, rungs)
     counts = [
@@ -397,15 +400,15 @@ def stated_bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
         "the same share for a new scene; the table shows the share that was observed. The mesh uncertainty is meant to "
         "cover 95 % of the contacts, 19 of 20."
     )
-    return Table.of("bounds-held", "Share of errors within the stated bounds", cells, note)
+    return Table.of("bounds-held", "Share of errors that lie within the error bounds that rollbench states", cells, note)
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on validation uncertainty: errors with u_val, bias and scatter, and tests of stated bounds.
+    """Return the section on validation uncertainty: errors with u_val, their bias and scatter, tests of error bounds.
 
     ``step`` is called with each line of progress.
     """
-    title = "Bias, scatter and uncertainty of the models"
+    title = "Bias and scatter of the models' errors, and uncertainty of these errors"
     step("every model on every scene with a 3D reference")
     rungs = study.compute_once(ladder)
     if not rungs:

@@ -25,7 +25,7 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed import KINDS, VERDICTS
 from rollbench.reports.content import Cell, Quantity, Row, Section, Table, Text
 
-#: A remark that is the same in more rows than this is numbered and stated once, in the note.
+#: A remark that occurs in more table rows than this is stated once, in the note, and replaced by its number.
 SHARED = 2
 
 #: Errors [%] below this value are round-off and shown as zero.
@@ -71,7 +71,7 @@ def printed_numbers_table(
 
 
 def _columns_of_printed_table(found: Sequence[Evidence], digits: int, with_place: bool) -> tuple[Quantity, ...]:
-    """Return the columns of `printed_numbers_table` that the listed numbers need.
+    """Return those columns of `printed_numbers_table` that have a value for at least one of the listed numbers.
 
     ``found``: printed and computed values. ``digits``: number of significant digits of computed values. ``with_place``:
     whether there is a column for the place in the publication.
@@ -123,17 +123,17 @@ def _cells_of_printed_number(evidence: Evidence, usual_place: str, with_place: b
 
 
 def finite_error_or_none(error: float | None) -> float | None:
-    """Return an error [%] as it is shown in a table: None if infinite (the printed number is 0), 0 if it is round-off."""
+    """Return an error [%] for a table cell: None if it is infinite (printed number of 0), and 0 if it is round-off."""
     if error is None or not np.isfinite(error):
         return None
     return error if abs(error) > ROUND_OFF else 0.0
 
 
 def _replace_remarks_by_numbers(rows: Sequence[dict[str, Cell]]) -> list[str]:
-    """Replace remarks that are the same in several rows of ``rows``, in place, by a number such as "remark 1".
+    """Replace remarks that occur in more than `SHARED` table rows by references such as "remark 1", in place.
 
-    Returns the replaced remarks, in the order of their numbers. `SHARED` is the number of rows above which a remark is
-    replaced.
+    ``rows``: cells of each row by key of the column; the cells "remark" are changed. Returns the texts of the replaced
+    remarks, in the order of their numbers, for the note below the table.
     """
     count = Counter(str(row["remark"]) for row in rows)
     common = [text for text, times in count.items() if text and times > SHARED]
@@ -143,6 +143,7 @@ def _replace_remarks_by_numbers(rows: Sequence[dict[str, Cell]]) -> list[str]:
     return common
 
 
+#: Plurals of the kinds of printed entries, for sentences.
 PLURALS = {"computed number": "computed numbers", "claim in words": "claims in words"}
 
 #: Inputs that were inferred from printed results of Lin's thesis, each with the result.
@@ -154,15 +155,15 @@ INFERRED = (
 
 
 def verdict_counts_sentence(rows: Sequence[Evidence]) -> str:
-    """Return the sentence on the number of printed numbers and claims by verdict, and on the kinds of reproduced ones.
+    """Return the sentences that count the numbers and claims in publications by verdict, and reproduced ones by kind.
 
     ``rows``: printed numbers and claims with their verdicts.
     """
     total = audited_counts(rows)[-1]
     kinds = Counter(r.printed.kind for r in rows if r.verdict == "reproduced")
     parts = " and ".join(f"{n} {PLURALS.get(KINDS[kind], KINDS[kind])}" for kind, n in kinds.most_common())
-    words = ", ".join(f"{total[v]} {v}" for v in VERDICTS)
-    return f"Of {total['all']} printed numbers and claims: {words}. Among the reproduced ones are {parts}."
+    words = ", ".join(f"{total[v]} {'in a tolerance band' if v == 'band' else v}" for v in VERDICTS)
+    return f"Of {total['all']} numbers and claims printed in publications: {words}. Among the reproduced ones are {parts}."
 
 
 def counts_by_kind_table(rows: Sequence[Evidence]) -> Table:
@@ -180,7 +181,7 @@ def counts_by_kind_table(rows: Sequence[Evidence]) -> Table:
         }
         for kind, words in KINDS.items()
     ]
-    return Table.of("kinds", "Number of printed numbers and claims by kind and verdict", cells)
+    return Table.of("kinds", "Count of the numbers and claims printed in publications, by kind and verdict", cells)
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
@@ -206,7 +207,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
                     ),
                 )
             ),
-            Table.of("verdicts", "Number of printed numbers and claims of all publications by class and verdict", rows),
+            Table.of("verdicts", "Count of the numbers and claims printed in publications, by class and verdict", rows),
             counts_by_kind_table(audited),
             printed_numbers_table(
                 "printed",
@@ -220,7 +221,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def make_text_columns(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
-    """Return columns of text for a table, from pairs of key and heading."""
+    """Return table columns that contain texts, from pairs of column key and heading."""
     return tuple(Quantity(key, label, "", "s") for key, label in columns)
 
 
@@ -232,7 +233,7 @@ def counts_by_publication_table(rows: Sequence[Evidence]) -> Table:
     headings = [(v, f"{v}, not judged" if v in APART else v) for v in VERDICTS]
     columns = make_text_columns(("source", "publication"), *headings, ("judged", "judged"), ("all", "all"))
     note = "Judged: all except inputs and identities, which do not test a model."
-    title = "Number of printed numbers and claims by publication and verdict"
+    title = "Count of the numbers and claims printed in each publication, by verdict"
     return Table("audit-counts", title, columns, count_entries_by_verdict(rows), note)
 
 
@@ -260,7 +261,7 @@ def misprints_table(case: str = "") -> Table:
 
 
 def audit_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on how many printed numbers of each publication are reproduced, with all misprints.
+    """Return the section that counts reproduced and contradicted numbers of each publication, and lists all misprints.
 
     ``step`` is called with each line of progress.
     """

@@ -40,24 +40,24 @@ from rollbench.hifi.contact.block import (
 from rollbench.hifi.contact.block import solve_hertz_contact as solve_block
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
-#: Numbers of cells across the short semi-axis, by element type. Chosen for a total of 25 s on two cores: tetrahedra are not
-#: stretched like the contact ellipse, so P2 with 6 cells would take as long as all other meshes together.
+#: Numbers of cells across the short semi-axis of the contact ellipse, by element type, for a total of 25 s on two cores.
+#: Tetrahedra are not stretched like the ellipse, so P2 with 6 cells would take as long as all other meshes together.
 LEVELS: dict[str, tuple[float, ...]] = {"P1": (2, 4, 6, 8), "P2": (2, 4, 5), "Q1": (2, 4, 6, 8), "Q2": (2, 4, 6)}
 
-#: Meshes of a quick report.
+#: Numbers of cells across the short semi-axis in a quick report, by element type.
 QUICK: dict[str, tuple[float, ...]] = {"P1": (2,), "P2": (2,), "Q1": (2,), "Q2": (4,)}
 
-#: Element type and b/h of the production mesh.
+#: Element type, and cells across the short semi-axis (b/h), of the contact patches in the 3D reference.
 PRODUCTION = ("Q2", 4.0)
 
-#: Largest error allowed on the production mesh, by quantity [%].
+#: Largest error against Hertz theory allowed on the mesh `PRODUCTION`, by quantity [%].
 TARGETS = {"approach": 0.3, "semi-axes": 0.5, "pole pressure": 1.0}
 
 NAMES = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
 
 SOURCE = "4-node tetrahedra, size of Lin"
 
-#: Errors in the table.
+#: Quantities whose errors against Hertz theory are shown in the table.
 ERRORS = ("approach", "semi-axis a", "semi-axis b", "pole pressure", "fitted pole pressure")
 
 WHAT = {"A": "ball on a flat", "B": "ball in a groove"}
@@ -65,20 +65,20 @@ WHAT = {"A": "ball on a flat", "B": "ball in a groove"}
 
 @dataclass(frozen=True)
 class HertzComputation:
-    """Computation of one Hertz contact on one 3D mesh, with its errors against the closed form."""
+    """Finite-element computation of one Hertz contact on one 3D mesh, with its errors against the closed form."""
 
-    #: Label of the mesh.
+    #: Label of the mesh: its element type, or that it has Lin's element sizes.
     label: str
-    #: Result of the computation.
+    #: Computed contact: approach, semi-axes, pressures, number of unknowns and times.
     run: HertzRun
-    #: Error against Hertz by quantity [%].
+    #: Error against Hertz theory by name of the quantity [%].
     errors: Mapping[str, float]
 
 
 def errors_of_hertz_run(label: str, run: HertzRun) -> HertzComputation:
-    """Return the computation of a Hertz contact together with its errors against the closed form [%].
+    """Return a computed Hertz contact together with its errors against the closed form [%].
 
-    ``label``: name of the mesh. ``run``: the computation. The error "semi-axes" is the larger one of the errors of both
+    ``label``: label of the mesh. ``run``: the computed contact. The error "semi-axes" is the larger of the errors of both
     semi-axes.
     """
     exact = run.exact
@@ -89,14 +89,16 @@ def errors_of_hertz_run(label: str, run: HertzRun) -> HertzComputation:
 
 
 def compute_hertz_contacts(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -> list[HertzComputation]:
-    """Compute each Hertz contact on the meshes of every element type, and on the mesh of Lin's thesis.
+    """Compute both Hertz contacts in 3D on meshes of every element type, and on a mesh like that of Lin's thesis.
+
+    The contacts are a ball on a flat and a ball in a groove.
 
     Parameters
     ----------
     step
         Called with each line of progress.
     wanted
-        Numbers of cells across the short semi-axis, by element type.
+        Numbers of cells across the short semi-axis of the contact ellipse, by element type; one mesh for each.
     """
     for element in wanted:
         solve_block(JOBS["A"], element, 1.0)  # loads the libraries, so that no timed run includes this
@@ -110,7 +112,7 @@ def compute_hertz_contacts(step: Callable[[str], None], wanted: Mapping[str, Seq
 
 
 def computations_on_production_mesh(found: Sequence[HertzComputation]) -> list[HertzComputation]:
-    """Return the computations on the production mesh, one for each Hertz contact.
+    """Return the computations on the mesh `PRODUCTION`, which the 3D reference uses, one for each Hertz contact.
 
     ``found``: computations on all meshes.
     """
@@ -118,7 +120,7 @@ def computations_on_production_mesh(found: Sequence[HertzComputation]) -> list[H
 
 
 def error_target_sentences(found: Sequence[HertzComputation]) -> list[str]:
-    """Return sentences on whether the production mesh meets its error targets, and on the errors of Lin's mesh.
+    """Return sentences on whether the mesh `PRODUCTION` meets its error targets, and on the errors of Lin's mesh.
 
     ``found``: computations of each Hertz contact on all meshes.
     """
@@ -129,9 +131,9 @@ def error_target_sentences(found: Sequence[HertzComputation]) -> list[str]:
 
 
 def _error_target_sentence(one: HertzComputation) -> str:
-    """Return the sentence that states the errors on the production mesh and whether they are within the targets.
+    """Return the sentence that states the errors against Hertz on the mesh `PRODUCTION`, and if they are within `TARGETS`.
 
-    ``one``: computation of one Hertz contact on the production mesh.
+    ``one``: computation of one Hertz contact on this mesh.
     """
     missed = [name for name, most in TARGETS.items() if not abs(one.errors[name]) <= most]
     parts = [
@@ -145,7 +147,7 @@ def _error_target_sentence(one: HertzComputation) -> str:
 
 
 def _lin_mesh_error_sentence(one: HertzComputation) -> str:
-    """Return the sentence that states the errors on the mesh of Lin's thesis.
+    """Return the sentence that states the errors against Hertz theory on the mesh of Lin's thesis.
 
     ``one``: computation of one Hertz contact on that mesh.
     """
@@ -156,14 +158,15 @@ def _lin_mesh_error_sentence(one: HertzComputation) -> str:
     )
 
 
+#: Stages of a computation whose times are shown.
 TIMES = ("mesh", "assembly", "factor", "solve", "contact")
 
-#: Headings of stages that differ from their names.
+#: Column headings of stages, where they differ from the stage's name.
 STAGES = {"mesh": "meshing"}
 
 
 def mesh_row(computation: HertzComputation) -> Row:
-    """Return the first cells of a table row: job, mesh, and number b/h of cells across the short semi-axis.
+    """Return the first cells of a table row on a computed Hertz contact: job, mesh, cells across the short semi-axis (b/h).
 
     ``computation``: computation of one Hertz contact on one mesh.
     """
@@ -175,9 +178,9 @@ def mesh_row(computation: HertzComputation) -> Row:
 
 
 def hertz_error_row(computation: HertzComputation) -> Row:
-    """Return the row of the error table for one computation of a Hertz contact: mesh, size, time and errors [%].
+    """Return the row of the error table for one computed Hertz contact: mesh, unknowns, run time and errors [%].
 
-    ``computation``: the computation.
+    ``computation``: the computed contact with its errors.
     """
     counts: Row = {
         "unknowns": computation.run.unknowns,
@@ -189,7 +192,7 @@ def hertz_error_row(computation: HertzComputation) -> Row:
 
 
 def computed_and_hertz_rows(found: Sequence[HertzComputation]) -> list[Row]:
-    """Return the rows that compare the production mesh with Hertz: approach, semi-axes and pole pressure of each contact.
+    """Return table rows that compare the mesh `PRODUCTION` with Hertz: approach, semi-axes, pole pressure of each contact.
 
     ``found``: computations on all meshes.
     """
@@ -220,7 +223,7 @@ def computed_and_hertz_rows(found: Sequence[HertzComputation]) -> list[Row]:
 
 
 def hertz_error_figure(found: Sequence[HertzComputation], job: str) -> Figure:
-    """Draw the errors of approach and pole pressure over the number of unknowns and over run time, all logarithmic.
+    """Draw the errors of approach and pole pressure against Hertz over the number of unknowns and over run time.
 
     ``found``: computations on all meshes. ``job``: name of the Hertz contact, "A" (ball on a flat) or "B" (ball in a
     groove).
@@ -241,25 +244,23 @@ def hertz_error_figure(found: Sequence[HertzComputation], job: str) -> Figure:
             panels.append(Panel(title, unit, "error [%]", curves, log="xy"))
     return Figure(
         f"verification-{job}",
-        f"Error of the 3D contact against Hertz over unknowns and run time: job {job}, {WHAT[job]}",
+        f"Error of the 3D contact against Hertz theory over unknowns and run time: {WHAT[job]} (job {job})",
         panels,
         caption=(
-            "Absolute error against the closed form; a curve has a minimum where its error changes sign. Errors below "
-            "0.001 % are drawn at that value. Pressures at single nodes of 4-node tetrahedra scatter with the mesh; errors "
-            "of the fitted pressures (see the table) decrease steadily from b/h = 4 on. Run time includes meshing, "
-            "assembly, factorisation, one solution per contact node, and the contact iteration."
+            "Absolute errors; a minimum is a change of sign. Errors below 0.001 % are drawn at that value. Pressures at "
+            "single nodes of 4-node tetrahedra scatter with the mesh. Run time: from meshing to the contact iteration."
         ),
     )
 
 
 def times_table(found: Sequence[HertzComputation]) -> Table:
-    """Return the table of the time of each stage (meshing, assembly and so on) for every computation [s].
+    """Return the table of the time [s] of each stage (meshing, assembly and so on) of every computed Hertz contact.
 
     ``found``: computations of each Hertz contact on all meshes.
     """
     stages = {name: Quantity(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES}
     rows = [mesh_row(one) | {stage: one.run.seconds[name] for name, stage in stages.items()} for one in found]
-    return Table.of("verification-times", "Hertz contact in 3D: time of each stage of the computation", rows)
+    return Table.of("verification-times", "Ball contact by 3D finite elements: time of each stage of the computation", rows)
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
@@ -271,7 +272,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def hertz_section(found: Sequence[HertzComputation]) -> Section:
-    """Return the section that compares computed 3D contacts with Hertz theory.
+    """Return the section that compares contacts computed by 3D finite elements with Hertz theory.
 
     ``found``: computations of each Hertz contact on all meshes.
     """
@@ -293,11 +294,13 @@ def hertz_section(found: Sequence[HertzComputation]) -> Section:
         Text(text),
         Text(error_target_sentences(found), bullets=True),
         Table.of(
-            "verification-targets", f"Error of the production mesh ({mesh}) against Hertz", computed_and_hertz_rows(found)
+            "verification-targets",
+            f"Error against Hertz theory of the mesh that the 3D reference uses ({mesh})",
+            computed_and_hertz_rows(found),
         ),
         Table.of(
             "verification-errors",
-            "Hertz contact in 3D: error against the closed form, unknowns and run time of each element type and mesh",
+            "Ball contact by 3D finite elements: error against Hertz theory, unknowns and time of each element and mesh",
             map(hertz_error_row, found),
         ),
         *(hertz_error_figure(found, job) for job in JOBS),
@@ -334,9 +337,9 @@ NUT = (
 
 
 def calculix_run_table(data: CalculixRunsOfScene) -> Table:
-    """Return the table of the runs of CalculiX on one scene: mesh, contact stiffness, time and residual forces.
+    """Return the table of the CalculiX runs on one scene: mesh, contact stiffness, run time and residual forces.
 
-    ``data``: stored results of CalculiX on the scene.
+    ``data``: stored results of CalculiX on this scene.
     """
     rows: list[Row] = []
     base = {(mesh_options_of_run(r), r.stiffness): r for r in data.runs if not r.nlgeom}
@@ -376,7 +379,9 @@ def calculix_run_table(data: CalculixRunsOfScene) -> Table:
 
 
 def calculix_contact_tables(data: CalculixRunsOfScene, ours: Reference, limit: Extrapolation) -> list[Table]:
-    """Return two tables of contact loads by the 3D reference and by CalculiX: extrapolated, and on every mesh.
+    """Return two tables of a scene's contact loads by the 3D reference and by CalculiX.
+
+    The loads by CalculiX are extrapolated to zero element size in the first table, and those of every mesh in the second.
 
     Parameters
     ----------
@@ -398,7 +403,7 @@ def calculix_contact_tables(data: CalculixRunsOfScene, ours: Reference, limit: E
         f"{abs(limit.by_stiffness).max():.2f} N.{fixed}"
     )
     meshes = "For CalculiX, runs with contact stiffnesses as equal as possible are shown."
-    first = f"Contact loads of {data.scene} by the 3D reference and by CalculiX, extrapolated"
+    first = f"Contact loads of {data.scene} by the 3D reference and by CalculiX, extrapolated to cell size zero"
     second = f"Contact loads of {data.scene} by the 3D reference and by CalculiX on every mesh"
     return [
         Table(f"crosscheck-{data.scene}", first, COLUMNS, ends, note),
@@ -407,7 +412,7 @@ def calculix_contact_tables(data: CalculixRunsOfScene, ours: Reference, limit: E
 
 
 def crosscheck_section(study: Study, step: Callable[[str], None], folder: Path | None = None) -> Section:
-    """Return the section that compares the 3D reference with CalculiX.
+    """Return the section that compares contact loads of two scenes by the 3D reference and by the program CalculiX.
 
     ``step`` is called with each line of progress. ``folder``: folder with the stored results of CalculiX; None: the results
     shipped with rollbench.
@@ -417,7 +422,7 @@ def crosscheck_section(study: Study, step: Callable[[str], None], folder: Path |
         step(f"{name}: the 3D reference and CalculiX")
         data, ours = load_results(folder or shipped_results(), name), study.reference(name)
         if data is None or data.key != digest_of_shipped_scene(name):
-            items.append(Text((f"{name}: no results of CalculiX are stored for the present scene.",)))
+            items.append(Text((f"{name}: no results of CalculiX are stored for the present version of this scene.",)))
             continue
         if ours is None:
             items.append(Text((f"{name}: no run of the 3D reference is stored.",)))

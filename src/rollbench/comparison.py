@@ -12,7 +12,7 @@ _OLD, _NEW = "rollbench.comparison", "rollbench.compare"
 
 
 class _FormerModuleImporter(MetaPathFinder, Loader):
-    """Importer that returns the module with the new name if a module with the former name is imported."""
+    """Importer that replaces a module imported by its former name by the module with the new name."""
 
     def find_spec(
         self, name: str, _path: Sequence[str] | None = None, _target: ModuleType | None = None
