@@ -1,4 +1,4 @@
-"""Values published by other programs, makers' catalogues and textbooks, computed with the models of this package.
+"""Values published by other programs, makers' catalogues and textbooks, recomputed with the models of this package.
 
 Bearings: displacements, contact angles, load zones, preloaded pairs. Single contacts: Hertz, rolling with creepage and spin
 on half spaces. Ball nuts of catalogues: rigidities as ISO 3408-4 separates them, drag torque, equivalent loads. Inputs that
@@ -82,7 +82,7 @@ def read_input(case: str, key: str, quantity: str) -> float:
 
 
 def assumptions_by_case() -> dict[str, tuple[str, ...]]:
-    """Return the assumptions of each external case that no scene file describes, as sentences, by name of the case."""
+    """Return as sentences the assumptions of each external case that has no scene file, by name of the case."""
     return {name: tuple(table["assumed"]) for name, table in read_inputs().items() if "assumed" in table}
 
 
@@ -93,7 +93,7 @@ def shipped_shaft_scene(name: str) -> Assembly:
     """
     found = catalogue.shipped_scene(PREFIX + name)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"{PREFIX}{name}: expected a shaft with bearing rows or nuts, got {type(found).__name__}")
+        raise AssertionError(f"scene {PREFIX}{name}: expected a shaft with bearings or nuts, got {type(found).__name__}")
     return found
 
 
@@ -114,7 +114,7 @@ def _solve_shaft_scene(study: Study, name: str) -> AxisResult:  # noqa: ARG001 -
     """
     result = run_model(shipped_shaft_scene(name), "lin")
     if not result.converged:
-        raise AssertionError(f"{PREFIX}{name}: expected convergence, got status {result.status!r}")
+        raise AssertionError(f"scene {PREFIX}{name}: expected a converged solution, got status {result.status!r}")
     return result
 
 
@@ -194,7 +194,7 @@ def half_load_zone(findings: Findings, study: Study) -> None:
 
 
 def _bearing_of_catalogue_row(case: str, row: Sequence[float], conformity: float) -> BallBearing:
-    """Return a spindle bearing from its row in a catalogue.
+    """Return the dimensions of a spindle bearing from its row in a maker's catalogue.
 
     ``case``: name of the external case with contact angle and material; ``row``: pitch diameter [mm], ball diameter [mm]
     and number of balls; ``conformity``: groove radius over ball diameter.
@@ -223,9 +223,9 @@ def gmn_pair_rigidity(name: str, preload_class: str, conformity: float) -> float
 
 
 def gmn_rigidity_growth_over_printed(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Return the computed growth of rigidity from light to strong preload over the growth that GMN prints, for each pair.
+    """Return the computed growth of rigidity from light to strong preload divided by the growth that GMN prints, (n,).
 
-    The result has one ratio for each size of bearing; ``conformity``: groove radius over ball diameter.
+    There is one ratio for each of the n sizes of bearing; ``conformity``: groove radius over ball diameter.
     """
     out = []
     for name in read_inputs()["gmn"]["rows"]:
@@ -297,7 +297,7 @@ def pair_rigidity_at_constant_angle(bearing: BallBearing, preload: float) -> flo
 
 
 def lift_off_over_preload_at_constant_angle() -> float:
-    """Return lift-off load over preload of a bearing pair, 2^(3/2), for contact angles that stay constant under load."""
+    """Return the lift-off load of a bearing pair divided by its preload, 2^(3/2), for constant contact angles."""
     return float(2.0**1.5)
 
 
@@ -312,7 +312,7 @@ SCENE, PRELOAD, FORCE = "external-thk-bnf-4010-5", 5000.0, 3000.0
 
 
 def mean_speed_of_duty_cycle(case: str) -> float:
-    """Return the mean speed [rpm] of a duty cycle that has the speeds and times of a maker's example.
+    """Return the mean speed [rpm] of a maker's example of a duty cycle, from its speeds and times.
 
     ``case``: name of the example in ``cases.toml``.
     """
@@ -326,7 +326,7 @@ def mean_speed_of_duty_cycle(case: str) -> float:
 
 
 def equivalent_force_of_duty_cycle(case: str) -> float:
-    """Return the equivalent mean force of a duty cycle that has the phases of a maker's example, in the unit of its forces.
+    """Return the equivalent mean force of a maker's example of a duty cycle, in the unit of its forces.
 
     ``case``: name of the example in ``cases.toml``.
     """
@@ -336,10 +336,10 @@ def equivalent_force_of_duty_cycle(case: str) -> float:
 
 
 def equivalent_loads(findings: Findings, study: Study) -> None:
-    """Compute makers' examples of equivalent loads.
+    """Compute makers' examples of equivalent loads of ball nuts, and ISO 281's factors for those of bearings.
 
-    These are mean forces of duty cycles, forces and life of both halves of a preloaded nut, and the factors e, X and Y of
-    ISO 281 for the equivalent load of a bearing. ``findings``: receives the computed value to compare with each printed
+    The examples are mean forces of duty cycles, and forces and life of both halves of a preloaded nut; the factors are e, X
+    and Y. ``findings``: receives the computed value to compare with each printed
     number; ``study``: gives the scenes included with rollbench.
     """
     for key, case in EXAMPLES.items():
@@ -558,10 +558,10 @@ def scene_name_of_catalogue_size(size: str) -> str:
 
 
 def rigidities_without_and_with_bodies(scene: Scene, force: float) -> tuple[float, float]:
-    """Return the axial rigidity [N/m] of a nut with equally loaded balls: of the contacts only, then also with the bodies.
+    """Return the axial rigidity [N/m] of a nut with equally loaded balls: with rigid, then with elastic nut and screw.
 
-    The bodies are nut and screw, whose deformation as tubes is added to that of the Hertz contacts. ``scene``: screw and
-    nut; ``force``: axial load [N]. Raises ValueError if nut or screw has no wall thickness.
+    Rigid: only the Hertz contacts deform; elastic: nut and screw deform as thick tubes, too. ``scene``: screw and nut;
+    ``force``: axial load [N]. Raises ValueError if nut or screw has no wall thickness.
     """
     alone, body = displacement_by_contacts_only(scene, force), axial_compliance_of_bodies(scene)
     assert body is not None

@@ -1,6 +1,6 @@
 """Report sections that compare computed values with other programs, makers' catalogues and textbooks.
 
-The last one shows contact loads, life and rigidity of catalogue screws by the surface at which the nut is fixed.
+A further section shows the influence of the surface at which the nut is fixed, on contact loads, life and rigidity.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ TITLES = {
     "external-masta": "Deep-groove ball bearing: displacement and life by the program MASTA and computed",
     "external-nsk": "Contact of one ball of a screw-support bearing: by NSK's programs and computed",
     "external-harris": "Textbooks' 218 angular-contact bearing under thrust: published and computed",
-    "external-sjovall": "Bearing with a load zone of half the circumference: Sjövall's load distribution and computed",
+    "external-sjovall": "Bearing with a load zone of half the circumference: load distribution by Sjövall and computed",
     "external-contact": "Rolling contact with creepage and spin: computed values and those of the program CONTACT",
     "external-vm63": "Elastic sphere on a rigid plane (Ansys's verification case 63): contact radius",
-    "external-snfa": "SNFA's catalogue, which keeps contact angles constant: rigidity and lift-off load",
+    "external-snfa": "Preloaded bearing pair of SNFA's catalogue: printed and computed rigidity and lift-off load",
     "external-gmn": "Preloaded bearing pairs from GMN's catalogue: printed and computed stiffness",
     "external-thk": "Ball nuts of THK and HIWIN: printed and computed rigidity and drag torque",
     "external-equivalent": "Equivalent loads of preloaded nuts and of bearings: published and computed",
@@ -115,16 +115,16 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
     points = [(float(k), error) for k, percents in enumerate(errors.values(), start=1) for error in percents]
     series = (Series("error", [x for x, _ in points], [y for _, y in points], "markers"),)
     panel = Panel("computed against published", "", "error / %", series, names=list(errors))
-    caption = "Numbers of class hard and band; claims and open entries are in the tables."
+    caption = "Only numbers that the same theory must give, or that have a stated tolerance; the tables show all."
     return Figure("external-errors", "Difference between computed and published values", (panel,), caption, columns=1)
 
 
 def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
     """Return the axial rigidities of each catalogue nut: computed with more and more effects, and printed.
 
-    Each item of the list: name of the scene; axial load [N]; rigidities [N/um], None where unknown: of the Hertz "contacts"
-    only, with the deformation of the "bodies", with "unequal" ball loads too, and as "printed" in the catalogue. ``study``:
-    gives the solved scenes.
+    Each item of the list: name of the scene; axial load [N]; rigidities [N/um] by name, None where unknown. The names are
+    "contacts" (Hertz contacts only), "bodies" (with the deformation of nut and screw too), "unequal" (with unequal ball
+    loads too) and "printed" (in the catalogue). ``study``: gives the solved scenes.
     """
     out: list[tuple[str, float, dict[str, float | None]]] = []
     for size in (*external.THK, *external.HIWIN):
@@ -208,20 +208,20 @@ def nut_rigidities_table(
         Quantity("unequal", "with unequal loads", "N/um", "g4"),
         Quantity("reference", "3D reference", "N/um", "g4"),
         Quantity("printed", "catalogue", "N/um", "g4"),
-        Quantity("share_contacts", "catalogue over contacts", "", ".3f"),
-        Quantity("share_bodies", "over bodies", "", ".3f"),
-        Quantity("share_unequal", "over unequal", "", ".3f"),
+        Quantity("share_contacts", "catalogue over contacts alone", "", ".3f"),
+        Quantity("share_bodies", "catalogue over that with the bodies", "", ".3f"),
+        Quantity("share_unequal", "catalogue over that with unequal loads", "", ".3f"),
     )
     note = (
-        "Axial load over axial displacement, as ISO 3408-4 separates it: equal balls between rigid bodies; with the "
-        "widening of the nut and the squeezing of the screw (thick tubes); with the unequal loads that the default model "
-        "finds, at the nut's centre. What a maker counts in besides is not printed: ISO 3408-4's factor of the tolerance "
-        "class, the nut's flange and its mounting lie between. Catalogue sizes as scenes have what is usual where the "
-        "catalogue is silent. Scenes that are displaced without loads are left out."
+        "Axial load over axial displacement. Contacts alone: equally loaded balls between rigid bodies; with the bodies: "
+        "nut and screw deform radially as thick tubes, too; with unequal loads: by the default model, at the nut's "
+        "centre. What else makers include is not printed (ISO 3408-4's factor of the tolerance class, flange, mounting). "
+        "Dimensions that a catalogue does not print have usual values. Scenes whose screw is displaced without loads are "
+        "left out."
     )
     return Table(
         "external-rigidities",
-        "Rigidity of ball nuts by the effects included: computed, by the 3D reference, in catalogues",
+        "Axial rigidity of ball nuts: computed with more and more effects, by the 3D reference, and in catalogues",
         columns,
         rows,
         note,
@@ -242,8 +242,8 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     text = (
         (
             "Values from neither this project nor the publications of its models: other programs, makers' "
-            "catalogues, textbooks. Each is a row of the gate by its class, with what was inferred to compute "
-            "it."
+            "catalogues, textbooks. Each is judged by its class; the inputs that had to be assumed are in the last "
+            "table."
         ),
         (
             "With one conformity inferred for the whole series, the rigidities of GMN's catalogue are met to "
@@ -278,15 +278,15 @@ FIXATION_COLUMNS = (
     Quantity("by", "computed by", "", "s"),
     Quantity("held", "nut fixed at", "", "s"),
     Quantity("largest", "largest load", "N", "g4"),
-    Quantity("load_change", "load over left face", "%", "+.2f"),
-    Quantity("expected", "expected error of it", "% of mean", ".2f"),
+    Quantity("load_change", "largest load against left face", "%", "+.2f"),
+    Quantity("expected", "expected error of a load", "% of mean", ".2f"),
     Quantity("off", f"largest error against {THREE}", "% of mean", ".2f"),
     Quantity("mesh", f"uncertainty of {THREE} by its mesh", "% of mean", ".2f"),
     Quantity("life", "life L10", "10^6 rev", "g4"),
-    Quantity("life_change", "life over left face", "%", "+.2f"),
+    Quantity("life_change", "life against left face", "%", "+.2f"),
     Quantity("rigidity", "rigidity", "N/um", "g4"),
-    Quantity("rigidity_change", "rigidity over left face", "%", "+.2f"),
-    Quantity("share", "catalogue over it", "", ".3f"),
+    Quantity("rigidity_change", "rigidity against left face", "%", "+.2f"),
+    Quantity("share", "catalogue over computed rigidity", "", ".3f"),
 )
 
 
@@ -380,9 +380,9 @@ def largest_mesh_uncertainty_percent(scene: Scene, loads: Mapping[int, Array]) -
 def fixation_table_rows(study: Study, size: str) -> list[dict[str, Cell]]:
     """Return table rows of a catalogue screw: largest load, life and rigidity for each fixation of its nut and each model.
 
-    ``study``: gives the solved scenes; ``size``: name of the catalogue size, one of `SIZES`. The rows of the default model
-    come first, then those of every stored mesh level of the 3D reference. The default model fixes the whole annulus of a
-    flange, so it has no row for a flange fixed by bolts.
+    The rows of the default model come first, then those of every stored mesh level of the 3D reference. The default model
+    fixes the whole annulus of a flange, so it has no row for a flange fixed by bolts. ``study``: gives the solved scenes;
+    ``size``: name of the catalogue size, one of `SIZES`.
     """
     printed = printed_entry("external-thk", f"rigidity_{size}").value
     name = scene_name_of_catalogue_size(size)
@@ -448,7 +448,9 @@ def bolts_sentence() -> str:
                 f"{scene} (level {max(levels)}): the largest load by {largest:+.2f} % of the mean load, any load by at "
                 f"most {off.max_percent:.2f} % of it ({off.rms_percent:.2f} % RMS), the rigidity by {stiff:+.2f} %"
             )
-    head = f"{BOLTS} bolts instead of the whole annulus (held: circles as wide as it) change in {THREE} "
+    head = (
+        f"{BOLTS} bolts (circles as wide as the annulus) that fix the flange instead of its whole face change in {THREE} "
+    )
     return head + "; ".join(words) + "." if words else f"Single bolts were not solved in {THREE}."
 
 
@@ -475,7 +477,7 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
         return sentence
     most = {column: f"{max(values):.2f}" for column, values in moved.items()}
     return (
-        f"{sentence} Where two levels were solved, the finer one moves the changes over the left face by at most "
+        f"{sentence} Where two levels were solved, the finer one alters the changes against the left face by at most "
         f"{most['load_change']} points (largest load), {most['life_change']} (life), {most['rigidity_change']} (rigidity), "
         f"the rigidity itself by {most['rigidity']} %."
     )
@@ -511,7 +513,7 @@ def fixation_section(study: Study, step: Callable[[str], None]) -> Section:
 
     ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
-    step("ways of holding a nut")
+    step("nuts fixed at different surfaces")
     rows = [row for size in SIZES for row in fixation_table_rows(study, size)]
     shares = {
         held: column_range_in_words(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")
@@ -525,18 +527,18 @@ def fixation_section(study: Study, step: Callable[[str], None]) -> Section:
         "the left face."
     )
     text = (
-        f"Catalogues print {shares['left']} of the rigidity with the left face held, {shares['flange, whole']} with the "
-        f"whole face of a flange, {shares['flange, outer']} where only the outer half of its face bears and the flange "
-        f"bends: the holding is {'a part of' if min(bent, default=0.0) < 1.0 else 'enough for'} what makers count in.",
+        f"Catalogues print {shares['left']} of the rigidity computed with the nut fixed at its left face, "
+        f"{shares['flange, whole']} of that at the whole face of a flange, {shares['flange, outer']} of that at the outer "
+        f"half of this face, where the flange bends: the fixation "
+        f"{'explains a part of' if min(bent, default=0.0) < 1.0 else 'can explain'} the difference.",
         mesh_uncertainty_sentence(rows),
         bolts_sentence(),
         flanged_nuts_sentence(),
     )
     note = (
-        f"Flanges of {RIM:g} and {THICK:g} of the nut's outer diameter, in diameter and thickness, at the left end, bonded "
-        "to a rigid housing all over the annulus: assumed, as no catalogue quoted here prints them. Rigidity is load over "
-        "displacement of the screw's section at the nut's centre. Changes of the model and of 3D refer to "
-        "their own results with the left face fixed."
+        f"Flange: at the left end, {RIM:g} of the nut's outer diameter in diameter and {THICK:g} in thickness, its annulus "
+        "bonded to a rigid housing (assumed: no catalogue quoted here prints it). Rigidity: load over displacement of the "
+        "screw's section at the nut's centre. Changes against the left face: of the same model, or in 3D."
     )
     table = Table(
         "nut-holding",

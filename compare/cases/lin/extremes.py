@@ -1,10 +1,10 @@
 """Robustness of the friction solvers on extreme cases: least dissipation compared with the root finding of Lin's thesis.
 
 The cases are single balls, pairs, rows of neighbouring balls, and bearings with clearance, with inputs far from those of
-the printed cases; further cases have starts around the printed ones. Every case is solved from the solver's default start
-and from random ones. Each solution must converge, balance power input and dissipation, and agree with the first one.
-Lin's method finds a root of the force balance under his sigmoid friction law from random starts. For one ball it uses the
-same contact loads; for several balls it is the method in ``lowfi.friction.as_source.screw``.
+the thesis. Every case is solved from the solver's default start and from random ones. Each solution must converge, balance
+power input and dissipation, and agree with the first one. Lin's method finds a root of the force balance under his sigmoid
+friction law from random starts. For one ball it uses the same contact loads; for several balls it is the method in
+``lowfi.friction.as_source.screw``.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ OTHER = 1e-3
 
 @dataclass(frozen=True)
 class GroupResult:
-    """Results of one group of extreme cases of the friction models, each case solved from several starts."""
+    """Results of one group of extreme cases of the friction models, each case solved from several starting points."""
 
     #: Inputs that are varied in the group, in words.
     group: str
@@ -212,7 +212,7 @@ def motion_problem_of_rotary_ball(bearing: Bearing, axial: float, u_y: float, sh
 
 
 def motion_problem_of_screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallProblem:
-    """Return the motion problem of the second of two balls of a screw that do not touch each other.
+    """Return the motion problem of the second of two balls of a ball screw that do not touch each other.
 
     ``pair``: both balls with their grooves; ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL and NR (screw or
     nut, left or right) at the nominal contact angle; None: loads and contact angles of the solved pair. ``sharpness``: k_S
@@ -276,7 +276,7 @@ def solve_ball_group(
 
 
 def screw_ball_with_unequal_diagonals(share: float) -> BallProblem:
-    """Return the motion problem of a screw's ball whose two pairs of opposite contacts carry different loads.
+    """Return the motion problem of a ball of a ball screw whose two pairs of opposite contacts carry different loads.
 
     ``share``: load of the contacts SR and NL divided by the load of the contacts SL and NR, 100 N (S: screw, N: nut, L:
     left, R: right).
@@ -465,7 +465,7 @@ def balls_with_unloaded_contacts(count: int, mu: float) -> LinearBearingBalls:
 
 
 def pair_with_nearly_unloaded_diagonal(share: float) -> LinearBearingBalls:
-    """Return two balls of the linear bearing of which one pair of opposite contacts is nearly unloaded.
+    """Return two balls of the linear bearing, with one pair of opposite contacts of each ball nearly unloaded.
 
     ``share``: side force over vertical load, plus 1. If it is zero, this pair of opposite contacts carries no load.
     """
@@ -514,10 +514,10 @@ def count_solutions_from_random_starts(
 
 
 def random_loads_angles_and_slacks(count: int) -> tuple[Array, Array, Array]:
-    """Return random contact loads (N, 4) [N], contact angles (N, 4) [rad] and slacks (N,) of N balls of a screw.
+    """Return random contact loads (N, 4) [N], contact angles (N, 4) [rad] and permitted closing rates (N,) of N balls.
 
-    ``count``: the number N of neighbouring balls, also the seed of the random numbers. Slack: largest rate [rad/s] at
-    which a ball may gain on the next one; infinite for the last ball, which touches no next one.
+    The balls are neighbours in a screw. ``count``: the number N, also the seed of the random numbers. The closing rate
+    (slack) is the largest rate [rad/s] at which a ball may gain on the next one, infinite for the last ball.
     """
     g, rng = groove_of_table_3_6(), np.random.default_rng(count)
     force = rng.uniform(20.0, 60.0, (count, 4))
@@ -527,9 +527,10 @@ def random_loads_angles_and_slacks(count: int) -> tuple[Array, Array, Array]:
 
 
 def screw_balls_at_random(count: int) -> ScrewChain:
-    """Return neighbouring balls of a screw with random contact loads, contact angles and slacks.
+    """Return neighbouring balls of a screw with random contact loads, contact angles and permitted closing rates.
 
-    ``count``: number of balls. The slack of a ball is the largest rate [rad/s] at which it may gain on the next one.
+    ``count``: number of balls. The closing rate (slack) of a ball is the largest rate [rad/s] at which it may gain on the
+    next one.
     """
     g, (force, angle, slack) = groove_of_table_3_6(), random_loads_angles_and_slacks(count)
     return ScrewChain(g, force, g.normals(angle), slack)
@@ -693,12 +694,12 @@ def extreme_pair_rows() -> list[Row]:
             residual = max(residual, *(max(r.residual, r.lag) for r in found))
         rows.append(
             {
-                Quantity("group", "what is varied", "", "s"): group,
+                Quantity("group", "varied inputs", "", "s"): group,
                 "cases": len(chains),
                 Quantity("solved", "solved from three starts", "", "s"): f"{solved} of {3 * len(chains)}",
                 Quantity("residual", "largest residual", "", "g2"): residual,
-                Quantity("energy", "relative excess of power in over dissipation", "", "g2"): energy,
-                Quantity("spread", "spread of the force over the starts", "", "g2"): spread,
+                Quantity("energy", "power input less dissipation, over dissipation", "", "g2"): energy,
+                Quantity("spread", "difference of the ball-to-ball force between starts", "", "g2"): spread,
             }
         )
     return rows
@@ -733,13 +734,13 @@ def solve_all_groups() -> list[GroupResult]:
 
 
 COLUMNS = (
-    Quantity("group", "what is varied", "", "s"),
+    Quantity("group", "varied inputs", "", "s"),
     Quantity("model", "model", "", "s"),
     Quantity("cases", "cases", "", "s"),
-    Quantity("ours", "solved here from all starts", "", "s"),
-    Quantity("energy", "relative excess of power in over dissipation", "", "g2"),
-    Quantity("spread", "spread over the starts", "", "g2"),
-    Quantity("source", "source's root finding, solved", "", "s"),
+    Quantity("ours", "solved by this package, from all starts", "", "s"),
+    Quantity("energy", "power input less dissipation, over dissipation", "", "g2"),
+    Quantity("spread", "difference between starts", "", "g2"),
+    Quantity("source", "solved by Lin's root finding", "", "s"),
     Quantity("note", "note", "", "s"),
 )
 
@@ -770,22 +771,31 @@ def extreme_cases_text_and_table(found: Sequence[GroupResult] | None = None) -> 
     shown = [{c.key: row[c.key] for c in COLUMNS} for row in cells]
     tried = [r for r in found if r.source is not None]
     text = (
-        f"Solved here: {sum(r.ours for r in found)} of {sum(r.tries for r in found)}; the source's root finding "
-        f"{sum(r.source or 0 for r in tried)} of {sum(r.source_tries or 0 for r in tried)}. Model by model, the worst "
-        f"first: {root_finding_success_in_words(tried)}. It decides which balls touch from their motions without contact "
-        f"(Lin 3.31, 3.77), so "
-        "that roots of longer chains may let balls overlap; these do not count as solved.",
+        f"This package's solvers find {sum(r.ours for r in found)} of {sum(r.tries for r in found)} solutions, Lin's root "
+        f"finding {sum(r.source or 0 for r in tried)} of {sum(r.source_tries or 0 for r in tried)}. By model, the worst "
+        f"first: {root_finding_success_in_words(tried)}. Lin's method decides which balls touch from their motions without "
+        f"contact (Lin 3.31, 3.77), so "
+        "that its roots for longer rows of balls may let balls overlap; these do not count as solved.",
     )
     note = (
-        "Each case is solved from the solver's own start and from random ones. Spread: of the loss of one ball, or of "
-        "ball-to-ball forces over the largest friction bound. The source's method: a root of the force balance under its "
-        "sigmoid, k_S = 100 unless varied, by MINPACK's hybrid method with a short first step, which finds more roots "
-        f"than its default; one ball: {STARTS} starts within {FAR_START:.0%} of the solution unless said otherwise; pairs "
-        f"and chains: rolling and {CHAIN_STARTS} starts within {FAR_START:.0%} ({NEAR_START:.0%} for chains of a screw). A "
-        "chain of a screw that Newton does not reach from a random start is restarted from the solver's own. Where "
-        "friction between balls leaves more than one state (jammed or apart), the branch reached by continuation from zero "
-        "friction is reported; "
-        "a ball of a screw that carries almost no load in clearance may also float or be wedged by its own friction, and "
-        "where the search begins decides: there the restarts keep the loads that were found."
+        "Each case is solved from the solver's default start and from random ones. Difference between starts: of the loss "
+        "of one ball, or of ball-to-ball forces over the largest friction bound. Lin's method: a root of the force balance "
+        "under his sigmoid friction law (sharpness k_S = 100 unless varied), by MINPACK's hybrid method with a short first "
+        f"step. Random starts: for one ball {STARTS} within {FAR_START:.0%} of the solution unless stated otherwise; for "
+        f"pairs and chains {CHAIN_STARTS} within {FAR_START:.0%} ({NEAR_START:.0%} for chains of a screw). A chain of a "
+        "screw that Newton's method does not solve from a random start is restarted from the default start. Where friction "
+        "between balls permits more than one state (jammed or apart), the state reached by continuation from zero friction "
+        "is reported. "
+        "A nearly unloaded ball of a screw with clearance may also float or be wedged by its own friction; its restarts "
+        "keep the loads found first."
     )
-    return (Text(text), Table("friction-extremes", "Status of the friction solver on extreme cases", COLUMNS, shown, note))
+    return (
+        Text(text),
+        Table(
+            "friction-extremes",
+            "Friction solvers on extreme cases: solutions found from all starts, and by Lin's root finding",
+            COLUMNS,
+            shown,
+            note,
+        ),
+    )

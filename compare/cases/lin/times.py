@@ -49,7 +49,7 @@ CALLS = {
 
 
 def measure_run_times(study: Study, step: Callable[[str], None]) -> StoredRunTimes:
-    """Measure all run times that are compared with the tables of Lin's thesis.
+    """Measure all run times that are compared with those printed in the tables of Lin's thesis.
 
     This takes ten to fifteen minutes on two idle cores. ``study``: gives solved scenes and stored 3D references; ``step``:
     function that receives a message before each measurement. Returns the times with the conditions of measurement, to be
@@ -90,7 +90,7 @@ class RunTimes:
 
 
 def stored_run_times(study: Study, name: str, model: str) -> RunTimes:
-    """Return the stored run times of one model for a scene; without any, the result has default (empty) fields.
+    """Return the stored run times of one model for a scene; all fields have their defaults if none is stored.
 
     ``name``: name of the scene; ``model``: model, "lin" (static model), "numerical" (friction model of two balls),
     "formula" (Lin's formula for two balls) or "3D". ``study``: gives solved scenes and stored 3D results.

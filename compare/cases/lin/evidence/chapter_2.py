@@ -73,7 +73,10 @@ SWAPPED = {"rho1_N": "rho2", "rho2_N": "rho1"}
 
 
 def correct_table_b_1(scene: Scene) -> dict[str, float]:
-    """Return the correct values of Lin's Table B.1 for the groove of the scene, by the table's keys and in its units."""
+    """Return the correct values of Lin's Table B.1 for the groove radius of the scene, by key of the printed numbers.
+
+    The values have the units of the table.
+    """
     right = exact_hertz_parameters(scene)
     keys = [(f"{start}{letter}", letter, name, unit) for letter in "SN" for start, (_, name, unit) in QUANTITIES.items()]
     return {key: unit * right[letter][SWAPPED.get(key, name)] for key, letter, name, unit in keys}
@@ -121,7 +124,7 @@ def table_2_1(findings: Findings, study: Study) -> None:
 
 
 def beam_element_count_of_lin_partition(study: Study) -> int:
-    """Return the number of beam elements of Lin's model: 12 + 12 outside the nut, 3 of 15 mm each inside it.
+    """Return the number of beam elements of Lin's screw model: 12 + 12 outside the nut, 3 of 15 mm each inside it.
 
     ``study``: gives the scenes included with rollbench.
     """
@@ -302,7 +305,7 @@ def _compare_with_ansys(study: Study, findings: Findings) -> None:
 
 @dataclass(frozen=True)
 class ModelChoice:
-    """Contact loads of Lin's case study 1 under one modelling choice.
+    """Contact loads of Lin's case study 1 under one modelling choice, compared with those of the default model.
 
     ``label``: the choice in words; ``result``: static solution; ``change``: difference of the contact loads from the loads
     with all choices by default.
@@ -493,7 +496,7 @@ def section_4_3_2(findings: Findings, study: Study) -> None:
 
 
 def _check_manufacturing_error_claims(study: Study, findings: Findings, screw: str) -> None:
-    """Check the claims of section 4.3.2 of Lin's thesis on pitch and roundness errors for one screw.
+    """Check the claims of section 4.3.2 of Lin's thesis on pitch and on roundness errors, for one screw.
 
     The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: key of `SCREWS`. ``study``: gives the
     solved scenes. ``findings``: receives the results.

@@ -97,10 +97,10 @@ def solve_linear_pair(
 
 @cache
 def force_and_loss_maps() -> PairResultsOverGrid:
-    """Compute maps of ball-to-ball force and friction losses of two touching balls in the linear bearing.
+    """Compute ball-to-ball force and friction losses of two touching balls in the linear bearing, over a grid of inputs.
 
-    The abscissas are the deviation theta of the contact angle, from -3 to 3 deg, and the side force over the vertical
-    load, from -0.6 to 0.6.
+    The inputs are the deviation theta of the contact angle, from -3 to 3 deg, and the side force over the vertical load,
+    from -0.6 to 0.6.
     """
     return pair_results_over_grid(LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F)
 
@@ -196,7 +196,7 @@ def table_3_2(findings: Findings, study: Study) -> None:
 
 
 def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute inputs, worst case and claims of the linear bearing: Table 3.3 and section 3.3.4.1 of Lin's thesis.
+    """Compute inputs and worst case of the linear bearing, and check claims: Table 3.3, section 3.3.4.1 of Lin's thesis.
 
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
     ``study``: not used here.
@@ -235,9 +235,9 @@ def _record_largest_friction_loss_increase(findings: Findings) -> None:
 
 
 def _check_map_claims(findings: Findings, maps: PairResultsOverGrid) -> None:
-    """Check Lin's claims on the maps of ball-to-ball force and losses over theta and side force.
+    """Check Lin's claims on ball-to-ball force and losses of two balls over contact-angle deviation and side force.
 
-    ``maps``: the maps, by the numerical model and by Lin's formulas. ``findings``: receives the results.
+    ``maps``: these quantities by the numerical model and by Lin's formulas. ``findings``: receives the results.
     """
     difference, force, ratio = (both.numerical for both in (maps.difference, maps.force, maps.ratio))
     fields = (force[4:, 2::-1], ratio[4:, 2::-1])

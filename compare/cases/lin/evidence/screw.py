@@ -134,7 +134,7 @@ def largest_over_smallest_torque(found: TorqueCurve, largest_angle: float) -> fl
 
 
 def loss_increase_percent(pair: ScrewPairSolution) -> float:
-    """Return the increase [%] of the friction loss of two balls, summed over all their contacts, by ball-to-ball contact.
+    """Return by how much ball-to-ball contact increases the friction loss of two balls, summed over all contacts [%].
 
     ``pair``: solutions for the two balls with ball-to-ball contact and without it.
     """
@@ -450,7 +450,7 @@ def inferred_oversize_in_words() -> str:
 
 
 def label_of_inferred_oversize() -> str:
-    """Return the label, in table rows, of balls with the inferred oversize whose loads friction does not change."""
+    """Return the label of the table row for balls with the inferred oversize, whose loads friction does not change."""
     return f"{inferred_oversize_in_words()} oversize, not coupled"
 
 
@@ -552,7 +552,7 @@ def load_state_interpretation_rows() -> list[Row]:
 
 
 def implied_contact_load() -> float:
-    """Return the contact load [N] of a ball that force and loss increase printed in Table 3.7, case (a), imply."""
+    """Return the contact load [N] of a ball implied by the printed force and loss increase of case (a), Lin's Table 3.7."""
     force, increase = (printed_value("lin-3.7", f"{what}_a") for what in ("force", "increase"))
     return load_implied_by_ball_force(
         source_cases.screw_pair_with_inferred_oversize(radians(THETA["a"])), force, 1e-2 * increase
@@ -672,7 +672,7 @@ def simulation_interpretation_rows() -> list[Row]:
         reading = follows, amplitude, 1e6 * source_cases.inferred_oversize(), "both"
         of_source = simulation_row_by_lin_method(simulation_inputs_of_interpretation(*reading))
         found.append((SOURCE_RULE, reading, [of_source[q] for q in RUN[2:5]]))
-    off = [Quantity(f"{q.key}_off", f"{q.label}, off print", q.unit, "+.1f") for q in RUN[2:5]]
+    off = [Quantity(f"{q.key}_off", f"{q.label}, less printed", q.unit, "+.1f") for q in RUN[2:5]]
     printed = [printed_value("lin-3.4.4", key) for key in PRINTED_OF_RUN]
     rows = list[Row]()
     for rule, reading, values in found:
@@ -689,12 +689,12 @@ RUN = (
     Quantity("assumption", "assumption", "", "s"),
     Quantity("value", "value", "", "s"),
     Quantity("largest", "largest ball-to-ball over groove torque", "%", ".1f"),
-    Quantity("at", "at nut angle", "°", ".0f"),
-    Quantity("none_at", "no contact at", "°", ".0f"),
-    Quantity("groups", "groups at most", "", "s"),
+    Quantity("at", "nut angle of the largest", "°", ".0f"),
+    Quantity("none_at", "nut angle where contact ends", "°", ".0f"),
+    Quantity("groups", "groups of touching balls, at most", "", "s"),
     Quantity("variation", "variation of groove torque, from step 2", "%", ".1f"),
     Quantity("torque", "mean groove torque", "N mm", ".2f"),
-    Quantity("steps", "steps converged", "", "s"),
+    Quantity("steps", "time steps converged", "", "s"),
 )
 
 
@@ -802,7 +802,7 @@ def bearing_torque_rows() -> list[Row]:
         torque = Quantity("torque", "torque at 0°", "N mm", ".1f")
         row: Row = {"bearing": bearing, "assumption": label, torque: 1e3 * float(found.torque[0])}
         row |= {
-            Quantity(f"to_{end:g}", f"largest over smallest, 0 to {end:g}°", "", ".3f"): largest_over_smallest_torque(
+            Quantity(f"to_{end:g}", f"largest/smallest torque, 0 to {end:g}°", "", ".3f"): largest_over_smallest_torque(
                 found, end
             )
             for end in ENDS
@@ -831,7 +831,7 @@ def ball_contact_onset_rows(study: Study) -> list[Row]:
                     Quantity("idle", "speed of unloaded balls over nominal", "", "g2"): idle,
                     Quantity("lost", "balls without load", "", "s"): int((o.loaded == 0.0).sum()),
                     Quantity("meet", "neighbours that close in", "", "s"): f"{meet} of {o.meeting.size}",
-                    Quantity("first", "first meeting, nut angle", "°", "g4"): first,
+                    Quantity("first", "nut angle of the first contact", "°", "g4"): first,
                     "status": "converged" if o.converged else "not converged",
                 }
             )

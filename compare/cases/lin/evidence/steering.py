@@ -112,12 +112,12 @@ def peak_to_peak(test: LoadCurve) -> float:
     ``test``: load curve of the test. Raises ValueError if there is no equilibrium at an end of the load range.
     """
     if test.peak_to_peak is None:
-        raise ValueError(f"{test.scene}: no equilibrium under an end load of the lash test")
+        raise ValueError(f"scene {test.scene}: no equilibrium at the first or last load of the lash test")
     return test.peak_to_peak
 
 
 def relative_range_percent(values: list[float]) -> float:
-    """Return (largest - smallest)/smallest [%] of the lash of one screw over the four patterns of its balls.
+    """Return the relative range (largest - smallest)/smallest [%] of a screw's lash over the four patterns of its balls.
 
     ``values``: lash for each pattern, in any unit. Lin does not define the difference; this definition fits the axial
     difference that he prints best.
@@ -168,7 +168,7 @@ def steering_gear() -> Assembly:
     """Return the scene of Lin's steering gear, which is included with rollbench: a rack with ball screw and bearing."""
     found = catalogue.shipped_scene(RACK)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"{RACK}: expected a scene of a shaft with ball screw and bearing, got {type(found).__name__}")
+        raise AssertionError(f"scene {RACK}: expected a shaft with ball screw and bearing, got {type(found).__name__}")
     return found
 
 
@@ -246,7 +246,7 @@ def _compute_lash(findings: Findings, study: Study) -> None:
 
 
 def _compute_load_ratios(findings: Findings) -> None:
-    """Compute contact loads of ball screw and bearing over the tie-rod angle: section 4.2.2.
+    """Compute contact loads of the steering gear's ball screw and bearing over the tie-rod angle: Lin's section 4.2.2.
 
     ``findings``: receives the results.
     """
@@ -288,7 +288,7 @@ def _nonzero_loads(result: AxisResult, i: int) -> Array:
     """Return the nonzero contact loads [N] of one part of the steering gear; ``i``: 0 for ball screw, 1 for bearing."""
     balls = result.sets[i].balls
     if balls is None:
-        raise AssertionError(f"expected contact loads in part {i} (0: ball screw, 1: bearing) of the gear, got none")
+        raise AssertionError(f"steering gear: no contact loads were computed for part {i} (0: ball screw, 1: bearing)")
     return np.asarray(balls.load[balls.load > 0.0])
 
 
@@ -410,7 +410,7 @@ BEARING_FITS, SCREW_FITS, FIRST = (-10e-6, -5e-6, 0.0, 2e-6), (-5e-6, 0.0, 5e-6)
 
 
 def _change_screw_or_bearing(gear: Assembly, of_nut: bool, change: Callable[[Scene], Scene]) -> Assembly:
-    """Return a copy of the steering gear in which ball screw or bearing is changed.
+    """Return a copy of the steering gear in which either the ball screw or the bearing is changed.
 
     ``of_nut``: whether the ball screw is changed instead of the bearing; ``change``: function that returns the changed
     part.

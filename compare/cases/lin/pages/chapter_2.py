@@ -62,8 +62,8 @@ def end_support_table(study: Study) -> Table:
         ):
             row: Row = {
                 "scene": name,
-                Quantity("held", "right end", "", "s"): reading.label,
-                Quantity("text", "stated by the text", "", "s"): "yes" if reading.of_text else "no",
+                Quantity("held", "support at the right end", "", "s"): reading.label,
+                Quantity("text", "stated by Lin's text", "", "s"): "yes" if reading.of_text else "no",
                 Quantity("reference", "3D reference", "", "s"): reference_mesh_level_in_words(study, name),
             }
             for model, words in (("lin", "Lin's model"), (DEFAULT, "refined model")):
@@ -78,13 +78,13 @@ def end_support_table(study: Study) -> Table:
                 }
             rows.append(row)
     note = (
-        "The text sets only the x-displacement of the last node (2.4.1.3). A bearing there holds the y-displacement too, "
-        "which is what the 3D reference was computed for; whether it holds rotations is open. Changes are against the "
-        "first row."
+        "Lin's text prescribes only the x-displacement of the last node (2.4.1.3). A bearing there also restrains the "
+        "y-displacement, as the 3D reference does; whether it restrains rotations is open. Changes are against the first "
+        "interpretation."
     )
     return Table.of(
         "cases-readings",
-        "Lin's case study 3: largest and smallest contact loads by interpretation of the right end's support",
+        "Lin's case study 3: largest and smallest contact loads, by interpretation of the support at the right end",
         rows,
         note,
     )
@@ -94,7 +94,7 @@ def end_support_table(study: Study) -> Table:
 
 
 def model_choice_rows(found: Sequence[chapter_2.ModelChoice]) -> list[Row]:
-    """Return the table rows of Lin's case 1 under each modelling choice: loads, largest change, axial displacement.
+    """Return the table rows of Lin's case 1, one for each modelling choice: loads, largest change, axial displacement.
 
     ``found``: results by modelling choice, the default first.
     """
@@ -128,7 +128,7 @@ def contact_loads_table(study: Study) -> Table:
             load = Quantity(f"{short}-{SIDES[s]}", f"{short.replace('-', ' ')} {SIDES[s]}", "N", ".2f")
             for i, row in enumerate(rows):
                 row[load] = float(r.load[i, s])
-    return Table.of("cases-loads", "Contact loads of Lin's case studies, ball by ball", rows)
+    return Table.of("cases-loads", "Lin's case studies: contact loads of every ball", rows)
 
 
 def largest_and_smallest_loads_table(study: Study) -> Table:
@@ -157,9 +157,9 @@ def largest_and_smallest_loads_table(study: Study) -> Table:
                         "status": r.status,
                     }
                 )
-    note = "Relative to the largest force; the balances sum loads, reactions and forces at the contact points."
+    note = "Force and moment balance: sum of loads, reactions and contact forces on the screw, over the largest force."
     return Table.of(
-        "cases-summary", "Smallest and largest contact loads of Lin's case studies, and the balance of forces", rows, note
+        "cases-summary", "Lin's case studies: smallest and largest contact loads, and balance of forces", rows, note
     )
 
 
@@ -182,7 +182,7 @@ def case_study_figures(study: Study) -> tuple[Figure, ...]:
     first = contact_load_panel(
         "case 1, SL = NR",
         contact_load_curve("low-order model", case1, 0, emphasis=True),
-        contact_load_curve("source's partition, C.8 without root", coarse, 0),
+        contact_load_curve("Lin's beam elements, C.8 without root", coarse, 0),
         contact_load_curve("Mei, rigid nut", mei, 0),
         contact_load_curve("Mei, nut as a bar", nut, 0),
     )
@@ -213,14 +213,15 @@ def case_study_figures(study: Study) -> tuple[Figure, ...]:
     three = study.solve("lin-case3-offset")
     bend = Panel("case 3 with offset", *axes, lateral_displacement_curves(three.centreline_z, three.centreline))
     return (
-        Figure("cases-12", "Contact load over the ball's number, Lin's case studies 1 and 2", (first, second)),
+        Figure("cases-12", "Lin's case studies 1 and 2: contact load over the ball's number", (first, second)),
         Figure(
             "cases-3",
-            "Contact load over the ball's number, Lin's case study 3, for each interpretation of the right end's support",
+            "Lin's case study 3: contact load over the ball's number, by interpretation of the support at the right end",
             tuple(panels),
-            f"NR follows SL and NL follows SR to within {largest_opposite_load_difference(study):.2f} N.",
+            "Opposite contacts (SL and NR, SR and NL) have equal loads within "
+            f"{largest_opposite_load_difference(study):.2f} N.",
         ),
-        Figure("cases-centreline", "Displacement of the screw's centreline by each model", (line, bend)),
+        Figure("cases-centreline", "Lin's case studies 1 and 3: displacement of the screw's centreline", (line, bend)),
     )
 
 
@@ -241,7 +242,7 @@ def loaded_screw_picture(scene: Scene, result: StaticResult, caption: str) -> Lo
     """
     held = result.load > 0.0
     arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
-    title = "Case 3 with offset: contact loads on the balls"
+    title = "Lin's case study 3, right end displaced: contact loads on the balls"
     one = solve_scene_with_results(scene, result.model, Options(discretisation=False))
     view = collect_view_data(title, [one], solved_case_json(one))
     return LoadedScrew("loaded-screw", title, scene, result.load, *arrows, caption, view)
@@ -252,8 +253,8 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
 
     ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
-    step("cases 1, 2, 3 on four models")
-    step("what the open choices change")
+    step("cases 1, 2 and 3 by four models")
+    step("case 1 under each modelling choice")
     rows = model_choice_rows(study.compute_once(chapter_2.case_1_by_choice))
     offset = study.solve("lin-case3-offset")
     return Section(
@@ -264,13 +265,13 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
             loaded_screw_picture(
                 study.scene("lin-case3-offset"),
                 offset,
-                "Arrows are the contact loads of all four flanks, balls are coloured by their largest contact load.",
+                "Arrows: contact loads on the four flanks. Colour of a ball: its largest contact load.",
             ),
             largest_and_smallest_loads_table(study),
             end_support_table(study),
             Table.of(
                 "cases-choices",
-                "Lin's case study 1: change of the contact loads by each modelling choice and each fault of the thesis",
+                "Lin's case study 1: change of the contact loads by each modelling choice, and by each fault of the thesis",
                 rows,
                 "Changes are against the first row, in per cent of its mean contact load.",
             ),
@@ -341,8 +342,8 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
                     Quantity("mid", "median", "N", ".1f"): float(mid),
                     Quantity("high", "95 %", "N", ".1f"): float(high),
                     Quantity("ratio", "max/min, median", "", ".3f"): float(np.median(ratios)) if s == 0 else None,
-                    Quantity("lost", "balls without load, mean", "", ".2f"): float((load == 0.0).sum(axis=1).mean()),
-                    Quantity("bad", "not converged", "", "s"): sum(x != "converged" for x in e.statuses),
+                    Quantity("lost", "unloaded balls, mean", "", ".2f"): float((load == 0.0).sum(axis=1).mean()),
+                    Quantity("bad", "screws not converged", "", "s"): sum(x != "converged" for x in e.statuses),
                 }
             )
     changes: list[Row] = []
@@ -368,16 +369,17 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
                 "errors-loads",
                 "Contact load over the ball's number with random geometric errors (Lin 2.4.2)",
                 (left, right),
-                f"Bands: 5th to 95th percentile per ball, {len(random.loads)} and {len(combined.loads)} drawn screws.",
+                f"Bands: 5th to 95th percentile of each ball's load over {len(random.loads)} and {len(combined.loads)} "
+                "random screws.",
             ),
             Table.of(
                 "errors-changes",
-                "Lin 2.4.2: change of the contact loads by each geometric error, against case study 1",
+                "Lin 2.4.2: change of the contact loads by each kind of geometric error, against case study 1",
                 changes,
             ),
             Table.of(
                 "errors-bands",
-                "Lin 2.4.2: largest contact load and unloaded balls of screws drawn with random errors",
+                "Lin 2.4.2: largest contact load and number of unloaded balls of screws with random errors",
                 rows,
             ),
         ),
@@ -404,9 +406,9 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
                 {
                     "groove": label,
                     "side": name,
-                    Quantity("right", "C, right", "m/N^(2/3)", "g5"): C,
+                    Quantity("right", "C, correct", "m/N^(2/3)", "g5"): C,
                     Quantity("faulty", "C, as printed", "m/N^(2/3)", "g5"): printed.C,
-                    Quantity("error", "as printed against right", "%", ".1f"): float(error_percent(printed.C, C)),
+                    Quantity("error", "as printed against correct", "%", ".1f"): float(error_percent(printed.C, C)),
                     Quantity("approach", "approach", "µm", ".3f"): 1e6 * C * 225.0 ** (2 / 3),
                     Quantity("a", "semi-axis a", "mm", ".4f"): 1e3 * float(right.C_a[side]) * 225.0 ** (1 / 3),
                     Quantity("b", "semi-axis b", "mm", ".4f"): 1e3 * float(right.C_b[side]) * 225.0 ** (1 / 3),
@@ -427,7 +429,8 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
             ),
             Table.of(
                 "hertz-grooves",
-                "Hertz constant as printed and correct, for two groove radii, and the contact under 225 N",
+                "Hertz constant C, as printed and correct, for two groove radii; size and pressure of the contact under "
+                "225 N",
                 constants,
             ),
         ),
@@ -435,7 +438,7 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def equivalent_errors_panel(scene: Scene) -> Panel:
-    """Draw pitch and roundness errors along the nominal contact normal over the azimuth, by Lin's equations 4.2 and 4.4.
+    """Draw pitch and roundness errors in the direction of the contact normal over the azimuth (Lin's equations 4.2, 4.4).
 
     ``scene``: screw whose lead and contact angle are used.
     """
@@ -495,16 +498,16 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
         (
             Figure(
                 "manufacturing-loads",
-                "Geometric errors of a steering gear and the contact loads they cause (Lin 4.3.2)",
+                "Pitch and roundness errors of a steering gear's ball screw, and their contact loads (Lin 4.3.2)",
                 tuple(panels),
                 "",
                 3,
             ),
             Table.of(
                 "manufacturing-readings",
-                "Change of the steering gear's results with the inputs that are not printed (Lin 4.3.2)",
+                "Contact loads with pitch or roundness errors (Lin 4.3.2), by assumption on inputs that are not printed",
                 rows,
-                "Lin's statement of two-point contact needs clearance in the grooves, which is not printed.",
+                "Lin states that all balls have two loaded contacts. This needs a clearance in the grooves, not printed.",
             ),
             Text(
                 (
@@ -533,7 +536,7 @@ SCENES = (
 
 
 def solver_agreement_row(study: Study, name: str) -> Row:
-    """Return the table row of load differences [% of the mean load] between Lin's Newton solver and the energy solver.
+    """Return the table row of a scene's load differences [% of mean load], Lin's Newton method against the energy solver.
 
     The row also has the numbers of iterations. ``study``: gives the solved scenes; ``name``: name of the scene.
     """
@@ -545,18 +548,18 @@ def solver_agreement_row(study: Study, name: str) -> Row:
         Quantity("residual", "residual", "", "g2"): solver.residual,
     }
     kinds: tuple[tuple[Literal["arc", "source"], str, str, str], ...] = (
-        ("arc", "same equations", "g2", "iterations, source's Newton"),
-        ("source", "source's own kinematics", "g3", "iterations"),
+        ("arc", "difference, same equations", "g2", "iterations, Lin's Newton method"),
+        ("source", "difference, Lin's own kinematics", "g3", "iterations, Lin's own kinematics"),
     )
     for kinematics, heading, form, counted in kinds:
         by_source = solve_from_guess_or_load_steps(scene, kinematics)
         off = load_error(by_energy.load, by_source.load).max_percent if by_source.converged else None
         row[Quantity(kinematics, heading, "% of mean", form)] = off
         row[Quantity(f"{kinematics}_iterations", counted, "", "s")] = by_source.iterations
-    for arm, heading in (("nominal", "arm frozen at nominal contact"), ("ball", "force at the ball's station")):
+    for arm, heading in (("nominal", "lever arm at the nominal contact"), ("ball", "force at the ball's axial position")):
         frozen = study.solve(study.changed(name, arm=arm))
         row[Quantity(arm, heading, "% of mean", ".3f")] = load_error(frozen.load, by_energy.load).max_percent
-    return row | {Quantity("source_status", "status of the source's Newton", "", "s"): by_source.status}
+    return row | {Quantity("source_status", "status of Lin's Newton method", "", "s"): by_source.status}
 
 
 def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
@@ -570,7 +573,7 @@ def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
         rows.append(solver_agreement_row(study, name))
     return Section(
         "formulations",
-        "Lin's model solved by two formulations gives the same loads",
+        "Lin's static model: the same contact loads by his Newton method and by energy minimisation",
         (
             Text(
                 (
@@ -586,7 +589,7 @@ def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
             ),
             Table.of(
                 "formulations-agreement",
-                "Difference of contact loads between Lin's Newton solver and the energy solver, by scene",
+                "Difference of contact loads between Lin's Newton method and the energy solver, by scene",
                 rows,
             ),
         ),

@@ -57,15 +57,17 @@ def power_balance_table() -> Table:
     Each case has three rows: correct, with least dissipation at Lin's loads, and as printed.
     """
     table = Table.of(
-        "friction-balance", "Rotary bearing (Lin 3.2): power input against friction losses, by model", power_balance_rows()
+        "friction-balance",
+        "Rotary bearing (Lin 3.2): power input and friction losses, by friction model",
+        power_balance_rows(),
     )
     worst = max(table.rows, key=lambda row: abs(float(row["balance"] or 0.0)))
     off = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
     note = (
-        "Lin takes the torque from the dissipation (3.21); interpolation between his maps shifts "
-        f"that by {off:+.1f} % from the friction moment in case {worst['case']}. In cases I and II the "
-        "sigmoid moves a contact that is at rest under Coulomb friction: the sum of the losses stays, their "
-        "distribution over the contacts does not."
+        "Lin computes the torque from the friction losses (3.21); because he interpolates in maps of the friction, it "
+        f"differs by {off:+.1f} % from the moment of the friction forces in case {worst['case']}. In cases I and II his "
+        "sigmoid friction law moves a contact that rests under Coulomb friction: the sum of the losses stays, their "
+        "distribution over the contacts changes."
     )
     return replace(table, note=note)
 
@@ -78,7 +80,7 @@ def linear_pair_sensitivity_table() -> Table:
     printed = printed_entry("lin-3.5", "a_force_numerical")
     table = Table.of(
         "friction-sensitivity",
-        "Two balls of a linear bearing (Lin 3.3): force and losses by assumption on the contact loads",
+        "Two balls of a linear bearing (Lin 3.3): ball-to-ball force and losses, by assumption on the contact loads",
         linear_pair_sensitivity_rows(),
     )
     target = printed.value or 0.0
@@ -86,9 +88,10 @@ def linear_pair_sensitivity_table() -> Table:
     inside = "lies within" if min(forces) <= target <= max(forces) else "lies outside"
     deviations = " and ".join(f"{printed_entry('lin-3.4', f'a_eps{k}_numerical').printed} %" for k in (1, 2))
     note = (
-        "diagonal: the text before (3.54); balanced: in equilibrium at the stated angles; elastic: angles follow the "
-        f"loads. The printed force of {printed.printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
-        f"{max(forces):.2f} N; Table 3.4 prints deviations of {deviations} for the same case."
+        "Loads: diagonal (equal at both contacts of each diagonal, as Lin's text says before (3.54)), balanced (in "
+        "equilibrium at the stated contact angles), or elastic (contact angles follow the loads). The printed force of "
+        f"{printed.printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
+        f"{max(forces):.2f} N; Table 3.4 prints velocity deviations of {deviations} for the same case."
     )
     return replace(table, note=note)
 
@@ -99,12 +102,12 @@ def linear_pair_sensitivity_table() -> Table:
 def solver_residuals_table() -> Table:
     """Return the table of the friction solver's residuals on extreme cases of two balls in the linear bearing.
 
-    The last columns are the energy error and the spread of the ball-to-ball force over several starts of the solver.
+    The last columns are the energy error and the difference of the ball-to-ball force between several starts of the solver.
     """
-    note = "Elastic loads; residual and spread over the largest friction bound of a ball."
+    note = "Contact angles follow the loads. Residual and difference are divided by the largest friction force on a ball."
     return Table.of(
         "friction-stability",
-        "Two balls of a linear bearing: residuals of the friction solver on extreme cases",
+        "Two balls of a linear bearing: residuals and energy error of the friction solver on extreme cases",
         extreme_pair_rows(),
         note,
     )
@@ -116,12 +119,12 @@ def root_finding_table() -> Table:
     There is one row for each case of the rotary bearing and each sharpness k_S of Lin's friction law.
     """
     note = (
-        "At the loads as printed, sigmoid without maps; each of the three unknowns starts off at random. Least "
-        "dissipation succeeds only if its loss is the one minimum; it uses Coulomb friction whatever k_S is."
+        "Contact loads with Lin's Hertz constants; k_S: sharpness of his sigmoid friction law, here without interpolation "
+        "in maps. Least dissipation succeeds if it finds the minimum of the loss; it uses Coulomb friction for all k_S."
     )
     return Table.of(
         "friction-roots",
-        "Rotary bearing: number of random starts from which root finding and least dissipation find the motion",
+        "Rotary bearing: random starts from which root finding and least dissipation find the motion of the ball",
         root_finding_rows(),
         note,
     )
@@ -140,7 +143,7 @@ def rotary_bearing_torque_figure() -> Figure:
     good = np.array([s.motion.status == "exact" for s in printed])
     x, label = scale_to_python_floats(u, 1e6), "u_y / µm"
     marks = [1e6 * v for v in CASES.values()]
-    laws = (("right", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
+    laws = (("correct", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
     def curves_of_quantity(
         pick: Callable[[BearingBallSolution], float], key: str, factor: float = 1.0
@@ -156,7 +159,7 @@ def rotary_bearing_torque_figure() -> Figure:
                 x,
                 scale_to_python_floats(np.where(ok, [pick(s) for s in found], np.nan), factor),
                 "line",
-                emphasis=name == "right",
+                emphasis=name == "correct",
             )
             for name, found, ok in laws
         ]
@@ -169,15 +172,15 @@ def rotary_bearing_torque_figure() -> Figure:
             "sum of contact loads", label, "force / N", curves_of_quantity(lambda s: s.load.force.sum(), "F_sum"), zero=True
         ),
         Panel("friction torque", label, "torque / N mm", curves_of_quantity(lambda s: s.torque, "torque", 1e3), zero=True),
-        Panel("right: friction loss of each contact", label, "loss / W", losses, zero=True),
+        Panel("correct friction loss of each contact", label, "loss / W", losses, zero=True),
         Panel("rotation of the ball, ω_x", label, "ω_x / rad/s", curves_of_quantity(lambda s: s.motion.q[1], "omega_x")),
     )
     missing = int(np.sum(~good))
     caption = (
-        "Once four contacts carry load, torque rises several times faster than force: the light contacts first slide "
-        "(steep part), then all spin (after the bend). With exact Hertz constants the bend comes earlier, so case II, "
-        "which is just before it as printed, lies beyond it. The printed sum of forces of case III lies below the curve: "
-        f"a misprint. Gaps: Lin's root finding fails at {missing} of {u.size} points."
+        "Once all four contacts are loaded, torque rises faster than force: the lightly loaded contacts first slide, "
+        "then, after the bend, all contacts spin. With exact Hertz constants case II lies beyond the bend, as printed "
+        "just before it. The printed sum of forces in case III is a misprint. Gaps: Lin's root finding fails at "
+        f"{missing} of {u.size} points."
     )
     return Figure(
         "friction-torque",
@@ -203,16 +206,16 @@ def sliding_velocity_panel(case: str, s: BearingBallSolution, title: str) -> Pan
 
 
 def sliding_velocity_figure() -> Figure:
-    """Draw Lin's Figure 3.8 as curves: sliding velocity along the contacts of the rotary bearing's ball in cases I to III.
+    """Draw Lin's Figure 3.8: sliding velocity along the contacts of the rotary bearing's ball in cases I to III.
 
     Three panels have correct values, and three have values computed with Lin's faults.
     """
-    panels = [sliding_velocity_panel(case, solve_rotary(case), "right") for case in CASES]
+    panels = [sliding_velocity_panel(case, solve_rotary(case), "correct") for case in CASES]
     panels += [sliding_velocity_panel(case, solve_rotary_as_printed(case), "as printed") for case in CASES]
     caption = (
-        "A slope is spin, a zero the centre of rotation, an offset sliding. Case I: one contact rolls (at rest), the "
-        "other spins about its centre. As printed, case II slides in IR and OL while OR is nearly at rest; with exact "
-        "Hertz constants all four contacts already spin. Case III: all four spin."
+        "Contacts: I inner, O outer ring; L left, R right. A slope is spin, an offset sliding. Case I: one contact "
+        "rolls, the other spins about its centre. Case II: as printed, IR and OL slide and OR is nearly at rest; "
+        "correct: all four contacts spin, as in case III."
     )
     return Figure(
         "friction-velocity",
@@ -252,20 +255,20 @@ def linear_pair_map_figures() -> tuple[Figure, Figure]:
         "friction-difference",
         "Linear bearing (Lin, Figure 3.14): velocity difference of two balls over the side force ratio",
         force_map_panels(m, m.difference, "ε₁ − ε₂"),
-        "The balls close in where the curve is above zero: θ and ρ of opposite sign. The formula is nearly straight in "
-        "ρ and falls short by up to "
-        f"{short:.0%} of the largest value at the corners.",
+        "θ: deviation of the contact angle; ε₁, ε₂: relative deviations of both balls' velocities from nominal. The balls "
+        "approach each other where the curve is above zero. Lin's formula is too small by up to "
+        f"{short:.0%} of the largest value.",
         3,
     )
     second = Figure(
         "friction-force",
         "Linear bearing (Lin, Figure 3.15): ball-to-ball force and loss ratio over the side force ratio",
         [*force_map_panels(m, m.force, "force / N"), *force_map_panels(m, m.ratio, "loss ratio")],
-        "No force where the balls separate. Where they approach, force and loss grow with both parameters, "
-        f"up to {m.force.numerical.max():.2f} N and {100.0 * m.ratio.numerical.max():.1f} % of the baseline (printed as an "
-        f"increase of {printed_entry('lin-3.3', 'worst_ratio').printed} %). At the corners the formula's force is "
-        f"too small by up to {-m.force.error.min():.2f} N; its ratio is wrong by up to "
-        f"{np.abs(m.ratio.error).max():.2f} only, because its baseline is wrong too.",
+        "Loss ratio: friction loss with over that without ball-to-ball contact. Where the balls approach each other, force "
+        f"and ratio grow up to {m.force.numerical.max():.2f} N and {100.0 * m.ratio.numerical.max():.1f} % (printed as an "
+        f"increase of {printed_entry('lin-3.3', 'worst_ratio').printed} %). Lin's formula gives a force "
+        f"too small by up to {-m.force.error.min():.2f} N, and a ratio wrong by up to "
+        f"{np.abs(m.ratio.error).max():.2f}.",
         3,
     )
     return first, second
@@ -298,7 +301,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     checks = (solver_residuals_table(), root_finding_table())
     return Section(
         "friction",
-        "Lin 3.2 and 3.3: friction and ball motion in a rotary bearing, two touching balls in a linear bearing",
+        "Lin 3.2 and 3.3: friction and ball motion in a rotary bearing, and in a linear bearing with touching balls",
         (Text(INTRODUCTION), power_balance_table(), drawn[0], linear_pair_sensitivity_table(), drawn[1], drawn[2], *checks),
     )
 
@@ -330,7 +333,7 @@ def simulated_torque_panel(title: str, history: TravelHistory) -> Panel:
 
 
 def angle_deviation_panel(case: Run) -> Panel:
-    """Draw the assumed deviation theta of the contact angles over the azimuth on the screw (Lin's Figure 3.23).
+    """Draw the assumed deviation theta of the contact angles from nominal over the azimuth (Lin's Figure 3.23).
 
     ``case``: inputs of the whole-screw simulation.
     """
@@ -363,13 +366,13 @@ def ball_contact_panels(history: TravelHistory) -> tuple[Panel, Panel]:
     found = Series("groups", scale_to_python_floats(time), scale_to_python_floats(history.groups), "line")
     return (
         Panel(
-            f"contacts in the nut, {theta_amplitude_in_words(history)}",
+            f"positions of touching balls, {theta_amplitude_in_words(history)}",
             "time / s",
-            "place along the nut's track / deg",
+            "position along the nut's track / deg",
             (dots,),
         ),
         Panel(
-            f"touching pairs and groups, {theta_amplitude_in_words(history)}",
+            f"numbers of touching balls, {theta_amplitude_in_words(history)}",
             "time / s",
             "number",
             (pairs, found),
@@ -398,14 +401,13 @@ def simulation_figure() -> Figure:
     )
     high, low = summarise_history(three), summarise_history(two)
     caption = (
-        "With four loaded contacts the grooves' torque is nearly constant. Ball-to-ball torque builds up to "
-        f"{high.largest:.0%} of it at {high.at:.0f}° of the nut ({theta_amplitude_in_words(three)}) or {low.largest:.0%} "
-        "at "
-        f"{low.at:.0f}° ({theta_amplitude_in_words(two)}), vanishes, and returns weaker. Contacts form {high.groups} "
-        "groups, one in each cycle of θ. Without oversize the grooves' torque is lower and varies by "
-        f"{screw.relative_groove_torque_variation(open_grooves):.0%} after the first step, whose loads are computed "
-        "without friction. "
-        "Amplitude, phase and oversize are assumed; the thesis prints none of them."
+        "θ: deviation of the contact angles; its amplitude and phase, and the oversize of the balls, are assumed. "
+        "Ball-to-ball torque rises to "
+        f"{high.largest:.0%} of the ball-to-groove torque at {high.at:.0f}° of the nut ({theta_amplitude_in_words(three)}) "
+        f"or {low.largest:.0%} at "
+        f"{low.at:.0f}° ({theta_amplitude_in_words(two)}), vanishes, and returns weaker. Touching balls form {high.groups} "
+        "groups. Without oversize (last panel) the ball-to-groove torque varies by "
+        f"{screw.relative_groove_torque_variation(open_grooves):.0%} after the first step."
     )
     return Figure(
         "friction-run",
@@ -423,7 +425,7 @@ def oversize_map_panels(case: str, coupling: Coupling) -> list[Panel]:
     contact loads: "none", "ball" or "ball and screw".
     """
     m, x = screw.oversize_and_load_map(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
-    words = "not coupled" if coupling == "none" else "friction moves the balls"
+    words = "loads without friction" if coupling == "none" else "friction moves the balls"
     panels = []
     for key, values, label in (("force", m.force, "force / N"), ("increase", 100.0 * m.increase, "increase / %")):
         values = np.where(m.converged, values, np.nan)
@@ -481,23 +483,19 @@ def oversize_map_figure() -> Figure:
     sets: tuple[tuple[str, Coupling], ...] = (("a", "none"), ("b", "none"), ("a", "ball"))
     panels = [p for case, coupling in sets for p in oversize_map_panels(case, coupling)]
     caption = (
-        "Once all four contacts are loaded (the bend, which comes later for larger axial forces) the force grows with the "
-        "oversize whatever the axial force is, while the relative increase of friction falls because the grooves' losses "
-        f"grow faster. Before the bend forces are small: without oversize, at {LOAD:g} N and θ = {screw.THETA['a']:g}°, "
-        "friction that displaces the balls changes the force by a factor of "
+        "After the bend all four contacts of a ball are loaded: the force grows with the oversize, the relative increase "
+        f"of friction falls. Without oversize, at {LOAD:g} N and θ = {screw.THETA['a']:g}°, friction that displaces the "
+        "balls changes the force by a factor of "
         f"{force_without_oversize_over_printed('a', 'ball') / force_without_oversize_over_printed('a', 'none'):.1f}, to "
-        f"{force_without_oversize_over_printed('a', 'ball'):.2f} of the printed one. "
-        f"The curves of {LOAD:g} N meet the printed forces at {oversizes_at_printed_value_in_words('force')}, and the "
-        "printed "
-        f"increases at "
-        f"{oversizes_at_printed_value_in_words('increase')}; oversize and load of the other figures are inferred from "
-        "both together: "
+        f"{force_without_oversize_over_printed('a', 'ball'):.2f} of the printed force. The curves of {LOAD:g} N reach the "
+        f"printed forces at {oversizes_at_printed_value_in_words('force')}, and the printed increases of friction at "
+        f"{oversizes_at_printed_value_in_words('increase')}. Inferred from both, and used in other figures: "
         f"{1000000.0 * screw_pair_with_inferred_oversize().oversize:g} µm, "
         f"{screw_pair_with_inferred_oversize().force[0]:g} N."
     )
     return Figure(
         "friction-pair-maps",
-        "Force between two touching balls of a screw over their oversize and the axial load",
+        "Two touching balls of a ball screw: ball-to-ball force and friction increase over the balls' oversize",
         panels,
         caption,
         2,
@@ -545,16 +543,14 @@ def bearing_torque_figure() -> Figure:
     )
     free, held, last = curves[0][1], curves[1][1], float(np.degrees(screw.ANGLES[-1]))
     caption = (
-        "The four-point bearing's torque climbs with the load's angle, steeply once balls take more than two contacts "
-        f"(from {first_angle_beyond_two_contacts(free):.0f}° on, with an inner ring free to tilt); the double row's "
-        f"stays within "
-        f"{screw.largest_over_smallest_torque(curves[2][1], END):.2f} times of its smallest up to {END:g}°. "
-        f"With the inner ring held against "
-        "tilting "
+        "The torque of the four-point bearing rises with the load angle, steeply once balls have more than two loaded "
+        f"contacts: from {first_angle_beyond_two_contacts(free):.0f}° on if the inner ring is free to tilt. The torque of "
+        f"the double-row bearing stays within {screw.largest_over_smallest_torque(curves[2][1], END):.2f} times its "
+        f"smallest value up to {END:g}°. If the inner ring of the four-point bearing cannot tilt, "
         + (
-            f"balls do so from {first_angle_beyond_two_contacts(held):.0f}° on."
+            f"balls have more than two loaded contacts from {first_angle_beyond_two_contacts(held):.0f}° on."
             if held.four.any()
-            else f"none does up to {last:.0f}°."
+            else f"no ball has more than two loaded contacts up to {last:.0f}°."
         )
     )
     return Figure(

@@ -50,7 +50,7 @@ FORCES = {
 
 
 def model_comparison_statements_table(study: Study) -> Table:
-    """Return the table of Lin's further statements that compare his model with ANSYS, with computed values and conclusions.
+    """Return the table of further statements in which Lin compares his model with ANSYS, with computed values and verdicts.
 
     ``study``: gives solved scenes and stored 3D references.
     """
@@ -61,7 +61,7 @@ def model_comparison_statements_table(study: Study) -> Table:
         *map(_ball_force_row, FORCES),
     ]
     return Table.of(
-        "reconstruction-others", "Lin's other statements that compare his model with ANSYS, and computed values", rows
+        "reconstruction-others", "Other statements in which Lin compares his model with ANSYS, and computed values", rows
     )
 
 
@@ -193,7 +193,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
     ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
-    step("combinations of readings")
+    step("combined interpretations of Lin's section 2.4.1")
     found = study.compute_once(combined.evaluate_combinations)
     return Section(
         "reconstruction",
@@ -220,7 +220,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def combination_in_words(combination: Combination) -> str:
-    """Return a combination of interpretations of Lin's text in words, such as "modelling choice: interpretation; ..."."""
+    """Return in words a combination of interpretations of Lin's text, such as "Hertz constants: as printed; ..."."""
     return "; ".join(f"{r.choice}: {r.label}" for r in combination) or "as by default"
 
 
@@ -230,7 +230,7 @@ def _errors_in_words(values: Sequence[float]) -> str:
 
 
 def error_changes_to_case_2(errors: Sequence[float]) -> tuple[float, float]:
-    """Return by how much the largest error falls, then by how much the RMS error rises, from Lin's case 1 to case 2.
+    """Return the fall of the largest error, then the rise of the RMS error, from Lin's case 1 to his case 2.
 
     Both are in percentage points. ``errors``: largest and RMS error of case 1, then of case 2 [%].
     """
@@ -409,7 +409,9 @@ def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResul
         {"explanation": name, **_ratio_and_error_cells(values, ".3f", ".2f")}
         for name, values in [("printed", printed), *given.items()]
     ]
-    return Table.of("reconstruction", "Load ratios and errors printed in Lin 2.4.1, and computed by each explanation", rows)
+    return Table.of(
+        "reconstruction", "Load ratio and errors printed in Lin 2.4.1, and computed by each possible explanation", rows
+    )
 
 
 def deviations_from_print_table(found: list[combined.CombinationResult]) -> Table:
@@ -423,13 +425,13 @@ def deviations_from_print_table(found: list[combined.CombinationResult]) -> Tabl
         fall, rise = (float(a - b) for a, b in zip(error_changes_to_case_2(c.errors["own"]), printed, strict=True))
         row: Row = {"explanation": name, "low order": combination_in_words(c.low), "3D": combination_in_words(c.solid)}
         row |= _ratio_and_error_cells(tuple(c.misses), "+.1f", "+.2f", "%")
-        row[Quantity("fall_off", "fall of the largest, case 1 to 2", "points", "+.2f")] = fall
-        row[Quantity("rise_off", "rise of the RMS", "points", "+.2f")] = rise
+        row[Quantity("fall_off", "fall of the largest error, case 1 to 2", "points", "+.2f")] = fall
+        row[Quantity("rise_off", "rise of the RMS error", "points", "+.2f")] = rise
         rows.append(row)
-    note = "Ratios in per cent of the printed one; errors in points, as both are per cent of each load."
+    note = "Ratio: largest over smallest load, in per cent of the printed ratio. Errors: in percentage points."
     return Table.of(
         "reconstruction-missed",
-        "Differences between computed and printed load ratios and errors (Lin 2.4.1), by explanation",
+        "Deviations of load ratio and errors from those printed in Lin 2.4.1, by possible explanation",
         rows,
         note,
     )
@@ -452,7 +454,7 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
 
 
 def _cells_by_error_definition(c: combined.CombinationResult) -> Row:
-    """Return table cells of a combination: load ratios by both models, errors in per cent of each and of the mean load."""
+    """Return table cells of a combination: load ratios by both models, errors [% of each load] and [% of the mean load]."""
     row: Row = {
         Quantity("low_ratio", "ratio, low order", "", ".3f"): c.low_ratio,
         Quantity("solid_ratio", "ratio, 3D", "", ".3f"): c.solid_ratio,
@@ -479,10 +481,12 @@ def single_interpretation_table(found: list[combined.CombinationResult]) -> Tabl
             "model": "low order" if c.low else "3D" if c.solid else "both",
             "reading": combination_in_words(reading),
             "text": reading[0].by_text if reading else "",
-            Quantity("moves", "moves the ratio by", "%", "+.2f"): float(error_percent(ratio, before)),
+            Quantity("moves", "change of the load ratio", "%", "+.2f"): float(error_percent(ratio, before)),
         }
         rows.append(row | _cells_by_error_definition(c))
-    return Table.of("reconstruction-alone", "Largest and RMS error for each interpretation of Lin's text taken alone", rows)
+    return Table.of(
+        "reconstruction-alone", "Load ratio and errors (Lin 2.4.1) for each single interpretation of Lin's text", rows
+    )
 
 
 def combination_table(found: list[combined.CombinationResult]) -> Table:
@@ -493,23 +497,21 @@ def combination_table(found: list[combined.CombinationResult]) -> Table:
     rows = [
         _combination_row(c)
         | {"text": "against it" if c.contradicts_text else "silent"}
-        | {Quantity("missed", "RMS of the six misses", "", ".2f"): float(np.sqrt(np.mean(c.misses**2)))}
+        | {Quantity("missed", "RMS of the six deviations", "", ".2f"): float(np.sqrt(np.mean(c.misses**2)))}
         for c in found
     ]
-    note = (
-        "The words of the keys stand in the table before, in its order; base: as by default. Misses: ratios in per cent, "
-    )
-    note += "errors of each load in points."
+    note = "Short names of interpretations, in the order of the preceding table; base: all choices by default. Deviations "
+    note += "from the printed numbers: two load ratios in per cent, four errors in percentage points."
     return Table.of(
         "reconstruction-combinations",
-        f"Load ratios and errors (Lin 2.4.1) by all {len(found)} combinations of interpretations",
+        f"Load ratio and errors (Lin 2.4.1) for all {len(found)} combinations of interpretations of Lin's text",
         rows,
         note,
     )
 
 
 def _combination_row(c: combined.CombinationResult) -> Row:
-    """Return the table row of a combination: keys of its interpretations, load ratios, errors."""
+    """Return the table row of a combination of interpretations: their short names, load ratios, errors of loads."""
     row: Row = {"low order": combination_key(c.low), "3D": combination_key(c.solid)}
     return row | _cells_by_error_definition(c)
 
@@ -543,9 +545,9 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
 
     panels = (
         Panel(
-            "Largest over smallest load",
-            "low order",
-            "3D",
+            "Largest over smallest load, case 1",
+            "low-order model",
+            "3D model",
             scatter_series(lambda c: (c.low_ratio, c.solid_ratio), (aim, aim)),
         ),
         *(
@@ -559,5 +561,5 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
         ),
     )
     return Figure(
-        "reconstruction", "Largest and RMS error for each combination of interpretations of Lin's text", panels, columns=3
+        "reconstruction", "Load ratio and errors for each combination of interpretations of Lin's text", panels, columns=3
     )

@@ -58,7 +58,7 @@ def lash_figure(scene: Scene) -> Figure:
         Panel("conical test", "direction of the force / deg", "peak to peak / µm", peaks, zero=True),
         Panel("difference of the patterns", "direction of the force / deg", "difference / %", shown, zero=True),
     )
-    return Figure("lash", "Lash of one screw with its balls sorted in four ways (Lin 4.2)", panels, ABOUT[0])
+    return Figure("lash", "Lash of a ball screw with its balls arranged in four patterns (Lin 4.2)", panels, ABOUT[0])
 
 
 def _displacement_over_load_curve(name: str, test: LoadCurve) -> Series:
@@ -68,7 +68,7 @@ def _displacement_over_load_curve(name: str, test: LoadCurve) -> Series:
 
 
 def lash_rows(scene: Scene) -> list[Row]:
-    """Return the table rows of the differences of lash between ball patterns, by input that Lin does not print.
+    """Return table rows of the lash differences between ball patterns, one input changed at a time that Lin does not print.
 
     ``scene``: the ball screw with the usual inputs.
     """
@@ -77,11 +77,11 @@ def lash_rows(scene: Scene) -> list[Row]:
             "changed": p.changed,
             Quantity("diameter", "outer diameter", "mm", ".0f"): 1e3 * p.diameter,
             Quantity("position", "nut's centre", "mm", ".0f"): 1e3 * p.position,
-            Quantity("reach", "force from the nut", "mm", ".0f"): 1e3 * p.reach,
-            Quantity("restraint", "screw's left end", "", "s"): p.restraint,
-            Quantity("axial", "axial", "%", ".2f"): p.found.axial,
-            Quantity("least", "conical, least direction", "%", ".1f"): min(p.found.conical),
-            Quantity("most", "conical, largest direction", "%", ".1f"): max(p.found.conical),
+            Quantity("reach", "distance of the force from the nut", "mm", ".0f"): 1e3 * p.reach,
+            Quantity("restraint", "restraint of the left end", "", "s"): p.restraint,
+            Quantity("axial", "axial lash", "%", ".2f"): p.found.axial,
+            Quantity("least", "conical lash, smallest of all directions", "%", ".1f"): min(p.found.conical),
+            Quantity("most", "conical lash, largest", "%", ".1f"): max(p.found.conical),
             Quantity("ordered", "axial below conical", "", "s"): _directions_with_smaller_axial_difference(p.found),
         }
         for p in steering.vary_lash_inputs(scene)
@@ -121,14 +121,14 @@ def steering_gear_figure(points: list[steering.LoadRatiosOfLayout]) -> Figure:
                 words,
                 "tie-rod angle / deg",
                 "largest load / N",
-                (Series("as shipped", steering.ANGLES, values),),
+                (Series("usual inputs", steering.ANGLES, values),),
                 zero=True,
             )
         )
-    caption = f"{ABOUT[2]} Bearing in the plane of the nut's centre."
+    caption = "Load ratio: largest contact load at a tie-rod angle of 18° over that at 0°. Bearing: at the nut's centre."
     return Figure(
         "rack",
-        "Steering gear (Lin 4.2): contact load over angle, and load ratios over the pinion's position",
+        "Steering gear (Lin 4.2): load ratios over the pinion's position, largest loads over the tie-rod angle",
         panels,
         caption,
     )
@@ -180,7 +180,7 @@ def load_ratio_range_rows(points: list[steering.LoadRatiosOfLayout]) -> list[Row
             row |= {
                 Quantity(f"{key}_low", f"{words}, least", "", ".2f"): low,
                 Quantity(f"{key}_high", f"{words}, largest", "", ".2f"): high,
-                Quantity(f"{key}_in", f"{printed:g} in it", "", "s"): "yes"
+                Quantity(f"{key}_in", f"{printed:g} (printed) in it", "", "s"): "yes"
                 if steering.range_contains((low, high), printed)
                 else "no",
             }
@@ -209,18 +209,18 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
             figures[0],
             Table.of(
                 "lash-inputs",
-                "Lash differences between ball patterns (Lin 4.2), one input that is not printed changed at a time",
+                "Difference of lash between ball patterns (Lin 4.2), with one unprinted input changed at a time",
                 lash,
             ),
             figures[1],
             Table.of(
                 "rack-bands",
-                "Ranges of the steering gear's load ratios (Lin 4.2) over each input that is not printed",
+                "Steering gear (Lin 4.2): range of the load ratios over each input that is not printed",
                 load_ratio_range_rows(points),
             ),
             Table.of(
                 "rack-layouts",
-                "Load ratios of the steering gear (Lin 4.2) for each layout of pinion and rack",
+                "Steering gear (Lin 4.2): load ratios for each layout of pinion, tie rods and bearing",
                 load_ratio_rows(points),
                 SENSE,
             ),

@@ -40,17 +40,17 @@ LIN = next(case for case in CASES if case.name == "lin")
 MACHINE = "Intel Core i7-3770, 3.40 GHz, 16 GB; ANSYS Workbench 16.2, and Lin's own program"
 UNITS = {"s": 1.0, "h": 3600.0}
 
-LOW = Quantity("cold", "ours, cold", "s", "g3"), Quantity("further", "ours, further", "s", "g3")
+LOW = Quantity("cold", "ours, cold start", "s", "g3"), Quantity("further", "ours, further load case", "s", "g3")
 RATIO = {
     "printed": Quantity("r_printed", "faster than ANSYS, printed", "times", "g4"),
-    "cold": Quantity("r_cold", "faster than 3D, ours, cold", "times", "g3"),
-    "further": Quantity("r_further", "further", "times", "g3"),
+    "cold": Quantity("r_cold", "faster than our 3D, cold start", "times", "g3"),
+    "further": Quantity("r_further", "faster than our 3D, further load case", "times", "g3"),
 }
-OLDER = Quantity("older", "of another measuring run", "", "s")
+OLDER = Quantity("older", "ours, earlier measurement", "", "s")
 ELEMENTS = Quantity("n_printed", "elements, printed", "", "s"), Quantity("n_ours", "elements, ours", "", "s")
 SOURCES_OWN = Quantity("sources", "low-order against ANSYS, printed", "%", ".2f")
-DIAGONAL = Quantity("diagonal", "low-order, loads equal on each diagonal", "", "g5")
-OTHER_GROOVE = Quantity("groove", f"low-order, groove of {chapter_2.TABLE_CONFORMITY:g} x ball diameter", "", "g5")
+DIAGONAL = Quantity("diagonal", "low-order, equal loads on each diagonal", "", "g5")
+OTHER_GROOVE = Quantity("groove", f"low-order, groove radius {chapter_2.TABLE_CONFORMITY:g} x ball diameter", "", "g5")
 
 #: Scene and model, by name of the printed run time.
 TIMED = {f"lin-2.2:time_proposed_{k}": (name, "lin") for k, name in STATIC.items()}
@@ -158,7 +158,7 @@ def run_times_table(study: Study, layout: PrintedLayout, found: Mapping[str, Evi
         )
     note = f"The text: {SPEED[layout.number]}. {run_times_note(study)}"
     return Table.of(
-        layout.stem("times"), f"Table {layout.number}: run times and elements, printed and ours", rows, note, unfolded=True
+        layout.stem("times"), f"Lin's Table {layout.number}: printed and measured run times", rows, note, unfolded=True
     )
 
 
@@ -168,7 +168,7 @@ def error_or_none(value: float | None, reference: float | None) -> float | None:
 
 
 def table_3_4_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return cells that are added to Lin's Table 3.4, by name of the printed number beside which they are shown.
+    """Return further cells for the report's copy of Lin's Table 3.4, by name of the printed number beside which they stand.
 
     They are velocity deviations [%] under the contact loads that section 3.3.4.1 of the thesis assumes, equal at both
     contacts of each diagonal. ``study``: not used here.
@@ -179,7 +179,7 @@ def table_3_4_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - eve
 
 
 def table_3_5_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return cells that are added to Lin's Table 3.5, by name of the printed number beside which they are shown.
+    """Return further cells for the report's copy of Lin's Table 3.5, by name of the printed number beside which they stand.
 
     They are printed differences from ANSYS [%], and the ball-to-ball force [N] under the contact loads that section
     3.3.4.1 of the thesis assumes, equal at both contacts of each diagonal. ``study``: not used here.
@@ -193,15 +193,15 @@ def table_3_5_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - eve
 
 
 def table_3_7_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return cells that are added to Lin's Table 3.7, by name of the printed force: printed differences from ANSYS [%].
+    """Return further cells for the report's copy of Lin's Table 3.7, by name of the printed force beside which they stand.
 
-    ``study``: not used here.
+    They are printed differences from ANSYS [%]. ``study``: not used here.
     """
     return {f"lin-3.7:force_{case}": {SOURCES_OWN: printed_value("lin-3.7", f"difference_{case}")} for case in SCREW}
 
 
 def table_b_1_extra_cells(study: Study) -> dict[str, Row]:
-    """Return cells that are added to Lin's Table B.1, by name of the printed number next to which they are shown.
+    """Return further cells for the report's copy of Lin's Table B.1, by name of the printed number beside which they stand.
 
     They are the correct values for the groove with which Lin computed the table; his Table 2.1 states another groove.
     ``study``: gives the solved scenes.
@@ -225,11 +225,11 @@ SPEED = {
 }
 #: Notes of tables, by number of the table.
 NOTES = {
-    "3.2": "Case (I), P_f,IL and P_f,OR against 3D: the contact that sticks between rigid bodies creeps by its elasticity "
-    "in 3D, and both contacts share the ball's spin; sum and torque change little (table rolling-ring).",
-    "3.4": "Low-order, ours, as in Table 3.5: loads in balance at the stated contact angles, which the 3D model has too.",
-    "3.5": "Low-order, ours, as in Table 3.4: loads in balance at the stated contact angles, which the 3D model has too.",
-    "B.1": "Low-order, ours: groove of Table 2.1, 3.254 mm, as the text says; the printed values belong to another.",
+    "3.2": "Case (I), losses P_f,IL and P_f,OR: the contact that sticks between rigid bodies creeps in 3D, as bodies are "
+    "elastic, and both contacts share the ball's spin; sum and torque change little (table rolling-ring).",
+    "3.4": "Low-order, ours, and 3D: contact loads in equilibrium at the stated contact angles, as in Table 3.5.",
+    "3.5": "Low-order, ours, and 3D: contact loads in equilibrium at the stated contact angles, as in Table 3.4.",
+    "B.1": "Low-order, ours: groove radius of Table 2.1, 3.254 mm; the printed values belong to another groove radius.",
 }
 #: Reason why a printed number has no 3D value, by the first characters of its name.
 WHY = {
@@ -286,14 +286,16 @@ def run_time_and_size_texts(study: Study) -> dict[str, str]:
 
 
 def case_study_loads_figure(study: Study) -> Figure:
-    """Draw contact loads over the ball's number in Lin's case studies: low-order model, 3D reference, printed statements.
+    """Draw contact loads over the ball's number in Lin's case studies, by low-order model and 3D reference.
+
+    Lin's statements on the loads are shown as markers and lines.
 
     ``study``: gives solved scenes and stored 3D references.
     """
     panels = []
     for k, name in STATIC.items():
         low, found = study.solve(name), study.reference(name)
-        series = [contact_load_curve("low-order (the source's model)", low, 0, emphasis=True)]
+        series = [contact_load_curve("low-order (Lin's model)", low, 0, emphasis=True)]
         if found is not None:
             series.append(contact_load_curve(f"3D reference, level {found.best.level}", found, 0, "line"))
         panels.append(contact_load_panel(f"case study {k}, SL", *series, *MARKS[k](study)))
@@ -305,10 +307,12 @@ def case_study_loads_figure(study: Study) -> Figure:
         last,
     )
     panels.append(contact_load_panel("case study 3, SR", *curves))
-    caption = "NR follows SL and NL follows SR. Markers and lines: statements of the text; loads are in its figures alone."
+    caption = (
+        "Opposite contacts (SL and NR, SR and NL) have equal loads. Markers and straight lines: statements of Lin's text."
+    )
     return Figure(
         "lin-loads",
-        "Contact load over the ball's number in Lin's case studies, with the statements that the thesis prints",
+        "Lin's case studies: contact load over the ball's number, computed, and as the thesis states",
         tuple(panels),
         caption,
     )
@@ -346,7 +350,7 @@ MARKS: Mapping[int, Callable[[Study], list[Series]]] = {1: _case_1_marks, 2: _ca
 
 
 def error_over_cell_size_figure(study: Study) -> Figure:
-    """Draw the errors of contact loads and ball-to-ball forces in 3D over the cell size, against the finest grid.
+    """Draw the errors of contact loads and ball-to-ball forces in 3D against the finest grid, over the cell size.
 
     ``study``: gives solved scenes and stored 3D references.
     """
@@ -373,18 +377,16 @@ def error_over_cell_size_figure(study: Study) -> Figure:
             cells = [1.0 / run.shape[1] * good[-1].shape[1] for run in good[:-1]]
             off = [abs(float(error_percent(run.values["force 1-2 N"], finest))) for run in good[:-1]]
             balls.append(Series(f"{name}, 3D", cells, off))
-    axes = "cell size over the finest's", "largest error / % of the own load"
+    axes = "cell size over that of the finest grid", "largest error / % of each load"
     panels = (
         Panel("contact loads (Table 2.2)", *axes, tuple(static), log="xy"),
         Panel("ball-to-ball force (Tables 3.5, 3.7)", axes[0], "error of the force / %", tuple(balls), log="xy"),
     )
     caption = (
-        "Against the finest level; pale lines: the low-order model. The coarsest point has Lin's element sizes: "
-        "0.08 mm at the contacts of the screw, 0.13 and 0.05 mm at those of two balls."
+        "Errors against the finest mesh; pale lines: low-order model. The coarsest point has the element sizes of Lin's "
+        "ANSYS models: 0.08 mm at contacts of the screw, 0.13 and 0.05 mm at those of two balls."
     )
-    return Figure(
-        "lin-mesh", "Error of the 3D reference over the size of its cells, in Lin's case studies", panels, caption
-    )
+    return Figure("lin-mesh", "Lin's case studies: error of the 3D models over the size of their cells", panels, caption)
 
 
 def case_study_rows(study: Study) -> Iterator[Row]:
@@ -406,7 +408,7 @@ def case_study_rows(study: Study) -> Iterator[Row]:
             yield {
                 Quantity("case", "case study", "", "s"): str(k),
                 "scene": name,
-                Quantity("model", "answer", "", "s"): model,
+                Quantity("model", "model", "", "s"): model,
                 Quantity("max", "largest load", "N", ".2f"): float(loaded.max()),
                 Quantity("min", "smallest load", "N", ".2f"): float(loaded.min()),
                 Quantity("ratio", "largest : smallest on SL", "", ".4f"): chapter_2.largest_over_smallest_load(value[:, 0]),
@@ -422,10 +424,10 @@ def case_study_table(study: Study) -> Table:
 
     ``study``: gives solved scenes and stored 3D references.
     """
-    title = "Lin's case studies: largest and smallest contact load and errors against 3D, by model"
+    title = "Lin's case studies: largest and smallest contact load, and errors against the 3D reference, by model"
     note = (
-        "Case 3: the right end is held in x and y, as a bearing does; with x only, as the text says, loads change as "
-        "table cases-readings says. Again by: rollbench compare lin-case1, and so on."
+        "Case 3: the right end is restrained in x and y, as by a bearing; table cases-readings has the loads for a "
+        "restraint in x only, as Lin's text says. Command for case 1: rollbench compare lin-case1."
     )
     return Table.of("lin-answers", title, case_study_rows(study), note)
 
@@ -459,26 +461,30 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     others = [f for f in found.values() if not f.printed.claim and f.printed.name not in placed]
     first = Section(
         "lin",
-        "Contents of Lin's thesis: printed numbers by place and verdict",
+        "Lin's thesis: how many of its printed numbers are reproduced, by table and section",
         (Text((GUIDE,)), reproduced_counts_table(list(found.values()))),
         conclusion=printed_results_conclusion(found.values()),
     )
     last = (
         Section(
             "lin-claims",
-            "Claims that the thesis makes in words",
-            (printed_numbers_table("lin-claims", "Claims that the thesis makes in words", claims, with_place=True),),
-        ),
-        Section(
-            "lin-others",
-            "Numbers that the thesis prints elsewhere",
+            "Claims that Lin's thesis makes in words, and whether they hold",
             (
                 printed_numbers_table(
-                    "lin-others", "Numbers that the thesis prints outside its tables and figures", others, with_place=True
+                    "lin-claims", "Claims of Lin's thesis in words, and verdicts", claims, with_place=True
                 ),
             ),
         ),
-        Section("lin-how", "How each printed number is computed here", tuple(computation_tables(names))),
+        Section(
+            "lin-others",
+            "Numbers that Lin's thesis prints outside its tables",
+            (
+                printed_numbers_table(
+                    "lin-others", "Numbers that Lin's thesis prints outside its tables and figures", others, with_place=True
+                ),
+            ),
+        ),
+        Section("lin-how", "How each printed number of Lin's thesis is recomputed", tuple(computation_tables(names))),
     )
     return first, *(printed_table_section(study, layout, found) for layout in every), *last
 
@@ -525,9 +531,9 @@ def run_times_note(study: Study) -> str:
     """Return the note on how printed and measured run times were obtained; ``study``: gives stored run times."""
     kept = study.compute_once(run_times_for_page, "lin")
     return (
-        f"Printed: {MACHINE}. Ours, cold: a new process with empty caches, imports included; further: the next load case "
-        "there, with kernels compiled; ANSYS rows: 3D, ours. A cold start of the friction model of a screw is nearly all "
-        "compiling. Empty: not measured. A time of an earlier measuring run stands in another column, without a ratio. "
-        f"{'No run times are stored.' if kept is None else kept} To measure them again: "
-        "`rollbench bench --source lin`."
+        f"Printed: {MACHINE}. Ours, cold start: a new process with empty caches, imports included; further load case: the "
+        "next one in that process, with compiled kernels; ANSYS rows: our 3D model. A cold start of the friction model "
+        "of a screw is nearly all compiling. Empty: not measured. Earlier measurements have their own column, without a "
+        f"ratio. {'No run times are stored.' if kept is None else kept} To measure them again: `rollbench bench --source "
+        "lin`."
     )

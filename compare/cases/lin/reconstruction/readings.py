@@ -1,4 +1,4 @@
-"""Interpretations of inputs that section 2.4.1 of Lin's thesis leaves open, for his low-order and 3D models.
+"""Interpretations of inputs that section 2.4.1 of Lin's thesis leaves open, for his low-order model and his 3D model.
 
 Two forces act on a ball in two-point contact, so they lie on the line through its two contacts. No friction acts along
 the track, so nothing keeps the ball from rolling along it. Across the track, the ball may be displaced by a distance e
@@ -71,7 +71,7 @@ def groove_less_ball_radius(scene: Scene) -> float:
 
 
 def oversize_of_displaced_ball(scene: Scene, normal_rotation: float = MU) -> float:
-    """Return the oversize of the ball radius [m], h phi^2/2, that fills the grooves as a displaced ball does.
+    """Return the oversize of the ball radius [m], h phi^2/2, which closes the gap to the grooves as a displaced ball does.
 
     The ball is displaced across the groove, from the line through the arcs' centres of both groove sections.
     ``normal_rotation``: angle phi [rad] by which this turns its contact normals; h: groove radius less ball radius.
@@ -81,15 +81,15 @@ def oversize_of_displaced_ball(scene: Scene, normal_rotation: float = MU) -> flo
 
 
 def tilt_at_onset_of_sliding(scene: Scene) -> float:
-    """Return the tilt [rad] of the screw's groove against the nut's groove at which a rolling ball begins to slide."""
+    """Return the tilt [rad] of the screw's groove against the nut's groove, at which a rolling ball begins to slide."""
     return 2.0 * MU * groove_less_ball_radius(scene) / scene.screw.groove_radius
 
 
 def displace_balls_by_friction(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
-    """Return the scene with balls displaced from the line of the arcs' centres as far as friction can hold them.
+    """Return a copy of the scene with balls displaced across their grooves as far as friction can hold them.
 
-    The displacement is modelled by an oversize of the ball (`oversize_of_displaced_ball`). ``balls``: numbers of these
-    balls, from 1; by default all.
+    They are displaced from the line through the arcs' centres of both groove sections. This is modelled by an oversize of
+    the ball (`oversize_of_displaced_ball`). ``balls``: numbers of these balls, from 1; by default all.
     """
     oversize, gap = dict(scene.errors.balls.listed), oversize_of_displaced_ball(scene)
     for k in range(1, scene.ball_count + 1) if balls is None else balls:
@@ -99,7 +99,7 @@ def displace_balls_by_friction(scene: Scene, balls: Iterable[int] | None = None)
 
 
 def largest_relative_rise_by_friction(scene: Scene, quantity: Callable[[Scene], float]) -> float:
-    """Return the largest relative rise of a quantity that friction on some of the balls of a scene can cause.
+    """Return the largest relative rise of a quantity that friction on a selection of the balls of a scene can cause.
 
     Friction displaces each ball that, displaced alone, raises the quantity. ``quantity``: function that returns the
     quantity of a scene.
@@ -230,12 +230,12 @@ Combination = tuple[Interpretation, ...]
 
 
 def combination_key(combination: Combination) -> str:
-    """Return the keys of a combination's interpretations joined by "+", such as "plain+tetrahedra"; "base" for none."""
+    """Return the short names of a combination's interpretations, as in "plain+tetrahedra"; "base" if it has none."""
     return "+".join(r.key for r in combination) or "base"
 
 
 def combine_interpretations(interpretations: tuple[Interpretation, ...], most: int) -> list[Combination]:
-    """Return all combinations of interpretations, each with at most one interpretation of a modelling choice.
+    """Return all combinations of interpretations, each with at most one interpretation of the same modelling choice.
 
     ``interpretations``: the interpretations; ``most``: largest number of them in a combination. The first combination is
     empty: all choices by default.
@@ -277,7 +277,10 @@ MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 
 
 def combinations_in_3d() -> list[Combination]:
-    """Return the combinations solved in 3D: none, each interpretation alone, pairs and triples of `MOVERS`."""
+    """Return the combinations of interpretations solved in 3D: the default, single ones, and pairs and triples of `MOVERS`.
+
+    `MOVERS` are the interpretations that change the ratio of largest to smallest load noticeably.
+    """
     movers = tuple(r for r in SOLID if r.key in MOVERS)
     return [*combine_interpretations(SOLID, 1), *(c for c in combine_interpretations(movers, 3) if len(c) > 1)]
 
@@ -285,7 +288,7 @@ def combinations_in_3d() -> list[Combination]:
 def case_scenes_in_3d(combination: Combination) -> tuple[Scene, ...]:
     """Return the scenes of Lin's cases 1 and 2, changed for the 3D model as a combination of interpretations requires.
 
-    ``combination``: the combination. The names of the scenes contain its key.
+    ``combination``: the combination, whose short name (`combination_key`) becomes a part of the scenes' names.
     """
     name = combination_key(combination).replace("/", "-")
     return tuple(replace(change_scene_for_3d(catalogue.scene(c), combination), name=f"{c}-{name}") for c in CASES)
@@ -352,11 +355,11 @@ APPROACH, BIAS, SCATTER = 6.4839e-6, -4.4, 0.33
 
 
 def load_change_per_approach(solid: tuple[Array, ...]) -> float:
-    """Return the relative rise of a ball's load if one of its contacts is closed by an amount equal to the Hertz approach.
+    """Return the relative rise of a ball's load if one of its contacts is compressed by a further Hertz approach.
 
-    It follows, as a linear change, from the load of the oversize ball of case 2, whose larger radius closes (compresses)
-    both of its contacts. ``solid``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks
-    SL, SR, NL and NR (screw or nut, left or right).
+    It follows, as a linear change, from the load of the oversize ball of case 2, whose larger radius compresses both of its
+    contacts. ``solid``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL, SR, NL
+    and NR (screw or nut, left or right).
     """
     before, after = (load[LARGE, 0] for load in solid)
     return float((after / before - 1.0) * 0.5 * APPROACH / OVERSIZE)
@@ -365,10 +368,11 @@ def load_change_per_approach(solid: tuple[Array, ...]) -> float:
 def errors_on_random_meshes(
     low: tuple[Array, ...], solid: tuple[Array, ...], scatter_percent: float, *, of_load: bool = True
 ) -> Array:
-    """Return the errors [%] of the low-order model against 3D if each case were solved on another random mesh, (DRAWN, 4).
+    """Return the errors [%] of the low-order model against 3D loads as they scatter over random meshes, (DRAWN, 4).
 
-    Columns: largest and RMS error of case 1, largest and RMS error of case 2. Only flank SL counts, since both contacts
-    of a ball carry the same load. Each case has its own mesh, and so its own scatter.
+    Rows: pairs of random meshes, one mesh for each of Lin's cases 1 and 2. Columns: largest and RMS error of case 1,
+    largest and RMS error of case 2. Only flank SL counts, since both contacts of a ball carry the same load. Each case has
+    its own mesh, and so its own scatter.
 
     Parameters
     ----------
@@ -392,7 +396,7 @@ def errors_on_random_meshes(
 
 
 def fraction_with_fall_and_rise(errors: Array, falls: float, rises: float) -> float:
-    """Return the fraction of random meshes on which the largest error falls and the RMS error rises from case 1 to case 2.
+    """Return the fraction of random mesh pairs with a lower largest and a higher RMS error in case 2 than in case 1.
 
     ``errors``: errors [%] from `errors_on_random_meshes`; ``falls``, ``rises``: smallest fall of the largest error and
     smallest rise of the RMS error that count [percentage points].
@@ -467,7 +471,10 @@ def low_order_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[D
 
 
 def low_order_combinations() -> list[Combination]:
-    """Return the low-order model's combinations: none, each interpretation alone, pairs and triples of `LOW_MOVERS`."""
+    """Return the combinations for the low-order model: the default, single ones, and pairs and triples of `LOW_MOVERS`.
+
+    `LOW_MOVERS` are the interpretations that change the ratio of largest to smallest load noticeably.
+    """
     movers = tuple(r for r in LOW if r.key in LOW_MOVERS)
     return [*combine_interpretations(LOW, 1), *(c for c in combine_interpretations(movers, 3) if len(c) > 1)]
 
@@ -496,15 +503,17 @@ def _require_runs(study: Study, combination: Combination, level: int | None = No
     """
     found = stored_runs(combination, level)
     if found is None:
-        raise LookupError(f"no stored 3D result {combination_key(combination)!r}; compute it by: python -m {__package__}")
+        raise LookupError(
+            f"no stored 3D loads of combination {combination_key(combination)!r}: run python -m {__package__}"
+        )
     return found
 
 
 def evaluate_combinations(study: Study) -> list[CombinationResult]:
-    """Return load ratios and errors for each pair of a low-order model's and a 3D model's combination of interpretations.
+    """Return load ratios and errors for each pair of interpretations of the low-order model and of the 3D model.
 
-    The first result has all choices by default. Raises LookupError if a 3D result is not stored. ``study``: gives solved
-    scenes and stored 3D results.
+    A load ratio is the largest over the smallest load of case 1. The first result has all choices by default. Raises
+    LookupError if a 3D result is not stored. ``study``: gives solved scenes and stored 3D results.
     """
     low = [(c, low_order_loads(study, c)) for c in low_order_combinations()]
     solid = [(c, required_loads_in_3d(study, c)) for c in combinations_in_3d()]
@@ -555,7 +564,7 @@ def combinations_shown_in_report(found: list[CombinationResult]) -> dict[str, Co
 
 
 def penalty_over_hertz_approach(study: Study, combination: Combination) -> float:
-    """Return the approach that a penalty adds at a contact of case 1, divided by the Hertz approach under the mean load.
+    """Return the approach that a contact penalty adds in case 1, divided by the Hertz approach under the mean load.
 
     ``study``: caches the results; ``combination``: combination of interpretations that contains the penalty.
     """

@@ -56,7 +56,7 @@ def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], penalty_rat
     for scene, run in zip(scenes, runs, strict=True):
         found = solve_reference(setup, scene, frozen=True)
         if found.status != "converged" or found.frozen is None:
-            raise ValueError(f"{scene.name}: expected convergence in 3D with penalty contacts, got status {found.status!r}")
+            raise ValueError(f"scene {scene.name}: no convergence in 3D with penalty contacts, status {found.status!r}")
         changed = replace(
             run,
             scene=scene.name,
@@ -73,7 +73,7 @@ def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], penalty_rat
 
 
 class SlidingLoadCase(LoadCase):
-    """A load case of the 3D reference in which balls slide across their grooves, with friction of ``mu`` times the load.
+    """A load case of the 3D reference in which grooves slide on balls that do not turn, with friction of ``mu`` times load.
 
     The friction resists an axial motion of the screw in the direction of its load (negative ``mu``: against it). The
     friction forces at both contacts of a ball balance each other. On a body, a force across the contact's load is applied
@@ -102,9 +102,9 @@ class SlidingLoadCase(LoadCase):
         return super().solve_next_round(last, moving=moving)
 
     def across(self, last: ContactRound) -> Array:
-        """Return normal forces on the n contact nodes of each ball whose resultants are the friction forces, (balls, n).
+        """Return normal forces [N] on the n contact nodes of each ball that together act as the friction on it, (balls, n).
 
-        The forces [N] act along the nodes' normals. ``last``: iterate whose contact loads give the friction.
+        They act along the nodes' normals. ``last``: iterate of the contact solution, whose loads determine the friction.
         """
         (forces,), (normals,), (placed,) = last.forces, last.directions, self.sets
         section = placed.setup.map.axes()[[0, 2]]
@@ -132,6 +132,6 @@ def solve_with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, 
     for scene, run in zip(scenes, runs, strict=True):
         ended = SlidingLoadCase(setup, scene, mu).solve(ROUNDS)
         if ended.status != "converged":
-            raise ValueError(f"{scene.name}: expected convergence in 3D with sliding balls, got status {ended.status!r}")
+            raise ValueError(f"scene {scene.name}: no convergence in 3D with sliding balls, status {ended.status!r}")
         out.append(replace(run, load=ended.load, angle=np.degrees(ended.contact_angle)))
     return out
