@@ -48,7 +48,7 @@ GROWN = 5e-3
 
 
 def compute_runs(task: Task, step: Step = lambda _: None) -> list[Run]:
-    """Compute the runs of the 3D reference for the scenes of a task.
+    """Compute the results (runs) of the 3D reference for the scenes of a task.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def compute_runs(task: Task, step: Step = lambda _: None) -> list[Run]:
 
 
 def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[Run], CondensedBodies | None]:
-    """Compute the runs of the 3D reference for the scenes of a task, and the bodies condensed to the contacts.
+    """Compute the results (runs) of the 3D reference for the scenes of a task, and its condensed screw and nut.
 
     If a contact reaches the rim of its patch (the finely meshed part of the surface), the patches are enlarged as the loads
     require, and the scenes are solved again.
@@ -126,11 +126,11 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
 
 
 def _prepare_setups(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step: Step) -> list[Setup]:
-    """Mesh and condense the parts of each nut or bearing row, and return one set-up (condensed parts) for each row.
+    """Mesh and condense the parts of each nut or bearing row on the shaft, and return the condensed parts of each.
 
-    ``scenes``: load cases of the task; ``ups``: bodies, flanks and mesh settings of what is meshed; equal rows share one
-    set-up; ``step``: function that is called with lines of progress. InputError if a mesh cannot be built or memory is too
-    small.
+    ``scenes``: load cases of the task; ``ups``: bodies, flanks and mesh settings of what is meshed; equal rows share the
+    same condensed parts; ``step``: function that is called with lines of progress. InputError if a mesh cannot be built or
+    memory is too small.
     """
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
@@ -173,7 +173,7 @@ def _solve_load_case(scene: Solvable, setups: Sequence[Setup], step: Step) -> Re
 def _run_record(
     task: Task, number: int, scene: Solvable, result: ReferenceResult, setups: Sequence[Setup], ups: Sequence[SetUp]
 ) -> Run:
-    """Return the record to be stored for one load case that the 3D reference solved.
+    """Create the record that is stored for one load case which the 3D reference has solved.
 
     ``number``: index of the load case in the task; ``scene``: its scene, changed by the variant of the task; ``setups``:
     condensed parts of each nut or bearing row; ``ups``: their bodies, flanks and mesh settings.
@@ -222,7 +222,7 @@ def _run_record(
 def settings_with_larger_patches(
     setup: Setup, contacts: Sequence[tuple[Array, Array]], steps_left: int
 ) -> tuple[Settings | None, str]:
-    """Return mesh settings with contact patches large enough for computed contact loads.
+    """Return mesh settings whose contact patches (fine meshes) are large enough for computed contact loads.
 
     Patches grow by a fixed factor. If the remaining steps would not make them as long as the skew contacts are along the
     groove, they are enlarged to this length at once.
@@ -247,7 +247,7 @@ def settings_with_larger_patches(
     from rollbench.hifi.meshing.settings import hertz_contacts_under_unit_force
 
     def zone(settings: Settings) -> tuple[float, float]:
-        """Return the half widths [m] of the patch's contact zone, across and along the groove."""
+        """Return the half widths [m] of the contact zone of a patch (fine mesh), across and along the groove."""
         size = choose_socket_size(setup.scene, setup.map, setup.layout, setup.sides, setup.dims, settings)
         widths = (size.gamma * float(setup.map.radius.mean()), size.phi * setup.map.R)
         share = choose_patch_lines(settings, widths, size.depth)[1]
@@ -293,7 +293,7 @@ def settings_with_larger_patches(
 
 
 def stores_bodies(task: Task) -> bool:
-    """Return whether the condensed screw and nut of a task are stored with its runs.
+    """Return whether the condensed screw and nut of a task are stored together with its results.
 
     They are for scenes with one nut or bearing row, without a variant, on a regular mesh level.
     """

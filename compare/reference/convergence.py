@@ -77,7 +77,7 @@ class Convergence:
 
     @property
     def text(self) -> str:
-        """Kind of convergence as text, with the fitted order."""
+        """Kind of convergence as text, such as "monotone, order 1.85"."""
         if self.own_order is None:
             return self.label
         if self.label == MONOTONE:
@@ -86,13 +86,13 @@ class Convergence:
 
 
 def _order_text(p: float) -> str:
-    """Return the order of convergence ``p`` as text: "= 1.50", or "below -4" and "above 12" at an end of `SEARCH`."""
+    """Return the order of convergence ``p`` as text: "= 1.50", or "below -4" or "above 12" at an end of `SEARCH`."""
     low, high = SEARCH
     return f"below {low:g}" if p <= low else f"above {high:g}" if p >= high else f"= {p:.2f}"
 
 
 def relative_cell_size(settings: Mapping[str, Any]) -> float:
-    """Return the relative cell size of a mesh level: one over the number of cells per semi-axis of a contact."""
+    """Return the relative cell size of a mesh level: 1 / (number of cells per short semi-axis of a contact ellipse)."""
     return 1.0 / float(settings["b_over_h"])
 
 
@@ -149,7 +149,7 @@ def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
 
 
 def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:
-    """Estimate the uncertainty of many similar quantities that converge with one common order.
+    """Estimate the grid uncertainty of many similar quantities that converge with one common order.
 
     Limit phi_0 and coefficient alpha differ between the quantities. The common order is fitted, with the interval of
     orders that the data allow (F test, 95 %). With so many degrees of freedom sigma is well known, and the formula of
@@ -194,7 +194,7 @@ def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:
 
 
 def _pooled_uncertainties(data: Array, h: Array) -> Array:
-    """Return the uncertainties (m,) of quantities with a common order, for three or more levels.
+    """Return the grid uncertainties (m,) of m quantities with a common order of convergence, on three or more levels.
 
     ``data``: values (levels, m), none of them equal on all levels; ``h``: cell sizes.
     """
@@ -211,7 +211,9 @@ def _pooled_uncertainties(data: Array, h: Array) -> Array:
 
 
 def _checked_levels(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
-    """Return values of m quantities as an array (levels, m), and cell sizes relative to the finest, (levels,).
+    """Check values and cell sizes of several mesh levels, and return both as arrays.
+
+    They are the values of m quantities (levels, m), and the cell sizes relative to the finest (levels,).
 
     ``values``: (levels, m), or (levels,) for one quantity; ``sizes``: cell sizes, coarse to fine. ValueError if a value is
     not finite, the number of values differs from that of the sizes, or the sizes do not decrease.
@@ -219,9 +221,11 @@ def _checked_levels(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
     y, h = np.asarray(values, float), np.asarray(sizes, float)
     y = y[:, None] if y.ndim == 1 else y
     if h.ndim != 1 or len(y) != len(h) or not len(h) or not np.isfinite(y).all():
-        raise ValueError(f"needs finite values and as many sizes as levels; there are {len(y)} levels and {h.size} sizes")
+        raise ValueError(
+            f"grid convergence needs finite values and a cell size for each level; got {len(y)} levels and {h.size} sizes"
+        )
     if not (np.diff(h) < 0.0).all() or h[-1] <= 0.0:
-        raise ValueError("sizes must be positive and decrease from coarse to fine")
+        raise ValueError("cell sizes must be positive and decrease from the coarse to the fine mesh level")
     return y, h / h[-1]
 
 
@@ -231,7 +235,7 @@ def _is_constant(column: Array) -> bool:
 
 
 def _kind_of_convergence(column: Array, h: Array) -> tuple[str, float | None]:
-    """Return whether a quantity converges monotonically and with a credible order, as text, and the fitted order.
+    """Return the kind of convergence of a quantity as text, and its fitted order.
 
     ``column``: values on three or more mesh levels, coarse to fine, (levels,); ``h``: relative cell sizes, (levels,). The
     text is `MONOTONE`, `OUT_OF_RANGE` or `NOT_MONOTONE`; in the last case the order is None.
@@ -245,7 +249,7 @@ def _kind_of_convergence(column: Array, h: Array) -> tuple[str, float | None]:
 
 
 def _uncertainty_of_finest(y: Array, fit: Fit, sigma: Array | float, factor: float, mean_change: float = np.inf) -> Array:
-    """Return the uncertainty U of the finest value of each quantity, (m,), from a fit.
+    """Return the uncertainty U of each quantity's value on the finest level, (m,), from a fit over all levels.
 
     ``y``: values (levels, m), coarse to fine; ``fit``: fit to these values; ``sigma``: standard deviation of the fit, a
     number or (m,); ``factor``: safety factor F; ``mean_change``: Delta, the mean change between levels; infinite: the first
@@ -278,7 +282,7 @@ class Fit:
 
 
 def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
-    """Fit limits, slopes and the best common order p to m quantities.
+    """Fit m quantities by limit + slope h^p, with the common order p of least squared residuals.
 
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``weighted``: whether the levels have weights 1 / h
     instead of equal ones. The best order is searched on grids over shrinking intervals.
@@ -294,7 +298,7 @@ def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
 
 
 def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
-    """Fit limits and slopes of all quantities for a given order p.
+    """Fit m quantities by limit + slope h^p, for a given order p.
 
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``p``: the order; ``weighted``: whether the levels have
     weights 1 / h instead of equal ones. The order counts as one fitted parameter that all quantities share.
@@ -306,7 +310,7 @@ def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
 
 
 def fit_fixed_orders(y: Array, h: Array, *, both: bool) -> list[Fit]:
-    """Fit all quantities by h and by h^2, each with equal weights and with weights 1 / h.
+    """Fit m quantities by functions of first and of second order in the cell size h, with equal weights and weights 1 / h.
 
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``both``: whether, with four levels or more, fits by
     the sum of h and h^2 are added.
@@ -324,7 +328,7 @@ def fit_fixed_orders(y: Array, h: Array, *, both: bool) -> list[Fit]:
 
 
 def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
-    """Return the lowest and highest order around the best one that are compatible with the data.
+    """Return the lowest and the highest order of convergence that are compatible with the data.
 
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``best``: fit with the best order. The criterion is an
     F test of the sums of squared residuals with the confidence `CONFIDENCE`. If the best fit has no degree of freedom, or
@@ -348,16 +352,16 @@ def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
 
 
 def level_weights(h: Array, weighted: bool) -> Array:
-    """Return the weights of the mesh levels, (levels,), with sum one: proportional to 1 / h if ``weighted``, else equal.
+    """Return the weights of the mesh levels in a fit, (levels,), of sum one: proportional to 1 / h, or equal.
 
-    ``h``: relative cell sizes (levels,).
+    ``weighted``: whether they are proportional to 1 / h; ``h``: relative cell sizes (levels,).
     """
     w = 1.0 / h if weighted else np.ones_like(h)
     return np.asarray(w / w.sum())
 
 
 def _residual_squares(y: Array, h: Array, w: Array, p: Array) -> Array:
-    """Return, for each order in ``p``, the weighted sum of squared residuals after fitting limits and slopes.
+    """Return for each order in ``p`` the weighted sum of squared residuals of a fit by limit + slope h^p.
 
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``w``: weights of the levels.
     """
@@ -370,7 +374,7 @@ def _residual_squares(y: Array, h: Array, w: Array, p: Array) -> Array:
 
 
 def _box_cox_transform(h: Array, p: Array) -> Array:
-    """Return (h^p - 1) / p as an array (orders, levels).
+    """Return the Box-Cox transform (h^p - 1) / p of relative cell sizes h for several orders p, (orders, levels).
 
     ``h``: relative cell sizes (levels,); ``p``: orders (orders,). Fits with a constant are the same as with h^p, but at p =
     0 the function is ln h.
@@ -394,7 +398,7 @@ def _linear_least_squares(y: Array, columns: Array, w: Array) -> tuple[Array, Ar
 def _fit_record(
     form: str, order: float | None, weighted: bool, h: Array, limit: Array, residual: Array, of_each: int, of_all: int
 ) -> Fit:
-    """Return the record of a fit with its standard deviations, which depend on the number of fitted parameters.
+    """Create the record of a fit, with standard deviations that take account of the number of fitted parameters.
 
     ``form``: name of the fitted function; ``order``: its order; None: fixed orders; ``weighted``: whether levels have
     weights 1 / h; ``h``: relative cell sizes (levels,); ``limit``: limits at h = 0, (m,); ``residual``: residuals,

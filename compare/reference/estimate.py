@@ -94,7 +94,10 @@ Levelled = Mapping[int, Array]
 
 @dataclass(frozen=True)
 class Experience:
-    """Parts of the mesh uncertainty that are determined from other scenes [% of the mean load]."""
+    """Parts of the mesh uncertainty that hold for all scenes, determined from scenes that were solved on several levels.
+
+    They are in % of the mean contact load.
+    """
 
     #: Standard deviation due to the mesh of the sockets (boxes around the contacts).
     sockets: float
@@ -109,7 +112,7 @@ class Experience:
 
 @dataclass(frozen=True)
 class GridParts:
-    """Uncertainty of a scene's contact loads due to the mesh, with its parts [% of the mean load], RMS over the contacts.
+    """Uncertainty of a scene's contact loads due to the mesh, and its parts [% of the mean load], RMS over the contacts.
 
     The parts are standard deviations of the difference between the finest level and the next one. With a single level only
     the uncertainty is known, from other scenes, and the parts are None.
@@ -130,11 +133,11 @@ class GridParts:
 
     @property
     def by_experience(self) -> bool:
-        """Whether the scene was solved on a single level, so that the uncertainty is estimated from other scenes."""
+        """Whether the uncertainty is taken from other scenes, because this one was solved on a single mesh level."""
         return self.contact is None
 
     def bars(self, loads: Levelled) -> Array:
-        """Return the uncertainty of each contact load due to the mesh, (n, 4) [% of the mean load].
+        """Return the uncertainty of every contact load due to the mesh, (n, 4) [% of the mean load].
 
         ``loads``: contact loads (n, 4) [N] by mesh level. The uncertainty covers 95 % of the contacts, and is zero for
         contacts that carry load on no level.
@@ -192,7 +195,7 @@ def mesh_uncertainty(loads: Levelled, experience: Experience) -> GridParts:
 
 
 def _load_change(loads: Levelled, level: int, other: int, finest: int) -> Array:
-    """Return the changes of the contact loads from one mesh level to another [% of the mean load on level ``finest``].
+    """Return by how much contact loads change from one mesh level to another [% of the mean load on level ``finest``].
 
     ``loads``: contact loads (n, 4) [N] by mesh level; ``level``, ``other``: first and second level. The result is a vector
     with the changes of all contacts that carry load on at least one level.
@@ -213,16 +216,16 @@ def _cell_sizes(level: int) -> Array:
 
 
 def _variance_factors(level: int, other: int) -> Array:
-    """Return the factors by which variances of the errors contribute to the variance of a load change between two levels.
+    """Return the factors of the error variances in the variance of the change of loads between two mesh levels, (2,).
 
-    ``level``, ``other``: the two mesh levels. The result (2,) has first the factor for the error due to the cells at the
-    contact, then that for the error due to the cells of the bodies.
+    ``level``, ``other``: the two levels. The first factor belongs to the error due to the cells at the contact, the second
+    to the error due to the cells of the bodies.
     """
     return np.asarray(_cell_sizes(level) ** (2 * ORDER) + _cell_sizes(other) ** (2 * ORDER))
 
 
 def _fit_variances(columns: Array, shown: Array, fixed: float) -> Array:
-    """Fit the variances of the parts contact and bodies (2,) to the observed variances between levels.
+    """Fit the error variances due to contact cells and to body cells (2,) to the observed changes between mesh levels.
 
     ``columns``: `_variance_factors` of each of k pairs of levels, (k, 2); ``shown``: observed variances, (k,) [%^2], from
     which ``fixed``, the known variance of other parts, is already subtracted. The fit minimises relative squared deviations
@@ -274,7 +277,10 @@ def derive_experience(
             held = known[name][loaded_on_any_level(loads)] if known and name in known else 0.0
             errors[both].append(np.maximum(np.abs(_load_change(loads, levels[0], finest, finest)) - held, 0.0))
     if not shifts or not all(errors):
-        raise ValueError("needs scenes with one and with both flanks of the screw loaded, solved on fine mesh levels")
+        raise ValueError(
+            "the mesh uncertainty of other scenes needs scenes with one and with both flanks of the screw loaded, which "
+            "were solved on fine mesh levels"
+        )
     common = float(np.sqrt(np.mean(np.square(shifts)) / 2.0))
     return Experience(
         sockets, common, (_covering_bound(errors[0], LEAST[0]), _covering_bound(errors[1], LEAST[1])), tuple(scenes)
@@ -290,7 +296,7 @@ def _covering_bound(errors: Sequence[Array], least: float) -> float:
 
 
 def save_experience(store: Path, known: Experience) -> None:
-    """Write ``known``, parts of the mesh uncertainty that hold for all scenes, to a file in the folder ``store``."""
+    """Write the parts of the mesh uncertainty that hold for all scenes, ``known``, to a file in the folder ``store``."""
     replace_file(store / FILE, json.dumps(asdict(known), indent=1) + "\n")
 
 
@@ -323,7 +329,7 @@ TOWARDS = (2, 3)
 
 @dataclass(frozen=True)
 class LipCompliance:
-    """Compliance of the nut's lip between a contact and a free face, as a function of their distance."""
+    """Extra compliance of a contact near a free face of the nut, by the thin lip between both, against their distance."""
 
     #: Distances from the face [ball radii], increasing.
     radii: Array
@@ -333,7 +339,7 @@ class LipCompliance:
     missing: dict[int, Array]
 
     def at(self, radii: Array, level: int) -> tuple[Array, Array]:
-        """Return the compliance of the lip at distances from a face, and the part of it that a mesh level neglects.
+        """Return the lip's compliance at distances from the face, and the part of it that a mesh level neglects.
 
         ``radii``: distances over the ball radius. Both compliances are multiplied by Young's modulus E and ball radius r.
         """
@@ -412,7 +418,7 @@ FITTED = 4
 
 @dataclass(frozen=True)
 class Reference:
-    """Contact loads of a scene with which models are compared: from the 3D reference or from a user's file."""
+    """Reference contact loads with which models of a scene are compared: from the 3D reference or from a user's file."""
 
     #: Name of the scene.
     scene: str
@@ -462,7 +468,7 @@ class Reference:
 
 
 def reference_of_scene(scene: Scene, stores: Sequence[Path] | None = None) -> Reference | None:
-    """Return the 3D reference of a scene from its finest stored runs.
+    """Return the reference contact loads of a scene, with their uncertainty, from its finest stored 3D runs.
 
     Parameters
     ----------
@@ -482,7 +488,7 @@ def reference_of_scene(scene: Scene, stores: Sequence[Path] | None = None) -> Re
 
 
 def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts: int = 0) -> Reference:
-    """Return the 3D reference of a scene (loads and uncertainty) from its runs on one or several mesh levels.
+    """Return the reference contact loads of a scene, with their uncertainty, from 3D runs on one or more mesh levels.
 
     Parameters
     ----------

@@ -118,7 +118,7 @@ def check_memory(tasks: Sequence[Task], workers: int) -> float:
 
 
 class Progress:
-    """Progress of a task of the 3D reference: present stage, finished share, and expected time left."""
+    """Progress of a running task of the 3D reference: present stage, finished share, and expected time left."""
 
     def __init__(self, task: Task, after: float = 0.0) -> None:
         """Start the progress of a task; ``after``: expected time of all tasks that follow it [s]."""
@@ -130,11 +130,11 @@ class Progress:
 
     @property
     def present_stage_text(self) -> str:
-        """Text with the name of the task and, until it is finished, its present stage."""
+        """Text for the terminal: name of the task and, until it is finished, its present stage."""
         return f"{self.label}: {self.stages[0][0]}" if self.stages else self.label
 
     def line(self, text: str, spent: float) -> str:
-        """Return a line of progress with a message, and update the expected time left if the message ends a stage.
+        """Return a message as a line of progress, with the expected time left if the message reports the end of a stage.
 
         ``text``: the message, a `StageDone` at the end of a stage; ``spent``: time since the task began [s]. The speed of
         the machine is estimated from computed stages only, not from those that were read from the cache.
@@ -162,7 +162,7 @@ HEARTBEAT = 20.0
 
 @dataclass(frozen=True)
 class Engine:
-    """Settings of where 3D runs are computed: on this machine or a cluster, number of processes, cache folder."""
+    """Settings for computing runs of the 3D reference: this machine or a cluster, number of jobs at once, cache folder."""
 
     #: ``joblib``: processes on this machine; ``dask``: a cluster.
     backend: str = "joblib"
@@ -177,7 +177,7 @@ class Engine:
 
     @property
     def processes(self) -> int:
-        """Number of processes for one job: the cores of this machine divided by the workers; one on a cluster."""
+        """Number of processes for one job: cores of this machine over the jobs at the same time; one on a cluster."""
         return max(usable_cores() // (self.workers or 1), 1) if self.backend == "joblib" else 1
 
 
@@ -224,7 +224,7 @@ def plan_tasks(
     source: bool = False,
     ablate: bool = False,
 ) -> list[Task]:
-    """List the tasks of the 3D reference for a mesh study, in the order in which they are computed.
+    """List the computations of the 3D reference (tasks) for a mesh study, in the order in which they are computed.
 
     The coarsest level of every geometry comes first; the other tasks follow by decreasing computing time.
 
@@ -239,7 +239,8 @@ def plan_tasks(
     source
         Whether a task on the mesh of Lin's thesis is added.
     ablate
-        Whether the scenes are also solved on the coarsest level without each ingredient of the 3D model in turn.
+        Whether the scenes are also solved on the coarsest level with each part of the 3D model (such as the elastic nut)
+        left out in turn.
 
     Returns
     -------
@@ -259,7 +260,7 @@ def plan_tasks(
 
 
 def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
-    """Return the tasks whose runs are not stored yet, reduced to the scenes without a stored run.
+    """Return those tasks of the 3D reference that are not stored yet, reduced to the scenes without a stored result.
 
     ``tasks``: the required tasks; ``stores``: folders that are searched. A task whose condensed screw and nut are required
     but not stored is returned with all its scenes.
@@ -283,7 +284,7 @@ def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
 def compute_and_store(
     task: Task, store: Path, step: Step = lambda _: None, progress: Progress | None = None
 ) -> tuple[list[Run], CondensedBodies | None]:
-    """Compute a task of the 3D reference and store its results immediately.
+    """Compute one task of the 3D reference and store its results immediately.
 
     If a mesh study with several tasks is interrupted, only the results of the unfinished task are lost.
 
@@ -313,7 +314,9 @@ def compute_and_store(
 
 
 def store_runs_and_bodies(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
-    """Write those runs of a task whose loads can be used, and its condensed screw and nut, to the folder ``store``.
+    """Write the results of one task of the 3D reference, and its condensed screw and nut, to the folder ``store``.
+
+    Results (runs) whose contact loads cannot be used are not written.
 
     ``runs``: a run for each scene of the task; ``bodies``: condensed screw and nut; None: none are written. InputError if
     the file of the bodies cannot be written.
@@ -341,7 +344,7 @@ def ensure(
     fresh: bool = False,
     stored: Callable[[Task], None] = lambda _: None,
 ) -> list[Run]:
-    """Compute and store the runs of 3D reference tasks that are not stored yet.
+    """Compute and store all required results (runs) of the 3D reference that are not stored yet.
 
     Parameters
     ----------
@@ -437,7 +440,7 @@ def ensure(
 
 
 def _announcement_text(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
-    """Return the message that announces number, expected time and memory of the tasks to compute.
+    """Return the message that announces how many tasks are to be computed, with their expected time and memory.
 
     ``left``: the tasks to compute; ``stored``: number of tasks whose runs are stored already; ``store``: folder of new
     runs; ``workers``: number of tasks at the same time; ``here``: whether they run on this machine. InputError if the free

@@ -23,7 +23,7 @@ _TABLES = files.read_shipped_toml("reference/levels.toml")
 
 
 def _settings_from_toml(keys: Mapping[str, Any]) -> dict[str, Any]:
-    """Return mesh settings read from a TOML table, with its lists as tuples."""
+    """Return the mesh settings of a TOML table with lists converted to tuples."""
     return {name: tuple(value) if isinstance(value, list) else value for name, value in keys.items()}
 
 
@@ -56,7 +56,7 @@ _RATIOS = ("b_over_h", "growth")
 
 
 def scaled_settings(level: int, ball: float, refined: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the mesh settings of a level, by name, with lengths scaled to a ball radius.
+    """Return the mesh settings of a mesh level by name, with all lengths scaled in proportion to the ball radius.
 
     ``ball``: ball radius [m]; ``refined``: names of settings whose values are replaced by the finer ones in `BEYOND`.
     """
@@ -83,7 +83,7 @@ COUPLING = 0.02
 
 @dataclass(frozen=True)
 class Variant:
-    """Variant of the 3D reference with one changed modelling or numerical choice."""
+    """Variant of the 3D reference in which one modelling or numerical choice is changed, to measure its effect."""
 
     #: Description of the change.
     label: str
@@ -113,12 +113,12 @@ class NotVaried:
 
 
 def unchanged_scene(scene: Scene) -> Scene:
-    """Return the scene unchanged, for variants that differ only in the mesh."""
+    """Return the scene unchanged: the change of variants that differ only in the mesh."""
     return scene
 
 
 def change_solid_model(**changes: Any) -> Change:
-    """Return a function that copies a scene with changed fields of ``scene.solid``, which only the 3D model uses.
+    """Return a function that copies a scene with changed entries of ``scene.solid``, which only the 3D model uses.
 
     ``changes``: new values by name of the field.
     """
@@ -153,24 +153,26 @@ def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
             seat = (low, 0.5 * (low + high)) if half == "inner" else (0.5 * (low + high), high)
             return replace(scene, nut=replace(scene.nut, flange=replace(flange, seat=seat)))
         if face not in ("left face", "right face"):
-            raise ValueError(f"the nut is fixed at its {face}, not at one face")
+            raise ValueError(
+                f"fixing half of the nut's face needs a nut that is fixed at one face; got one fixed at its {face}"
+            )
         return change_solid_model(nut_held=f"{face}, {half} half")(scene)
 
     return fix_half
 
 
 def with_plain_shaft(scene: Scene) -> Scene:
-    """Return a copy of the scene whose shaft has no groove outside its 3D part, but the diameter of the screw's lands."""
+    """Return a copy of the scene whose shaft is plain outside the part meshed in 3D, with the diameter of its lands."""
     return change_solid_model(shaft_diameter=scene.screw.outer_diameter)(scene)
 
 
 def with_shortened_groove(scene: Scene) -> Scene:
-    """Return a copy of the scene whose 3D part of the shaft is half as long and continues as a shaft without groove."""
+    """Return a copy of the scene whose shaft is meshed in 3D over half the length, and is plain (no groove) beyond."""
     return with_plain_shaft(scale_dimension("shaft", lambda d: d.shaft, 0.5)(scene))
 
 
 def with_twisted_supports(scene: Scene) -> Scene:
-    """Return a copy of the scene whose supports are rotated by the twist that the axial-torsional coupling would cause.
+    """Return a copy of the scene with supports rotated by the twist due to the shaft's axial-torsional coupling.
 
     The 3D reference neglects this coupling outside the 3D part of the shaft. Between a support and the nut at the distance
     L, the shaft would twist by |c| F L / sqrt(EA GJ) under the sum F of the axial loads. EA and GJ are those of a plain
@@ -201,7 +203,7 @@ SHARED, MODES, FIXING = "set-up shared with other scenes", "modes per patch", "w
 
 
 def mesh_refinement_variant(label: str, choice: str, *refined: str) -> Variant:
-    """Return a variant on the finest mesh level with finer values of the mesh settings ``refined``.
+    """Create a variant of the 3D reference with finer values of the mesh settings named ``refined`` on level `PRODUCTION`.
 
     ``label``: description of the variant; ``choice``: numerical choice that it varies.
     """

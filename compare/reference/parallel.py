@@ -215,7 +215,7 @@ def _run_on_cluster(
 
 
 def _check_cluster(client: Any, place: str, wait: float) -> Iterator[None]:
-    """Check once per iteration that a cluster has workers and its scheduler answers.
+    """Yield after each check that a Dask cluster has workers and its scheduler answers.
 
     ``client``: Dask client of the cluster; ``place``: address of the scheduler, for messages. InputError if no worker joins
     within ``wait`` seconds, at the beginning or after the last one was lost, or if the scheduler no longer answers.
@@ -246,17 +246,17 @@ def _check_cluster(client: Any, place: str, wait: float) -> Iterator[None]:
 
 
 def _no_cluster_error(place: str, reason: str, advice: str) -> InputError:
-    """Return the ArgumentError for a cluster that cannot be used; ``place``: address of its scheduler, or description."""
+    """Return the error to raise for a Dask cluster that cannot be used; ``place``: address or name of the cluster."""
     return ArgumentError("scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
 
 
 def _lost_cluster_error(reason: str) -> InputError:
-    """Return the ArgumentError for a cluster whose scheduler or workers were lost while jobs ran; ``reason``: why."""
+    """Return the error to raise if the scheduler or the workers of a Dask cluster were lost; ``reason``: what happened."""
     return ArgumentError("scheduler", reason, "a scheduler with workers", AGAIN)
 
 
 def _dead_worker_error(error: BaseException) -> InputError:
-    """Return an ArgumentError for a worker process that died."""
+    """Return the error to raise if a worker process died, for example for lack of memory; ``error``: what was caught."""
     allowed, advice = "as many as the memory allows", "use fewer workers; a worker that runs out of memory is killed"
     return ArgumentError("workers", f"a worker that died ({type(error).__name__})", allowed, advice)
 
@@ -339,7 +339,7 @@ def _connect_to_cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
 
 
 def _version_mismatch_error(value: str, version: str) -> InputError:
-    """Return the ArgumentError for cluster workers with another version of rollbench than ``version``.
+    """Return the error to raise for cluster workers with another version of rollbench than ``version``.
 
     ``value``: description of these workers with their version.
     """

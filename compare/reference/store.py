@@ -37,13 +37,13 @@ LARGEST, DEEPEST = 8_000_000, 8
 
 
 def run_text_with_checksum(data: Mapping[str, Any]) -> str:
-    """Return the text of a stored run's file: its data as JSON with a checksum, one line for each row of an array."""
+    """Return the text of the file of a 3D run: its data as JSON with a checksum, one line for each row of an array."""
     whole = {**data, "checksum": checksum(data)}
     return json.dumps(whole, separators=(",", ":")).replace("],[", "],\n[") + "\n"
 
 
 def read_checked_data(path: Path) -> dict[str, Any]:
-    """Read the data of a stored run from its file, and verify the checksum.
+    """Read the data of a stored 3D run from its file, and verify their checksum.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def read_checked_data(path: Path) -> dict[str, Any]:
     """
     data = _parse_json_file(path)
     if data.pop("checksum", None) != checksum(data):
-        raise ValueError("the checksum does not match the data")
+        raise ValueError("the checksum in the file does not match its data: the file is damaged or was edited")
     return data
 
 
@@ -74,21 +74,21 @@ def checksum(data: Mapping[str, Any]) -> str:
 
 
 def _parse_json_file(path: Path) -> dict[str, Any]:
-    """Return the JSON object in a stored run's file; ValueError if it is too large, too deeply nested or no object."""
+    """Return the JSON object in the file of a stored 3D run; ValueError if it is too large, too deeply nested or none."""
     if not path.is_file():
-        raise ValueError("the path is not a regular file")
+        raise ValueError("the path of a stored 3D run is not a regular file")
     with open(path, "rb") as file:
         content = file.read(LARGEST + 1)
     if len(content) > LARGEST:
-        raise ValueError(f"the file has more than {LARGEST} bytes")
+        raise ValueError(f"the file of a stored 3D run has more than {LARGEST} bytes")
     text, depth = content.decode("utf-8"), 0
     for mark in (c for c in text if c in "[]{}"):
         depth += 1 if mark in "[{" else -1
         if depth > DEEPEST:
-            raise ValueError(f"the brackets of the file are nested more than {DEEPEST} deep")
+            raise ValueError(f"the brackets in the file of a stored 3D run are nested more than {DEEPEST} deep")
     data = json.loads(text)
     if not isinstance(data, dict):
-        raise ValueError("the file does not contain the table of a run")
+        raise ValueError("the file does not contain the JSON object of a stored 3D run")
     return data
 
 
@@ -111,24 +111,26 @@ class Measured:
     machine: str = ""
 
     def __str__(self) -> str:
-        """Return version and machine as text, to follow the words "measured with"."""
+        """Return version and machine as text, such as "0.20.0 on <machine>"."""
         return f"{self.version or 'an unknown version'}{f' on {self.machine}' if self.machine else ''}"
 
 
 @cache
 def measuring_conditions() -> Measured:
-    """Return the conditions (version, sources, machine) of times that this process measures."""
+    """Return the conditions under which this process measures computing times: version, sources, machine."""
     return Measured(__version__, sources_hash(SOLVERS)[:16], machine_description())
 
 
 def common_conditions(conditions: Iterable[Measured]) -> Measured | None:
-    """Return the conditions under which all of several computing times were measured; ValueError if they differ.
+    """Return the common conditions under which several computing times were measured; ValueError if they differ.
 
     ``conditions``: the conditions of each measurement; None is returned if there are none.
     """
     found = set(conditions)
     if len(found) > 1:
-        raise ValueError(f"the times stem from several measuring runs: {', '.join(sorted(map(str, found)))}")
+        raise ValueError(
+            f"the computing times stem from several measuring runs under different conditions: {', '.join(sorted(map(str, found)))}"
+        )
     return next(iter(found), None)
 
 
@@ -245,7 +247,7 @@ class Run:
 
     @property
     def answers(self) -> bool:
-        """Whether the contact loads can be used: the run converged, or the change that remains in its loads is known."""
+        """Whether the contact loads can be used: the run converged, or the further change of its loads is known."""
         return self.status == "converged" or self.moving > 0.0
 
     @property
@@ -275,7 +277,7 @@ def content_key_of_run(
     sides: Sequence[int],
     programs: Mapping[str, str] | None = None,
 ) -> str:
-    """Return the content key of a run of the 3D reference: a hash of everything that affects its numbers.
+    """Return the key by which a stored 3D run is found: a hash of everything that affects its numbers.
 
     These are the scene's geometry, errors, loads and supports (without the fields in `UNSAID`), its solid dimensions, the
     variant, the mesh settings and meshed flanks (which depend on all scenes that were meshed together), `SCHEMA`, and the
@@ -313,7 +315,7 @@ def content_key_of_run(
 def content_key_of_bodies(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None = None
 ) -> str:
-    """Return the content key of condensed screw and nut: a hash of everything that affects their stiffness.
+    """Return the key by which stored condensed screw and nut are found: a hash of all that affects their stiffness.
 
     These are the geometry of the parts, the mesh ``settings``, the numbers of the meshed flanks (``sides``), the versions
     of gmsh and scikit-fem (``programs``; None: those installed), `SCHEMA` and `BODIES`.
@@ -326,7 +328,7 @@ def content_key_of_bodies(
 def _mesh_parts_of_key(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None
 ) -> tuple[object, ...]:
-    """Return the parts of a content key that describe a mesh: dimensions, settings, flanks, program versions.
+    """Return the values in the key of a stored run that describe its mesh: dimensions, settings, flanks, programs.
 
     ``settings``: mesh settings by name; ``sides``: numbers of the meshed flanks; ``programs``: versions of gmsh and
     scikit-fem; None: those installed.
@@ -373,7 +375,7 @@ def save_run(store: Path, scene: Solvable, run: Run) -> Path:
     ValueError for a run whose contact loads cannot be used because it did not converge.
     """
     if not run.answers:
-        raise ValueError(f"a run that did not converge cannot be a reference: {run.status}")
+        raise ValueError(f"a 3D run that did not converge cannot be stored as a reference: {run.status}")
     path = path_of_run(store, scene, run)
     data = asdict(run) | {name: _rounded_rows(getattr(run, name)) for name in ARRAYS}
     data["without"] = {name: _rounded_rows(array) for name, array in run.without.items()}
@@ -382,7 +384,7 @@ def save_run(store: Path, scene: Solvable, run: Run) -> Path:
 
 
 def _rounded_rows(array: Array) -> list[list[float | None]]:
-    """Return an array as rows of numbers with seven significant digits (small files); nan becomes None."""
+    """Return an array as lists of numbers with seven significant digits, for small files; nan becomes None."""
     return [[None if np.isnan(x) else float(f"{x:.7g}") for x in row] for row in array]
 
 
@@ -442,7 +444,7 @@ def run_files_of_scene(store: Path, scene: Solvable, level: int, variant: str = 
 
 
 class _Mesh(NamedTuple):
-    """Mesh of a stored run, as part of its content key: mesh settings, meshed flanks, program versions."""
+    """What describes the mesh of a stored 3D run in its key: mesh settings, meshed flanks, program versions."""
 
     #: Number of balls of the run.
     balls: int
@@ -456,7 +458,7 @@ class _Mesh(NamedTuple):
     text: str
 
     def key(self, scene: Solvable, variant: str) -> str | None:
-        """Return the content key of a run of ``scene`` on this mesh; None if the mesh does not fit the scene.
+        """Return the key that a stored run of ``scene`` on this mesh would have; None if the mesh does not fit the scene.
 
         ``variant``: name of the modelling variant; empty: none.
         """
@@ -490,7 +492,7 @@ def _cached_mesh(path: Path, _changed: int) -> _Mesh | None:
 
 
 def _preference_key(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
-    """Return a key that sorts stored runs: installed program versions first, then finest contact cells, largest patches.
+    """Return a sort key of stored runs: installed program versions first, then finest contact cells, largest patches.
 
     ``installed``: installed versions of gmsh and scikit-fem by name.
     """

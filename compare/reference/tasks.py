@@ -31,7 +31,7 @@ _SIZED = ("semi", "reach", "sides")
 
 @dataclass(frozen=True)
 class SetUp:
-    """What is meshed for a nut or bearing row, or for several equal rows on one shaft: bodies, flanks and mesh settings."""
+    """What is to be meshed for a nut or bearing row, or for equal ones on a shaft: bodies, flanks, mesh settings."""
 
     #: Nut or row as a scene; if the shaft has several, axial positions are relative to the row.
     bodies: Scene
@@ -49,14 +49,14 @@ def node_stations(*cases: Solvable) -> tuple[float, ...]:
 
 
 def ball_slices_by_set(described: Solvable) -> list[slice]:
-    """Return for each nut or bearing the slice of its balls in an array with the balls of all of them, in their order."""
+    """Return for each nut or bearing on a shaft the slice of its balls among the balls of all of them."""
     sets = [described] if isinstance(described, Scene) else [s.parts for s in described.sets if isinstance(s.parts, Scene)]
     ends = np.cumsum([0, *(scene.ball_count for scene in sets)])
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
 
 def refusal_of_reference(described: Solvable, error: ValueError) -> Refusal:
-    """Return the Refusal to raise for a scene that the 3D reference cannot solve; ``error`` states the reason."""
+    """Return the error to raise for a scene that the 3D reference cannot solve; ``error``: the reason."""
     advice = "change the named dimension or key, or use a low-order model"
     return Refusal(described.name, "3D reference", str(error), advice)
 
@@ -100,7 +100,7 @@ def _expected_contacts(case: Solvable, bodies: Sequence[Scene]) -> tuple[Expecte
 
 
 def _flanks_under_load(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
-    """Return the sorted numbers of all flanks that may carry load, and of the flanks on the opposite side of the ball.
+    """Return the sorted numbers of all flanks that may carry load, and of those diametrically opposite on the ball.
 
     ``expected``: expected contacts of every load case. Flanks 0 to 3 are SL, SR, NL, NR.
     """
@@ -178,7 +178,7 @@ def settings_to_store(ups: Sequence[SetUp]) -> dict[str, Any]:
 
 
 def is_mesh_suitable(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
-    """Return whether the meshes of a stored run can be used for a scene on a mesh level.
+    """Return whether the meshes of a stored 3D run are suitable for a scene on a mesh level.
 
     ``variant``: name of the modelling variant; empty: none; ``settings``: mesh settings of the stored run; ``sides``:
     numbers of its meshed flanks. The meshes can be used if cells are fine enough, patches large enough, and all flanks that
@@ -217,7 +217,7 @@ def _mesh_covers(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
 
 
 def reset_nonstatic_fields(assembly: Assembly, reset_values: Mapping[str, Any]) -> Assembly:
-    """Return a copy of the assembly in which all fields without effect on static loads are reset.
+    """Return a copy of a shaft with its nuts in which all fields without effect on static contact loads are reset.
 
     ``reset_values``: new values of these fields in the nuts and rows with balls, by name of the field.
     """
@@ -230,7 +230,7 @@ def reset_nonstatic_fields(assembly: Assembly, reset_values: Mapping[str, Any]) 
 
 
 def shared_mesh_geometry(scene: Solvable) -> tuple[Any, ...]:
-    """Return the fields of a scene (geometry, materials of its bodies) that must be equal in scenes that share meshes."""
+    """Return those values of a scene (geometry, materials) that must be equal in scenes that share their meshes."""
     if isinstance(scene, Assembly):
         each = (
             (s.parts if not isinstance(s.parts, Scene) else shared_mesh_geometry(s.parts), s.position, s.carrier)
@@ -241,7 +241,7 @@ def shared_mesh_geometry(scene: Solvable) -> tuple[Any, ...]:
 
 
 def group_by_geometry(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
-    """Return the scenes in groups of equal geometry, which can share meshes, in the order of first occurrence."""
+    """Sort scenes into groups of equal geometry, which can share meshes, in the order of first occurrence."""
     alike: dict[object, list[Solvable]] = {}
     for scene in scenes:
         alike.setdefault(shared_mesh_geometry(scene), []).append(scene)
@@ -261,7 +261,7 @@ def settings_with_tuples(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Task:
-    """Load cases of one geometry that the 3D reference solves on one mesh level with the same meshes."""
+    """One computation of the 3D reference: load cases of one geometry, solved on the meshes of one level."""
 
     #: Scenes of one geometry.
     scenes: tuple[Solvable, ...]
@@ -280,7 +280,7 @@ class Task:
 
     @property
     def single(self) -> tuple[Scene, ...]:
-        """Scenes of the task with a single nut or bearing row."""
+        """Those scenes of the task that have a single nut or bearing row."""
         return tuple(scene for scene in self.scenes if isinstance(scene, Scene))
 
     @property
