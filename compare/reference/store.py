@@ -129,7 +129,7 @@ def common_conditions(conditions: Iterable[Measured]) -> Measured | None:
     found = set(conditions)
     if len(found) > 1:
         raise ValueError(
-            f"the computing times stem from several measuring runs under different conditions: {', '.join(sorted(map(str, found)))}"
+            f"the computing times stem from several measuring runs that differ: {', '.join(sorted(map(str, found)))}"
         )
     return next(iter(found), None)
 
@@ -375,7 +375,7 @@ def save_run(store: Path, scene: Solvable, run: Run) -> Path:
     ValueError for a run whose contact loads cannot be used because it did not converge.
     """
     if not run.answers:
-        raise ValueError(f"a 3D run that did not converge cannot be stored as a reference: {run.status}")
+        raise ValueError(f"a 3D run that did not converge cannot be a reference: {run.status}")
     path = path_of_run(store, scene, run)
     data = asdict(run) | {name: _rounded_rows(getattr(run, name)) for name in ARRAYS}
     data["without"] = {name: _rounded_rows(array) for name, array in run.without.items()}
