@@ -52,7 +52,7 @@ LEAST = 0.1
 
 @dataclass(frozen=True)
 class ExpectedContact:
-    """Position and size of the contact that is expected between a ball and a flank of a groove."""
+    """Expected position and size of the contact between a ball and one flank of a groove, where meshes are refined."""
 
     #: Number of the ball, from 0.
     ball: int
@@ -65,10 +65,11 @@ class ExpectedContact:
 
 
 def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
-    """Return the semi-axes of the contact ellipse under a load of 1 N, across and along the groove [m/N^(1/3)].
+    """Return the semi-axes of a contact ellipse under a load of 1 N, across and along the groove [m/N^(1/3)].
 
-    They follow from Hertz's theory for the nominal geometry. The longer semi-axis lies across the groove, where ball and
-    groove conform. ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and right).
+    They follow from Hertz's theory for the nominal geometry. The longer semi-axis lies across the groove, where ball
+    and groove conform. ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and
+    right).
     """
     track, balls = scene.track, scene.balls
     part = scene.screw if side < 2 else scene.nut
@@ -83,7 +84,7 @@ def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
 
 
 def expected_contacts(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[ExpectedContact], float]:
-    """Return the expected contacts, then the minor semi-axis [m] of a contact with mean load on the first of the flanks.
+    """Return the expected contacts, then the minor semi-axis [m] of a contact with mean load on the first flank.
 
     ``load``: contact loads (N, 4) [N] of a low-order solution for N balls and the flanks SL, SR, NL, NR (screw left and
     right, nut left and right); ``sides``: numbers of the flanks that may carry load, 0 to 3 in this order.
@@ -100,22 +101,22 @@ def expected_contacts(scene: Scene, load: Array, sides: tuple[int, ...]) -> tupl
 
 
 def ball_face_name(contact: ExpectedContact) -> str:
-    """Return the name that a deck gives to the mesh faces of a ball that may touch the groove at ``contact``."""
+    """Return the name in a deck of those mesh faces of a ball that may touch the groove at ``contact``."""
     return f"BALL{contact.ball + 1}_{SIDES[contact.side]}"
 
 
 def groove_face_name(contact: ExpectedContact) -> str:
-    """Return the name that a deck gives to the mesh faces of a groove that the ball may touch at ``contact``."""
+    """Return the name in a deck of those mesh faces of a groove that the ball may touch at ``contact``."""
     return f"{'SCREW' if contact.side < 2 else 'NUT'}_{SIDES[contact.side]}_{contact.ball + 1}"
 
 
 def _semi_axes_of_contact_zone(
     contact: ExpectedContact, element_size: float, semi_axes: tuple[float, float]
 ) -> tuple[float, float]:
-    """Return the semi-axes [m] of the elliptic zone that holds the contact faces, across and along the groove.
+    """Return the semi-axes [m], across and along the groove, of the elliptic zone whose mesh faces may come into contact.
 
-    ``contact``: expected contact; ``element_size``: element size there [m]; ``semi_axes``: factor on the semi-axes of the
-    contact ellipse, and number of element sizes that are then added to each.
+    ``contact``: expected contact; ``element_size``: element size there [m]; ``semi_axes``: factor on the semi-axes of
+    the contact ellipse, and number of element sizes that are then added to each.
     """
     across, along = (semi_axes[0] * x + semi_axes[1] * element_size for x in contact.half)
     return across, along
@@ -130,7 +131,7 @@ def refined_zone_points(contact: ExpectedContact, element_size: float) -> Array:
 
 
 def flank_contact_faces(groove: GrooveMap, mesh: BodyMeshForExport, contact: ExpectedContact, element_size: float) -> Index:
-    """Return the mesh faces of a groove's flank that may touch the ball (master faces), each by the numbers of its nodes.
+    """Return the mesh faces of a groove's flank that may touch the ball (master faces), each by its node numbers.
 
     ``groove``: geometry of the groove; ``mesh``: mesh of screw or nut; ``contact``: expected contact; ``element_size``:
     element size there [m].
@@ -148,10 +149,11 @@ def flank_contact_faces(groove: GrooveMap, mesh: BodyMeshForExport, contact: Exp
 def ball_contact_faces(
     groove: GrooveMap, mesh: BodyMeshForExport, contact: ExpectedContact, radius: float, element_size: float
 ) -> Index:
-    """Return the mesh faces of a ball that may touch the groove (slave faces), each by the numbers of its nodes.
+    """Return the mesh faces of a ball that may touch the groove (slave faces), each by its node numbers.
 
-    ``groove``: geometry of the groove; ``mesh``: mesh of the ball with its centre in the origin, turned to azimuth zero;
-    ``contact``: expected contact; ``radius``: radius of the ball [m]; ``element_size``: element size at the contact [m].
+    ``groove``: geometry of the groove; ``mesh``: mesh of the ball with its centre in the origin, turned to azimuth
+    zero; ``contact``: expected contact; ``radius``: radius of the ball [m]; ``element_size``: element size at the
+    contact [m].
     """
     (n, t1, t2), sphere, half = (
         contact_frame_vectors(groove, contact.side),
@@ -166,10 +168,10 @@ def ball_contact_faces(
 
 
 def _outer_faces_with_corners(mesh: BodyMeshForExport, nodes: Index) -> Index:
-    """Return the outer mesh faces whose corner nodes are all among the given nodes, each by the numbers of its nodes.
+    """Return the outer mesh faces whose corner nodes are all among the given nodes, each by its node numbers.
 
-    Faces in the cut plane of a half body are left out. ``nodes``: numbers of the given nodes. Raises ValueError if no face
-    remains.
+    Faces in the cut plane of a half body are left out. ``nodes``: numbers of the given nodes. Raises ValueError if no
+    face remains.
     """
     faces = surface_faces(mesh.cells)
     within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.named.get("cut", [])).all(axis=1)]
@@ -236,10 +238,10 @@ class MeshedDeck:
 
 
 def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
-    """Raise InputError for the first fault in a list that applies; without one do nothing.
+    """Raise InputError for the first fault in a list that is present; without one do nothing.
 
-    ``where``: name of the scene or file in the error message; ``faults``: for each fault whether it applies, the key, the
-    refused value, the allowed values, and advice.
+    ``where``: name of the scene or file in the error message; ``faults``: for each fault whether it is present, the
+    key, the refused value, the allowed values, and advice.
     """
     for there, key, value, allowed, advice in faults:
         if there:
@@ -247,10 +249,10 @@ def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, st
 
 
 def _refuse_unsupported_scene(scene: Scene, half: bool) -> None:
-    """Raise InputError if a deck cannot describe a scene, or if the scene has too many balls for meshes of whole bodies.
+    """Raise InputError if a deck cannot describe a scene, or if the scene has too many balls for whole bodies.
 
-    ``half``: whether only the half y >= 0 is meshed. Then a scene is also refused if y = 0 is no plane of symmetry: if it
-    has a helix, balls outside the plane, loads, or a screw that is not fixed along y and about x and z.
+    ``half``: whether only the half y >= 0 is meshed. Then a scene is also refused if y = 0 is no plane of symmetry: if
+    it has a helix, balls outside the plane, loads, or a screw that is not fixed along y and about x and z.
     """
     balls, solid = scene.ball_count, scene.solid
     large = f"1 to {MOST_BALLS} balls in a deck of whole bodies"
@@ -318,7 +320,7 @@ def solve_expected_loads(scene: Scene) -> StaticResult:
 
 
 def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
-    """Mesh the whole bodies of a scene and build its deck.
+    """Mesh the whole bodies of a scene (screw, nut and balls) and build its input deck for CalculiX.
 
     Parameters
     ----------
@@ -373,10 +375,11 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
 
 
 def _deck_refinement(points: list[Array], finest_size: float, coarsest_size: float, options: DeckOptions) -> Refinement:
-    """Return the element sizes of a body, which grow with the distance from its contacts.
+    """Return the element sizes in the mesh of a body, which grow with the distance from its contacts.
 
-    ``points``: for each contact the points (k, 3) in its zone of small elements [m]; ``finest_size``: element size there
-    [m]; ``coarsest_size``: largest element size [m]; ``options``: options of the deck with the growth of the element size.
+    ``points``: for each contact the points (k, 3) in its zone of small elements [m]; ``finest_size``: element size
+    there [m]; ``coarsest_size``: largest element size [m]; ``options``: options of the deck with the growth of the
+    element size.
     """
     return Refinement(np.concatenate(points), finest_size, options.growth, max(coarsest_size, finest_size))
 
@@ -393,8 +396,8 @@ def _mesh_screw_and_nut(
     """Mesh a piece of the screw and the nut; return each body with the smallest scaled Jacobian of its elements.
 
     ``dims``: dimensions of the bodies, with the ends of the piece of the screw; ``errors``: geometric errors;
-    ``groove_map``: nominal geometry of the grooves; ``contacts``: expected contacts; ``element_size``: element size at the
-    contacts [m].
+    ``groove_map``: nominal geometry of the grooves; ``contacts``: expected contacts; ``element_size``: element size at
+    the contacts [m].
     """
     low, high = dims.ends(scene)
     half, z = scene.nut.length / 2.0, scene.nut.position
@@ -437,7 +440,7 @@ def _mesh_balls(
     element_size: float,
     options: DeckOptions,
 ) -> list[tuple[DeckBody, float]]:
-    """Mesh every ball with its real radius at its position; return each with the smallest scaled Jacobian of its elements.
+    """Mesh every ball with its real radius at its position; return each with the smallest scaled Jacobian of its mesh.
 
     ``errors``: geometric errors; ``groove``: nominal geometry of the grooves; ``layout``: positions of the balls;
     ``contacts``: expected contacts; ``element_size``: element size at the contacts [m].
@@ -475,24 +478,25 @@ def _mesh_balls(
 
 
 def half_ball_turning_constraint(points: Array, pair: Index) -> Index:
-    """Return the constraint (1, 3) that keeps a half ball from turning about y: two nodes that move alike along an axis.
+    """Return the constraint (1, 3) that keeps a half ball from turning about y: two nodes move alike along an axis.
 
-    Its entries are the numbers of the two nodes, and the number of the axis. The cut of the half ball stays in the plane y
-    = 0, so that no other rotation is possible. ``points``: nodes of the ball (n, 3) [m]; ``pair``: numbers of two nodes.
+    Its entries are the numbers of the two nodes, and the number of the axis. The cut of the half ball stays in the
+    plane y = 0, so that no other rotation is possible. ``points``: nodes of the ball (n, 3) [m]; ``pair``: numbers of
+    two nodes.
     """
     arms = [abs(float(np.cross(points[pair[0]] - points[pair[1]], np.eye(3)[k])[1])) for k in range(3)]
     return np.array([(*pair, int(np.argmax(arms)))], dtype=np.int64)
 
 
 def ball_rotation_constraints(points: Array, pairs: Index) -> Index:
-    """Return three constraints (3, 3) that keep a ball from turning, each of two nodes that move alike along an axis.
+    """Return three constraints (3, 3) that keep a ball from turning: in each, two nodes move alike along an axis.
 
     The entries of a row are the numbers of the two nodes, and the number of the axis.
 
-    A rotation theta [rad] displaces two nodes at a distance vector d by theta x d relative to each other: along axis k by
-    theta . (d x e_k). Three constraints that are as independent as possible allow no rotation. Their forces are couples, so
-    that the balance of forces is not affected. ``points``: nodes of the ball (n, 3) [m]; ``pairs``: numbers of the nodes of
-    each candidate pair (p, 2).
+    A rotation theta [rad] displaces two nodes at a distance vector d by theta x d relative to each other: along axis k
+    by theta . (d x e_k). Three constraints that are as independent as possible allow no rotation. Their forces are
+    couples, so that the balance of forces is not affected. ``points``: nodes of the ball (n, 3) [m]; ``pairs``: numbers
+    of the nodes of each candidate pair (p, 2).
     """
     found = [(int(a), int(b), k) for a, b in pairs for k in range(3)]
     arms = np.array([np.cross(points[a] - points[b], np.eye(3)[k]) for a, b, k in found])
@@ -501,7 +505,7 @@ def ball_rotation_constraints(points: Array, pairs: Index) -> Index:
 
 
 def _rigid_sections_of_screw(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
-    """Return the rigid sections of the screw (its ends or its bore) at which supports and loads act.
+    """Return the rigid sections of the screw (its ends or its bore) to which supports and loads are applied.
 
     ``dims``: dimensions of the bodies. Raises InputError if supports or loads act elsewhere.
     """
@@ -563,7 +567,7 @@ def _deck_heading(
 
 
 def _clause_on_load_error(scene: Scene, static_result: StaticResult) -> str:
-    """Return a clause on the error to expect of the contact loads by the low-order model.
+    """Return a clause for the deck's heading on the error to expect in the low-order model's contact loads.
 
     ``static_result``: its static result.
     """

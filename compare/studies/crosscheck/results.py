@@ -46,7 +46,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class BodyMesh:
-    """Size and quality of the mesh of one body."""
+    """Size and quality of the mesh of one body in a CalculiX deck."""
 
     #: Name of the body.
     name: str
@@ -108,7 +108,7 @@ class CalculixRun:
 
 @dataclass(frozen=True)
 class CalculixRunsOfScene:
-    """All solutions of one scene by CalculiX."""
+    """All stored CalculiX solutions of one scene, on several meshes."""
 
     #: Name of the scene.
     scene: str
@@ -128,12 +128,15 @@ def shipped_results() -> Path:
 
 
 def path_of_stored_results(folder: Path, scene: str) -> Path:
-    """Return the path of the JSON file with the CalculiX results of a scene; ``folder``: folder of stored results."""
+    """Return the path of the JSON file with the CalculiX results of a scene.
+
+    ``folder``: folder of stored results; ``scene``: name of the scene.
+    """
     return folder / f"{scene}.json"
 
 
 def save_results(folder: Path, data: CalculixRunsOfScene) -> Path:
-    """Write the CalculiX results of a scene to a folder and return the path of the file.
+    """Write the CalculiX results of a scene to a folder; return the path of the file.
 
     The file is written completely or not at all. Raises InputError if that fails.
     """
@@ -146,7 +149,7 @@ def save_results(folder: Path, data: CalculixRunsOfScene) -> Path:
 
 
 def load_results(folder: Path, scene: str) -> CalculixRunsOfScene | None:
-    """Return the stored CalculiX results of a scene from a folder; None without a file.
+    """Return the stored CalculiX results of a scene from a folder; None if there is no file.
 
     Raises InputError for a damaged file.
     """
@@ -176,7 +179,7 @@ def _calculix_run_from_json(plain: dict[str, Any]) -> CalculixRun:
     """Return a CalculiX solution from its stored JSON values; raises ValueError for contact loads of a wrong shape."""
     load = np.array(plain["load"], dtype=float)
     if load.ndim != 2 or load.shape[1] != len(SIDES):
-        raise ValueError(f"loads of shape {load.shape}")
+        raise ValueError(f"the contact loads have the shape {load.shape}, not (number of balls, {len(SIDES)})")
     return CalculixRun(**{**plain, "load": load, "meshes": tuple(BodyMesh(**m) for m in plain["meshes"])})
 
 
@@ -222,7 +225,7 @@ class Extrapolation:
 
 
 def element_error(size: Array, growth: Array, order: float) -> Array:
-    """Return the relative error of the elements, e = int_0^1 (x h / c + (1 - x) g)^p dx, integrated by Gauss' rule.
+    """Return the relative error of the elements near a contact, e = int_0^1 (x h / c + (1 - x) g)^p dx, by Gauss' rule.
 
     Parameters
     ----------
@@ -244,11 +247,11 @@ def element_error(size: Array, growth: Array, order: float) -> Array:
 
 
 def contact_compliance_factor(runs: Sequence[CalculixRun]) -> Array | None:
-    """Return the factor B of the contact compliance 1/k in F = F0 + A e + B / k, for each contact [N Pa/m].
+    """Return the factor B of the contact compliance 1/k in the fit F = F0 + A e + B/k of a contact load F [N Pa/m].
 
-    F is a contact load, F0 its limit, e the relative error of the elements, and k the contact stiffness (pressure per
-    overclosure). B is the mean over pairs of solutions with the same mesh and different k; the result is None without such
-    a pair.
+    There is one value for each contact. F0 is the limit of the load, e the relative error of the elements, and k the
+    contact stiffness (pressure per overclosure). B is the mean over pairs of solutions with the same mesh and different
+    k; the result is None without such a pair.
     """
     pairs = [
         (a, b)
@@ -263,7 +266,7 @@ def contact_compliance_factor(runs: Sequence[CalculixRun]) -> Array | None:
 
 
 def mesh_options_of_run(run: CalculixRun) -> tuple[float, float, bool, bool]:
-    """Return the options that determine the mesh of a CalculiX solution.
+    """Return those options of a CalculiX solution that determine its mesh.
 
     In this order: elements across the minor semi-axis, growth of the element size, whether only a half was meshed, and
     whether all balls have the same mesh.
@@ -274,8 +277,8 @@ def mesh_options_of_run(run: CalculixRun) -> tuple[float, float, bool, bool]:
 def extrapolate_loads(runs: Sequence[CalculixRun]) -> Extrapolation:
     """Extrapolate the contact loads of CalculiX to zero element size and rigid contact, from runs with small displacements.
 
-    The loads are fitted with many pairs of an order p of the elements' error and a length over which the contact's field
-    changes. The uncertainty of a contact load combines three parts by root of squares:
+    The loads are fitted with many pairs of an order p of the elements' error and a length over which the contact's
+    field changes. The uncertainty of a contact load combines three parts by root of squares:
 
     - the largest change of the limit over all pairs that fit well: their sum of squares is within two standard
       deviations of the best pair's (four times the variance of a residual, of the contact or of all contacts, whichever
@@ -304,13 +307,13 @@ def extrapolate_loads(runs: Sequence[CalculixRun]) -> Extrapolation:
     linear = [r for r in runs if not r.nlgeom]
     law = contact_compliance_factor(linear)
     if law is None and len({r.stiffness for r in linear}) > 1:
-        raise ValueError("no two runs differ in the contact stiffness alone: add such a run")
+        raise ValueError("no two CalculiX runs differ in the contact stiffness alone: add such a run")
     law = np.zeros(linear[0].load.size) if law is None else law
     groups: dict[tuple[float, float, bool, bool], list[CalculixRun]] = {}
     for r in linear:
         groups.setdefault(mesh_options_of_run(r), []).append(r)
     if len({m[:2] for m in groups}) < 2:
-        raise ValueError("one mesh only: two are needed to extrapolate")
+        raise ValueError("the CalculiX runs have one mesh only: loads can be extrapolated from two meshes or more")
     h, g = (np.array([x[k] for x in groups]) for k in (0, 1))
     h = 1.0 / h
     loads = np.stack([np.mean([r.load.ravel() - law / r.stiffness for r in same], axis=0) for same in groups.values()])
@@ -347,11 +350,12 @@ def extrapolate_loads(runs: Sequence[CalculixRun]) -> Extrapolation:
 def _relative_element_errors_of_contacts(
     elements_per_semi_axis: Array, growth: Array, half: Array, order: float, length: float
 ) -> Array:
-    """Return the relative error e of the elements on each of m meshes for each of c contacts, (m, c).
+    """Return the relative error e of the elements on each of m meshes at each of c contacts, (m, c).
 
     The error is that of `element_error`. ``elements_per_semi_axis``: element size over the minor semi-axis of a contact
-    with mean load (m,); ``growth``: growth of the element size (m,); ``half``: minor semi-axis of each contact over that at
-    mean load (c,); ``order``: order p; ``length``: length over which the field changes, over the minor semi-axis.
+    with mean load (m,); ``growth``: growth of the element size (m,); ``half``: minor semi-axis of each contact over
+    that at mean load (c,); ``order``: order p; ``length``: length over which the field changes, over the minor
+    semi-axis.
     """
     size = elements_per_semi_axis[:, None] / (length * half)
     return element_error(size, np.broadcast_to(growth[:, None], size.shape), order)
@@ -359,7 +363,7 @@ def _relative_element_errors_of_contacts(
 
 @dataclass(frozen=True)
 class _LoadFit:
-    """Weighted least-squares fit of all contact loads over the element error, for one order and length.
+    """Weighted least-squares fit of all contact loads over the error of the elements, for one order and length.
 
     m: number of meshes; c: number of contacts.
     """
@@ -386,8 +390,8 @@ def _fit_loads_over_element_error(
     """Fit the load of each contact by a straight line over the relative error of the elements, by weighted least squares.
 
     ``loads``: loads of c contacts on m meshes (m, c) [N]; ``element_errors``: relative error of the elements (m, c);
-    ``weight``: weights of the residuals, 1 on the finest mesh (m, c); ``order`` and ``length``: order p, and length over
-    the minor semi-axis, with which ``element_errors`` was computed.
+    ``weight``: weights of the residuals, 1 on the finest mesh (m, c); ``order`` and ``length``: order p, and length
+    over the minor semi-axis, with which ``element_errors`` was computed.
     """
     w = weight**2 / (weight**2).sum(axis=0)
     middle, mean = (w * element_errors).sum(axis=0), (w * loads).sum(axis=0)
@@ -423,7 +427,7 @@ COLUMNS = (*PLACE, *COMPARED)
 
 @dataclass(frozen=True)
 class ContactLoadComparison:
-    """Loads of one contact by the 3D reference and by CalculiX, and their difference."""
+    """Load of one contact by the 3D reference ("ours") and by CalculiX ("theirs"), and their difference."""
 
     #: Ball, from 1.
     ball: int
@@ -443,13 +447,13 @@ class ContactLoadComparison:
     difference: float
 
     def cells(self) -> dict[str, Cell]:
-        """Return the values of the table row of this contact, by column."""
+        """Return the table row of this contact: its values by the key of the column."""
         compared: dict[str, Cell] = {q.key: getattr(self, q.key) for q in COMPARED}
         return {"ball": str(self.ball), "side": self.side, **self.meshes, **compared}
 
 
 def runs_with_common_contact_stiffness(data: CalculixRunsOfScene) -> list[CalculixRun]:
-    """Return the CalculiX solutions with small displacements and the most frequent contact stiffness.
+    """Return the CalculiX solutions with small displacements and the contact stiffness that most of them have.
 
     The solutions are sorted by number of nodes, fewest first.
     """
@@ -460,10 +464,10 @@ def runs_with_common_contact_stiffness(data: CalculixRunsOfScene) -> list[Calcul
 
 
 def deck_label(run: CalculixRun) -> str:
-    """Return a short name of the mesh of a CalculiX solution.
+    """Return a short label of the mesh of a CalculiX solution, such as "b/h 0.8, g 0.6, half".
 
-    It names the elements across the minor semi-axis, the growth of the element size, whether only a half was meshed, and
-    whether all balls have the same mesh.
+    It states the elements across the minor semi-axis, the growth of the element size, whether only a half was meshed,
+    and whether all balls have the same mesh.
     """
     return f"b/h {run.b_over_h:g}, g {run.growth:g}" + ", half" * run.half + ", equal balls" * run.alike
 
@@ -471,7 +475,7 @@ def deck_label(run: CalculixRun) -> str:
 def compare_contact_loads(
     data: CalculixRunsOfScene, reference: Reference, extrapolation: Extrapolation | None = None
 ) -> list[ContactLoadComparison]:
-    """Return the comparison of each contact that carries load in the 3D reference or in CalculiX.
+    """Compare 3D reference and CalculiX at each contact that carries load in one of them; return one row for each contact.
 
     ``data``: solutions by CalculiX; ``reference``: the 3D reference; ``extrapolation``: extrapolated loads of CalculiX,
     None to compute them.

@@ -61,7 +61,7 @@ Triple = tuple[float, ...]
 
 @dataclass(frozen=True)
 class CalculixResult:
-    """Contact forces, displacements and solver data that CalculiX wrote for one input deck."""
+    """Contact forces, displacements and solver data that the program CalculiX wrote for one input deck."""
 
     #: Resultant contact force on the ball, by the name of the ball's faces [N].
     forces: dict[str, Triple]
@@ -89,7 +89,10 @@ def find_ccx() -> str:
 
 
 def ccx_version(program: str) -> str:
-    """Return the version that CalculiX reports, or "unknown"."""
+    """Return the version that the program CalculiX reports, or "unknown".
+
+    ``program``: path of the program.
+    """
     text = subprocess.run([program, "-v"], capture_output=True, text=True, check=False).stdout
     found = re.search(r"[Vv]ersion\s+(\S+)", text)
     return found.group(1) if found else "unknown"
@@ -107,10 +110,10 @@ def deck_digest(text: str) -> str:
 
 
 def solve_deck_or_read_result(text: str, folder: Path) -> CalculixResult:
-    """Solve an input deck with CalculiX in a folder, or read the results if the folder has those of an equal deck.
+    """Solve an input deck with CalculiX in a folder, or read the folder's results if they are those of an equal deck.
 
-    ``text``: text of the deck. CalculiX uses one thread. Raises InputError if CalculiX is missing, and ValueError with its
-    last output if it does not converge.
+    ``text``: text of the deck. CalculiX uses one thread. Raises InputError if CalculiX is missing, and ValueError with
+    its last output if it does not converge.
     """
     program, key = find_ccx(), deck_digest(text)
     kept = folder / "run.json"
@@ -185,7 +188,7 @@ UNIT = "mm"
 
 
 def _deck_options(*rows: tuple[float, float, float], half: bool = False, alike: bool = False) -> list[DeckOptions]:
-    """Return the options of several decks that differ in mesh sizes and contact stiffness.
+    """Return the options of several CalculiX decks that differ in mesh sizes and contact stiffness.
 
     ``rows``: for each deck the elements across the minor semi-axis, growth of the element size, and contact stiffness
     [N/mm3]; ``half`` and ``alike``: fields of `DeckOptions`, equal for all decks.
@@ -210,13 +213,13 @@ STUDIES: dict[str, list[DeckOptions]] = {
 
 
 def deck_folder_name(options: DeckOptions) -> str:
-    """Return the name of the folder in which a deck is solved, which states its options."""
+    """Return the name of the folder in which CalculiX solves a deck; the name states the options of the deck."""
     tail = "-nlgeom" * options.nlgeom + "-half" * options.half + "-alike" * options.alike
     return f"bh{options.b_over_h:g}-g{options.growth:g}-k{1e-9 * options.stiffness:g}{tail}"
 
 
 def digest_of_shipped_scene(name: str) -> str:
-    """Return the digest of a scene of the package, by which stored results are recognised as results of this scene.
+    """Return the digest of a scene of the package, by which stored CalculiX results are recognised as those of this scene.
 
     Remarks in the scene file do not change the digest. ``name``: name of the scene.
     """
@@ -225,7 +228,7 @@ def digest_of_shipped_scene(name: str) -> str:
 
 
 def scene_compared_with_calculix(name: str) -> Scene:
-    """Return a scene of the package that is compared with CalculiX; raises InputError for other names."""
+    """Return a scene of the package that is compared with CalculiX; raise InputError for other names."""
     if name not in STUDIES:
         raise ArgumentError("scene", name, ", ".join(STUDIES), "choose one of these")
     return catalogue.scene(name)
@@ -253,7 +256,11 @@ def solve_decks_of_scene(
             runs.append(run_record(meshed, options, deck_digest(text), outcome))
         except ValueError as error:
             raise InputError(
-                scene.name, deck_folder_name(options), str(error), "a deck that CalculiX solves", "see its folder"
+                scene.name,
+                deck_folder_name(options),
+                str(error),
+                "a deck that CalculiX solves",
+                "see the output files in its folder",
             ) from None
         step(
             f"{deck_folder_name(options)}: {meshed.deck.node_count} nodes, {outcome.iterations} iterations, "
@@ -265,10 +272,10 @@ def solve_decks_of_scene(
 
 
 def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult) -> CalculixRun:
-    """Return the record of a CalculiX solution that is stored.
+    """Return the record of a CalculiX solution in the form in which it is stored.
 
-    ``meshed``: the deck with its meshes; ``options``: its options; ``deck``: digest of its text; ``outcome``: results of
-    CalculiX. Raises ValueError if the results of a contact are missing.
+    ``meshed``: the deck with its meshes; ``options``: its options; ``deck``: digest of its text; ``outcome``: results
+    of CalculiX. Raises ValueError if the results of a contact are missing.
     """
     mirror = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
     forces = {slave: mirror * np.array(force) for slave, force in outcome.forces.items()}
@@ -311,7 +318,7 @@ def extrapolated_results() -> tuple[str, dict[str, Array]]:
 
 
 def scenes_and_levels_for_report(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:  # noqa: ARG001 - as every such function
-    """Yield the names of the scenes that the report compares with CalculiX, and the mesh levels of the 3D reference.
+    """Yield the scenes that the report compares with CalculiX, and the mesh levels of the 3D reference that it needs.
 
     ``fresh``: not used; the report calls all functions of this kind with it.
     """
@@ -328,7 +335,7 @@ SECTION_FORCE = 1000.0
 
 @dataclass(frozen=True)
 class NutComplianceComparison:
-    """Compliance of a nut between its contacts by two finite-element programs.
+    """Compliance of a nut between its contacts by two programs: the 3D reference ("ours") and CalculiX ("theirs").
 
     Entry [i][j] is the displacement along the normal of contact i by a unit force on contact j.
     """
@@ -355,7 +362,7 @@ class NutComplianceComparison:
         return float(100.0 * np.abs(ours - theirs).max() / np.diag(theirs).min())
 
     def sentence_on_agreement(self) -> str:
-        """Return a sentence on the agreement of both programs."""
+        """Return a sentence that states the largest difference of the nut's compliance between both programs."""
         met = "within" if self.difference <= NUT_TARGET else "NOT within"
         return (
             f"{self.scene}: the nut's compliance between {len(self.ours)} contacts on one mesh of {self.nodes} nodes "
@@ -365,7 +372,7 @@ class NutComplianceComparison:
 
 
 def nut_decks(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[Deck], Array]:
-    """Return one deck of the nut for each of k contacts, loaded at this contact only, then the contact normals (k, 3).
+    """Return one CalculiX deck of the nut for each of k contacts, loaded at this contact only, then the normals (k, 3).
 
     ``options``: mesh sizes of the decks. Raises InputError for scenes that `build_deck` refuses.
     """
@@ -394,10 +401,10 @@ def nut_decks(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[Deck]
 
 
 def section_translations(decks: list[Deck]) -> Array:
-    """Return the translations of rigid sections under the forces of each deck, (decks, sections, 3) [m].
+    """Return the translations of rigid sections under the forces of each deck, (decks, sections, 3) [m], by our elements.
 
-    They are computed by the elements and the linear solver of the 3D reference. ``decks``: decks that differ only in loads;
-    they have one body, no contacts, and sections without fixed degrees of freedom.
+    They are computed by the elements and the linear solver of the 3D reference. ``decks``: decks that differ only in
+    loads; they have one body, no contacts, and sections without fixed degrees of freedom.
     """
     body, sections = decks[0].bodies[0], decks[0].sections
     mesh, number = build_mesh(body.points, body.cells, "P2")
@@ -414,10 +421,10 @@ def section_translations(decks: list[Deck]) -> Array:
 def _matrix_of_rigid_sections(
     body: DeckBody, sections: tuple[RigidSection, ...], number: NDArray[np.int64], fixed: tuple[str, ...]
 ) -> sp.csc_array:
-    """Return the matrix that gives all nodal displacements of a body with rigid sections from its free degrees of freedom.
+    """Return the matrix that gives a body's nodal displacements from its degrees of freedom and those of rigid sections.
 
-    Its last columns belong to the six degrees of freedom of each section. ``number``: number in the finite-element mesh of
-    each node of the body; ``fixed``: names of the fixed node sets.
+    Its last columns belong to the six degrees of freedom of each section. ``number``: number in the finite-element mesh
+    of each node of the body; ``fixed``: names of the fixed node sets.
     """
     free = np.ones(3 * len(body.points), dtype=bool)
     for name in (*fixed, *(s.nodes for s in sections)):
@@ -457,7 +464,7 @@ def compare_nut_compliance(
 
 
 def save_nut(folder: Path, comparison: NutComplianceComparison) -> Path:
-    """Write the compared compliances of a nut to ``nut.json`` in a folder and return its path.
+    """Write the compliance of a nut by both programs to ``nut.json`` in a folder; return the path.
 
     Raises InputError if the file cannot be written.
     """
@@ -470,7 +477,7 @@ def save_nut(folder: Path, comparison: NutComplianceComparison) -> Path:
 
 
 def load_nut(folder: Path) -> NutComplianceComparison | None:
-    """Return the stored comparison of a nut's compliances from a folder; None without one.
+    """Return the stored compliance of a nut by both programs from a folder; None if it is not stored.
 
     Raises InputError for a damaged file.
     """

@@ -1,4 +1,4 @@
-"""Answers of ``rollbench friction``: JSON values, tables and lines for the terminal, and neglected effects."""
+"""Results of ``rollbench friction``: JSON values, tables and lines for the terminal, and neglected effects."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ _OF_KIND = {
 
 
 def neglected_effects_of_kind(kind: str, coupling: str | None = None) -> list[str]:
-    """Return sentences on the effects that the friction computed for a scene of single parts neglects.
+    """Return sentences on the effects that the friction of a scene of single parts (balls, one bearing) neglects.
 
     ``kind``: kind of the scene, such as "bearing ball"; ``coupling``: for a screw, which balance of loads includes
     friction: "none", "ball" (of the ball) or "ball and screw" (of both), as in the scene file; None for other kinds.
@@ -139,7 +139,7 @@ ROUND_OFF = 1e-9
 
 @dataclass(frozen=True)
 class FrictionAnswer:
-    """Friction of one scene: JSON values, and tables and text lines for the terminal."""
+    """Friction of one scene as it is shown: JSON values, and tables and text lines for the terminal."""
 
     #: JSON values.
     data: dict[str, Any]
@@ -154,19 +154,19 @@ class FrictionAnswer:
 
     @property
     def text(self) -> str:
-        """All text lines, joined to one text."""
+        """All text lines of the terminal as one text, each with its label."""
         return "\n".join(f"{label}: {text}" for label, text in self.lines)
 
     @property
     def warning(self) -> str:
-        """Warning that is shown above the results; may be empty."""
+        """Short text of all warnings, which is shown above the results; may be empty."""
         return join_brief_warnings(self.data.get("warnings", ()))
 
 
 def json_entries_of_all_kinds(
     scene: KindScene, status: str, converged: bool, coupling: str | None = None
 ) -> dict[str, Any]:
-    """Return the JSON entries that the friction of every kind of scene has: names, status, assumptions, neglected effects.
+    """Return the JSON entries that every friction result has: names, status, assumptions, neglected effects.
 
     ``scene``: scene of single parts; ``status``: status in words; ``converged``: whether loads and friction converged;
     ``coupling``: for a screw, which balance of loads includes friction, see `neglected_effects_of_kind`; None for other
@@ -187,7 +187,7 @@ def three_digits(value: float) -> str:
 
 
 def values_by_contact(sides: Sequence[str], values: Array) -> dict[str, Any]:
-    """Return values at the n contacts of a ball as JSON, by the names of the contacts.
+    """Return values at the n contacts of a ball as a JSON object, by the names of the contacts.
 
     ``sides``: names of the contacts; ``values``: a number or a vector for each contact, (n,) or (n, k).
     """
@@ -197,7 +197,7 @@ def values_by_contact(sides: Sequence[str], values: Array) -> dict[str, Any]:
 
 
 def load_json(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]:
-    """Return a ball's contact loads and contact angles as JSON; a contact without load has no angle.
+    """Return a ball's contact loads and contact angles as JSON; the angle of a contact without load is null.
 
     ``sides``: names of the n contacts; ``force``: contact loads (n,) [N]; ``angle``: contact angles (n,) [rad].
     """
@@ -206,7 +206,7 @@ def load_json(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any
 
 
 def motion_json(ball_speeds: Array) -> dict[str, Any]:
-    """Return the motion of a ball as JSON.
+    """Return the orbital speed and the rotation of a ball as JSON.
 
     ``ball_speeds``: orbital speed of the ball, then its angular velocity about the axes x, y, z, (4,) [rad/s].
     """
@@ -216,11 +216,11 @@ def motion_json(ball_speeds: Array) -> dict[str, Any]:
 def sliding_and_friction_json(
     sides: Sequence[str], motion: Array, force: Array, moment: Array, loss: Array, rest: Mask
 ) -> dict[str, Any]:
-    """Return sliding and friction at a ball's contacts as JSON.
+    """Return sliding, friction force and moment, and losses at a ball's contacts as JSON.
 
-    ``sides``: names of the n contacts; ``motion``: sliding velocity across and along the groove [m/s], then spin [rad/s],
-    (n, 3); ``force``: friction force across and along the groove (n, 2) [N]; ``moment``: friction moment about the contact
-    normal (n,) [N m]; ``loss``: dissipation (n,) [W]; ``rest``: whether each contact sticks (n,).
+    ``sides``: names of the n contacts; ``motion``: sliding velocity across and along the groove [m/s], then spin
+    [rad/s], (n, 3); ``force``: friction force across and along the groove (n, 2) [N]; ``moment``: friction moment about
+    the contact normal (n,) [N m]; ``loss``: dissipation (n,) [W]; ``rest``: whether each contact sticks (n,).
     """
     return {
         "sliding_mm_s": values_by_contact(sides, 1e3 * motion[:, :2]),
@@ -233,7 +233,7 @@ def sliding_and_friction_json(
 
 
 def terminal_ball_row(sides: Sequence[str], row: dict[str, Any]) -> dict[str, Any]:
-    """Return the row of a ball in a terminal table, with a column for each contact load and component of rotation.
+    """Return the row of a ball in a table of the terminal, with a column for each contact load and rotation component.
 
     ``sides``: names of the contacts; ``row``: JSON row of the ball.
     """
@@ -242,27 +242,27 @@ def terminal_ball_row(sides: Sequence[str], row: dict[str, Any]) -> dict[str, An
 
 
 def without_round_off(difference: float, magnitude: float) -> float:
-    """Return the difference of two computed values, or zero if it is within their round-off.
+    """Return the difference of two computed values, or zero if the difference is round-off.
 
-    ``difference``: the difference; ``magnitude``: magnitude of the two values, in the same unit. The limit is `ROUND_OFF`
-    times ``magnitude``.
+    ``difference``: the difference; ``magnitude``: magnitude of the two values, in the same unit. The limit is
+    `ROUND_OFF` times ``magnitude``.
     """
     return 0.0 if abs(difference) <= ROUND_OFF * abs(magnitude) else difference
 
 
 def power_balance(power: float, loss: float) -> dict[str, Any]:
-    """Return input power, dissipation and their difference as JSON.
+    """Return input power, friction loss and their difference as JSON.
 
-    ``power``: input power [W]; ``loss``: dissipation [W]. A difference within round-off is given as zero.
+    ``power``: input power [W]; ``loss``: friction loss [W]. A difference within round-off is given as zero.
     """
     left = without_round_off(power - loss, loss)
     return {"input_power_W": json_number(power), "loss_W": json_number(loss), "balance_W": json_number(left)}
 
 
 def power_balance_with_percent(power: float, loss: float, round_off: float) -> dict[str, Any]:
-    """Return input power, dissipation and their difference as JSON, with the difference also in % of the dissipation.
+    """Return input power, friction loss and their difference as JSON, the difference also in % of the loss.
 
-    ``power``: input power [W]; ``loss``: dissipation [W]; ``round_off``: scale of the round-off, which is the dissipation
+    ``power``: input power [W]; ``loss``: friction loss [W]; ``round_off``: scale of the round-off, which is the loss
     that the contacts would have if all of them slid fully [W]. The percentage is null if ``loss`` is at most `NOTHING`
     times ``round_off``.
     """
@@ -299,22 +299,22 @@ def effect_of_ball_to_ball_contact(power: float, loss: float, apart: float, ball
 
 
 def line_on_solver_residuals(solver: dict[str, Any], suffix: str = "") -> Line:
-    """Return a text line (label, text) that says by how much contact loads and friction are out of balance.
+    """Return a terminal line (label, text) on the unbalanced forces of the contact loads and of friction.
 
-    ``solver``: JSON values with the unbalanced forces [N] of the contact loads and of friction; ``suffix``: text that is
-    appended to the line.
+    ``solver``: JSON values with the unbalanced forces [N] of the contact loads and of friction; ``suffix``: text that
+    is appended to the line.
     """
     loads, friction = solver["load_imbalance_N"], solver["friction_imbalance_N"]
     return "solver", f"loads out of balance by {loads:.1e} N, friction by {friction:.1e} N{suffix}"
 
 
 def scene_word_for_hertz_constants(hertz: str) -> str:
-    """Return the word of scene files for a kind of Hertz constants: "nominal" for "right", any other word unchanged."""
+    """Return the word that scene files use for a kind of Hertz constants: "nominal" for "right", others unchanged."""
     return "nominal" if hertz == "right" else hertz
 
 
 def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
-    """Return a text line (label, text) on input power, friction loss and their difference.
+    """Return a terminal line (label, text) on input power, friction loss and their difference.
 
     ``values``: JSON values of `power_balance`; ``digits``: number of significant digits of the powers.
     """
@@ -333,7 +333,7 @@ def effects_neglected_at_one_instant(friction: Friction) -> list[str]:
 
 
 def sentence_on_jammed_states(state: FrictionState) -> str:
-    """Return a sentence on whether balls have a second equilibrium with friction, in which they jam.
+    """Return a sentence on whether balls have a second equilibrium with friction, in which they are jammed in the grooves.
 
     Such equilibria may exist at high coefficients of friction. ``state``: friction of the screw or bearing.
     """
@@ -352,8 +352,8 @@ def sentence_on_jammed_states(state: FrictionState) -> str:
 def slip_warnings(loss_increase: float) -> list[Warned]:
     """Return a warning if Heathcote slip (over curved contacts), which is neglected, would add much to the losses.
 
-    The list has this one warning, or is empty. ``loss_increase``: ratio of the additional losses by Heathcote slip to the
-    losses without it.
+    The list is empty otherwise. ``loss_increase``: ratio of the additional losses by Heathcote slip to the losses
+    without it.
     """
     return [Warned("slip", f"the contacts are so wide that {slip_clause(loss_increase)}")] if loss_increase > WIDE else []
 
@@ -406,7 +406,7 @@ def json_rows_of_balls(result: StaticResult, state: FrictionState) -> list[dict[
 
 
 def terminal_ball_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the rows of the balls in a terminal table, with the contact loads and losses of loaded contacts only.
+    """Return the rows of the balls in a table of the terminal, with loads and losses of loaded contacts only.
 
     ``rows``: JSON rows of `json_rows_of_balls`.
     """
@@ -440,9 +440,10 @@ LOSS_COLUMNS: tuple[Column, ...] = (
 
 
 def losses_by_contact_and_cause(state: FrictionState) -> list[dict[str, Any]]:
-    """Return the friction losses of all balls [W], one row for each contact and one for the sum, by cause of the loss.
+    """Return table rows of the friction losses of all balls [W]: one for each contact (SL, SR, NL, NR), one for the sum.
 
-    ``state``: friction of the screw or bearing.
+    Each row has the loss and its parts by cause (sliding across, sliding along, spin). ``state``: friction of the screw
+    or bearing.
     """
     table = state.balls.loss.sum(axis=0)
     named = [*zip(SIDES, table, strict=True), ("sum", table.sum(axis=0))]
@@ -453,10 +454,10 @@ def losses_by_contact_and_cause(state: FrictionState) -> list[dict[str, Any]]:
 
 
 def torque_row_for_coefficients(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
-    """Return a table row with torques and efficiencies for one pair of coefficients of friction (of screw, of nut).
+    """Return a table row with torques and efficiencies for one pair of coefficients of friction (of screw and of nut).
 
-    ``friction``: the coefficients; ``state``: friction computed with them; ``drag``: friction torque without loads [N m],
-    None if it is not known.
+    ``friction``: the coefficients; ``state``: friction computed with them; ``drag``: friction torque without loads [N
+    m], None if it is not known.
     """
     found = friction_sums_json(state.torque, drag)
     names = (
@@ -472,7 +473,7 @@ def torque_row_for_coefficients(friction: Friction, state: FrictionState, drag: 
 
 
 def coefficient_columns(kind: str) -> tuple[Column, ...]:
-    """Return the columns of the table of torques for several coefficients of friction.
+    """Return the columns of the table that shows torques over the coefficient of friction.
 
     ``kind``: kind of the scene, such as "bearing".
     """
@@ -494,7 +495,7 @@ def coefficient_columns(kind: str) -> tuple[Column, ...]:
 
 
 def without_pressure_and_size(warnings: Sequence[Warned]) -> list[Warned]:
-    """Return the warnings without those on contact pressure and contact size.
+    """Return the given warnings except those on contact pressure and on contact size.
 
     Pressure and size are checked again after the friction is computed, because friction changes the contact loads.
     """
@@ -502,11 +503,11 @@ def without_pressure_and_size(warnings: Sequence[Warned]) -> list[Warned]:
 
 
 def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[Warned]) -> list[Warned]:
-    """Return the static warnings that still apply, and warnings on friction outside the range of validity of the model.
+    """Return warnings on a friction result, and those on the static contact loads that still apply.
 
     ``friction``: coefficients of friction; ``state``: the friction result; ``static``: warnings on the static contact
-    loads. Of these, the warnings on pressure and size of contacts are replaced by new ones, because friction changes the
-    contact loads.
+    loads. Of these, the warnings on pressure and size of contacts are replaced by new ones, because friction changes
+    the contact loads.
     """
     at = state.at
     loaded = at.force > 0.0
@@ -531,7 +532,7 @@ def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, st
 
 
 def _driving_line(torque: ScrewTorque, motion: Motion, part: str) -> Line:
-    """Return a text line (label, text) on the torque that a motor or a brake must provide.
+    """Return a terminal line (label, text) on the torque that a motor must give or a brake must hold.
 
     ``torque``: torque on the screw; ``motion``: motion of screw or nut; ``part``: name of the part that turns.
     """
@@ -542,10 +543,10 @@ def _driving_line(torque: ScrewTorque, motion: Motion, part: str) -> Line:
 
 
 def line_on_remaining_imbalance(residual: float, friction_residual: float) -> Line:
-    """Return a text line (label, text) on the remaining imbalance of contact loads and of friction.
+    """Return a terminal line (label, text) on the remaining imbalance of contact loads and of friction.
 
-    ``residual``: relative residual of the static solution; ``friction_residual``: largest unbalanced force of a ball over
-    its friction bound, the sum of friction coefficient times contact load.
+    ``residual``: relative residual of the static solution; ``friction_residual``: largest unbalanced force of a ball
+    over its friction bound, the sum of friction coefficient times contact load.
     """
     return (
         "solver",
@@ -554,7 +555,7 @@ def line_on_remaining_imbalance(residual: float, friction_residual: float) -> Li
 
 
 def lines_on_friction_of_screw(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
-    """Return text lines (label, text) on the friction of a whole screw or bearing, the driving torque first.
+    """Return terminal lines (label, text) on the friction of a whole screw or bearing, the driving torque first.
 
     ``state``: the friction; ``drag``: friction torque without loads [N m], None if it is not known, and a remark on it.
     Values that depend on the coefficient of friction, which is hardly known to one digit, have three digits.

@@ -79,9 +79,9 @@ def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
 
 
 def json_rows_of_two_screw_balls(result: ScrewPairSolution) -> list[dict[str, Any]]:
-    """Return a JSON row for each of two balls of a screw, with its friction if the balls are far apart and if they touch.
+    """Return a JSON row for each of two balls of a screw, first as if they were far apart, then touching.
 
-    ``result``: solution of the two balls.
+    A row has contact loads, motion and groove loss. ``result``: solution of the two balls.
     """
     return [
         {"index": k + 1, "state": state}
@@ -94,7 +94,7 @@ def json_rows_of_two_screw_balls(result: ScrewPairSolution) -> list[dict[str, An
 
 
 def status_of_two_screw_balls(result: ScrewPairSolution) -> str:
-    """Return the status of the solution of two balls of a screw: "converged", or what did not (loads or friction)."""
+    """Return "converged" for two balls of a screw, or what failed: the balance of loads or friction, or their agreement."""
     if result.converged:
         return "converged"
     if all(c.load.converged and c.motion.converged for c in (result.free, result.touching)):
@@ -138,7 +138,7 @@ def solve_friction_of_two_screw_balls(scene: ScrewPairScene) -> answer.FrictionA
 
 
 def lines_on_two_screw_balls(data: dict[str, Any]) -> list[answer.Line]:
-    """Return text lines (label, text) on two balls of a ball screw.
+    """Return terminal lines (label, text) on two balls of a ball screw.
 
     ``data``: JSON values of `solve_friction_of_two_screw_balls`.
     """
@@ -157,7 +157,7 @@ def lines_on_two_screw_balls(data: dict[str, Any]) -> list[answer.Line]:
 
 
 def line_on_friction_law(data: dict[str, Any]) -> answer.Line:
-    """Return a text line (label, text) on friction law, Hertz constants, and whether friction affects the contact loads.
+    """Return a terminal line (label, text) on friction law, Hertz constants, and the effect of friction on contact loads.
 
     ``data``: JSON values of a solved scene, with the entries "hertz" and "coupling".
     """
@@ -178,16 +178,16 @@ PAIR_COLUMNS: tuple[Column, ...] = (
 
 
 def balls_keep_their_order(history: TravelHistory) -> bool:
-    """Return whether no ball of a simulated screw passes or overlaps the next one on its closed track, at any time step."""
+    """Return whether no ball of a simulated screw ever passes or overlaps the next one on its closed track."""
     ahead = np.diff(np.column_stack([history.ends, history.ends[:, 0] + history.setting.ring]), axis=1)
     return bool(ahead.min() >= history.setting.groove.pair.spacing - TOUCHING)
 
 
 def run_summary(history: TravelHistory) -> dict[str, Any]:
-    """Return a summary of the transient simulation of a screw as JSON values, whose names end in the units.
+    """Return a summary of a screw's simulation over time as JSON values, whose names end in the units.
 
-    ``history``: history of the simulation. "largest_ball_to_groove_percent" is the largest ratio of the torque by contact
-    between balls to the torque by contact with the grooves.
+    ``history``: history of the simulation. "largest_ball_to_groove_percent" is the largest ratio of the torque by
+    contact between balls to the torque by contact with the grooves.
     """
     s, touch, nut = summarise_history(history), np.any(history.contact, axis=1), np.degrees(history.nut_angle)
     met = bool(touch.any())
@@ -216,7 +216,7 @@ def run_summary(history: TravelHistory) -> dict[str, Any]:
 
 
 def run_series(history: TravelHistory) -> dict[str, list[Any]]:
-    """Return the time series of a transient simulation of a screw as JSON, with one value per time step.
+    """Return the time series of a screw's simulation as JSON, with one value per time step.
 
     ``history``: history of the simulation. Time and nut angle are those of the middle of a step.
     """
@@ -236,7 +236,7 @@ def run_series(history: TravelHistory) -> dict[str, list[Any]]:
 
 
 def simulate_screw_over_time(scene: ScrewRunScene) -> answer.FrictionAnswer:
-    """Simulate a whole screw over time, and return contacts between balls, torques and energy."""
+    """Simulate a whole screw over time; return contacts between balls, torques and energy."""
     run, time = scene.run, scene.time
     in_time = simulation_with_status(
         *simulate_with_several_step_sizes(run, Motion(run.groove.speed), time, scene.name), time
@@ -305,10 +305,10 @@ RUN_LINES = (
 
 
 def ball_motion(scene: BearingBallScene, problem: MotionProblem) -> BallMotion:
-    """Return the motion of one ball of a bearing under the scene's friction law.
+    """Return the motion of one ball of a bearing under the friction law that the scene chooses.
 
-    ``problem``: equations of the ball's balance of friction forces and moments. For Coulomb friction the motion is that of
-    least dissipation. For other laws it is the root of the equations that the solver finds from that motion.
+    ``problem``: equations of the ball's balance of friction forces and moments. For Coulomb friction the motion is that
+    of least dissipation. For other laws it is the root of the equations that the solver finds from that motion.
     """
     first = least_dissipation(problem)
     if scene.law == "coulomb":
@@ -321,7 +321,7 @@ def ball_motion(scene: BearingBallScene, problem: MotionProblem) -> BallMotion:
 
 
 def status_of_bearing_ball(loaded: bool, balanced: bool, motion: str) -> str:
-    """Return the status of one ball: "converged", or what failed.
+    """Return the status of one ball of a bearing: "converged", or what failed.
 
     ``loaded``: whether a contact of the ball carries load; ``balanced``: whether the contact loads are in equilibrium;
     ``motion``: status of the friction solver, which is "failed" if it found no balance.
@@ -354,7 +354,10 @@ def json_row_of_bearing_ball(load: ContactLoadSolution, at: Contacts, motion: Ba
 
 
 def rows_of_loaded_contacts(ball: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return a terminal table row for each loaded contact of a ball; ``ball``: JSON row of `json_row_of_bearing_ball`."""
+    """Return a row of the terminal table for each loaded contact of a ball.
+
+    ``ball``: JSON row of `json_row_of_bearing_ball`.
+    """
     size = ("load_N", "contact_angle_deg", "semi_axis_across_um", "semi_axis_along_um")
     rows = []
     for side in (s for s in bearing.SIDES if ball["load_N"][s] > 0.0):
@@ -379,7 +382,7 @@ CONTACT_COLUMNS = (
 
 
 def solve_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
-    """Solve one ball of a bearing, and return contact loads, motion, losses and the torque on the inner ring."""
+    """Solve contact loads and friction of one ball of a bearing; return them with losses and torque on the inner ring."""
     b = scene.bearing
     load = bearing.contact_loads_of_ball(b, scene.force, scene.displacement)
     rough = replace(b, mu=b.mu or 1.0)
@@ -423,7 +426,7 @@ def solve_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
 
 
 def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return text lines (label, text) on one ball of a bearing; ``data``: JSON values of `solve_bearing_ball`."""
+    """Return terminal lines (label, text) on one ball of a bearing; ``data``: JSON values of `solve_bearing_ball`."""
     (ball,), torque = data["balls"], data["torque"]
     by_loss = torque["friction_torque_Nmm"]
     return [
@@ -457,10 +460,10 @@ def has_friction_loss(case: BearingCase, state: BearingState) -> bool:
 
 
 def bearing_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
-    """Return the friction torques [N mm] of a bearing over the angle of its load, and the largest over the smallest.
+    """Return the friction torque [N mm] of a bearing at each load angle, and the ratio of the largest to the smallest.
 
-    ``states``: solution for each load angle. The JSON values also have, for each load angle, the number of balls with more
-    than two contacts, and whether the solution converged. The ratio is null if a solution has no friction loss.
+    ``states``: solution for each load angle. The JSON values also have, for each load angle, the number of balls with
+    more than two contacts, and whether the solution converged. The ratio is null if a solution has no friction loss.
     """
     torque = [1e3 * s.torque for s in states]
     all_rub = all(has_friction_loss(case, s) for s in states)
@@ -473,7 +476,7 @@ def bearing_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any
 
 
 def unresisted_motions(scene: BearingPairScene) -> list[str]:
-    """Return sentences on motions of the inner ring that the load drives and no contact resists.
+    """Return sentences on rigid motions of the inner ring that the load causes and no contact resists.
 
     There is one sentence for each design of the bearing and load angle where this occurs.
     """
@@ -488,9 +491,9 @@ def unresisted_motions(scene: BearingPairScene) -> list[str]:
 
 
 def solve_friction_of_two_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
-    """Solve a four-point and a double-row bearing for several angles of the load; return friction torques and dissipation.
+    """Solve a four-point and a double-row bearing for several angles of the load; return torques and losses.
 
-    The dissipated energy is the mean over all load angles and both bearings.
+    The energy balance is the mean over all load angles and both bearings.
     """
     case, angle = scene.four_point, [json_number(a) for a in np.degrees(scene.angle)]
     common = {
@@ -512,7 +515,7 @@ def solve_friction_of_two_bearings(scene: BearingPairScene) -> answer.FrictionAn
 
 
 def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.FrictionAnswer:
-    """Return the friction of a four-point and a double-row bearing.
+    """Return the friction of a four-point and a double-row bearing over the load angle.
 
     ``common``: JSON entries that are known before the solution, such as the load angles.
     """
@@ -556,7 +559,10 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.F
 
 
 def bearing_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return text lines (label, text) on a four-point and a double-row bearing; ``data``: JSON values of their friction."""
+    """Return terminal lines (label, text) on a four-point and a double-row bearing.
+
+    ``data``: JSON values of their friction.
+    """
     four, double = (format_cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
     label, text = answer.energy_line(data["energy"])
     ring = "free to tilt" if data["tilt"] else "kept from tilting"

@@ -1,4 +1,4 @@
-"""Friction of linear ball bearings: two or more balls of a row, far apart and touching."""
+"""Friction of linear ball bearings: two or more balls of a row, both as if far apart and with balls that touch."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ LONG = 60
 
 
 def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
-    """Return the contact loads of the balls of a linear bearing.
+    """Return contact angles and contact loads of the balls of a linear bearing, and their imbalance.
 
     With the scene's distribution "diagonal" both contacts of a diagonal carry equal loads, an approximation in Lin's
     thesis. The imbalance that it leaves is reported, but does not count as a failure.
@@ -99,7 +99,7 @@ def json_rows_of_linear_balls(
 
 
 def json_rows_of_neighbouring_balls(scene: LinearScene, touching: LinearChainSolution) -> list[dict[str, Any]]:
-    """Return one JSON row per pair of neighbouring balls: gap between the balls, force and friction loss in their contact.
+    """Return a JSON row for each pair of neighbouring balls: their gap, and force and friction loss in their contact.
 
     ``touching``: solution with balls that touch.
     """
@@ -115,7 +115,7 @@ def json_rows_of_neighbouring_balls(scene: LinearScene, touching: LinearChainSol
 
 
 def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
-    """Solve motion and friction of two or more balls of a linear bearing, both far apart and with balls that touch."""
+    """Solve motion and friction of a row of balls in a linear bearing, both far apart and with balls that touch."""
     angles, force, left = linear_loads(scene)
     chains = [prepare_linear_chain(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
     fast = force.shape[0] > LONG
@@ -159,10 +159,10 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
 
 
 def jammed_equilibrium_as_json(touching: LinearChainSolution, jammed: LinearChainSolution) -> dict[str, Any]:
-    """Return the second equilibrium of a chain of touching balls, in which friction jams them, as JSON.
+    """Return the second equilibrium of a row of touching balls, in which friction jams them, as JSON.
 
-    The JSON values are the force that drives the carriage, and those forces between neighbouring balls that differ from the
-    first equilibrium. ``touching``: first equilibrium, in which the balls roll; ``jammed``: the second one.
+    The JSON values are the force that drives the carriage, and those forces between neighbouring balls that differ from
+    the first equilibrium. ``touching``: first equilibrium, in which the balls roll; ``jammed``: the second one.
     """
     apart = np.abs(jammed.ball_force - touching.ball_force)
     other = np.flatnonzero(apart > ANOTHER * apart.max())
@@ -171,7 +171,7 @@ def jammed_equilibrium_as_json(touching: LinearChainSolution, jammed: LinearChai
 
 
 def second_state_sentence(chain: LinearChain, jammed: LinearChainSolution | None) -> str:
-    """Return a sentence on whether a second equilibrium was found, in which friction jams the chain of balls.
+    """Return a sentence on whether a second equilibrium was found, in which friction jams the row of balls.
 
     ``chain``: the touching balls; ``jammed``: their second equilibrium, None if none was found.
     """
@@ -203,7 +203,7 @@ def jam_warnings(touching: LinearChainSolution, jammed: LinearChainSolution | No
 
 
 def linear_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return text lines (label, text) on the balls of a linear bearing; ``data``: JSON values of `solve_linear`."""
+    """Return terminal lines (label, text) on the balls of a linear bearing; ``data``: JSON values of `solve_linear`."""
     rise, solver = data["friction_increase_percent"], data["solver"]
     return [
         (

@@ -52,7 +52,7 @@ QUANTITIES = {
 
 @dataclass(frozen=True)
 class TransientRun:
-    """Transient simulation of a screw, with the estimated error of its time steps."""
+    """Simulation of a screw over time, with the estimated error due to its finite time steps, and its status."""
 
     #: Time series of contact loads, torques and motions of the balls.
     history: TravelHistory
@@ -69,18 +69,18 @@ class TransientRun:
 
     @property
     def converged(self) -> bool:
-        """Whether all steps converged and their errors are within the allowed error."""
+        """Whether all time steps converged and no estimated error is above the allowed one."""
         return self.status == "converged"
 
 
 def simulate_friction_over_time(
     scene: Scene, friction: Friction, motion: Motion, model: str, specimen: int
 ) -> TransientRun:
-    """Simulate the friction of a screw over time, and estimate the error of the time steps.
+    """Simulate the friction of a screw over time, and estimate the error due to finite time steps.
 
     ``scene``: scene with a [time] table; ``friction``: coefficients of friction; ``motion``: motion of screw or nut;
-    ``model``: name of the static model; ``specimen``: number of the specimen (set of drawn random errors). Raises
-    InputError if the model cannot solve moving balls, and Refusal if the circuits have no room for the balls.
+    ``model``: name of the static model; ``specimen``: number of the draw of random errors. Raises InputError if the
+    model cannot solve moving balls, and Refusal if the circuits have no room for the balls.
     """
     time = scene.time
     if time is None:
@@ -105,22 +105,22 @@ def simulate_friction_over_time(
 def simulate_with_several_step_sizes(
     setting: Any, motion: Motion, time: Time, name: str
 ) -> tuple[TravelHistory, StepError | None]:
-    """Simulate a screw over time with several step sizes; return the time series, then the error of the time steps.
+    """Simulate a screw over time with several step sizes; return the time series, then its error due to finite steps.
 
-    ``setting``: the screw with its balls, as the transient solver reads it; ``motion``: motion of screw or nut; ``time``:
-    duration, number of steps and allowed error of the simulation; ``name``: name of the scene for the progress bar. The
-    error is None if it cannot be estimated.
+    ``setting``: the screw with its balls, as the transient solver reads it; ``motion``: motion of screw or nut;
+    ``time``: duration, number of steps and allowed error of the simulation; ``name``: name of the scene for the
+    progress bar. The error is None if it cannot be estimated.
     """
     with progress_bar(f"{name}, simulation over time") as progress:
         return run_with_step_errors(setting, time.span(motion), time.steps, time.goal, progress)
 
 
 def simulation_with_status(history: TravelHistory, error: StepError | None, time: Time) -> TransientRun:
-    """Return a transient simulation with its status.
+    """Return a simulation over time together with its status: converged, or why not.
 
-    ``history``: time series; ``error``: estimated error of the time steps, None if it is not known; ``time``: settings of
-    the simulation with the largest allowed error. The simulation is not converged if a step failed, if the error is not
-    known, or if it is larger than allowed.
+    ``history``: time series; ``error``: estimated error due to finite time steps, None if it is not known; ``time``:
+    settings of the simulation with the largest allowed error. The simulation is not converged if a step failed, if the
+    error is not known, or if it is larger than allowed.
     """
     status = history.status
     if history.good and error is None:
@@ -137,7 +137,7 @@ def simulation_with_status(history: TravelHistory, error: StepError | None, time
 
 
 def transient_simulation_as_json(run: TransientRun) -> dict[str, Any]:
-    """Return the JSON values of a transient simulation.
+    """Return torque, energy and motion of the balls in a simulation over time as JSON.
 
     Time steps are cut into pieces by events: a ball enters or leaves the loaded arc, or neighbouring balls meet. Time
     series have their values at the middle of each piece, gaps between balls at its end.
@@ -186,7 +186,7 @@ def transient_simulation_as_json(run: TransientRun) -> dict[str, Any]:
 
 
 def step_error_json(error: StepError, goal: float) -> dict[str, Any]:
-    """Return the estimated errors of the time steps as JSON, with order of convergence and numbers of steps.
+    """Return the estimated errors due to finite time steps as JSON, with order of convergence and numbers of steps.
 
     ``error``: the errors; ``goal``: largest allowed error, as a fraction of the mean torque.
     """
@@ -210,7 +210,7 @@ def step_error_json(error: StepError, goal: float) -> dict[str, Any]:
 
 
 def why_no_step_error(run: TransientRun) -> str | None:
-    """Return why the error of the time steps of a simulation is not known; None if it is known."""
+    """Return why the error of a simulation due to its time steps is not known; None if it is known."""
     if run.error is not None:
         return None
     if run.history.good:
@@ -219,11 +219,11 @@ def why_no_step_error(run: TransientRun) -> str | None:
 
 
 def run_energy_json(history: TravelHistory) -> dict[str, Any]:
-    """Return the energies of a transient simulation [J] and their imbalances as JSON.
+    """Return the energies of a simulation over time [J], and their largest imbalances, as JSON.
 
-    Energies are the work of torque and axial load on the screw, and the friction losses. Two imbalances are given, each the
-    largest of any time step over the losses of that step: that of the power which the contacts take in, and that of the
-    power of torque and axial load.
+    Energies are the work of torque and axial load on the screw, and the friction losses. Two imbalances are given, each
+    the largest of any time step over the losses of that step: that of the power which the contacts take in, and that of
+    the power of torque and axial load.
     """
     turning, along = history.turning_and_axial_speed
     loss = history.torque * abs(turning)
@@ -239,7 +239,7 @@ def run_energy_json(history: TravelHistory) -> dict[str, Any]:
 
 
 def run_torque_json(history: TravelHistory) -> dict[str, Any]:
-    """Return the friction torque of a transient simulation [N mm] as JSON: mean, extremes, and contributions.
+    """Return the friction torque in a simulation over time [N mm] as JSON: mean, extremes, and contributions.
 
     The contributions are those of the contacts with the grooves and of the contacts between balls.
     """
@@ -256,10 +256,10 @@ def run_torque_json(history: TravelHistory) -> dict[str, Any]:
 
 
 def ball_history_json(history: TravelHistory, track: ClosedTrack, ball: int) -> dict[str, Any]:
-    """Return the time series of one ball as JSON: azimuth in the nut's frame, loads, and gap and force to the next ball.
+    """Return the time series of one ball as JSON: azimuth in the nut's frame, loads, distance and force to the next ball.
 
-    ``history``: history of all balls; ``track``: circuit of the ball, on which the next ball follows; ``ball``: number of
-    the ball from 0.
+    ``history``: history of all balls; ``track``: circuit of the ball, on which the next ball follows; ``ball``: number
+    of the ball from 0.
     """
     ahead = ball + 1 if ball + 1 < track.balls.stop else track.balls.start
     number_of = int(history.setting.number[ball])
@@ -297,7 +297,7 @@ def torque_rows_over_angle(history: TravelHistory) -> list[dict[str, object]]:
 
 
 def lines_on_simulation(run: TransientRun) -> list[Line]:
-    """Return text lines (label, text) on a transient simulation: torque, error of the time steps, reason of a failure."""
+    """Return terminal lines (label, text) on a simulation over time: torque, error of the time steps, any failure."""
     h, e = run.history, run.error
     if not h.begun_step_count:
         return [("run", run.status)]

@@ -43,7 +43,7 @@ Say = Callable[[str], None]
 
 
 def solve_friction_of_named_scene(name: str, choices: FrictionChoices, say: Say = lambda _: None) -> FrictionAnswer:
-    """Compute the friction of a scene of the package, or of a scene file.
+    """Compute the friction of a scene that is given by its name in the package or by its file.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def solve_friction_of_scene(
     choices
         Model, coefficients of friction and number of the specimen.
     origin
-        Name or file of the scene, which the error for unsuitable choices states as the refused value.
+        Name or file of the scene, which an error for unsuitable choices states as the refused value.
     say
         Called with a line on the torque as soon as it is known, as in `solve_friction_of_screw_or_bearing`.
 
@@ -119,7 +119,7 @@ def friction_for_library(scene: Described, mu: tuple[float, ...], model: str) ->
 
 
 def answer_json(found: FrictionAnswer) -> dict[str, Any]:
-    """Return the JSON values of the friction of a scene, with the warning that is shown above them on the terminal."""
+    """Return the JSON values of the friction of a scene, with the warning that the terminal shows above them."""
     return found.data | {"warning": found.warning or None}
 
 
@@ -156,10 +156,10 @@ SolvedSets = list[tuple[int, SetResult, FrictionState]]
 
 
 def solve_axis(assembly: Assembly, choices: FrictionChoices) -> FrictionAnswer:
-    """Compute the friction of every nut and ball bearing on a shaft.
+    """Compute the friction of every nut and ball bearing on a shaft, and the torque that turns the shaft.
 
-    ``choices``: model, coefficients of friction and number of the specimen. Raises InputError for choices that do not fit
-    the scene.
+    ``choices``: model, coefficients of friction and number of the specimen (draw of random errors). Raises InputError
+    for choices that do not fit the scene.
     """
     if choices.condensed is not None:
         allowed = "this file only for a scene with a single nut or bearing"
@@ -168,7 +168,7 @@ def solve_axis(assembly: Assembly, choices: FrictionChoices) -> FrictionAnswer:
     motion = assembly.motion or ONE_TURN
     if motion.turns != "screw":
         raise InputError(
-            assembly.name, "motion.turns", '"nut"', '"screw"', "let the shaft turn: several outer parts stand still"
+            assembly.name, "motion.turns", '"nut"', '"screw"', "let the shaft turn: its nuts and housings stand still"
         )
     result, answers = solve_assembly_with_results(assembly, choices.model, choices.member)
     head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
@@ -194,7 +194,7 @@ def solve_axis(assembly: Assembly, choices: FrictionChoices) -> FrictionAnswer:
 
 
 def _friction_coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
-    """Return the coefficients of friction for which a shaft is solved: those that are given, else the scene's.
+    """Return the coefficients of friction for which a shaft is solved: the user's, else the scene's.
 
     ``mu``: coefficients that replace the scene's, empty for those of the scene. A shaft with bearings only needs none.
     Raises InputError for a nut without coefficient, and if a coefficient is given for a shaft without balls.
@@ -211,7 +211,7 @@ def _friction_coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Fric
 
 
 def _friction_of_nuts_and_bearings(result: AxisResult, friction: Friction, motion: Motion) -> SolvedSets:
-    """Return the friction of every nut and ball bearing on a shaft, as tuples: number from 0, static result, friction.
+    """Return number (from 0), static result and friction of every nut and ball bearing on a shaft.
 
     ``result``: static solution of the shaft; ``friction``: coefficients of friction; ``motion``: motion of the shaft.
     """
@@ -226,7 +226,7 @@ def _friction_of_nuts_and_bearings(result: AxisResult, friction: Friction, motio
 def _drag_torques_of_nuts_and_bearings(
     assembly: Assembly, loaded: AxisResult, friction: Friction, motion: Motion
 ) -> dict[int, float]:
-    """Return the friction torques [N m] of nuts and ball bearings without loads, by number of the nut or bearing.
+    """Return the friction torques [N m] of nuts and ball bearings on an unloaded shaft, by number of the nut or bearing.
 
     All loads on shaft and housings are removed. ``loaded``: static solution under the loads; the solution without loads
     uses the same model. Nuts and bearings for which no solution is found are left out.
@@ -244,10 +244,10 @@ def _drag_torques_of_nuts_and_bearings(
 
 
 def _json_row_of_nut_or_bearing(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
-    """Return the JSON row of a nut or ball bearing: its number and name, torques, and friction loss.
+    """Return the JSON row of a nut or ball bearing on a shaft: its number and name, torques, and friction loss.
 
-    ``i``: number of the nut or bearing, from 0; ``s``: its static result; ``state``: its friction; ``drag``: its friction
-    torque without loads [N m], None if it is not known.
+    ``i``: number of the nut or bearing, from 0; ``s``: its static result; ``state``: its friction; ``drag``: its
+    friction torque without loads [N m], None if it is not known.
     """
     return (
         {"set": i + 1, "name": s.of.name}
@@ -333,10 +333,10 @@ def _lead_of_nut(s: SetResult) -> float:
 
 
 def _summed_powers(solved: SolvedSets) -> dict[str, Any]:
-    """Return the powers [W] summed over all nuts and ball bearings of a shaft, and the efficiency, as JSON.
+    """Return input power, losses and further powers [W], summed over nuts and ball bearings of a shaft, and the efficiency.
 
-    Powers are input power and friction loss of the contacts, power of the driving torque, and power of the axial loads. The
-    efficiency is None unless the torque moves the load, or the load drives the torque.
+    Powers are input power and friction loss of the contacts, power of the driving torque, and power of the axial loads.
+    The efficiency is None unless the torque moves the load, or the load drives the torque. All are JSON values.
     """
     torques = [x.torque for _, _, x in solved]
     turning = float(np.sum([t.on_screw * t.speed for t in torques]))
@@ -376,10 +376,10 @@ COLUMNS = (
 
 
 def solve_cycle(cycle: DutyCycle, choices: FrictionChoices) -> FrictionAnswer:
-    """Compute the friction of every load case of a duty cycle, and the mean torque over all revolutions.
+    """Compute the friction of every load case of a duty cycle, and the mean friction torque over all revolutions.
 
-    The mean torque is the work of friction over the angle of all revolutions. If a load case does not converge, the results
-    of the others are still given, but no mean torque. Raises InputError for the faults that
+    The mean torque is the work of friction over the angle of all revolutions. If a load case does not converge, the
+    results of the others are still given, but no mean torque. Raises InputError for the faults that
     `solve_friction_of_screw_or_bearing` and `solve_axis` refuse.
     """
     each = [

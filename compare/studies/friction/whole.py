@@ -65,8 +65,8 @@ def cached_friction_state(
     """Return the friction of a screw or bearing as `friction_state` computes it; results are cached on disk.
 
     A cached result is taken if all arguments are equal. ``result``: static result with the contact loads; ``friction``:
-    coefficients of friction; ``motion``: motion of the screw or the nut; ``specimen``: number of the specimen, from 0,
-    which is the scene with one random draw of its geometric errors.
+    coefficients of friction; ``motion``: motion of the screw or the nut; ``specimen``: number, from 0, of the random
+    draw of the scene's geometric errors.
     """
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
     return _friction_state_on_disk(scene, loads, friction, motion, specimen)
@@ -74,7 +74,7 @@ def cached_friction_state(
 
 @dataclass(frozen=True)
 class StaticallySolvedPart:
-    """Screw or bearing with its static result without loads, the model, the coefficients of friction and the motion."""
+    """Screw or bearing with its static result without loads, and the settings for computing its friction torque."""
 
     #: Scene of the screw or bearing.
     scene: Scene
@@ -121,12 +121,12 @@ def makers_drag_torque(scene: Scene, force: float) -> float:
 
 
 def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: StaticResult) -> dict[str, Any]:
-    """Return the friction torques [N mm] at the smallest and largest measured coefficient of friction (`MEASURED`).
+    """Return friction torques [N mm] at the smallest and largest measured coefficient of friction (`MEASURED`) as JSON.
 
-    The JSON values have the torques under the scene's loads, the drag torques (friction torques without these loads), the
-    axial preload [N], and the drag torque by the makers' formula `makers_drag_torque`. Preload and drag torques are null
-    for a scene without preload. ``solved``: the scene with its static result without loads; ``result``: static result under
-    the loads.
+    The JSON values have the torques under the scene's loads, the drag torques (friction torques without these loads),
+    the axial preload [N], and the drag torque by the makers' formula `makers_drag_torque`. Preload and drag torques are
+    null for a scene without preload. ``solved``: the scene with its static result without loads; ``result``: static
+    result under the loads.
     """
     scene, held = solved.scene, preload_from_unloaded(solved.scene, solved.bare) if solved.bare.converged else None
     ends = [replace(solved.friction, screw=mu, nut=mu, balls=None) for mu in MEASURED]
@@ -144,9 +144,9 @@ def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: Stati
 
 
 def lines_on_drag_torque(data: dict[str, Any]) -> list[Line]:
-    """Return text lines (label, text) on the drag torque at both coefficients of friction and by the makers' formula.
+    """Return a terminal line (label, text) on the drag torque at both measured coefficients and by the makers' formula.
 
-    There is one line, or none for a scene without preload. ``data``: JSON values of `torques_at_measured_coefficients`.
+    The list is empty for a scene without preload. ``data``: JSON values of `torques_at_measured_coefficients`.
     """
     if data["makers_formula_Nmm"] is None:
         return []
@@ -170,11 +170,11 @@ def gives_neither_play_nor_preload(scene: Scene) -> bool:
 
 
 def torque_with_play(solved: StaticallySolvedPart, state: FrictionState) -> dict[str, Any] | None:
-    """Return a screw's friction torques with balls whose radius is smaller by `SMALLER`, and with the balls of the scene.
+    """Return a screw's friction torque with balls whose radius is smaller by `SMALLER`, and with the balls of the scene.
 
     The JSON values have the reduction of the ball radius [um] and both torques [N mm]. None if the scene states play or
-    preload, if its balls carry no load, or if they carry load even without the scene's loads. ``solved``: the scene with
-    its static result without loads; ``state``: friction with the balls of the scene.
+    preload, if its balls carry no load, or if they carry load even without the scene's loads. ``solved``: the scene
+    with its static result without loads; ``state``: friction with the balls of the scene.
     """
     scene = solved.scene
     if not gives_neither_play_nor_preload(scene) or not state.loaded or (solved.bare.load > 0.0).any():
@@ -211,7 +211,7 @@ FACTORS, HALVINGS = tuple(2.0**k for k in range(-4, 5)), 4
 
 
 def with_scaled_errors(scene: Scene, factor: float) -> Scene:
-    """Return a scene with the geometric errors of its grooves and of single balls multiplied by a factor.
+    """Return a scene with the geometric errors of its grooves and of single balls multiplied by ``factor``.
 
     The oversize that all balls share (preload or play) does not change.
     """
@@ -232,10 +232,10 @@ def with_scaled_errors(scene: Scene, factor: float) -> Scene:
 
 
 def onset_of_touching(solved: StaticallySolvedPart, result: StaticResult) -> FrictionOnset | None:
-    """Return after which rotation neighbouring balls touch, and which factor on the geometric errors is enough for that.
+    """Return after which rotation neighbouring balls touch, and how large geometric errors must be for that.
 
-    ``solved``: the scene with its model and motion; ``result``: static result with the contact loads. None if the balls
-    overlap, or if their circuits are not possible.
+    The size of the errors is given as a factor on those of the scene. ``solved``: the scene with its model and motion;
+    ``result``: static result with the contact loads. None if the balls overlap, or if their circuits are not possible.
     """
 
     def touch_with_errors(factor: float) -> bool:
@@ -275,10 +275,10 @@ def onset_of_touching(solved: StaticallySolvedPart, result: StaticResult) -> Fri
 
 
 def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool) -> Line:
-    """Return a text line (label, text) on whether neighbouring balls come to touch, and after which angle of rotation.
+    """Return a terminal line (label, text) on whether neighbouring balls come to touch, and after which rotation.
 
-    ``onset``: angles at which balls touch, from `onset_of_touching`; ``turns``: name of the turning part, such as "screw";
-    ``errors``: whether the scene has geometric errors.
+    ``onset``: angles at which balls touch, from `onset_of_touching`; ``turns``: name of the turning part, such as
+    "screw"; ``errors``: whether the scene has geometric errors.
     """
 
     def angle_text(value: float | None) -> str:
@@ -307,9 +307,9 @@ def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool)
 
 
 def feedback_warnings(state: FrictionState) -> list[Warned]:
-    """Return a warning if the displacement of the balls by friction raises the torque by a factor of more than `FED_BACK`.
+    """Return a warning if balls displaced by friction raise the friction torque by a factor of more than `FED_BACK`.
 
-    The list has this one warning, or is empty. ``state``: friction of a screw or bearing.
+    The list is empty otherwise. ``state``: friction of a screw or bearing.
     """
     alone, found = state.bare.friction, state.torque.friction
     if not state.coupled or not alone > 0.0 or found <= FED_BACK * alone:
@@ -333,7 +333,7 @@ NO_SPEED = (
 
 @dataclass(frozen=True)
 class FrictionChoices:
-    """Options of a computation of friction that a user chooses."""
+    """Options of a friction computation that a user chooses: model, coefficients, specimen."""
 
     #: Name of the low-order model that computes the contact loads; empty: the default.
     model: str = ""
@@ -347,7 +347,7 @@ class FrictionChoices:
 
 @dataclass(frozen=True)
 class DragTorque:
-    """Friction torque of a screw or bearing with the loads of the scene removed."""
+    """Friction torque of a screw or bearing without loads (drag torque), or the reason why there is none."""
 
     #: Torque [N m]; None if it has no meaning or was not found.
     torque: float | None
@@ -358,10 +358,10 @@ class DragTorque:
 
 
 def friction_coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
-    """Return the coefficients of friction for which a screw or bearing is solved: those that are given, else the scene's.
+    """Return the coefficients of friction for which a screw or bearing is solved: the user's, else the scene's.
 
-    ``mu``: coefficients that replace the scene's, each for the contacts of both screw and nut; empty: the scene's. Raises
-    InputError for a scene without a coefficient of friction, and for a coefficient out of range.
+    ``mu``: coefficients that replace the scene's, each for the contacts of both screw and nut; empty: the scene's.
+    Raises InputError for a scene without a coefficient of friction, and for a coefficient out of range.
     """
     for value in mu:
         if not 0.0 <= value <= MOST:
@@ -403,7 +403,7 @@ def solve_friction_of_screw_or_bearing(
     """
     pairs = friction_coefficients(scene, choices.mu)
     if not 0 <= choices.member < 10**9:
-        raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
+        raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the number of a draw of random errors")
     model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
         allowed = "such a file only with the model condensed"
@@ -422,7 +422,9 @@ def solve_friction_of_screw_or_bearing(
     try:
         states = [cached_friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
     except ValueError as error:  # balls that overlap by their random sizes
-        raise Refusal(scene.name, "balls", str(error), "spread the balls, or take neighbours = false") from error
+        raise Refusal(
+            scene.name, "balls", str(error), "increase the angles between the balls, or set neighbours = false"
+        ) from error
     if states[0].all_balanced and monotonic() - begin > FIRST:
         say(f"friction torque {three_digits(1e3 * states[0].torque.friction)} N mm; drag and band follow")
     bare = result if not has_loads(scene) else run_model(replace(scene, loads=()), model, options)
@@ -436,7 +438,7 @@ def solve_friction_of_screw_or_bearing(
 
 
 def _add_transient_run(answer: FrictionAnswer, run: TransientRun) -> FrictionAnswer:
-    """Return the answer on friction at one instant with status, tables and text lines of a simulation over time added.
+    """Return the friction result at one instant with status, tables and lines of a simulation over time added.
 
     ``answer``: friction at the instant that the scene describes; ``run``: simulation over time of the same screw.
     """
@@ -458,10 +460,10 @@ def has_loads(scene: Scene) -> bool:
 def drag_torques(
     scene: Scene, states: Sequence[FrictionState], pairs: Sequence[Friction], unloaded: StaticResult, options: Options
 ) -> list[DragTorque]:
-    """Compute the friction torque without the scene's loads, for each pair of friction coefficients.
+    """Compute the friction torque without the scene's loads (drag torque), for each pair of friction coefficients.
 
-    Supports and their prescribed displacements stay. If the supports press the screw axially, which is an axial load too,
-    they are released along the axis, because the drag torque is the friction torque at zero axial load.
+    Supports and their prescribed displacements stay. If the supports press the screw axially, which is an axial load
+    too, they are released along the axis, because the drag torque is the friction torque at zero axial load.
 
     Parameters
     ----------
@@ -518,9 +520,9 @@ def without_axial_supports(supports: Sequence[Support]) -> tuple[Support, ...]:
 
 
 def drag_of_state(state: FrictionState) -> DragTorque:
-    """Return the drag torque from the friction of a screw without axial load.
+    """Return the drag torque from the friction of an unloaded screw, or the reason why there is none.
 
-    If no balance of friction was found, the result has the reason instead of a torque.
+    ``state``: friction of the screw without axial load.
     """
     return DragTorque(state.torque.friction) if state.all_balanced else DragTorque(None, "no balance of friction found")
 
@@ -540,7 +542,7 @@ def friction_status(state: FrictionState) -> str:
 
 
 def _friction_assumptions(scene: Scene, result: StaticResult) -> list[str]:
-    """Return the assumptions stated in the scene and those of the model that computed the contact loads, a sentence each.
+    """Return the assumptions of the scene and of the model that computed the contact loads, a sentence each.
 
     ``result``: static result with the contact loads. An assumption that this model makes and the scene does not state
     begins with "contact loads:", because the model neglects friction.

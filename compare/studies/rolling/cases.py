@@ -39,7 +39,7 @@ MOVING = np.array([False, False, True, True])
 
 @dataclass(frozen=True)
 class RollingCase:
-    """Friction scene in the form that the 3D model of rolling needs, with balls far apart and with balls that touch."""
+    """Friction scene as input of the 3D model of rolling: systems of balls far apart and of balls that touch."""
 
     #: Name of the scene.
     name: str
@@ -58,7 +58,7 @@ class RollingCase:
 
 
 def prepare_rolling_case(scene: KindScene, choices: Choices) -> RollingCase:
-    """Return a friction scene in the form that the 3D model of rolling needs, with its contact loads solved.
+    """Return a friction scene as input of the 3D model of rolling, with its contact loads solved.
 
     Parameters
     ----------
@@ -83,8 +83,8 @@ def prepare_rolling_case(scene: KindScene, choices: Choices) -> RollingCase:
         return _screw_case(scene, choices)
     if isinstance(scene, BearingBallScene):
         return _bearing_case(scene)
-    reason = f"the 3D model of rolling takes one to {MOST} balls under stated conditions, not the kind {scene.kind}"
-    raise Refusal(scene.name, "kind", reason, "take a linear pair, a linear chain, a screw pair or a bearing ball")
+    reason = f"the 3D model of rolling takes one to {MOST} balls under given loads, not a scene of the kind {scene.kind}"
+    raise Refusal(scene.name, "kind", reason, "take one of the kind linear pair, linear chain, screw pair or bearing ball")
 
 
 def _refuse_scene(scene: KindScene, key: str, reason: str, advice: str) -> None:
@@ -96,7 +96,7 @@ def _refuse_scene(scene: KindScene, key: str, reason: str, advice: str) -> None:
 
 
 def _contact_directions(angles: Array, signs: Array) -> Array:
-    """Return the unit vectors (..., 2) of contact normals in the section of the groove.
+    """Return unit vectors (..., 2) along contact normals in the section of the groove.
 
     ``angles``: contact angles (...,) [rad]; ``signs``: signs of the two components (..., 2).
     """
@@ -104,7 +104,7 @@ def _contact_directions(angles: Array, signs: Array) -> Array:
 
 
 def _linear_case(scene: LinearScene) -> RollingCase:
-    """Return the balls of a linear bearing for the 3D model; raises Refusal for too many balls or no motion."""
+    """Return the balls of a linear bearing as input of the 3D model; raise Refusal for too many balls or no motion."""
     b, count = scene.bearing, len(scene.side)
     if count > MOST:
         _refuse_scene(
@@ -132,10 +132,11 @@ def _linear_case(scene: LinearScene) -> RollingCase:
 
 
 def _loads_at_given_angles(scene: LinearScene, normals: Array, rho: float) -> Array:
-    """Return the loads (4,) [N] on the contacts of one ball of a linear bearing in equilibrium, at given contact angles.
+    """Return the contact loads (4,) [N] of one ball of a linear bearing in equilibrium, at given contact angles.
 
-    ``normals``: contact normals (4, 2) of the contacts BL, BR, TR, TL (bottom left to top left); they are replaced by those
-    of the nominal contact angle if the scene's distribution is "diagonal"; ``rho``: side force over vertical force.
+    ``normals``: contact normals (4, 2) of the contacts BL, BR, TR, TL (bottom left to top left); they are replaced by
+    those of the nominal contact angle if the scene's distribution is "diagonal"; ``rho``: side force over vertical
+    force.
     """
     if scene.distribution == "diagonal":
         normals = _contact_directions(np.full(4, scene.bearing.contact_angle), LINEAR)
@@ -147,10 +148,10 @@ def _loads_at_given_angles(scene: LinearScene, normals: Array, rho: float) -> Ar
 def _loads_with_elastic_angles(
     scene: LinearScene, layout: Layout, material: Material, normals: Array, rho: float
 ) -> tuple[Array, Array]:
-    """Return contact normals (4, 2) and loads (4,) [N] of a linear bearing's ball whose contact angles follow the loads.
+    """Return contact normals (4, 2) and loads (4,) [N] of one ball of a linear bearing; contact angles follow the loads.
 
-    ``layout``: geometry of the balls; ``normals``: contact normals without load (4, 2); ``rho``: side force over vertical
-    force.
+    ``layout``: geometry of the balls; ``normals``: contact normals without load (4, 2); ``rho``: side force over
+    vertical force.
     """
     C = hertz_constants(layout, material)
     pull = scene.vertical * np.array([rho, -1.0])
@@ -169,10 +170,10 @@ def _loads_with_elastic_angles(
 
 
 def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
-    """Return two balls of a ball screw for the 3D model.
+    """Return two balls of a ball screw as input of the 3D model of rolling.
 
-    ``choices``: grid of the contacts. Raises Refusal for features that the model does not have: printed Hertz constants,
-    friction that moves the screw, and a groove at rest.
+    ``choices``: grid of the contacts. Raises Refusal for features that the model does not have: printed Hertz
+    constants, friction that moves the screw, and a groove at rest.
     """
     pair, g = scene.pair, scene.pair.groove
     if g.hertz != "right":
@@ -238,10 +239,10 @@ def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
 
 
 def _bearing_case(scene: BearingBallScene) -> RollingCase:
-    """Return one ball of a rotary bearing for the 3D model.
+    """Return one ball of a rotary bearing as input of the 3D model of rolling.
 
-    Raises Refusal for features that the model does not have: friction laws other than Coulomb's, Hertz constants other than
-    the exact ones, and a ring at rest.
+    Raises Refusal for features that the model does not have: friction laws other than Coulomb's, Hertz constants other
+    than the exact ones, and a ring at rest.
     """
     b = scene.bearing
     if scene.law != "coulomb" or b.hertz != "right":

@@ -1,8 +1,8 @@
-"""Rolling balls: low-order models against the 3D model with its uncertainty and printed values, and their acceptance check.
+"""Rolling balls: low-order models compared with the 3D model and with printed values, and the acceptance check.
 
-This module also computes how ball-to-ball forces change with numerical choices and how they develop from rest, and the rows
-of ``rollbench compare`` and ``rollbench mesh-study`` for scenes of rolling balls. 3D results are read from a store, or
-computed and then stored.
+This module also computes how ball-to-ball forces change with numerical choices and how they develop from rest, and the
+rows of ``rollbench compare`` and ``rollbench mesh-study`` for scenes of rolling balls. 3D results are read from a
+store, or computed and then stored.
 """
 
 from __future__ import annotations
@@ -54,10 +54,10 @@ from rollbench.lowfi.friction.screw.run import solve_pair
 
 
 def solve_low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
-    """Solve a friction scene of rolling balls by the low-order model.
+    """Solve a friction scene of rolling balls by the low-order model; return values, run time and status.
 
-    Returns forces, speeds and losses by names that end in the unit, then the time of a second solution [s], when code and
-    caches are loaded, then the status.
+    Values are forces, speeds and losses by names that end in the unit. The time [s] is that of a second solution, when
+    code and caches are loaded.
     """
     kinds: dict[type[KindScene], Callable[[Any], tuple[dict[str, float], str]]]
     kinds = {
@@ -73,9 +73,9 @@ def solve_low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
 
 
 def _linear_bearing_values(scene: LinearScene) -> tuple[dict[str, float], str]:
-    """Solve the balls of a linear bearing by the low-order model.
+    """Solve the balls of a linear bearing by the low-order model; return values and status.
 
-    Returns the values by names that end in the unit, such as "force 1-2 N", then the status.
+    Values have names that end in the unit, such as "force 1-2 N".
     """
     angles, force, _ = linear_loads(scene)
     apart, near = (
@@ -91,9 +91,9 @@ def _linear_bearing_values(scene: LinearScene) -> tuple[dict[str, float], str]:
 
 
 def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
-    """Solve two balls of a screw by the low-order model.
+    """Solve two balls of a screw by the low-order model; return values and status.
 
-    Returns the values by names that end in the unit, such as "force 1-2 N", then the status.
+    Values have names that end in the unit, such as "force 1-2 N".
     """
     found = solve_pair(scene.pair)
     apart, near = found.free.motion, found.touching.motion
@@ -105,9 +105,9 @@ def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
 
 
 def _bearing_ball_values(scene: BearingBallScene) -> tuple[dict[str, float], str]:
-    """Solve one ball of a rotary bearing by the low-order model.
+    """Solve one ball of a rotary bearing by the low-order model; return values and status.
 
-    Returns the values by names that end in the unit, such as "torque N mm", then the status.
+    Values have names that end in the unit, such as "torque N mm".
     """
     found = solve_ball_of_bearing(scene.bearing, scene.force, scene.displacement)
     q, loss = found.motion.q, found.motion.friction.loss
@@ -154,7 +154,7 @@ KNOWN = {
 
 @dataclass(frozen=True)
 class RollingComparisonRow:
-    """One quantity of one scene by the low-order model and by the 3D model of rolling, and its printed values."""
+    """One quantity of one scene of rolling balls: by the low-order model, by the 3D model of rolling, and as printed."""
 
     #: Name of the scene.
     scene: str
@@ -193,12 +193,12 @@ class RollingComparisonRow:
     measured_with: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Return all fields as JSON values."""
+        """Return all fields of this comparison as JSON values."""
         return asdict(self)
 
 
 def split_name_and_unit(name: str) -> tuple[str, str]:
-    """Return first the quantity, then the unit of a name such as "torque N mm"; KeyError without a known unit."""
+    """Return the quantity, then the unit, of a name such as "torque N mm"; raise KeyError without a known unit."""
     for unit in ("N mm", "rad/s", "mW", "N", "%"):
         if name.endswith(f" {unit}"):
             return name.removesuffix(f" {unit}"), unit
@@ -210,11 +210,11 @@ UNSTATED = ": +- is the scatter of the grids, without the uncertainty of the loa
 
 
 def interpretation_of_contact_loads(name: str) -> str | None:
-    """Return how the contact loads of a scene were found if Lin's thesis does not print them: "plain" or "inferred".
+    """Return how contact loads that Lin's thesis does not print were found: "plain", "inferred", or None if printed.
 
-    ``name``: name of the scene. The loads are not printed for the cases of Table 3.7 of Lin's thesis, so that each has two
-    scenes: with loads computed from the printed data ("plain"), and with loads inferred from printed results ("inferred").
-    None for scenes of other tables.
+    ``name``: name of the scene. The loads are not printed for the cases of Table 3.7 of Lin's thesis, so that each has
+    two scenes: with loads computed from the printed data ("plain"), and with loads inferred from printed results
+    ("inferred"). None for scenes of other tables.
     """
     table = PRINTED.get(name.removesuffix(".toml"))
     if table is None or table[0] != "lin-3.7":
@@ -226,8 +226,8 @@ def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
     """Return the uncertainty of a quantity by the 3D model of rolling, in its unit; infinite with a single grid.
 
     It is the largest difference between a grid and the finest one times `SAFETY`, plus the difference between two
-    quadratures of the value for rigid bodies. ``runs``: solutions on several grids, from coarse to fine; ``name``: name of
-    the quantity with its unit.
+    quadratures of the value for rigid bodies. ``runs``: solutions on several grids, from coarse to fine; ``name``: name
+    of the quantity with its unit.
     """
     values = [r.values[name] for r in runs]
     if len(values) < 2:
@@ -238,7 +238,7 @@ def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
 def compare_scene_with_rolling_runs(
     scene: KindScene, runs: Sequence[RollingRun], half_space: RollingRun | None = None
 ) -> list[RollingComparisonRow]:
-    """Return the comparison of a scene by the low-order model and by the 3D model of rolling, one entry for each quantity.
+    """Compare the low-order model of a scene with 3D solutions of rolling; return one row for each quantity.
 
     Parameters
     ----------
@@ -291,7 +291,7 @@ def compare_scene_with_rolling_runs(
 
 
 def low_order_error_is_within_limit(row: RollingComparisonRow) -> bool:
-    """Return whether the error of the low-order model against the 3D model is at most `LIMIT`.
+    """Return whether the low-order model's error against the 3D model of rolling is at most `LIMIT`.
 
     The uncertainty of the 3D model is first deducted from the error, but not more than `LIMIT`.
     """
@@ -303,10 +303,10 @@ def low_order_error_is_within_limit(row: RollingComparisonRow) -> bool:
 def compare_scene_with_stored_runs(
     name: str, stores: Sequence[Path], bodies: str = HALF_SPACE
 ) -> list[RollingComparisonRow]:
-    """Return the comparison of a scene of the package with stored solutions of the 3D model of rolling on all grids.
+    """Compare the low-order model of a scene of the package with stored 3D solutions of rolling on all grids.
 
-    ``name``: name of the scene; ``stores``: folders with solutions; ``bodies``: bodies of the 3D model, half spaces
-    ("half-space") or finite. The list is empty if a solution is missing.
+    There is one row for each quantity, and none if a solution is missing. ``name``: name of the scene; ``stores``:
+    folders with solutions; ``bodies``: bodies of the 3D model, half spaces ("half-space") or finite.
     """
     scene = shipped_case(name, KindScene)
     found = [load_run(scene, level, stores, bodies) for level in LEVELS]
@@ -319,9 +319,9 @@ def compare_scene_with_stored_runs(
 
 
 def gate_rows_of_rolling_balls(study: Study, max_error: float) -> list[GateCheck]:
-    """Check ball-to-ball forces and torques of low-order models of rolling balls against stored solutions of the 3D model.
+    """Check ball-to-ball forces and torques of low-order models of rolling balls against stored 3D solutions.
 
-    These rows are a part of ``rollbench check``. ``max_error``: largest allowed error [%]; the limit is this or `LIMIT`,
+    The rows are a part of ``rollbench check``. ``max_error``: largest allowed error [%]; the limit is this or `LIMIT`,
     whichever is smaller. A quantity whose error exceeds the limit passes if `KNOWN` lists it with the cause. A quantity
     that `KNOWN` lists although its error is within the limit fails.
     """
@@ -352,7 +352,7 @@ DURATION, GAP, STEPS = 0.1, 1e-6, (10, 50, 100)
 
 @dataclass(frozen=True)
 class RunFromRest:
-    """Simulation of two balls of a linear bearing that start from rest, by the 3D model of rolling."""
+    """Simulation by the 3D model of rolling of two balls of a linear bearing that start from rest."""
 
     #: Number of time steps.
     steps: int
@@ -372,7 +372,7 @@ class RunFromRest:
 
 @lru_cache(maxsize=1)
 def runs_from_rest() -> tuple[RunFromRest, ...]:
-    """Simulate two balls of a linear bearing that start from rest, with each number of time steps in `STEPS`.
+    """Simulate by the 3D model two balls of a linear bearing that start from rest, for each time step number in `STEPS`.
 
     The results are computed once in a process.
     """
@@ -402,7 +402,7 @@ FORCE = "force 1-2"
 
 @dataclass(frozen=True)
 class ChoiceEffect:
-    """Effect of one numerical choice of the 3D model of rolling on the ball-to-ball force."""
+    """Effect of one numerical choice of the 3D model of rolling (grid, time step, ...) on the ball-to-ball force."""
 
     #: Name of the scene.
     scene: str
@@ -417,14 +417,16 @@ class ChoiceEffect:
 
     @property
     def within(self) -> bool:
-        """Whether the change of the force is at most its stated uncertainty."""
+        """Whether the change of the ball-to-ball force is at most its stated uncertainty."""
         return self.change <= self.uncertainty
 
 
 def force_changes_by_numerical_choices(
     stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyVariant]
 ) -> tuple[ChoiceEffect, ...]:
-    """Return how numerical choices of the 3D model change the ball-to-ball force, for the scenes with stored solutions.
+    """Return how numerical choices of the 3D model of rolling change the ball-to-ball force of two scenes.
+
+    Scenes without stored solutions are left out.
 
     Parameters
     ----------
@@ -441,7 +443,7 @@ def force_changes_by_numerical_choices(
 def _force_changes_in_scene(
     name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyVariant]
 ) -> Iterator[ChoiceEffect]:
-    """Yield how grid, finite bodies, time step and regularisation of friction change the ball-to-ball force in one scene.
+    """Yield the change of a scene's ball-to-ball force by grid, finite bodies, time step and regularisation of friction.
 
     ``name``: name of the scene; the other arguments are those of `force_changes_by_numerical_choices`.
     """
@@ -472,18 +474,18 @@ def _force_changes_in_scene(
 
 
 def _solve_ball_to_ball_force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> float:
-    """Solve a system of rolling balls in 3D and return the force between the first two balls [N].
+    """Solve a system of rolling balls in 3D; return the force between the first two balls [N].
 
-    ``scene``: the system; ``choices``: grid and bodies; ``path``: successive creep speeds (sliding speeds below which the
-    regularised friction law is nearly linear) over the largest sliding speed, in the order in which the solver takes them.
-    Nan if the solver does not converge.
+    ``scene``: the system; ``choices``: grid and bodies; ``path``: successive creep speeds (sliding speeds below which
+    the regularised friction law is nearly linear) over the largest sliding speed, in the order in which the solver
+    takes them. Nan if the solver does not converge.
     """
     found = solve_rolling(scene, choices, creeping_ratios=path)
     return float(found.force[0]) if found.converged else np.nan
 
 
 def _largest_error_percent(values: Sequence[float], reference: float) -> float:
-    """Return the largest absolute error of several values against a reference value [% of the reference value]."""
+    """Return the largest absolute error of several values against a reference value, in % of the latter."""
     return float(np.max([abs(float(error_percent(value, reference))) for value in values]))
 
 
@@ -502,12 +504,12 @@ def _force_uncertainty_percent(name: str, stores: Sequence[Path], *bodies: str) 
 def rolling_comparison(
     scenes: Sequence[KindScene], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
 ) -> list[RollingComparisonRow]:
-    """Compare low-order models of rolling balls with the 3D model, for each quantity of each scene.
+    """Compare low-order models of rolling balls with the 3D model of rolling; return a row for each quantity of each scene.
 
-    ``levels``: levels of the 3D model's grids, None for all; ``store``: folder for new 3D solutions; ``engine``: number of
-    processes, or cluster, that compute them; ``fresh``: whether stored solutions are computed again; ``bodies``: bodies of
-    the 3D model, a key of `runs.BODIES`. Raises InputError for an unknown level, and Refusal if a solution did not
-    converge.
+    ``levels``: levels of the 3D model's grids, None for all; ``store``: folder for new 3D solutions; ``engine``: number
+    of processes, or cluster, that compute them; ``fresh``: whether stored solutions are computed again; ``bodies``:
+    bodies of the 3D model, a key of `runs.BODIES`. Raises InputError for an unknown level, and Refusal if a solution
+    did not converge.
     """
     wanted = check_levels(levels or tuple(LEVELS))
     out: list[RollingComparisonRow] = []
@@ -523,16 +525,18 @@ def rolling_comparison(
 def rolling_mesh_study(
     scenes: Sequence[KindScene], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
 ) -> list[dict[str, Any]]:
-    """Return table rows with the value of every quantity on every grid of the 3D model, and its uncertainty from all grids.
+    """Return table rows with every quantity of rolling balls on every grid of the 3D model, and its uncertainty.
 
-    ``levels``: number of grids from the coarsest on, None for all; ``store``: folder for new solutions; ``engine``: number
-    of processes, or cluster, that compute them; ``source``: whether a grid with the element size of Lin's thesis is added;
-    ``fresh``: whether stored solutions are computed again; ``bodies``: bodies of the 3D model, a key of `runs.BODIES`.
-    Raises InputError for a number of grids out of range, and Refusal if a solution did not converge.
+    ``levels``: number of grids from the coarsest on, None for all; ``store``: folder for new solutions; ``engine``:
+    number of processes, or cluster, that compute them; ``source``: whether a grid with the element size of Lin's thesis
+    is added; ``fresh``: whether stored solutions are computed again; ``bodies``: bodies of the 3D model, a key of
+    `runs.BODIES`. Raises InputError for a number of grids out of range, and Refusal if a solution did not converge.
     """
     levels = len(LEVELS) if levels is None else levels
     if not 1 <= levels <= len(LEVELS):
-        raise ArgumentError("levels", str(levels), f"1 to {len(LEVELS)}", "take three levels, which show the scatter")
+        raise ArgumentError(
+            "levels", str(levels), f"1 to {len(LEVELS)}", "take three levels, which show how results scatter between grids"
+        )
     out: list[dict[str, Any]] = []
     for scene in scenes:
         wanted = [*([SOURCE_LEVEL] if source and scene.kind in SOURCE_SIZE else []), *range(1, levels + 1)]
@@ -550,7 +554,7 @@ def without_infinity(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def grid_study_row_of_quantity(name: str, run: RollingRun, key: str) -> dict[str, Any]:
-    """Return a table row with one quantity by the 3D model on one grid.
+    """Return a row of the mesh study: one quantity of rolling balls by the 3D model on one grid.
 
     The row has the value, the limit for rigid bodies, and the effect of elasticity on this grid. ``name``: name of the
     scene; ``run``: solution on the grid; ``key``: name of the quantity with its unit.

@@ -1,10 +1,10 @@
 """Solutions ("runs") of the 3D model of rolling, on three grids for each scene, and the folder in which they are stored.
 
-Bodies are half spaces, or finite (`hifi.rolling.bodies`): contact patches of the static 3D reference; on straight tracks a
-ball and grooved bars.
+Bodies are half spaces, or finite (`hifi.rolling.bodies`): contact patches of the static 3D reference; on straight
+tracks a ball and grooved bars.
 
-The value on a grid is that of elastic bodies minus that of nearly rigid ones on the same grid, plus the rigid limit by
-quadrature (`hifi.rolling.balls`).
+The value on a grid is the rigid limit by quadrature (`hifi.rolling.balls`), plus the value of elastic bodies less that
+of nearly rigid ones on the same grid.
 
 The effect of modelling choices for finite bodies on two balls of a linear bearing and of a screw is stored with the
 package. A report computes one choice again and shows the agreement.
@@ -62,7 +62,7 @@ SOURCE_SIZE = {"linear pair": 0.13e-3, "linear chain": 0.13e-3, "screw pair": 0.
 
 @dataclass(frozen=True)
 class RollingRun:
-    """Solution of one scene on one grid by the 3D model of rolling."""
+    """Solution of one scene of rolling balls by the 3D model of rolling on one grid: values, status and run time."""
 
     #: Name of the scene.
     scene: str
@@ -70,7 +70,7 @@ class RollingRun:
     level: int
     #: Cells along and across the grooves.
     shape: tuple[int, int]
-    #: Values with elastic bodies, by name.
+    #: Values with elastic bodies, by name of the quantity with its unit.
     elastic: dict[str, float]
     #: Values with nearly rigid bodies on the same grid.
     near_rigid: dict[str, float]
@@ -103,25 +103,25 @@ class RollingRun:
 
     @property
     def measured(self) -> Measured:
-        """Version, sources and machine with which the run times were measured."""
+        """Version of rollbench, sources and machine with which the run times were measured."""
         return Measured(self.version, self.sources, self.machine)
 
     @property
     def converged(self) -> bool:
-        """Whether all solutions of the run converged."""
+        """Whether all solutions (elastic, nearly rigid and flat) converged."""
         return self.status == "converged"
 
     @property
     def values(self) -> dict[str, float]:
-        """Values by name: for rigid bodies, plus the difference of elastic from nearly rigid bodies on this grid."""
+        """Final values by name: those for rigid bodies, plus elastic less nearly rigid bodies on this grid."""
         return {k: self.limit[k] + self.elastic[k] - self.near_rigid[k] for k in self.elastic}
 
 
 def run_key(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
-    """Return the digest, 16 hexadecimal digits, of all inputs that affect the numbers of a 3D solution of rolling.
+    """Return the digest (16 hexadecimal digits) of all inputs that affect the numbers of a 3D solution of rolling.
 
-    Names and remarks of the scene do not change it. ``level``: level of the grid; ``bodies``: kind of the bodies, a key of
-    `BODIES`.
+    Names and remarks of the scene do not change it. ``level``: level of the grid; ``bodies``: kind of the bodies, a key
+    of `BODIES`.
     """
     scene = replace(scene, name="", title="", source="", assumed=())
     content = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, balls.NEARLY_RIGID)
@@ -139,11 +139,11 @@ def run_path(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE
 
 
 def load_run(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE) -> RollingRun | None:
-    """Return the stored 3D solution of a scene of rolling balls on one grid; None without one.
+    """Return the stored 3D solution of a scene of rolling balls on one grid; None if there is none.
 
-    ``level``: level of the grid; ``stores``: folders, of which the first that has the solution counts; ``bodies``: kind of
-    the bodies, a key of `BODIES`. A solution is also found if the scene had another name when it was stored. Damaged files
-    are ignored.
+    ``level``: level of the grid; ``stores``: folders, of which the first that has the solution counts; ``bodies``: kind
+    of the bodies, a key of `BODIES`. A solution is also found if the scene had another name when it was stored. Damaged
+    files are ignored.
     """
     key = run_key(scene, level, bodies)
     for store in stores:
@@ -164,10 +164,10 @@ def save_run(store: Path, scene: KindScene, run: RollingRun) -> Path:
 
 
 def grid_shape(case: RollingCase, level: int) -> tuple[int, int]:
-    """Return the numbers of cells of a contact along and across the groove, on a level of the grid.
+    """Return the numbers of cells of a contact along and across the groove on one level of the grid.
 
-    On `SOURCE_LEVEL` the cells have the element size of Lin's thesis, and their number is that which fits into the largest
-    contact.
+    On `SOURCE_LEVEL` the cells have the element size of Lin's thesis, and their number is that which fits into the
+    largest contact.
     """
     if level != SOURCE_LEVEL:
         return LEVELS[level]
@@ -214,7 +214,7 @@ def compute_run(scene: KindScene, level: int, bodies: str = HALF_SPACE, processe
 
 
 def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) -> RollingRun:
-    """Solve a scene on one grid with elastic, nearly rigid and flat bodies, and in the limit of rigid bodies.
+    """Solve a scene of rolling balls on one grid with elastic, nearly rigid and flat bodies, and with rigid bodies.
 
     The arguments are those of `compute_run`.
     """
@@ -252,7 +252,7 @@ def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) ->
 
 
 def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
-    """Return the solution with balls far apart, then the solution with balls that touch.
+    """Return the 3D solution with balls far apart, then the 3D solution with balls that touch.
 
     ``case``: both systems of balls; if they are the same, they are solved once. ``choices``: grid of the contacts, and
     bodies.
@@ -264,10 +264,10 @@ def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tupl
 def forces_speeds_and_losses_by_name(
     case: RollingCase, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
 ) -> dict[str, float]:
-    """Return forces, speeds, losses and torque of a solved case, by names that end with the unit, such as "force 1-2 N".
+    """Return forces, speeds, losses and torque of a 3D solution by names that end with the unit, such as "force 1-2 N".
 
-    ``case``: scene in the form that the 3D model needs; ``apart`` and ``touching``: its solutions with balls far apart, and
-    with balls that touch.
+    ``case``: scene in the form that the 3D model needs; ``apart`` and ``touching``: its solutions with balls far apart,
+    and with balls that touch.
     """
     out: dict[str, float] = {}
     linear = case.kind.startswith("linear")
@@ -291,12 +291,12 @@ def forces_speeds_and_losses_by_name(
 
 
 def _loaded_contacts(scene: Rolling) -> list[int]:
-    """Return the indices of the loaded contacts of the first ball of a system."""
+    """Return the indices of the loaded contacts of the first ball of a system of rolling balls."""
     return [k for k, t in enumerate(scene.balls[0].touches) if t.load > 0.0]
 
 
 def _contact_losses(result: balls.RollingResult | balls.RigidResult) -> list[float]:
-    """Return the friction loss at each contact of a solution [W]."""
+    """Return the friction loss [W] at each contact of a solution, elastic or rigid."""
     if isinstance(result, balls.RollingResult):
         return [c.loss for c in result.contacts]
     return [float(v) for v in np.asarray(result.contact_loss)]
@@ -315,7 +315,7 @@ NAMES = ("force 1-2 N", "loss apart mW", "loss touching mW", "increase %")
 
 @dataclass(frozen=True)
 class BodyVariant:
-    """Forces and losses of rolling balls if one modelling choice of the finite bodies is changed."""
+    """Forces and losses of rolling balls in 3D after one modelling choice of the finite bodies is changed."""
 
     #: Description of the choice.
     choice: str
@@ -324,7 +324,7 @@ class BodyVariant:
 
 
 def scenes_and_sizes_of_body_variants() -> dict[str, tuple[str, Sizes | None]]:
-    """Return the variants of the finite bodies: for each description, the name of a scene and the sizes of its bodies.
+    """Return the compared choices of finite bodies: by their description, the name of a scene and the sizes of its bodies.
 
     Sizes are None for half spaces.
     """
@@ -347,7 +347,7 @@ def scenes_and_sizes_of_body_variants() -> dict[str, tuple[str, Sizes | None]]:
 
 
 def compute_variant(choice: str) -> BodyVariant:
-    """Solve a scene with one variant of the finite bodies.
+    """Solve rolling balls in 3D with one changed modelling choice of the finite bodies.
 
     ``choice``: a description of `scenes_and_sizes_of_body_variants`.
     """
@@ -365,7 +365,7 @@ def compute_variant(choice: str) -> BodyVariant:
 
 @lru_cache(maxsize=1)
 def compute_body_variants() -> tuple[BodyVariant, ...]:
-    """Solve all variants of the finite bodies; the results are computed once in a process."""
+    """Solve rolling balls in 3D with every compared choice of finite bodies; computed once in a process."""
     return tuple(compute_variant(choice) for choice in scenes_and_sizes_of_body_variants())
 
 
@@ -381,7 +381,7 @@ LIVE = "3 x 3 cells in the contact zone instead of 4 x 4"
 
 @dataclass(frozen=True)
 class StoredVariants:
-    """Results of the variants of the finite bodies, with a sentence on whether they were stored or computed."""
+    """Results for changed choices of the finite bodies, with a sentence on whether they were stored or computed."""
 
     #: The variants.
     variants: tuple[BodyVariant, ...]
@@ -390,16 +390,17 @@ class StoredVariants:
 
 
 def variants_key() -> str:
-    """Return a digest of all inputs, other than names and remarks, that affect the stored variants of finite bodies."""
+    """Return a digest of all inputs, except names and remarks, that affect the stored results for finite bodies."""
     return digest_of_values(
         *(run_key(shipped_case(name, KindScene), 1, FINITE) for name in SCENES), scenes_and_sizes_of_body_variants()
     )
 
 
 def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants:
-    """Return the stored variants of the finite bodies; compute and store them if there are none for the present inputs.
+    """Return the stored results for changed choices of finite bodies; compute and store them if inputs have changed.
 
-    ``stores``: folders, the first of which takes new results; ``fresh``: whether they are computed even if they are stored.
+    ``stores``: folders, the first of which takes new results; ``fresh``: whether they are computed even if they are
+    stored.
     """
     kept = None if fresh else _load_variants(stores)
     if kept is None:
@@ -416,8 +417,8 @@ def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants
 def largest_change_by_body_choice(straight: bool) -> float:
     """Return the largest relative change of a force or loss if one modelling choice of the finite bodies is changed.
 
-    It is taken from the results that are part of the package. ``straight``: True for the choices on straight rails (linear
-    bearing), False for those on rings and helices (screw).
+    It is taken from the results that are part of the package. ``straight``: True for the choices on straight rails
+    (linear bearing), False for those on rings and helices (screw).
     """
     found = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     values = {row["choice"]: row["values"] for row in found}
@@ -431,7 +432,7 @@ def largest_change_by_body_choice(straight: bool) -> float:
 
 
 def _load_variants(stores: Sequence[Path]) -> tuple[BodyVariant, ...] | None:
-    """Return the variants of the finite bodies from the first folder that has them for the present inputs, or None."""
+    """Return the results for choices of finite bodies from the first folder that has them for these inputs, or None."""
     for store in stores:
         try:
             found = json.loads((store / FILE).read_text(encoding="utf-8"))
@@ -446,11 +447,11 @@ def _load_variants(stores: Sequence[Path]) -> tuple[BodyVariant, ...] | None:
 def find_or_compute_runs(
     scene: KindScene, levels: Sequence[int], store: Path, engine: Engine, *, fresh: bool, bodies: str = "half-space"
 ) -> list[RollingRun]:
-    """Return the 3D solutions of a scene of rolling balls on several grids; solutions that are not stored are computed.
+    """Return the 3D solutions of a scene of rolling balls on several grids; those that are not stored are computed.
 
     ``levels``: levels of the grids; ``store``: folder for new solutions, each of which is stored when it is done;
-    ``engine``: number of processes, or cluster, that compute them; ``fresh``: whether stored solutions are computed again;
-    ``bodies``: kind of the bodies, a key of `BODIES`. Raises Refusal if a solution did not converge.
+    ``engine``: number of processes, or cluster, that compute them; ``fresh``: whether stored solutions are computed
+    again; ``bodies``: kind of the bodies, a key of `BODIES`. Raises Refusal if a solution did not converge.
     """
     stores = (store, shipped_store())
     found = {} if fresh else {k: run for k in levels if (run := load_run(scene, k, stores, bodies)) is not None}
@@ -464,12 +465,12 @@ def find_or_compute_runs(
         )
     bad = next((found[k] for k in levels if not found[k].converged), None)
     if bad is not None:
-        raise Refusal(scene.name, f"level {bad.level}", bad.status, "try another level")
+        raise Refusal(scene.name, f"level {bad.level}", bad.status, "choose another level of the grid")
     return [found[k] for k in levels]
 
 
 def check_levels(levels: Sequence[int]) -> list[int]:
-    """Return the grid levels as a list; raises InputError for a level that the 3D model of rolling does not have."""
+    """Return the given grid levels as a list; raise InputError for a level that the 3D model of rolling does not have."""
     other = [k for k in levels if k not in LEVELS]
     if other:
         got = ", ".join("source" if k == SOURCE_LEVEL else str(k) for k in other)

@@ -239,8 +239,8 @@ def error_of_linear_force(axis_ratio: ArrayLike, force_slope: ArrayLike, reach: 
     """
     if not 0.0 < reach <= 1.0:
         raise ValueError(
-            f"the largest |c/a| must lie in (0, 1], got {reach}: the friction force is a cubic of c/a only for rotation "
-            "about a point of the ellipse"
+            f"the largest distance c of the centre of rotation over the semi-axis a must lie in (0, 1], got {reach}: only "
+            "for rotation about a point of the contact ellipse is the friction force a cubic of c/a"
         )
     start = linear_force_factor(axis_ratio)
     end = start - cubic_force_factor(axis_ratio) * reach**2

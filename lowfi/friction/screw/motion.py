@@ -155,7 +155,7 @@ def screw_displacement_maps(groove: ScrewGroove, azimuth: Array, free: str) -> A
     each ball had a screw of its own). Raises ValueError for other letters.
     """
     if any(letter not in "xyzr" for letter in free):
-        raise ValueError(f'free motions of the screw must be letters of "xyzr", got "{free}"')
+        raise ValueError(f'the translations in which the screw is free must be letters of "xyzr", got "{free}"')
     turn = section_axes(groove, azimuth)
     out = np.zeros((*turn.shape[:2], len(free)))
     for j, letter in enumerate(free):

@@ -96,8 +96,8 @@ def circuits_of_scene(scene: Scene) -> tuple[Circuit, ...]:
     path = ball_kinematics(scene, scene.motion or ONE_TURN, scene.balls.radius)
     spacing = azimuth_between_touching_balls(path)
     if azimuths.size % loop.circuits:
-        allowed = f"a number by which the {azimuths.size} balls of a start can be divided"
-        raise CircuitError("circuits", allowed, "give all circuits of a start the same number of balls")
+        allowed = f"a number by which the {azimuths.size} balls of a thread start can be divided"
+        raise CircuitError("circuits", allowed, "give all circuits of a thread start the same number of balls")
     apart = scene.circulation is None and not ring
     groups = np.split(azimuths, _first_balls_after_gaps(azimuths) if apart else loop.circuits)
     turns = None if loop.turns is None else 2.0 * np.pi * loop.turns / loop.circuits
@@ -145,7 +145,7 @@ def _loaded_arc_length(group: Array, given_length: float | None, spacing: float)
         return span * group.size / (group.size - 1) if group.size > 1 else spacing
     if given_length < span - CLOSE:
         allowed = f"at least {span / (2.0 * np.pi):.6g} turns for each circuit"
-        raise CircuitError("turns", allowed, "increase the turns, so that the balls of the scene fit into them")
+        raise CircuitError("turns", allowed, "increase the loaded turns, so that the balls of the scene fit into them")
     return given_length
 
 
@@ -400,7 +400,7 @@ def balls_in_circuits(
     CircuitError
         The circuits cannot hold their balls.
     ValueError
-        Balls overlap, or a circuit has no clearance.
+        Balls overlap, or a circuit has no gaps between its balls.
     """
     tracks, azimuths, numbers = zip(*circuits_of_scene(scene), strict=True)
     azimuth, number = np.concatenate(azimuths), np.concatenate(numbers)
@@ -422,7 +422,7 @@ def balls_in_circuits(
     for members in (track.balls for track in tracks):
         if members.stop - members.start > 1 and gaps[members].sum() < FULL:
             raise ValueError(
-                "a circuit has no clearance, so that the forces between its balls are not determined; "
+                "a circuit is full of balls, so that the forces between them are not determined; "
                 "leave gaps between the balls"
             )
     return balls
