@@ -34,7 +34,7 @@ def bench(
     store: Annotated[Path | None, Parameter(show_default=False)] = None,
     as_json: Json = False,
 ) -> int:
-    """Measure computing times on this computer: of models (with their errors), of whole commands, and with threads.
+    """Measure computing times on this computer: of models (with their errors), of whole commands, and of several threads.
 
     Parameters
     ----------
@@ -55,17 +55,17 @@ def bench(
     """
     if drawn:
         if names or long or source is not None:
-            allowed = "no names, `long` or `source` with this option"
-            raise ArgumentError("drawn", "this option with names, --long or --source", allowed, "leave them out")
+            allowed = "no names of scenes, `long` or `source` with this option"
+            raise ArgumentError("drawn", "this option with scenes, --long or --source", allowed, "leave these out")
         if store is None:
-            advice = "add `store` with a folder for the runs"
-            raise ArgumentError("drawn", "this option without a folder", "only together with `store`", advice)
+            advice = "add `store` with a folder in which the timed runs are stored"
+            raise ArgumentError("drawn", "this option without a folder for the runs", "only together with `store`", advice)
         return print_command_output(measure_drawn_screws(store), as_json)
     if source is not None and (names or long):
-        raise ArgumentError("source", f"{source} with names or --long", "only without names and `long`", "leave them out")
+        raise ArgumentError("source", f"{source} with scenes or --long", "only without scenes and `long`", "leave both out")
     if store is not None and names:
-        advice = "leave the names out: a report shows times of all scenes from one run"
-        raise ArgumentError("store", f"{store} with names of scenes", "only without names", advice)
+        advice = "leave the names out: the report shows the times of all scenes from one run of this command"
+        raise ArgumentError("store", f"{store} with names of scenes", "only without names of scenes", advice)
     answer = (
         measure_default_times(names or (), store, long=long) if source is None else measure_publication_times(source, store)
     )
@@ -73,9 +73,10 @@ def bench(
 
 
 def measure_publication_times(source: str, store: Path | None) -> CommandOutput:
-    """Measure the computing times that the page of a publication shows, and return a table of them.
+    """Measure the computing times that the report's page on a publication shows, and return a table of them.
 
-    ``store``: folder in which they are stored; None: not stored. Raises InputError for a publication without times.
+    ``source``: name of the publication. ``store``: folder in which the times are stored; None: not stored. Raises
+    InputError for a publication without times.
     """
     from rollbench.compare.case import all_cases
     from rollbench.compare.models.study import Study
@@ -101,7 +102,7 @@ def measure_publication_times(source: str, store: Path | None) -> CommandOutput:
 
 
 def measure_drawn_screws(store: Path) -> CommandOutput:
-    """Solve 24 randomly drawn screws on two mesh levels, and return errors and times of the levels and of the models.
+    """Solve 24 randomly drawn screws, and return errors and computing times of the models and of two mesh levels in 3D.
 
     ``store``: folder in which each timed solution is stored. Raises InputError if a file cannot be written.
     """
@@ -123,10 +124,11 @@ def measure_drawn_screws(store: Path) -> CommandOutput:
 
 
 def measure_default_times(names: Sequence[str], store: Path | None, *, long: bool) -> CommandOutput:
-    """Measure computing times of models, and of commands and threads unless ``long``; return a table of them.
+    """Measure computing times of models, commands and threads, and return a table of them.
 
     ``names``: scenes; if empty, the default scenes. ``store``: folder in which the times are stored; None: not stored.
-    ``long``: also time the levels of the 3D reference. Raises InputError for a scene without a 3D reference.
+    ``long``: time the mesh levels of the 3D reference instead of commands and threads. Raises InputError for a scene
+    without a 3D reference.
     """
     from rollbench.compare.sections.reference_time import measure_commands
     from rollbench.compare.studies.run_times import TYPED, save_times, time_ensemble_with_threads
@@ -170,7 +172,7 @@ def measure_model_times(names: Sequence[str], store: Path | None, *, long: bool)
 
 
 def timed_jobs_of_scene(scene: str, points: Sequence[TimePoint]) -> Iterator[RunTimeRow]:
-    """Yield the measured computing times of a scene by models and mesh levels, with their errors.
+    """Yield, for the table of computing times, the time and error of each model and mesh level on a scene.
 
     ``scene``: name of the scene. ``points``: errors and times of all models and mesh levels; those without a time are left
     out.

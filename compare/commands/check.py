@@ -1,4 +1,4 @@
-"""Command ``rollbench check``: judges scenes against their 3D reference, or checks all data shipped with rollbench."""
+"""Command ``rollbench check``: judges models on scenes against the 3D reference, or checks data shipped with rollbench."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class VerdictFiles:
-    """Files for verdicts, and an earlier file of verdicts (baseline) with which the new verdicts are compared."""
+    """Files to which ``rollbench check`` writes its verdicts, and an earlier such file (baseline) to compare them with."""
 
     junit: Path | None = None
     markdown: Path | None = None
@@ -44,7 +44,10 @@ class VerdictFiles:
     baseline: Path | None = None
 
     def changed(self, outcomes: Sequence[Outcome]) -> list[VerdictChange]:
-        """Return the verdicts that differ from those in the baseline file; InputError if the file cannot be read."""
+        """Return the verdicts that differ from those in the baseline file; no verdicts if no baseline was stated.
+
+        InputError if the file cannot be read.
+        """
         from rollbench.compare.gate.publish import changes_against_file
 
         return [] if self.baseline is None else changes_against_file(self.baseline, outcomes)
@@ -66,10 +69,11 @@ class VerdictFiles:
 
 
 def judge_and_report(names: Sequence[str], request: GateRequest, engine: Engine, files: VerdictFiles) -> CommandOutput:
-    """Judge scenes against their references, and return the verdicts; the exit code is that of the worst verdict.
+    """Judge a model, or another program's results, on scenes against their references, and return the verdicts.
 
     ``names``: names or files of the scenes. ``request``: values to judge, limits and reference. ``engine``: computes
-    missing runs of the 3D reference. ``files``: files for the verdicts. Raises InputError if two scenes have the same name.
+    missing runs of the 3D reference. ``files``: files for the verdicts. The exit code is that of the worst verdict. Raises
+    InputError if two scenes have the same name.
     """
     from rollbench.compare.gate.publish import outcome_of_verdict
     from rollbench.compare.gate.verdict import CODES
@@ -103,9 +107,9 @@ def judge_and_report(names: Sequence[str], request: GateRequest, engine: Engine,
 
 
 def check_shipped_data(study: Study, max_error: float) -> list[GateCheck]:
-    """Run all checks of the data shipped with rollbench, and return a row for each.
+    """Run all checks of the data and models shipped with rollbench, and return the result of each.
 
-    ``max_error``: largest permitted error of contact loads [%].
+    ``study``: cache of computed values. ``max_error``: largest permitted error of contact loads [%].
     """
     from rollbench.compare.gate.gate import (
         check_closed_forms,
@@ -129,9 +133,10 @@ def check_shipped_data(study: Study, max_error: float) -> list[GateCheck]:
 
 
 def report_shipped_data_checks(max_error: float | None, files: VerdictFiles, *, verbose: bool = False) -> CommandOutput:
-    """Check the data shipped with rollbench, and return the result of each check; exit code 1 if one fails.
+    """Check the data and models shipped with rollbench, and return what the terminal shows; exit code 1 if a check fails.
 
-    ``max_error``: limit in per cent; None: 7. ``verbose``: also list the checks that pass.
+    ``max_error``: largest permitted error of contact loads [%]; None: 7. ``files``: files for the results. ``verbose``:
+    also list the checks that pass.
     """
     from rollbench.compare.gate.publish import outcome_of_check
     from rollbench.compare.gate.user import fraction_limit_warnings
@@ -162,7 +167,7 @@ def report_shipped_data_checks(max_error: float | None, files: VerdictFiles, *, 
 
 
 def shipped_checks_table(rows: Sequence[GateCheck]) -> Table:
-    """Return the checks of the shipped data as a table, failed checks first.
+    """Return the table of the checks of shipped data for the terminal, failed checks first.
 
     Values have enough digits to show whether they exceed their limits.
     """
@@ -313,9 +318,10 @@ def check(
 
 
 def refuse_given_arguments(given: Mapping[str, object], allowed: str, advice: str) -> None:
-    """Raise ArgumentError for the first argument in ``given`` that has a value, because none of them may be used.
+    """Raise ArgumentError for the first argument in ``given`` that the user stated, because none of them may be used here.
 
-    ``allowed`` and ``advice`` are the texts of the error.
+    ``given``: values by name of the argument. ``allowed``, ``advice``: when the arguments may be used, and what to do, as
+    texts of the error.
     """
     for name, value in given.items():
         if value:

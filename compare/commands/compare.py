@@ -45,12 +45,12 @@ if TYPE_CHECKING:
     from rollbench.reports.content import Figure
 
 
-#: Exit code if loads of a reference did not converge with mesh refinement.
+#: Exit code if contact loads of a 3D reference did not converge with mesh refinement.
 NOT_SETTLED = 5
 
 
 def exit_code_of_references(references: Iterable[Reference]) -> int:
-    """Return the exit code: `NOT_SETTLED` if loads of a 3D reference did not converge with mesh refinement, otherwise 0."""
+    """Return the exit code: 5 if contact loads of a 3D reference did not converge with mesh refinement, otherwise 0."""
     return NOT_SETTLED if any(reference.unsettled for reference in references) else 0
 
 
@@ -84,9 +84,10 @@ def compare_and_report(
     verbose: bool = False,
     reference: Path | None = None,
 ) -> CommandOutput:
-    """Compare low-order models with the 3D reference of every scene, after missing runs of the reference are computed.
+    """Compare low-order models with the 3D reference of every scene, and return what the terminal shows.
 
-    The result has verdict, table and files for the terminal, and JSON with the results of all models and coarser meshes.
+    Missing runs of the reference are computed first. The result has a verdict, a table of models and the names of written
+    files, and JSON with the results of all models and coarser meshes.
 
     ``levels``: mesh levels to use; None: the best stored run, or the levels `ADVISED` if none is stored. ``fresh``: compute
     these levels even if they are stored. ``balls``: also print every contact. ``verbose``: also print the causes of the
@@ -110,7 +111,7 @@ def compare_and_report(
     described = [catalogue.any_scene(name) for name in names]
     for name, beside in (("levels", levels is not None), ("fresh", fresh)) if reference is not None else ():
         if beside:
-            given, advice = "this option with `reference`", "leave one of them out: the file replaces the 3D reference"
+            given, advice = "this option with `reference`", "leave one out: the file replaces the 3D reference"
             raise ArgumentError(name, given, "only without `reference`", advice)
     how: dict[str, Any] = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
     found = prepare_comparison(described, names, chosen, engine, show_progress_message, **how)
@@ -174,9 +175,9 @@ def compare_and_report(
 
 
 def contact_loads_table(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> Any:
-    """Return a table, for the terminal, of the contact loads of models and reference at every contact of a scene.
+    """Return the table, for the terminal, of the loads at every contact of a scene by models and reference.
 
-    ``models``: loads of models and coarser meshes.
+    ``models``: loads by models and coarser meshes.
     """
     listed = [
         {k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_load_rows(scene, models, reference)
@@ -185,9 +186,9 @@ def contact_loads_table(scene: Scene, models: Sequence[ComparedLoads], reference
 
 
 def duty_cycle_lines(cycle: DutyCycle, each: ByCase) -> list[str]:
-    """Return lines for the terminal with the largest error and the life of each nut or bearing over a duty cycle.
+    """Return lines for the terminal with a model's largest error and the life of each nut or bearing over a duty cycle.
 
-    ``each``: comparisons with the 3D reference, by the name of the load case and the name of the nut or bearing.
+    ``each``: comparisons of models with the 3D reference, by the names of load case and of nut or bearing.
     """
     from rollbench.compare.results.comparison import cycle_summaries_json
 
@@ -290,7 +291,7 @@ def compare_rolling_and_report(
 
 
 def scenes_of_friction_or_none(names: Sequence[str], bodies: str, unused_arguments: Mapping[str, bool]) -> list[KindScene]:
-    """Return the scenes if all of them are scenes of friction; an empty list if all are whole screws and bearings.
+    """Return the named scenes if they are scenes of friction; an empty list if all are whole screws and bearings.
 
     ``names``: names or files of the scenes. ``bodies``: bodies of the 3D model, "half-space" or "finite".
     ``unused_arguments``: for each argument that has no effect on scenes of friction, whether the user gave it. Raises
@@ -326,7 +327,7 @@ MODEL_COLUMNS = ("model", "max err %", "at", "RMS %", "gate %", "max N", "mean N
 
 
 def displacement_origin_lines(comparison: SetComparison) -> list[str]:
-    """Return a line that states from which position displacements are measured; no line if it is the nominal position.
+    """Return a line on the position from which displacements are measured; no line if that is the nominal position.
 
     ``comparison``: comparison of models with the reference for one nut or bearing.
     """
@@ -339,7 +340,7 @@ def displacement_origin_lines(comparison: SetComparison) -> list[str]:
 
 
 def _model_table_cells(compared_loads: ComparedLoads) -> list[str]:
-    """Return the cells of the table of models for one model or the reference, in the order of `MODEL_COLUMNS`."""
+    """Return the row of the table of models for one model or the reference, with the columns of `MODEL_COLUMNS`."""
     import numpy as np
 
     from rollbench.compare.measure import mean_load
@@ -361,7 +362,7 @@ def _model_table_cells(compared_loads: ComparedLoads) -> list[str]:
 
 
 def model_errors_table(models: Sequence[ComparedLoads], reference: ComparedLoads) -> RenderableType:
-    """Return the table of models and coarser meshes with their errors; the reference is in the first row.
+    """Return the table with a row for each model and coarser mesh and its errors, after a first row for the reference.
 
     ``models``: loads and errors of models and coarser meshes. ``reference``: loads of the reference.
     """
@@ -369,7 +370,7 @@ def model_errors_table(models: Sequence[ComparedLoads], reference: ComparedLoads
 
 
 def stored_times_lines(models: Sequence[ComparedLoads], reference: ComparedLoads) -> list[str]:
-    """Return lines with the computing times of stored runs, and with which version and computer they were measured.
+    """Return lines with the computing times of stored runs, and the version and computer with which they were measured.
 
     ``models``: results of models and coarser meshes. ``reference``: results of the reference. The table of models has only
     times that were measured now.
@@ -403,7 +404,7 @@ def contact_load_rows(scene: Scene, models: Sequence[ComparedLoads], reference: 
 def load_figure(name: str, models: Sequence[ComparedLoads], reference: Reference) -> Figure:
     """Return the figure of contact loads over the ball number, with a panel for each loaded groove flank of the screw.
 
-    ``name``: file name of the figure. ``models``: loads of models and coarser meshes, of which only the models are drawn.
+    ``name``: file name of the figure. ``models``: loads by models and coarser meshes; only those by models are drawn.
     """
     from rollbench.compare.models.registry import is_model
     from rollbench.compare.results.compared import OURS
@@ -435,7 +436,7 @@ def write_contact_loads(scene: Scene, models: Sequence[ComparedLoads], reference
     return f"wrote {stem}.csv (every contact) and {figure}"
 
 
-#: Columns of the table of rolling contact after the quantity: attribute of a row, heading, number format.
+#: Columns of the table of rolling contact, after the column with the quantity: attribute of a row, heading, number format.
 ROLLING_COLUMNS = (
     ("low", "low-order", ".5g"),
     ("reference", "3D", ".5g"),
@@ -453,7 +454,7 @@ ROLLING_COLUMNS = (
 def rolling_comparison_table(name: str, rows: Sequence[RollingComparisonRow]) -> Any:
     """Return the table that compares the low-order model of rolling contact with the 3D model and with printed values.
 
-    ``name``: name of the scene. ``rows``: values of one quantity each by all models.
+    ``name``: name of the scene. ``rows``: for each quantity, its values by all models.
     """
     from rollbench.compare.studies.rolling.rows import UNSTATED, without_infinity
 

@@ -1,4 +1,4 @@
-"""Commands ``doctor`` (checks what the computer has and lacks) and ``completion`` (completes commands in the shell)."""
+"""Command ``doctor``, which checks this computer for what rollbench needs, and ``completion`` of commands by the shell."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ State = Literal["ok", "missing", "optional"]
 #: Oldest supported version of Python.
 PYTHON = (3, 11)
 
-#: Packages with licences that impose conditions on those who distribute them together with rollbench.
+#: Licences of packages that impose conditions on those who distribute the package together with rollbench.
 STRICT = {"gmsh": "GPL-2.0-or-later, with exceptions for linking"}
 
 LICENCES = (
@@ -85,16 +85,16 @@ def check_machine(store: Path) -> CommandOutput:
 def _result_of_check(
     name: str, found: str, fault: str, effect: str, advice: str, state_if_faulty: State = "missing"
 ) -> MachineCheck:
-    """Return the result of a check: "ok" with the text ``found``, or ``state_if_faulty`` if ``fault`` is not empty.
+    """Return the result of a check of the computer: "ok" without a ``fault``, else ``state_if_faulty``.
 
-    ``name``: name of the check. ``fault``: what is missing or wrong; empty: nothing. ``effect``: effect of this.
-    ``advice``: remedy.
+    ``name``: name of the check. ``found``: what was found, if nothing is wrong. ``fault``: what is missing or wrong; empty:
+    nothing. ``effect``: effect of the fault. ``advice``: remedy.
     """
     return MachineCheck(name, state_if_faulty, fault, effect, advice) if fault else MachineCheck(name, "ok", found)
 
 
 def _check_python() -> Iterator[MachineCheck]:
-    """Yield the check of the version of Python."""
+    """Yield the check whether the version of Python is supported."""
     present, least = platform.python_version(), ".".join(map(str, PYTHON))
     old = tuple(map(int, platform.python_version_tuple()[:2])) < PYTHON
     lack = present if old else ""
@@ -119,7 +119,7 @@ def oldest_package_versions() -> dict[str, str]:
 
 
 def _check_packages() -> Iterator[MachineCheck]:
-    """Yield a check of each Python package that rollbench and its extras need."""
+    """Yield for each Python package that rollbench or its extras need the check whether it is installed and new enough."""
     from rollbench.meshes.libraries import EXTRA, ONLY_FOR, installed_version, pip_command, reason_of_failed_import
 
     needed = oldest_package_versions()
@@ -167,7 +167,7 @@ def _check_graphics() -> Iterator[MachineCheck]:
 
 
 def _check_programs() -> Iterator[MachineCheck]:
-    """Yield a check of each of the optional other `PROGRAMS`."""
+    """Yield for each optional external program (CalculiX, a browser) the check whether it is installed."""
     for name, (commands, purpose, package) in PROGRAMS.items():
         path = next(filter(None, map(shutil.which, commands)), "")
         lack, advice = "" if path else "not found", f"apt-get install {package}"
@@ -175,7 +175,7 @@ def _check_programs() -> Iterator[MachineCheck]:
 
 
 def _check_folders(store: Path) -> Iterator[MachineCheck]:
-    """Yield the checks whether kernels, meshes and runs of the 3D reference can be stored."""
+    """Yield the checks whether compiled kernels, meshes and runs of the 3D reference can be stored in their folders."""
     from rollbench.lowfi.jit import is_machine_code_cached, machine_code_folder
     from rollbench.meshes.cache import default_cache_folder
 
@@ -221,7 +221,7 @@ def _check_folder(name: str, folder: Path, cost: str, advice: str) -> MachineChe
 
 
 def _check_memory() -> Iterator[MachineCheck]:
-    """Yield the number of processor cores, then the check whether enough memory is free for a 3D run."""
+    """Yield an entry with the number of processor cores, then the check whether enough memory is free for a 3D run."""
     yield MachineCheck("cores", "ok", f"{usable_cores()} of {os.cpu_count()} for this process")
     free = available_GB()
     if free is None:

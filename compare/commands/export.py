@@ -108,12 +108,12 @@ def export(
         raise ArgumentError("model", model, "only with `rexs`", "leave it out")
     if rexs is not None and (ross is not None or modelica is not None):
         allowed = "either `rexs`, for a scene, or `ross` and `modelica`, for a table"
-        raise ArgumentError("rexs", f"{rexs} with a file for a table", allowed, "run the command for each of them")
+        raise ArgumentError("rexs", f"{rexs} with a file for a table", allowed, "run the command once for each file")
     if ross is not None or modelica is not None or rexs is not None:
         if part or format or out is not None or level != 1 or ball is not None or deck:
             given = "one of these options with an option for meshes"
             allowed = "no part, `format`, `out`, `level`, `ball` or `deck`"
-            raise ArgumentError("ross, modelica, rexs", given, allowed, "leave these options out")
+            raise ArgumentError("ross, modelica, rexs", given, allowed, "leave the options for meshes out")
         if rexs is not None:
             return print_command_output(write_axis_as_rexs(scene, rexs, model))
         return print_command_output(write_stiffness_tables(scene, ross, modelica))
@@ -121,7 +121,7 @@ def export(
     if deck:
         if part or format or level != 1 or ball is not None:
             given = f"{deck} with an option for meshes"
-            raise ArgumentError("deck", given, "no part, `format`, `level` or `ball` with a deck", "leave them out")
+            raise ArgumentError("deck", given, "no part, `format`, `level` or `ball` with a deck", "leave these out")
         check_packages("scikit-fem")
         from rollbench.compare.studies.export import write_deck
 
@@ -134,12 +134,12 @@ def export(
     if format == "json" or (not format and out is not None and out.suffix == ".json"):
         if part or level != 1 or ball is not None:
             allowed = "no part, `level` or `ball` with this format"
-            raise ArgumentError("format", "json with an option for meshes", allowed, "leave them out")
+            raise ArgumentError("format", "json with an option for meshes", allowed, "leave these options out")
         return print_command_output(write_scene_json(catalogue.scene(scene), out))
     if format == "step" or (not format and out is not None and out.suffix == ".step"):
         if part or level != 1 or ball is not None:
             allowed = "no part, `level` or `ball` with this format, which writes all parts"
-            raise ArgumentError("format", "step with an option for meshes", allowed, "leave them out")
+            raise ArgumentError("format", "step with an option for meshes", allowed, "leave these options out")
         return print_command_output(
             write_step_bodies(scene_file.scene_or_assembly_or_raise(catalogue.any_scene(scene), scene), out)
         )
@@ -166,7 +166,7 @@ def write_part_mesh(
 ) -> CommandOutput:
     """Write the mesh of one part of a scene, with named groups for its surfaces; lengths are in m.
 
-    The groups are flanks, lands, ends, sockets and contact zones.
+    The groups are groove flanks, lands, end faces, sockets (holes at the contacts) and contact zones.
 
     ``form``: format of the file (vtu, msh, med or inp); if empty, it follows from the suffix of ``out``, and is vtu without
     ``out``. ``out``: the file, replaced if it exists; None: ``<scene>-<part>.<form>``. ``level``: mesh level of the 3D
@@ -283,10 +283,10 @@ def write_axis_as_rexs(typed: str, out: Path, model: str = "") -> CommandOutput:
 
 
 def write_stiffness_tables(scene: str, ross: Path | None, modelica: Path | None) -> CommandOutput:
-    """Write the stiffness table of a JSON file as files for the programs ROSS and Modelica.
+    """Convert a table of stiffnesses, which ``rollbench table`` wrote as JSON, to files for the programs ROSS and Modelica.
 
-    ``scene``: JSON file that ``rollbench table`` wrote. Raises InputError for another file, and if rows of the table's grid
-    are missing.
+    ``scene``: the JSON file. ``ross``, ``modelica``: files to write; None: not written. Raises InputError for another file,
+    and if the table lacks a combination of its values.
     """
     from rollbench.compare.files import replace_file
     from rollbench.compare.studies.table_files import ROSS_DROPS, modelica_text, read_table, ross_text
@@ -309,7 +309,7 @@ _LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node 
 
 
 def write_step_bodies(described: Solvable, out: Path | None) -> CommandOutput:
-    """Write the parts of a scene as STEP files, with lengths in mm.
+    """Write the parts of a scene as CAD bodies and groove surfaces to STEP files, with lengths in mm.
 
     ``out``: file of the bodies, replaced if it exists; None: ``<scene>.step``. Raises InputError if gmsh is missing or a
     file cannot be written, Refusal for roller bearings (which have no groove) and for parts without wall thickness.
@@ -338,9 +338,10 @@ def write_step_bodies(described: Solvable, out: Path | None) -> CommandOutput:
 
 
 def write_condensed_bodies(typed: str, out: Path | None, level: int, *, cache: Path | None) -> CommandOutput:
-    """Mesh screw and nut, reduce them to the compliances of their contacts on all four flanks, and write these to a file.
+    """Compute the compliances of screw and nut between their contacts from 3D meshes, and write them to a file.
 
-    ``typed``: name or file of the scene; all its load cases are covered. The file is written completely or not at all.
+    The contacts are those on all four groove flanks. ``typed``: name or file of the scene; all its load cases are covered.
+    ``out``: the file; None: ``<scene>-condensed.npz``. The file is written completely or not at all.
     Raises InputError for a level out of range, a mesh that cannot be built, and a file that cannot be written.
     """
     from rollbench.compare.files import check_writable, os_errors_as_input_errors
@@ -468,9 +469,9 @@ def stored_calculix_results(folder: Path, scene: Scene) -> CalculixRunsOfScene:
 
 
 def _find_or_compute_reference(scene: Scene, store: Path, engine: Engine) -> Reference:
-    """Return the 3D reference of a scene, computed if no run is stored.
+    """Return the 3D reference of a scene; it is computed if no run is stored.
 
-    ``store``: folder of stored runs. ``engine``: engine that computes missing runs. Raises InputError if no run converged.
+    ``store``: folder of stored runs. ``engine``: computes missing runs. Raises InputError if no run converged.
     """
     from rollbench.compare.reference.estimate import reference_of_scene
     from rollbench.compare.reference.jobs import ensure, plan_tasks
@@ -491,7 +492,7 @@ def _find_or_compute_reference(scene: Scene, store: Path, engine: Engine) -> Ref
 def _loads_table(scene: Scene, rows: Sequence[ContactLoadComparison]) -> Any:
     """Return the table that compares the loads of every contact by CalculiX and by the 3D reference.
 
-    ``rows``: loads, errors and uncertainties of one contact each.
+    ``rows``: for each contact, the loads with their errors and uncertainties.
     """
     from rollbench.compare.studies.crosscheck.results import COLUMNS
 

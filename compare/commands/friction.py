@@ -102,7 +102,7 @@ def solve_and_report_friction(
 
 
 def friction_terminal_parts(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
-    """Return the texts and tables in which the terminal shows the friction of a scene.
+    """Return the texts and tables in which the terminal shows the friction in a scene.
 
     ``balls``: also the table of all balls. ``details``: also explanations, force balance, solver, assumptions and neglected
     effects, instead of a line that names the option which shows them.

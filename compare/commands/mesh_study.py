@@ -79,8 +79,9 @@ def study_rolling_contact(
 ) -> CommandOutput:
     """Compute missing runs of the 3D model of rolling contact, and return a table of mesh levels for each scene.
 
-    ``levels``: number of the finest level. ``source``: whether a grid with the element size of Lin's thesis is added.
-    ``fresh``: compute stored runs again. ``bodies``: "half-space", or "finite" for bodies of finite size.
+    ``levels``: number of the finest level; None: the default. ``store``: folder of stored runs. ``source``: whether a grid
+    with the element size of Lin's thesis is added. ``fresh``: compute stored runs again. ``bodies``: "half-space", or
+    "finite" for bodies of finite size.
     """
     from rollbench.compare.studies.rolling.rows import rolling_mesh_study
 
@@ -146,7 +147,7 @@ def study_mesh_levels(
 
 
 def are_all_roller_scenes(names: Sequence[str], unused_arguments: Mapping[str, bool], where: ComputeOptions | None) -> bool:
-    """Return whether all scenes have tapered roller bearings, for which `study_single_rollers` is used.
+    """Return whether all scenes have tapered roller bearings, so that single rollers are studied instead of whole scenes.
 
     ``names``: names or files of the scenes. ``unused_arguments``: for each option that has no effect on rollers, whether
     the user gave it. ``where``: options for parallel runs, which have no effect on rollers either. Raises InputError if
@@ -169,10 +170,11 @@ def are_all_roller_scenes(names: Sequence[str], unused_arguments: Mapping[str, b
 
 
 def study_single_rollers(names: Sequence[str], count: int | None, store: Path, *, fresh: bool) -> CommandOutput:
-    """Compute missing runs of single tapered rollers in 3D, and return the tables for each kind of roller.
+    """Compute missing 3D runs of single tapered rollers on several mesh levels, and return a table for each kind of roller.
 
-    ``count``: number of the finest mesh level; None: 3. ``fresh``: compute stored runs again. Raises InputError in the
-    cases in which `compare.studies.roller.compute_runs_of_roller_kinds` raises it.
+    ``names``: scenes with roller bearings. ``count``: number of the finest mesh level; None: 3. ``store``: folder of stored
+    runs. ``fresh``: compute stored runs again. Raises InputError in the cases in which
+    `compare.studies.roller.compute_runs_of_roller_kinds` raises it.
     """
     from rollbench.compare.files import write_csv
     from rollbench.compare.reference.store import shipped_store

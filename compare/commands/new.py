@@ -52,7 +52,7 @@ def new(
     if rexs is not None:
         if kind or like:
             allowed = "no `kind` or `like` with `rexs`"
-            raise ArgumentError("rexs", f"{rexs} with another option", allowed, "leave them out")
+            raise ArgumentError("rexs", f"{rexs} with another option", allowed, "leave these options out")
         print_command_output(write_scene_from_rexs(file, rexs, shaft, set or []))
         return
     if shaft or set:
@@ -65,10 +65,10 @@ def new(
 
 
 def write_scene_from_rexs(file: Path, rexs: Path, shaft: str, given: list[str]) -> CommandOutput:
-    """Convert a REXS file to a scene file.
+    """Convert bearings on a shaft from a REXS file to a scene file, and return lines on what was not converted.
 
-    ``shaft``: name or id of the shaft. ``given``: texts KEY=VALUE with values that the REXS file lacks. Raises InputError
-    if values are missing, or if the scene is not valid.
+    ``file``: scene file to write. ``shaft``: name or id of the shaft. ``given``: texts KEY=VALUE with values that the REXS
+    file lacks. Raises InputError if values are missing, or if the scene is not valid.
     """
     from rollbench.compare.files import write_new_file
     from rollbench.compare.scenes import scene_file

@@ -35,11 +35,11 @@ def judge_printed_numbers(sources: Sequence[str], only: Sequence[str], write: Pa
 
 
 def judged_entries(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
-    """Return the chosen printed numbers and claims with their computed values, in the order of the tables.
+    """Return the numbers and claims of some publications or printed tables with the values computed for them.
 
-    ``study``: comparison that computes values once and keeps them. ``sources``: names of publications; if empty, all.
-    ``only``: names of printed tables and entries ("table:key"); if empty, all of these publications. Raises InputError for
-    an unknown name.
+    ``study``: cache of computed values. ``sources``: names of publications; if empty, all. ``only``: names of printed
+    tables and entries ("table:key"); if empty, all of these publications. The order is that of the tables. Raises
+    InputError for an unknown name.
     """
     from rollbench.compare.case import all_cases
     from rollbench.compare.evidence import all_computations, evidence
@@ -70,7 +70,7 @@ def _refuse_unknown_names(argument: str, given: Sequence[str], names: Sequence[s
 
 
 def printed_entries_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
-    """Return the judged entries as JSON, with counts of the verdicts, misprints, and numbers that are not compared.
+    """Return judged printed numbers and claims as JSON, with counts of the verdicts, misprints, and numbers not compared.
 
     ``rows``: printed numbers and claims with their verdicts. ``changed``: texts on verdicts that differ from the expected
     ones.
@@ -111,7 +111,7 @@ def entry_json(e: Evidence) -> dict[str, Any]:
 
 
 def printed_entries_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
-    """Return tables and lines for the terminal: verdicts by publication, all entries, and changed verdicts.
+    """Return tables and lines for the terminal: verdicts by publication, printed numbers and claims, changed verdicts.
 
     ``rows``: printed numbers and claims with their verdicts. ``changed``: texts on verdicts that differ from the expected
     ones.
@@ -145,10 +145,10 @@ def printed_entries_table(rows: Sequence[Evidence], changed: Sequence[str]) -> l
 
 
 def computation_trace(table: str = "") -> CommandOutput:
-    """Return a table that shows how every printed number of one table, or of all tables, is computed.
+    """Return a list of how the value for every printed number of one table, or of all tables, is computed and tested.
 
-    It has the number as printed, the scenes from which it is computed or the reason for none, the computing function and
-    the test. Raises InputError for an unknown table.
+    ``table``: name of the printed table; empty: all. The list has the number as printed, the scenes from which its value is
+    computed or the reason for none, the computing function and the test. Raises InputError for an unknown table.
     """
     from rich.table import Table
 
@@ -185,7 +185,7 @@ def list_shipped() -> CommandOutput:
 
 
 def _shipped_contents_json() -> dict[str, dict[str, Any]]:
-    """Return scenes (by kind) and models with their titles, and printed tables with the number of their rows."""
+    """Return all shipped scenes (by kind) and models with their titles, and printed tables with their numbers of rows."""
     from rollbench.compare import printed
     from rollbench.compare.models.registry import AXIS_MODELS, MODELS
     from rollbench.compare.models.user_models import installed_models, origin_of_model

@@ -104,9 +104,9 @@ def report(
 
 
 def open_written_page(code: int, page: Path, wanted: bool) -> int:
-    """Show a page in the browser if ``wanted``, and return the exit code ``code`` unchanged.
+    """Show a written page in the browser if the user wants it, and return the exit code ``code`` unchanged.
 
-    If this is wanted and the computer has no browser or no screen, a line says so.
+    If the computer has no browser or no screen, a line says so. ``wanted``: whether to show the page.
     """
     if wanted:
         screen = os.name == "nt" or sys.platform == "darwin" or any(map(os.environ.get, SCREENS))

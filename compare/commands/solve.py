@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SolveOptions:
-    """Command-line options for the solution of one scene; their names are those of the arguments of `solve`.
+    """Command-line options of ``rollbench solve`` for one scene; their names are those of the arguments of `solve`.
 
     model: name of the low-order model (empty: the default). everything: compute all terms of the model, also those that
     cannot change the loads. member: number of the specimen (random draw of the geometric errors), from 0. condensed: file
@@ -57,9 +57,9 @@ class SolveOptions:
 
 
 def solve_and_report(name: str, choices: SolveOptions) -> CommandOutput:
-    """Solve one scene, with all its load cases, and return what is printed; exit code 1 if a load case did not converge.
+    """Solve one scene with all its load cases, and return what is printed; exit code 1 if a load case did not converge.
 
-    Raises InputError.
+    Raises InputError if the scene or an option cannot be used.
     """
     from rollbench.compare.api.calls import solve_described
     from rollbench.compare.models.registry import Options, default_model
@@ -96,10 +96,9 @@ def solve_and_report(name: str, choices: SolveOptions) -> CommandOutput:
 
 
 def _options_of_load_case(choices: SolveOptions, name: str) -> SolveOptions:
-    """Return the options for one load case.
+    """Return a copy of the options for one load case, with a file of its own for the stiffness matrix.
 
-    ``name``: name of the case, which is added to the file name for the stiffness matrix, so that each case has its own
-    file.
+    ``name``: name of the load case, which is added to the name of that file.
     """
 
     def named(path: Path | None) -> Path | None:
@@ -136,10 +135,9 @@ def _write_contact_loads(path: Path, solved: Sequence[Solved | SolvedAxis], name
 
 
 def _check_options_for_scene(scene: Scene | Assembly, choices: SolveOptions, station: float) -> None:
-    """Raise InputError if options do not suit the scene.
+    """Raise InputError if an option does not suit the scene, such as an option for a single nut or bearing only.
 
-    ``station``: axial position of the requested stiffness [m], which must lie on the screw or shaft. Some options exist for
-    a single nut or bearing only.
+    ``station``: axial position of the requested stiffness [m], which must lie on the screw or shaft.
     """
     from rollbench.meshes.axis import Assembly
 
@@ -169,7 +167,7 @@ def exit_code_of_solutions(solved: Sequence[Solved | SolvedAxis], choices: Solve
 
 
 def _check_options(choices: SolveOptions) -> tuple[str, float]:
-    """Check the options; return the model's name (empty: the default) and the axial position of the stiffness [m].
+    """Check the options for one scene; return the model's name (empty: the default) and the position of the stiffness [m].
 
     Raises InputError if options exclude each other, or if a file cannot be written.
     """
@@ -201,7 +199,7 @@ def _check_options(choices: SolveOptions) -> tuple[str, float]:
 
 
 def _write_stiffness_matrix(one: Solved | SolvedAxis, tangent: Tangent | None, choices: SolveOptions) -> list[str]:
-    """Write the stiffness matrix to the file that the user asked for; return a line that names the file, if any.
+    """Write the stiffness matrix of a load case to the file that the user asked for, if any; return a line that names it.
 
     ``one``: solution of a load case. ``tangent``: its stiffness at the requested axial position. Raises InputError if a
     degree of freedom is fixed, so that the matrix has no finite stiffness there.
@@ -224,10 +222,10 @@ def _write_stiffness_matrix(one: Solved | SolvedAxis, tangent: Tangent | None, c
 
 
 def _requested_stiffness(one: Solved | SolvedAxis, tangent: Tangent | None) -> tuple[Array | None, str]:
-    """Return the stiffness matrix (6, 6) [N, m, rad] that the user asked for, and a text on where it acts.
+    """Return the stiffness matrix (6, 6) [N, m, rad] that the user asked for, and a text on its position and what is fixed.
 
     ``one``: solution of a load case. ``tangent``: stiffness of a single nut at the requested axial position. The matrix is
-    None if there is none.
+    None if it was not computed.
     """
     from rollbench.compare.models.load_cases import SolvedAxis
 
@@ -350,9 +348,9 @@ def solve(
 
 
 def solve_side_by_side(names: Sequence[str], choices: SolveOptions) -> CommandOutput:
-    """Solve several scenes and return their results side by side; exit code 1 if one did not converge.
+    """Solve several scenes and return a table of their results side by side; exit code 1 if one did not converge.
 
-    Raises InputError.
+    Raises InputError if a scene or an option cannot be used.
     """
     from rollbench.compare.api.calls import side_by_side_described
     from rollbench.compare.running import checked_time_limit, watch_running_time
@@ -376,7 +374,8 @@ def solve_load_curve(name: str, text: str, choices: SolveOptions, csv_out: Path 
     """Solve a scene over a range of loads and return its load curve; exit code 1 if a load has no equilibrium.
 
     ``text``: range of the load, such as ``"-3kN:3kN:41:x"`` for 41 forces along x; ``csv_out``: file for the points of the
-    curve, or None. Of several load cases only the first is solved. Raises InputError.
+    curve, or None. Of several load cases only the first is solved. Raises InputError if the range or an option cannot be
+    used.
     """
     from rollbench.compare.api.calls import load_curve_of
     from rollbench.compare.models.registry import Options
@@ -408,8 +407,9 @@ def solve_specimens(
 ) -> CommandOutput:
     """Solve many specimens of a scene with random errors and return their statistics; exit code 1 if none converged.
 
-    ``csv_out``: file to which a row is written as soon as a specimen is solved. ``balls``: also show the range of the load
-    of every ball. Raises InputError.
+    ``count``: number of specimens. ``csv_out``: file to which a row is written as soon as a specimen is solved. ``seed``:
+    seed of the random errors; None: that of the scene. ``engine``: runs the solves in parallel. ``balls``: also show the
+    range of the load of every ball. Raises InputError if the scene or an option cannot be used.
     """
     from rollbench.compare.results.base import add_schema_version
     from rollbench.compare.scenes import catalogue
@@ -425,9 +425,9 @@ def solve_specimens(
 
 
 def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
-    """Return the table with the mean, scatter and quantiles of each output over the specimens.
+    """Return the table with the mean, standard deviation and quantiles of each computed quantity over the specimens.
 
-    ``headings``: name of each output in the table, by its key. ``rows``: statistics of each output by its key; those of
+    ``headings``: name of each quantity in the table, by its key. ``rows``: statistics of each quantity by its key; those of
     None are left out.
     """
     table = []
@@ -442,7 +442,10 @@ def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str
 
 
 def ensemble_terminal_parts(members: EnsembleSummary, *, balls: bool = False) -> list[Any]:
-    """Return the statistics of all specimens for the terminal and, if ``balls``, the range of the load of every ball."""
+    """Return lines and tables for the terminal with the statistics of all solved specimens with random errors.
+
+    ``balls``: also a table with the range of the load of every ball.
+    """
     from rollbench.compare.studies.members.ensemble import KEPT, OF_SET, WHOLE
     from rollbench.compare.studies.members.members import members_json
     from rollbench.meshes.axis import Assembly
@@ -475,8 +478,8 @@ def ensemble_terminal_parts(members: EnsembleSummary, *, balls: bool = False) ->
 def _contact_load_quantiles_table(data: dict[str, Any], width: float) -> Any:
     """Return the table with quantiles of every contact load over the specimens.
 
-    ``data``: JSON results of the specimens. ``width``: bin width of the histograms, to within which the quantiles are known
-    [N].
+    ``data``: JSON results of the specimens. ``width``: bin width [N] of the histograms of the loads, which is the error of
+    the quantiles.
     """
     keys = [key for key in (data["balls"][0] if data["balls"] else ()) if key != "quantile_0.5_N"]
     rows = ([v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in data["balls"])
@@ -539,7 +542,7 @@ def dmig_text(matrix: Array, comment: str) -> str:
 def write_load_curve(path: Path, curve: LoadCurve) -> list[str]:
     """Write the points of a load curve (CSV) and its figure (SVG), and return a line that names both files.
 
-    InputError if a file cannot be written.
+    ``path``: the CSV file. InputError if a file cannot be written.
     """
     from rollbench.compare.files import write_csv, write_figure
     from rollbench.compare.quantities import record_as_json

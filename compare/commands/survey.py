@@ -1,4 +1,4 @@
-"""Commands ``survey`` and ``stability``: many scenes that test the models and the solvers.
+"""Commands ``survey`` and ``stability``: solve many scenes that test the models and the solvers.
 
 ``survey`` measures the errors of a model on 240 randomly drawn ball screws with stored 3D references. ``stability`` solves
 extreme scenes to find failures of the solvers; it also draws the ball screws and solves their 3D references.
@@ -102,7 +102,7 @@ def judge_models_on_screws(
 
 
 def _survey_terminal_parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
-    """Yield the sentences and tables on the errors of the models over all screws, for the terminal.
+    """Yield the sentences and tables in which the terminal shows the errors of models on the randomly drawn screws.
 
     ``data``: JSON results of the models on every screw. ``models``: names of the judged models.
     """
@@ -157,7 +157,7 @@ def write_drawn_screw(number: int, out: Path) -> CommandOutput:
 
 
 def solve_extreme_scenes() -> CommandOutput:
-    """Solve the extreme scenes with all solvers, and return the outcomes; exit code 1 if rollbench's solver fails."""
+    """Solve a table of extreme scenes with all solvers, and return the outcomes; exit code 1 if that of rollbench fails."""
     from rollbench.compare.studies.extremes import solve_all_hard_cases, unexpected_attempts
 
     rows = solve_all_hard_cases(lambda done, total, case: show_progress_message(f"[{done}/{total}] {case}"))
@@ -169,7 +169,7 @@ def solve_extreme_scenes() -> CommandOutput:
 def _stability_tables(
     rows: Sequence[FormulationOutcome], failures: Sequence[FormulationOutcome]
 ) -> Iterator[RenderableType]:
-    """Yield the table of outcomes by case and solver, the counts of each solver, and a line for each failure.
+    """Yield the table of how each solver fared on each extreme scene, counts for each solver, and a line for each failure.
 
     ``rows``: outcomes of every solver on every scene. ``failures``: those outcomes that are not as expected.
     """
@@ -188,7 +188,9 @@ def _stability_tables(
 
 
 def solve_drawn_screws(count: int, folder: Path, workers: int, keep: Path | None) -> CommandOutput:
-    """Solve the first ``count`` randomly drawn screws with the 3D reference, and return errors of the models and failures.
+    """Compute the 3D reference of randomly drawn screws, and return the errors of the models on them and the failures.
+
+    ``count``: number of screws, counted from the first.
 
     ``folder``: folder in which each solved screw is stored. ``workers``: number of screws solved in parallel. ``keep``:
     file for the results that the report reads; None: it is not written. The exit code is 1 if a screw has no result. Raises

@@ -81,7 +81,7 @@ def sweep(
 
 
 def solve_and_report_sweep(sweep: Sweep, out: Path, engine: Engine) -> CommandOutput:
-    """Solve all samples that are not stored yet, and write and return the summary; exit code 1 if no sample converged.
+    """Solve all samples of a sweep that are not stored yet, and return its summary; exit code 1 if no sample converged.
 
     ``sweep``: scene, varied parameters and design of the samples. ``out``: folder of samples and summary. ``engine``:
     solves the samples. Raises InputError in the cases in which `solve_samples_of_sweep` raises it.
@@ -136,7 +136,7 @@ def _parameter_effects_table(keys: Sequence[VariedKey], found: Mapping[str, Any]
 def _sobol_index_text(row: Mapping[str, float], kind: str) -> str:
     """Return a Sobol index with its confidence interval as text.
 
-    ``row``: indices of one parameter with the ends of their intervals. ``kind``: "first" or "total".
+    ``row``: Sobol indices of one parameter with the ends of their intervals. ``kind``: "first" (first-order) or "total".
     """
     return f"{row[kind]:.3f} ({row[f'{kind}_low']:.3f} to {row[f'{kind}_high']:.3f})"
 
