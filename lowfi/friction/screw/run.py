@@ -266,7 +266,7 @@ class Run:
         """Raise ValueError for values out of range, or if the balls do not fit into the closed track."""
         if self.count < 2 or self.steps < 1 or self.duration <= 0.0 or self.tube < 0.0:
             raise ValueError(
-                "a simulation needs at least 2 balls and 1 time step, a positive duration, and a return tube of length >= 0, "
+                "a simulation needs at least 2 balls and 1 time step, a positive duration and a tube of length >= 0, "
                 f"got count {self.count}, steps {self.steps}, duration {self.duration} s, tube {self.tube} rad"
             )
         if self.count * self.groove.pair.spacing >= self.ring:
