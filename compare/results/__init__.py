@@ -1,4 +1,4 @@
-"""Results of the library: immutable records in SI units, made from the solvers' records, and their JSON.
+"""Results of the library: immutable records in SI units, made from those of the solvers, and their conversion to JSON.
 
 To add a number to the results, add a field ``quantity(key, definition, heading=...)`` to the record of its group: `BallRow`
 (every ball), `BallLoadSums` and `Axial` in `scene_json`, `Contact` (worst contact) in `lowfi.rating.contacts`. JSON and

@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 
 #: A value that the JSON format can represent.
 JSON: TypeAlias = "bool | int | float | str | list[JSON] | dict[str, JSON] | None"
-#: Version of the JSON format of results, at the key ``schema``; raised when a key is removed or changes its meaning.
+#: Version of the JSON format of results, at the key ``schema``; it increases when a key is removed or changes its meaning.
 SCHEMA = 1
 
 
-#: Headings of the columns of a table of results, and the width [characters] below which notes get a line of their own.
+#: Headings of the columns of a table of results; width [characters] left for notes below which they get their own line.
 HEADINGS, ROOM = ("quantity", "value", "unit", "error to expect", "note"), 18
 
 
 class Row(NamedTuple):
-    """One row of a table of results, whose cells are texts; the note is, for example, the ball that carries the load."""
+    """Texts of one row of a table of results, for example quantity "largest contact load" with the note "ball 12 SL"."""
 
     quantity: str
     value: str
@@ -135,16 +135,16 @@ class Record(ABC):
 
     @property
     def _shown(self) -> str:
-        """Keys, joined by dots, of that part of the JSON which `table` shows; empty for all."""
+        """Path (keys joined by dots) to the part of the JSON that `table` shows; empty for the whole JSON."""
         return ""
 
     @property
     def _notes(self) -> tuple[str, ...]:
-        """Sentences shown below the table."""
+        """Sentences printed below the table of results."""
         return ()
 
     def __getitem__(self, path: str) -> JSON:
-        """Return the JSON value under keys joined by dots; deprecated, use the fields or `to_dict`.
+        """Return the JSON value at a path of keys joined by dots; deprecated, use the fields or `to_dict`.
 
         Parameters
         ----------
@@ -171,7 +171,7 @@ class Record(ABC):
         return self.to_dict()
 
     def quantity(self, path: str) -> pint.Quantity:
-        """Return a number of the JSON with its unit, as a quantity of the package pint.
+        """Return a number of the result's JSON with its unit, as a quantity of the package pint.
 
         Parameters
         ----------
@@ -207,11 +207,13 @@ class Record(ABC):
         keys = reversed(path.split("."))  # a table of one unit has it in its own name
         unit = next((unit for key in keys if (unit := name_and_unit_of_key(key)[1]) is not None), None)
         if unit is None or value is None or isinstance(value, (str, bool, Mapping)):
-            raise ValueError(f"{path}: {'no value' if value is None else 'no number with a unit'}")
+            raise ValueError(
+                f"{path}: the result has {'no value' if value is None else 'no number with a unit'} at this path"
+            )
         return pint.application_registry.get().Quantity(value, unit.text.replace("million ", "mega"))
 
     def definition(self, path: str) -> str:
-        """Return the definition of a number of the JSON, with a statement on its error.
+        """Return the definition of a number of the result's JSON, with a statement on its error.
 
         Parameters
         ----------
@@ -240,11 +242,11 @@ class Record(ABC):
         stated = definition(path)
         return "" if stated is None else stated.definition + (f"; its error: {stated.error}" if stated.error else "")
 
-    #: Headings of `table`.
+    #: Headings of the columns of `table`.
     headings: ClassVar[Sequence[str]] = HEADINGS
 
     def table(self) -> Sequence[Sequence[str]]:
-        """Return the rows of the table that notebooks and ``print`` show.
+        """Return the rows of the result's table that notebooks and ``print`` show.
 
         There is one row for every single value of the JSON, unless the class of the result defines other rows.
 
@@ -259,19 +261,19 @@ class Record(ABC):
         ]
 
     def __str__(self) -> str:
-        """Return the table as aligned text, with the notes below it."""
+        """Return the table of results as aligned text, with the notes below it."""
         return "\n".join(
             [*([format_table_as_text(rows, 100, self.headings)] if (rows := self.table()) else []), *self._notes]
         )
 
     def _repr_html_(self) -> str:
-        """Return the table as HTML for a notebook, with the notes below it."""
+        """Return the table of results as HTML for a notebook, with the notes below it."""
         return format_table_as_html(self.table(), self.headings) + "".join(
             f"<p>{html.escape(note)}</p>" for note in self._notes
         )
 
     def _at(self, path: str) -> JSON:
-        """Return the JSON value at the keys ``path``, joined by dots; an empty path gives all values.
+        """Return the JSON value at a path, which consists of keys joined by dots; an empty path gives all values.
 
         Raises KeyError, with the available keys, if a key does not exist.
         """
@@ -298,9 +300,9 @@ def warn_of_deprecation(former_name: str, replacement: str) -> None:
 
 
 def _flatten_json_values(value: JSON, name: str, list_name: str = "") -> Iterator[tuple[str, JSON, str]]:
-    """Yield (name, value, unit) of every single value inside a JSON value; None and lists of records are left out.
+    """Yield name, value and unit of every single value inside a nested JSON value; None and lists of records are left out.
 
-    ``name``: words put before the name of each value. ``list_name``: unit of the values whose key does not end with a unit.
+    ``name``: words put before the name of each value. ``list_name``: unit of those values whose key does not end with one.
     """
     if isinstance(value, dict):
         for key, inner in value.items():
@@ -316,7 +318,7 @@ def _flatten_json_values(value: JSON, name: str, list_name: str = "") -> Iterato
 
 
 def _format_cell_value(value: JSON) -> str:
-    """Format a JSON value as the text of a table cell, with five digits."""
+    """Format a JSON value as the text of a table cell; numbers have five significant digits."""
     if isinstance(value, float):
         return f"{value:.5g}"
     if isinstance(value, list):

@@ -40,19 +40,19 @@ from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Scene
 
-#: Name by which the stored 3D reference is listed if models are compared with a user's reference.
+#: Name of the stored 3D reference in tables that compare models with a user's reference.
 OURS = "stored 3D reference"
 
 
 @dataclass(frozen=True)
 class ComparedLoads:
-    """Contact loads of one model, of a coarser mesh or of the reference, with their errors and the results that follow."""
+    """Contact loads of a model or of a 3D run, with their errors against the reference and the quantities that follow."""
 
-    #: Contact loads and displacements.
+    #: Contact loads and displacements of the model or 3D run.
     answer: Loads
-    #: Errors of the contact loads; None for the reference itself.
+    #: Errors of the contact loads against the reference; None for the reference itself.
     error: LoadError | None
-    #: Pressure, static safety and life that follow from the loads.
+    #: Pressure, static safety and life, computed from the contact loads.
     found: LoadAnswers
     #: Axial displacement of the screw at the nut's centre from its unloaded position [m].
     displacement: float
@@ -60,17 +60,17 @@ class ComparedLoads:
     force: float
     #: Number of contacts that are loaded in the screw without geometric errors.
     contacts: int
-    #: Largest error of a contact load as `rollbench check` judges it (`measure.scale_of_gate_errors`) [%].
+    #: Largest error of a contact load [%] as `rollbench check` defines it (`measure.scale_of_gate_errors`).
     by_gate: float = 0.0
 
     @property
     def label(self) -> str:
-        """Name of the model or reference in the JSON."""
+        """Name of the model or 3D run in the JSON."""
         return self.answer.model
 
     @property
     def title(self) -> str:
-        """Name of the model or reference in tables and sentences."""
+        """Name of the model or 3D run in tables and sentences."""
         return model_title(self.answer.model)
 
     @property
@@ -86,7 +86,7 @@ def compare_loads_with_reference(
     unloaded_displacement: float = 0.0,
     contacts: int | None = None,
 ) -> ComparedLoads:
-    """Compute the errors of contact loads against a reference, and the pressure, life, displacement and force of the loads.
+    """Compute the errors of contact loads against a reference, and the pressure, life and displacement that follow.
 
     Parameters
     ----------
@@ -119,22 +119,22 @@ def compare_loads_with_reference(
 
 @dataclass(frozen=True)
 class SetComparison:
-    """Comparison of models, and of coarser meshes, with the reference of one nut or bearing."""
+    """Comparison of models, and of coarser meshes of the 3D reference, with the reference of one nut or bearing."""
 
-    #: Results and errors of models and coarser meshes.
+    #: Contact loads and errors of each model, and of the 3D reference on each coarser mesh.
     models: tuple[ComparedLoads, ...]
-    #: Results of the reference.
+    #: Contact loads of the reference.
     itself: ComparedLoads
-    #: Expected error of the model that `comparison_verdict_sentence` judges, estimated from comparisons on other scenes.
+    #: Error to expect of the judged model (`judged_model`), estimated from comparisons on other scenes; None if unknown.
     expected: ModelForm | None
-    #: Uncertainty of the comparison.
+    #: Uncertainty of the errors, by its causes: mesh and choices of the reference, inputs of the scene.
     total: LoadUncertainty
     #: Axial position of the screw without loads [m], by the default model; displacements are measured from it.
     start: float = 0.0
 
     @property
     def judged_model(self) -> ComparedLoads:
-        """Results of the model that the first sentence judges: the default model if it is compared, else the first."""
+        """Contact loads of the model whose error the verdict states: the default model if compared, else the first one."""
         return next((b for b in self.models if b.label == DEFAULT), self.models[0])
 
 
@@ -146,7 +146,7 @@ def compare_models_with_reference(
     set_of_assembly: SetOfAssembly | None = None,
     stored_reference: Reference | None = None,
 ) -> SetComparison:
-    """Compare models with a reference; the reference's coarser meshes and the mesh of the publication are compared too.
+    """Compare models, and coarser meshes of the 3D reference, with the reference of one nut or bearing.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def compare_models_with_reference(
 
     Returns
     -------
-    Compared
+    SetComparison
         The comparison.
 
     Raises
@@ -207,7 +207,7 @@ def compare_models_with_reference(
 
 
 def solve_and_compare(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]) -> SetSolution:
-    """Solve a scene with a single nut or bearing by a low-order model, once with and once without its external loads.
+    """Solve a scene with a single nut or bearing by a low-order model, with and without its external loads.
 
     ``reference``: 3D reference whose condensed bodies a model may need. ``stores``: folders with runs of the 3D reference.
     The time of the solution with loads is measured.
@@ -218,7 +218,7 @@ def solve_and_compare(model: Model, scene: Scene, reference: Reference, stores: 
 
 
 def error_points_of_other_scenes(reference: Reference) -> list[Point]:
-    """Return the errors on compared scenes from which expected errors are estimated, without those of the same scene.
+    """Return the known errors of models on scenes other than that of a reference, for estimating the errors to expect.
 
     ``reference``: reference of the scene whose errors are left out.
     """
@@ -227,7 +227,7 @@ def error_points_of_other_scenes(reference: Reference) -> list[Point]:
 
 
 def loads_and_rigidities(compared_loads: ComparedLoads) -> dict[str, Any]:
-    """Return as JSON the loads of a model or the reference, and the rigidity, pressure and life that follow from them.
+    """Return the loads of a model or 3D run, and rigidity, pressure and life that follow from them, as JSON.
 
     ``compared_loads``: the loads. Forces are in N, displacements in um, rigidities in N/um.
     """
@@ -251,7 +251,7 @@ def loads_and_rigidities(compared_loads: ComparedLoads) -> dict[str, Any]:
 
 
 def comparison_json(comparison: SetComparison, reference: Reference) -> dict[str, Any]:
-    """Return a comparison as JSON: verdict, mesh levels and uncertainty of the reference, errors, and all results.
+    """Return the comparison of models with a reference as JSON: verdict, errors, uncertainty and all results.
 
     ``comparison``: the comparison of models with ``reference``.
     """
@@ -272,15 +272,14 @@ def comparison_json(comparison: SetComparison, reference: Reference) -> dict[str
 
 
 def is_from_finest_reference_run(answer: Loads, reference: Reference) -> bool:
-    """Return whether contact loads are those of the reference's finest run, against which all errors are computed."""
+    """Return whether contact loads are those of the reference's finest 3D run, against which all errors are computed."""
     return answer.model == f"3D level {reference.best.level}"
 
 
 def reference_uncertainty_text(reference: Reference, total: LoadUncertainty) -> str:
-    """Return a text on the uncertainty and the mesh levels of the reference.
+    """Return a phrase on the uncertainty and the mesh levels of the reference.
 
-    ``total``: uncertainty of the comparison. For a reference from a user's file, the text is what the file
-    states.
+    ``total``: uncertainty of the comparison. For a reference from a user's file, the text is what the file states.
     """
     if reference.stated:
         return total.stated
@@ -291,7 +290,7 @@ def reference_uncertainty_text(reference: Reference, total: LoadUncertainty) -> 
 
 
 def comparison_verdict_sentence(comparison: SetComparison, reference: Reference) -> str:
-    """Return one sentence on a comparison: measured and expected error of the judged model, and the uncertainty.
+    """Return one sentence on a comparison: measured and expected error of the judged model, uncertainty of the reference.
 
     ``comparison``: the comparison of models with ``reference``.
     """
@@ -313,7 +312,7 @@ def comparison_verdict_sentence(comparison: SetComparison, reference: Reference)
 
 
 def model_and_reference_rows(comparison: SetComparison) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Return headings and rows of the table that compares the results of the judged model with those of the reference.
+    """Return headings and rows of the table that compares the judged model with the reference.
 
     Parameters
     ----------

@@ -38,13 +38,13 @@ from rollbench.meshes.quantity import quantity_field, result_record
 
 #: Comparisons, by the name of the load case and the name of the nut or bearing.
 ByCase = Mapping[tuple[str, str], SetComparison]
-#: References, one for each nut or bearing, each with its comparison.
+#: Pairs of a reference and the comparison with it, one for each nut or bearing.
 Pairs = Sequence[tuple[Referenced, SetComparison]]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Loads:
-    """Contact loads of a model or of the reference, with the pressure, displacement and life that follow from them.
+    """Contact loads of a model or 3D run, with the pressure, displacement and life that follow from them.
 
     The four columns of the arrays are the groove flanks SL, SR, NL, NR (screw or nut, left or right).
     """
@@ -75,28 +75,28 @@ class ModelLoads(Loads):
     """Errors of the contact loads, (n, 4) [% of the mean contact load of the reference]."""
     largest_error: float = quantity_field(
         "measured_error_percent",
-        "measured error of the worst contact load, in per cent of the reference's mean load",
+        "measured largest error of a contact load, in per cent of the reference's mean load",
         error="`uncertainty.discretisation_percent`",
     )
     """Largest absolute error of a contact load [% of the mean contact load]."""
     rms_error: float
     """Root mean square error over the loaded contacts [% of the mean contact load]."""
     gate_error: float
-    """Largest error as `check` judges it [%]: relative to the load of the contact, or to the mean load if that load is
-    small."""
+    """Largest error of a contact load as `check` defines it [%]: relative to the load of that contact, or to the mean load
+    if the contact's load is small."""
     ball: int
     """Number of the ball with the largest error, from 1."""
     side: str
     """Groove flank with the largest error: SL, SR, NL or NR."""
 
     def __repr__(self) -> str:
-        """Return the model's name and its largest and root mean square error."""
+        """Return a text with the model's name, its largest and its root mean square error."""
         return f"{self.name}: largest error {self.largest_error:.2f} % of the mean load, RMS {self.rms_error:.2f} %"
 
 
 @result_record
 class Uncertainty:
-    """Uncertainty of the largest contact load in a comparison, by its causes [% of the mean contact load].
+    """Uncertainty of the errors in a comparison with the reference, by its causes [% of the mean contact load].
 
     A cause whose contribution is not known is None.
     """
@@ -115,7 +115,7 @@ class Uncertainty:
     second_order: float
     """Uncertainty from large displacements, which the geometrically linear reference neglects."""
     words: str
-    """Explanation of all causes; for a user's reference, what its file states about its uncertainty."""
+    """Explanation of all causes of uncertainty; for a user's reference, what its file states about its uncertainty."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -161,7 +161,7 @@ class Comparison(Record):
     cases: Mapping[str, Comparison] = field(default_factory=dict)
     """Comparison of each load case, by name; empty without load cases."""
     compared: tuple[tuple[Referenced, SetComparison], ...] = ()
-    """Records with further details: reference and comparison of each load case and each nut or bearing."""
+    """Records of the computation with further details: reference and comparison of each load case and nut or bearing."""
     described: Described | None = None
     """The compared scene; None for a load case, or for one of several nuts or bearings."""
 
@@ -176,7 +176,7 @@ class Comparison(Record):
         return {name: one.seconds for name, one in self.models.items()}
 
     def to_dict(self) -> dict[str, JSON]:
-        """Return the errors of the models, and the results of models and reference, as a dictionary of JSON values.
+        """Return the models' errors, and the results of models and reference, as a dictionary of JSON values.
 
         Returns
         -------
@@ -259,7 +259,7 @@ def make_comparison(described: Described, pairs: Pairs, warnings: Sequence[str])
 
 
 def _combine_set_comparisons(name: str, described: Described | None, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
-    """Combine the comparisons of all nuts and bearings of a scene with one load case.
+    """Combine the comparisons of all nuts and bearings of a scene with one load case into one record.
 
     ``name``: name of the scene or load case. ``described``: the scene; None for one of several load cases. ``pairs``:
     reference and comparison of each nut or bearing.
@@ -280,7 +280,7 @@ def _combine_set_comparisons(name: str, described: Described | None, pairs: Pair
 def _comparison_of_single_set(
     name: str, referenced: Referenced, comparison: SetComparison, described: Described | None, warnings: Sequence[str]
 ) -> Comparison:
-    """Convert the comparison of one nut or bearing with its reference to the record that users get.
+    """Convert the comparison of one nut or bearing with its reference to a `Comparison`.
 
     ``name``: name of the comparison. ``referenced``: the reference. ``comparison``: the comparison. ``described``: the
     scene; None for a load case, or for one of several nuts or bearings.
@@ -305,9 +305,9 @@ def _comparison_of_single_set(
 
 
 def _loads_record_fields(compared_loads: ComparedLoads) -> dict[str, Any]:
-    """Return the fields of a `Loads` record, by name, for the model or reference ``compared_loads``.
+    """Return the fields of a `Loads` record, by name, for a model or 3D run.
 
-    Angles are converted to radians.
+    ``compared_loads``: its contact loads, whose angles are converted to radians.
     """
     life = compared_loads.found.life
     return {
@@ -364,7 +364,7 @@ def _set_comparison_json(comparison: SetComparison, referenced: Referenced) -> d
 
 @dataclass(frozen=True)
 class PreparedComparison:
-    """Scenes with their references and the models to compare: the input of a comparison that is ready to be computed."""
+    """Input of a comparison: scenes, their references and the models to compare; its method computes the comparisons."""
 
     described: Sequence[Described]
     """Scenes as the user gave them, with all load cases."""
@@ -384,7 +384,7 @@ class PreparedComparison:
     """Whether the references come from a file of the user, not from the 3D reference."""
 
     def compare_each_set(self) -> Iterator[tuple[Referenced, SetComparison]]:
-        """Compare the models with each reference, one nut or bearing after the other, as the generator is advanced.
+        """Yield the comparison of the models with each reference, one nut or bearing after the other.
 
         Yields
         ------
@@ -464,7 +464,7 @@ def prepare_comparison(
         wanted = levels or otherwise
 
         def first(task: Task) -> None:
-            """Report the errors against the coarsest mesh level while finer levels are computed."""
+            """Print the errors against the coarsest mesh level as soon as its run is stored; finer levels follow."""
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
                 for one in stored_references(scene, (store,), (task.level,)):
                     whole = compare_models_with_reference(
@@ -519,7 +519,7 @@ def compare_each_set(
     *,
     from_user_file: bool,
 ) -> Iterator[tuple[Referenced, SetComparison]]:
-    """Compare models with references, one nut or bearing after the other, as the generator is advanced.
+    """Yield the comparison of models with each reference, one nut or bearing after the other.
 
     Parameters
     ----------
@@ -593,7 +593,7 @@ def read_user_references(
 
 
 def set_keys(referenced: Referenced) -> dict[str, str]:
-    """Return the keys that identify a nut or bearing in the JSON of a comparison.
+    """Return the JSON keys "scene" and "set", with names, that identify one of several nuts or bearings in a comparison.
 
     Parameters
     ----------
@@ -609,7 +609,7 @@ def set_keys(referenced: Referenced) -> dict[str, str]:
 
 
 def distinct_duty_cycles(cases: Mapping[str, CaseOfCycle]) -> Iterable[DutyCycle]:
-    """Return the duty cycles to which some load cases belong.
+    """Return the duty cycles to which the given load cases belong.
 
     Parameters
     ----------
@@ -626,7 +626,7 @@ def distinct_duty_cycles(cases: Mapping[str, CaseOfCycle]) -> Iterable[DutyCycle
 
 @result_record
 class CycleSummary:
-    """Largest error of a contact load, and life, of one nut or bearing over a duty cycle."""
+    """Largest error of a model's contact loads, and life, over all load cases of a duty cycle, for one nut or bearing."""
 
     model: str = quantity_field("model")
     error: float | None = quantity_field(
@@ -664,7 +664,7 @@ def cycle_summaries_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]
 
 
 def _cycle_summary_of_set(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
-    """Return the JSON summary of a comparison over all load cases, for the nut or bearing called ``name``.
+    """Return a JSON summary of a model's errors and life over all load cases, for the nut or bearing called ``name``.
 
     ``each``: comparisons, by the name of the load case and the name of the nut or bearing. Lives are in 10^6
     revolutions.

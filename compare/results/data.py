@@ -15,7 +15,7 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Data(Record):
-    """Result of a computation that holds the JSON output of the command of the same name."""
+    """Result of a library function that keeps the JSON output of the command of the same name."""
 
     values: Mapping[str, JSON]
     """JSON values that the command prints, without the version number of the output."""
@@ -80,7 +80,7 @@ class FrictionBall:
 
 @result_record(kw_only=True)
 class FrictionBand:
-    """Friction torques at the smallest and largest coefficients of friction measured with lubricants, 0.003 and 0.1."""
+    """Friction torques at the smallest and largest coefficient of friction measured with lubricants, 0.003 and 0.1."""
 
     coefficients: Sequence[float] = quantity_field(
         "coefficients", "smallest and largest coefficient of friction measured with lubricants, 0.003 and 0.1", parts="[]"
@@ -96,7 +96,7 @@ class FrictionBand:
     drag_torque: Sequence[float | None] | None = quantity_field(
         "drag_torque_Nmm", "drag torque at both coefficients", parts="[]"
     )
-    preload: float | None = quantity_field("preload_N", "preload force F in the formula of screw makers")
+    preload: float | None = quantity_field("preload_N", "preload force F in the makers' formula for the drag torque")
     makers: float | None = quantity_field(
         "makers_formula_Nmm", "drag torque by the formula of screw makers, 0.05/sqrt(tan beta) F l/(2 pi)"
     )
@@ -106,10 +106,10 @@ class FrictionBand:
 class FrictionPlay:
     """Effect of axial play on the friction torque of a screw whose scene states neither preload nor play.
 
-    The play is made by smaller balls.
+    Balls of smaller radius give the screw its play.
     """
 
-    smaller: float = quantity_field("smaller_by_um", "reduction of the ball radii that makes the play")
+    smaller: float = quantity_field("smaller_by_um", "reduction of the ball radii that gives the play")
     torque: float | None = quantity_field("friction_torque_Nmm", "friction torque with this play")
     as_given: float | None = quantity_field("friction_torque_as_given_Nmm", "friction torque of the unchanged scene")
 
@@ -135,9 +135,9 @@ class FrictionOnset:
         "first_meeting_rolling_deg",
         "rotation at which the first two neighbouring balls meet if unloaded balls roll at the nominal speed",
     )
-    closing: int = quantity_field("closing_pairs", "number of pairs of neighbouring balls whose gap closes")
+    closing: int = quantity_field("closing_pairs", "number of pairs of neighbouring balls that approach each other")
     pairs: int = quantity_field("pairs", "number of pairs of neighbouring balls in all circuits")
-    unloaded: int = quantity_field("balls_without_load", "balls without load")
+    unloaded: int = quantity_field("balls_without_load", "number of balls without load")
     factor: float | None = quantity_field(
         "error_factor",
         "smallest factor on the scene's errors of grooves and single balls at which neighbouring balls touch; 0 if they "
@@ -229,20 +229,20 @@ class Friction(Data):
     )
     efficiency_forward: float | None = quantity_field(
         "torque.efficiency_forward_percent",
-        "work done on the load, divided by the work of the torque",
+        "work done on the axial load, divided by the work of the driving torque",
         error="1 - efficiency is proportional to the coefficient",
         heading="efficiency against the load",
         form="g3",
     )
     efficiency_backward: float | None = quantity_field(
         "torque.efficiency_backward_percent",
-        "work of the torque, divided by the work of the load",
+        "work of the torque that the screw delivers, divided by the work of the axial load",
         error="as above",
         heading="efficiency with the load",
         form="g3",
     )
     self_locking: bool | None = quantity_field(
-        "torque.self_locking", "whether the load cannot drive the screw", heading="self-locking"
+        "torque.self_locking", "whether the screw is self-locking: the axial load cannot turn it", heading="self-locking"
     )
     screw_coefficient: float | None = quantity_field("friction.screw", "coefficient of friction in the screw's groove")
     nut_coefficient: float | None = quantity_field("friction.nut", "coefficient of friction in the nut's groove")
@@ -251,15 +251,15 @@ class Friction(Data):
     loss: float | None = quantity_field(
         "losses.total_W",
         "power lost in all contacts",
-        QuantityDescription("losses", "power lost between balls, and what Heathcote's slip would add", parts=".*"),
+        QuantityDescription("losses", "power lost between balls, and power that Heathcote slip would add", parts=".*"),
         QuantityDescription(
             "losses.by_contact_W",
-            "power lost on one flank, and the shares of sliding across, along and of spin",
+            "power lost on one groove flank, and the shares of sliding across and along the groove and of spin",
             parts="[].*",
         ),
         QuantityDescription(
             "energy",
-            "power of the driving torque, power of the load, power lost, and the error of their balance",
+            "power of the driving torque, of the axial load and of the losses, and the error of their balance",
             parts=".*",
         ),
         QuantityDescription(
@@ -290,7 +290,7 @@ class Friction(Data):
     cases: Mapping[str, Friction] = field(default_factory=dict)
     """Friction in each load case, by name; empty without load cases."""
     together: FrictionCases | None = None
-    """Largest and mean torque over all load cases; None without load cases."""
+    """Largest and mean friction torque over all load cases; None without load cases."""
 
 
 def friction_record_from_json(data: Mapping[str, Any]) -> Friction:
@@ -459,7 +459,7 @@ class Ensemble(Data):
     members: int
     """Number of specimens in each load case."""
     converged: int
-    """Number of specimens with an equilibrium; with load cases, the number in the case with the fewest."""
+    """Number of specimens with an equilibrium; with load cases, that of the case with the fewest."""
     outputs: Mapping[str, Statistics | None]
     """Statistics of each output, by its name; None if fewer than two specimens have a value. Empty if the scene has load
     cases."""
@@ -520,9 +520,9 @@ def ensemble_from_json(data: Mapping[str, Any]) -> Ensemble:
 
 
 def _output_statistics_from_json(each: Mapping[str, Any]) -> dict[str, Statistics | None]:
-    """Convert the JSON statistics of outputs to records, by the output's name; None if an output has no statistics.
+    """Convert the JSON statistics of several outputs to records; None for an output without statistics.
 
-    ``each``: JSON statistics by the output's name, such as the largest load.
+    ``each``: JSON statistics by the name of the output, such as ``largest_load_N``.
     """
     return {name: None if x is None else _statistics_from_json(x) for name, x in each.items()}
 
@@ -630,7 +630,7 @@ def _statistics_from_json(x: Mapping[str, Any]) -> Statistics:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Written(Data):
-    """Files and verdict of a report that `rollbench.report` wrote."""
+    """Path of a report that `rollbench.report` wrote, with its verdict on the scene."""
 
     page: Path
     """File of the report's first page."""

@@ -1,4 +1,4 @@
-"""Tables of the manual that define the numbers in the JSON output; the definitions are those of the records' fields."""
+"""Tables of the manual that define the numbers in the JSON output; the definitions are stated at the records' fields."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class DefinitionTable(NamedTuple):
     records: tuple[tuple[str, type], ...]
 
     def paths(self) -> Iterator[tuple[str, QuantityDescription]]:
-        """Yield the end of the JSON path of every number in the table, such as ``loads.max_N``, with its definition."""
+        """Yield the end of each number's JSON path, such as ``loads.max_N``, and its definition, for this table."""
         for where, kind in self.records:
             for _, one in quantity_descriptions(kind):
                 if one.definition:
@@ -193,12 +193,12 @@ TABLES = (
 
 @cache
 def _definitions_by_path_pattern() -> tuple[tuple[re.Pattern[str], QuantityDescription], ...]:
-    """Return a pattern of the JSON path and the definition of every number in `TABLES`, in their order."""
+    """Return, for every number in `TABLES` in their order, a pattern that its JSON path matches, and its definition."""
     return tuple((_json_path_pattern(path), one) for table in TABLES for path, one in table.paths())
 
 
 def _json_path_pattern(path: str) -> re.Pattern[str]:
-    """Return the regular expression that matches full JSON paths which end with a path of `TABLES`."""
+    """Return the regular expression for all JSON paths that end with a given path of `TABLES`."""
     named = re.escape(path).replace("FLANK", "(SL|SR|NL|NR)").replace(r"\*", r"[^.]+")
     return re.compile(rf"(.*\.)?{named}")
 

@@ -25,7 +25,7 @@ from rollbench.meshes.quantity import quantity_field, result_record
 
 #: Default and largest number of points of a curve.
 POINTS, MOST = 21, 1001
-#: Relative change of a load for the tangent stiffness; share of the largest load that is treated as a vanishing load.
+#: Relative change of a load by which the tangent stiffness is computed; share of the largest load that counts as vanishing.
 STEP, VANISHING = 1e-3, 1e-6
 #: Form of the text that states a range of loads, for error messages.
 FORM = "LOW:HIGH, then :POINTS, :x, :y, :z or an angle across the axis such as :45deg, :STATION or :HOUSING, as needed"
@@ -204,7 +204,7 @@ class LoadCurve(Record):
 
     @property
     def above(self) -> str:
-        """Text of the warnings that are printed above the results; empty if there are none."""
+        """Line of warnings that is printed above the results; empty if there are none."""
         return join_brief_warnings(self.warnings)
 
     def to_dict(self) -> dict[str, JSON]:
@@ -220,11 +220,11 @@ class LoadCurve(Record):
 
 @dataclass(frozen=True)
 class _StateAtLoad:
-    """Solution of the scene at one load of the curve."""
+    """Solution of the scene under one load of a load curve."""
 
     scene: Scene | Assembly
     result: StaticResult | AxisResult
-    #: Displacement along the force [m]; nan without equilibrium.
+    #: Displacement of the loaded point along the force [m]; nan without equilibrium.
     moved: float = math.nan
     #: Largest contact load [N]; nan without equilibrium.
     largest: float = math.nan
@@ -336,7 +336,7 @@ def compute_load_curve(
 def _load_application(
     scene: Scene | Assembly, course: LoadRange
 ) -> tuple[Callable[[float], Scene | Assembly], Vector, float | str, float]:
-    """Return a function that applies one load of the curve to the scene, and what that load is.
+    """Return a function that applies one load of a load curve to the scene, and direction and position of this load.
 
     Returns, in this order: the function, which gets a force [N] or load factor and returns the scene under this load; the
     unit vector of the force; the axial position [m] or housing on which it acts; and the force [N] for a load of 1, which
@@ -376,9 +376,10 @@ def _load_application(
 
 
 def _default_load_position(assembly: Assembly) -> float | str:
-    """Return the axial position [m] or housing for which the scene asks the stiffness, or on which its first load acts.
+    """Return the axial position [m] or the housing on which the loads of a load curve act if the user states none.
 
-    ``assembly``: shaft with several nuts or bearings.
+    It is the one for which the scene asks the stiffness, or on which the scene's first load acts. ``assembly``: shaft with
+    several nuts or bearings.
     """
     from rollbench.lowfi.statics.axis.system import reported_location  # imports the solver of several nuts and bearings
 
@@ -400,9 +401,9 @@ def _largest_load(loads: Any) -> float:
 def _backlash_limits(
     course: LoadRange, displacement_at: Callable[[float], float], largest_load: float
 ) -> tuple[tuple[float, float] | None, str]:
-    """Return the displacements [m] at the lower and upper end of the backlash, and an empty text.
+    """Return the displacements at both ends of the backlash [m], or None and the reason why no backlash can be computed.
 
-    If the backlash is not defined, returns None and a text with the reason. ``course``: range of loads.
+    The second value is a text, empty if there is a backlash. ``course``: range of loads.
     ``displacement_at``: function that returns the displacement [m] under a load. ``largest_load``: largest absolute load.
     The end of the backlash is extrapolated from vanishing loads; ends closer than the accuracy of this are made equal.
     """
@@ -422,7 +423,7 @@ def _backlash_limits(
 
 
 def _secant_stiffness_outside_backlash(end: CurvePoint, backlash_end: float) -> float | None:
-    """Return the secant stiffness [N/m] between one end of the backlash and the curve's last point on that side.
+    """Return the secant stiffness [N/m] between one end of the backlash and the load curve's last point on that side.
 
     ``end``: last point of the curve. ``backlash_end``: displacement at the end of the backlash [m]. Returns None if there
     is no equilibrium at the curve's last point.

@@ -1,7 +1,7 @@
 """Table of the results of a solved scene, with the columns quantity, value, unit, error to expect, and note.
 
-The field of a record that defines a quantity also states its name, unit, digits, error and note. The terminal, the HTML
-page, notebooks and the manual show the same table.
+The record field that defines a quantity also states its name, unit, digits, error and note in the table. The terminal, the
+HTML page, notebooks and the manual show the same table.
 """
 
 from __future__ import annotations
@@ -64,13 +64,13 @@ GROUPS: tuple[tuple[str, type], ...] = (
     ("ratings", Ratings),
     ("shaft", ShaftLimits),
 )
-#: Fields of `ModelForm` with expected errors in per cent of the mean contact load.
+#: Fields of `ModelForm` whose expected errors are in per cent of the mean contact load.
 OF_MEAN = ("percent", "rms_percent")
-#: Note on a preload that is not known.
+#: Note in the table if the preload is not known.
 UNKNOWN = "no equilibrium was found without the scene's loads"
 #: Groups of the summary of several nuts or bearings that describe the whole shaft.
 OF_ALL = ("axial", "drive", "axis_life")
-#: Columns of the table of nuts and bearings: group in the summary of one, key in this group, heading.
+#: Columns of the table of nuts and bearings on a shaft: group in the JSON summary of each, key in this group, heading.
 OF_SETS = (
     ("loads", "max_N", "largest load N"),
     ("worst_contact", "pressure_MPa", "peak MPa"),
@@ -117,7 +117,7 @@ def solution_rows(solved: Solved | SolvedAxis, *, details: bool = False) -> list
 def rows_from_summary_json(
     data: Mapping[str, Any], expected_errors: ModelForm | None = None, *, details: bool = False
 ) -> list[Row]:
-    """Return the rows of the table of results for the quantities in a JSON summary.
+    """Return the rows of the table of results for the quantities in the JSON summary of a scene.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def rows_from_summary_json(
 def rows_with_reference(
     data: Mapping[str, Any], reference: Mapping[str, Any], expected_errors: ModelForm | None
 ) -> Iterator[tuple[str, str, str, str, str, str]]:
-    """Yield a table row for each quantity that the JSON summaries of both the model and the reference contain.
+    """Yield a table row for each quantity that the JSON summaries of both a model and the reference contain.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ def rows_with_reference(
 def _summary_groups(
     data: Mapping[str, Any],
 ) -> Iterator[tuple[type, Mapping[str, Any], list[tuple[str, QuantityDescription]]]]:
-    """Yield for each of `GROUPS` its record class, its values in the JSON summary, and its quantities.
+    """Yield, for each group of quantities in `GROUPS`, its record class, its values in a JSON summary, and its quantities.
 
     ``data``: JSON summary of a scene. The values are a mapping, empty if the summary does not contain the group. The
     quantities are pairs of JSON key and definition.
@@ -209,7 +209,7 @@ def _quantity_name_and_unit(definition: QuantityDescription) -> tuple[str, str]:
 
 
 def _value_at(table: Mapping[str, Any], key: str) -> Any:
-    """Return the value at a key of a JSON table; a dot in the key leads into an inner table.
+    """Return the value at a key of a JSON object; a dot in the key leads into an inner object.
 
     Returns ``...`` (Ellipsis) if there is no such key.
     """
@@ -226,7 +226,7 @@ def _quantity_row(
     expected_errors: ModelForm | None,
     mean_load: float | None,
 ) -> Row | None:
-    """Return the row of one quantity in the table of results; None if a row cannot show its value.
+    """Return the row of one quantity in the table of results; None if the quantity has no value that fits a row.
 
     ``table``: JSON values of the quantity's group. ``key``: key of its value. ``definition``: its definition.
     ``expected_errors``: errors to expect; None if they are not known. ``mean_load``: mean contact load [N].
@@ -267,9 +267,9 @@ def _expected_error_of_value(
 
 
 def _fill_note_template(table: Mapping[str, Any], template: str) -> str:
-    """Return the note ``template`` with its placeholders replaced by values of the table; empty if one has no value.
+    """Return the note of a table row: a template with its placeholders replaced by values; empty if a value is missing.
 
-    ``table``: JSON values by key.
+    ``table``: JSON values by key. ``template``: text such as ``ball {worst_ball}``.
     """
     known = {key: format_by_error(x) if isinstance(x, float) else x for key, x in table.items() if x is not None}
     values = {key: x.rstrip("0").rstrip(".") if isinstance(x, str) and "." in x else x for key, x in known.items()}
@@ -280,7 +280,7 @@ def _fill_note_template(table: Mapping[str, Any], template: str) -> str:
 
 
 def _missing_value_rows(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
-    """Yield rows that state why the quantities of the record class ``kind`` have no value.
+    """Yield table rows that state why the quantities of the record class ``kind`` have no value.
 
     ``data``: JSON summary of the scene.
     """
@@ -304,7 +304,7 @@ def _missing_value_rows(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
 
 
 def _support_load_rows(path: LoadPath | None) -> Iterator[Row]:
-    """Yield a row for each support and each component of the external load of which the support carries a part.
+    """Yield a table row for each part of the external load that a support carries: one per support and load component.
 
     ``path``: parts of the external load that each support carries; None: no rows.
     """
@@ -318,7 +318,7 @@ def _support_load_rows(path: LoadPath | None) -> Iterator[Row]:
 
 
 def bearing_and_nut_rows(solved: SolvedAxis) -> list[dict[str, Any]]:
-    """Return a row for each nut or bearing on a shaft: name, position, axial force, rigidity and the columns `OF_SETS`.
+    """Return a table row for each nut or bearing on a shaft: name, position, axial force, rigidity, loads and life.
 
     Parameters
     ----------
@@ -328,7 +328,8 @@ def bearing_and_nut_rows(solved: SolvedAxis) -> list[dict[str, Any]]:
     Returns
     -------
     list[dict[str, Any]]
-        Texts of each row, by their headings. Columns without any value are left out. Empty if there is no equilibrium.
+        Texts of each row, by the headings in `OF_SETS` and others. Columns without any value are left out. Empty if there
+        is no equilibrium.
     """
     if solved.answers is None:
         return []

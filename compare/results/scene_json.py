@@ -29,14 +29,14 @@ if TYPE_CHECKING:
     from rollbench.compare.models.answers import SetAnswers
     from rollbench.lowfi.bearings.torque import LoadTorque
 
-#: Keys in the summary of a nut or bearing that are not repeated in the summary of the whole shaft.
+#: JSON keys in the summary of a nut or bearing that are not repeated in the summary of the whole shaft.
 OF_A_SET = ("sides", "preload", "starting_torque", "bearing_torque", "clearance", "roller_torque")
-#: Friction force [N] whose reversal causes the lost motion that is printed.
+#: Friction force [N] for whose reversal the lost motion is computed.
 LOST_BY = 100.0
 
 
 def values_by_flank(row: Array) -> dict[str, float | None]:
-    """Return four values as a dictionary, by the names of the groove flanks SL, SR, NL, NR; None for a value of nan."""
+    """Return one ball's four values by the names of the groove flanks SL, SR, NL, NR; nan becomes None."""
     return {side: json_number(value) for side, value in zip(SIDES, row, strict=True)}
 
 
@@ -76,7 +76,7 @@ class BallRow:
 
 @result_record
 class RollerRowAnswer:
-    """Azimuth [rad], load [N], largest load per length [N/m] and largest pressure [Pa] on each race, for one roller."""
+    """Position, load, largest load per length and largest pressures of one roller, in SI units."""
 
     index: int = quantity_field("index", "number of the roller in its row, from 1")
     azimuth: float = quantity_field("azimuth_deg", "azimuth of the roller, from x to y")
@@ -97,7 +97,7 @@ class RollerRowAnswer:
 
 @result_record
 class BallLoadSums:
-    """Summary of the contact loads of balls: largest, mean and smallest load [N], worst contact, numbers of contacts."""
+    """Summary of the contact loads of all balls: largest, mean and smallest load [N], and numbers of contacts."""
 
     ball: int = quantity_field("worst_ball", "number of the ball with the largest contact load")
     side: str = quantity_field("worst_side", "groove flank with the largest contact load")
@@ -133,7 +133,7 @@ class BallLoadSums:
 
 @result_record
 class RollerLoadSums:
-    """Summary of the loads of a row of rollers: largest, mean and smallest load [N], worst roller, numbers of rollers."""
+    """Summary of the loads of a row of rollers: largest, mean and smallest load [N], and numbers of rollers."""
 
     roller: int = quantity_field(
         "worst_roller",
@@ -166,7 +166,7 @@ class FlankLoadSums:
 
 @result_record
 class Axial:
-    """Axial force [N], displacement [m] and rigidities [N/m] of a scene, and the reason if it has no tangent stiffness."""
+    """Axial force [N], axial displacement [m] and axial rigidities [N/m] of a nut, bearing or shaft."""
 
     force: float = quantity_field(
         "force_N",
@@ -240,7 +240,7 @@ class StiffnessAt:
 
 @result_record
 class CentrelinePoint:
-    """A point of the screw's axis: its axial position [m] and its displacement, (6,) [m, rad]."""
+    """Displacement and rotation (6,) [m, rad] of a point on the screw's axis, at an axial position [m]."""
 
     z: float = quantity_field("z_mm", "axial position of a point on the screw's axis")
     motion: Array = quantity_field(
@@ -253,7 +253,7 @@ class CentrelinePoint:
 
 
 def flank_loads_json(load: Array) -> dict[str, Any]:
-    """Return the load summary (`FlankLoadSums`) of every groove flank with a loaded contact as JSON, by name of the flank.
+    """Return the summary of contact loads (`FlankLoadSums`) on each loaded groove flank as JSON, by name of the flank.
 
     ``load``: contact loads of n balls, (n, 4) [N].
     """
@@ -305,7 +305,7 @@ def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[st
 
 
 def life_json(life: Life | None, speed: float | None) -> dict[str, Any] | None:
-    """Return a rating life as JSON, also in hours if the speed is known; None if there is no life.
+    """Return a basic rating life as JSON, also in hours if the speed is known; None if there is no life.
 
     ``speed``: speed of rotation [rad/s]; None if it is not known.
     """
@@ -314,7 +314,7 @@ def life_json(life: Life | None, speed: float | None) -> dict[str, Any] | None:
 
 
 def contact_ratings_json(answers: LoadAnswers | RollerAnswers, motion: Motion | None = None) -> dict[str, Any]:
-    """Return worst contact, static safety, life, load ratings and (for balls) ellipse truncation as JSON.
+    """Return worst contact, static safety, life and load ratings of one nut or bearing as JSON.
 
     ``answers``: results from the contact loads of one nut or bearing. ``motion``: motion whose speed gives the life in
     hours.
@@ -328,7 +328,7 @@ def contact_ratings_json(answers: LoadAnswers | RollerAnswers, motion: Motion | 
 
 
 def single_set_results_json(solved: Solved) -> dict[str, Any]:
-    """Return all results of a single nut or bearing as JSON, which is empty if there is no equilibrium.
+    """Return the summary of a scene with a single nut or bearing as JSON; empty if there is no equilibrium.
 
     ``solved``: the solved scene. Forces are in N, displacements in um, rigidities in N/um.
     """
@@ -371,7 +371,7 @@ def palmgren_load_torque(parts: Scene, thrust: float) -> LoadTorque:
 
 
 def starting_torque_json(set_result: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
-    """Return the starting torque of a preloaded ball bearing as JSON; None unless it carries thrust in one direction.
+    """Return the starting torque of a preloaded ball bearing as JSON; None unless it carries thrust in one direction only.
 
     ``set_result``: solution of the bearing. ``answers``: its parts and its preload.
     """
@@ -495,7 +495,7 @@ def solved_case_json(solved: Solved | SolvedAxis, tangent: Tangent | None = None
 
 
 def expected_errors_json(model_form: ModelForm | None, key: str) -> dict[str, float | None]:
-    """Return the expected errors [%] of displacement, rigidity and pressure by name; None if no error can be estimated.
+    """Return the errors to expect [%] of displacement, rigidity and pressure, by name; None where none can be estimated.
 
     ``model_form``: the errors to expect. ``key``: template of the names, such as ``expected_{}_error_percent``.
     """
@@ -507,7 +507,7 @@ def expected_errors_json(model_form: ModelForm | None, key: str) -> dict[str, fl
 
 
 def beam_discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
-    """Return the error of the contact loads from the division of the beam into elements [% of the mean contact load].
+    """Return the error of the contact loads due to the length of the beam elements [% of the mean contact load].
 
     Returns None if this error was not estimated.
     """
@@ -584,12 +584,12 @@ def duty_cycle_json(
 
 
 def load_case_head_json(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
-    """Return the first keys in the JSON of a load case: name of the scene, name and other data of the case."""
+    """Return the first keys and values in the JSON of a load case: name of the scene, then name and data of the case."""
     return {"scene": cycle.name, **(record_as_json(case) or {})}
 
 
 def cycle_results_json(cycle_results: CycleResults) -> dict[str, Any]:
-    """Return as JSON the extremes over all load cases and the lives over the duty cycle, or the reason for no life.
+    """Return the extreme results over all load cases, and the lives over the duty cycle, as JSON.
 
     ``cycle_results``: extremes and lives over all load cases. With several nuts or bearings, ``sets`` has the lives of
     each.
@@ -603,7 +603,7 @@ def cycle_results_json(cycle_results: CycleResults) -> dict[str, Any]:
 
 
 def _cycle_lives_json(lives: Lives, speed: float | None) -> dict[str, Any]:
-    """Return as JSON the lives of one nut or bearing over a duty cycle, by the standards for which there is a life.
+    """Return the lives of one nut or bearing over a duty cycle as JSON, one for each standard that gives a life.
 
     ``speed``: mean speed [rad/s], for the life in hours; None if it is not known.
     """

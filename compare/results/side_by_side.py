@@ -20,7 +20,7 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 
 #: Range of a quantity: its lower and upper limit.
 Band = tuple[float, float]
-#: Attributes of scenes that variants of one axis have in common, with the text that is shown if they differ.
+#: Attributes of scenes whose equality is checked when scenes are compared, each with the text to show if they differ.
 SHARED = (
     *(
         ("loads", "loads"),
@@ -117,7 +117,7 @@ class SideBySide(Record):
 
     @QuantityDescription(
         "difference_percent",
-        "difference of a scene's number from that of the first scene, in per cent of the latter; for a torque, between the "
+        "difference of a scene's number from that of the first scene, in per cent of the latter; for torques, between the "
         "middles of its ranges",
         parts=".*[]",
     )
@@ -163,7 +163,7 @@ class SideBySide(Record):
 
 
 def _middle_of_range(value: Any) -> float | None:
-    """Return the middle of a range, or a single number unchanged; None for None."""
+    """Return the middle of a range [low, high], a single number unchanged, and None for None."""
     return None if value is None else float(np.mean(value))
 
 
@@ -191,7 +191,7 @@ def compare_results_side_by_side(results: Sequence[Result], names: Sequence[str]
 
 
 def _alternative_of_result(result: Result, name: str) -> Alternative:
-    """Return those results of a scene that are compared side by side.
+    """Return the results of one scene that are listed when several scenes are compared side by side.
 
     ``result``: results of the scene; of a duty cycle, the first load case is used, and the life over all cases. ``name``:
     name under which the scene is listed.
@@ -228,7 +228,7 @@ def _alternative_of_result(result: Result, name: str) -> Alternative:
 
 
 def _torque_ranges_and_inertia(one: Result) -> tuple[Band | None, Band | None, float | None]:
-    """Return running and starting torque (low, high) [N m], and the inertia of an axis [kg m^2]; None if not known."""
+    """Return running torque and starting torque (low, high) [N m], then inertia [kg m^2] of a scene; None if not known."""
     if one.drive is not None:
         return one.drive.running, one.drive.starting, one.drive.inertia
     if one.bearing_torque is not None:
@@ -240,7 +240,7 @@ def _torque_ranges_and_inertia(one: Result) -> tuple[Band | None, Band | None, f
 
 
 def _names_of_differing_inputs(scenes: Sequence[Scene | Assembly]) -> list[str]:
-    """Return the names of the data of shaft, loads and operation that are not the same in all scenes."""
+    """Return names of those input data (shaft, loads, operation) that are not the same in all scenes."""
     first, *others = scenes
     if not all(isinstance(x, Assembly) == isinstance(first, Assembly) for x in others):
         return ["number of nuts and bearings (one, or several on a shaft)"]

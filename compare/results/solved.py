@@ -166,9 +166,9 @@ class SetResult(Balls):
     position: float
     """Axial position on the shaft [m]."""
     force: Array | None
-    """Resultant force of its balls or rollers on the shaft, (3,) [N]."""
+    """Resultant force of the nut's or bearing's balls or rollers on the shaft, (3,) [N]."""
     moment: Array | None
-    """Moment of its balls or rollers on the shaft about the point of the shaft's axis at `position`, (3,) [N m]."""
+    """Moment of the nut's or bearing's balls or rollers on the shaft, about the shaft's axis at `position`, (3,) [N m]."""
     stiffness: Array | None
     """Tangent stiffness between shaft and fixed outer part, (6, 6) [N/m, N, N m], in the degrees of freedom ux, uy, uz,
     rx, ry, rz."""
@@ -274,7 +274,7 @@ class Result(Record, Balls):
     cases: Mapping[str, Result] = field(default_factory=dict)
     """Results of each load case, by name; empty without load cases."""
     solved: tuple[Solved | SolvedAxis, ...] = ()
-    """Records of the solver with further details: one record, or one for each load case."""
+    """Records of the solver with further details; one for each load case."""
     tangents: tuple[Tangent | None, ...] = ()
     """Stiffness at the axial position ``stiffness_at`` for each record of `solved`; None if no position was asked for."""
     cycle: DutyCycle | None = None
@@ -383,9 +383,9 @@ class Result(Record, Balls):
         return figure
 
     def _panels(self, case: str) -> Sequence[tuple[str, Array]]:
-        """Return title and contact loads (n, 4) [N] of each panel of `plot`: one for each nut or bearing and load case.
+        """Return title and contact loads (n, 4) [N] of each panel of the figure that `plot` draws.
 
-        ``case``: text on the load case that is added to the titles.
+        There is a panel for each nut or bearing and each load case. ``case``: text on the load case, added to the titles.
         """
         if self.cases:
             return [panel for name, one in self.cases.items() for panel in one._panels(f", case {name}")]
@@ -489,7 +489,7 @@ def result_from_solutions(
     cycle: DutyCycle | None = None,
     cycle_results: CycleResults | None = None,
 ) -> Result:
-    """Convert the solver's records of a scene, or of the load cases of a duty cycle, to the result that users get.
+    """Convert the solver's records of a scene, or of the load cases of a duty cycle, to a `Result`.
 
     Parameters
     ----------
@@ -538,7 +538,7 @@ def result_from_solutions(
 
 
 def _result_of_load_case(solved: Solved | SolvedAxis, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
-    """Convert the solver's record of one load case to a result.
+    """Convert the solver's record of one load case to a `Result`.
 
     ``tangent``: stiffness at the axial position that the user asked for. ``at_nut``: stiffness at the nut's centre. Both
     are None if they were not computed.
@@ -564,7 +564,7 @@ def _result_of_load_case(solved: Solved | SolvedAxis, tangent: Tangent | None, a
 
 
 def _add_single_set_results(head: Result, solved: Solved, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
-    """Return the result ``head`` of a scene with a single nut or bearing, with all quantities filled in.
+    """Return the result of a scene with a single nut or bearing: ``head`` with all quantities filled in.
 
     ``solved``: record of the solver. ``tangent``: stiffness at the axial position that the user asked for. ``at_nut``:
     stiffness at the nut's centre. Both are None if they were not computed. Without equilibrium only the positions of the
@@ -596,7 +596,7 @@ def _add_single_set_results(head: Result, solved: Solved, tangent: Tangent | Non
 
 
 def _add_axis_results(head: Result, solved: SolvedAxis) -> Result:
-    """Return the result ``head`` of a shaft with several nuts or bearings, with all quantities filled in.
+    """Return the result of a shaft with several nuts or bearings: ``head`` with all quantities filled in.
 
     ``solved``: record of the solver. Without equilibrium only the names and positions of the nuts and bearings are filled
     in.
@@ -631,7 +631,7 @@ def _add_axis_results(head: Result, solved: SolvedAxis) -> Result:
 
 
 def _result_of_set(solved_set: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetResult:
-    """Convert the solver's record of one nut or bearing on a shaft to a result.
+    """Convert the solver's record of one nut or bearing on a shaft to a `SetResult`.
 
     ``answers``: results from its contact loads; None if there is no equilibrium. ``speed``: speed of rotation [rad/s], for
     the running time of the life; None if it is not known.
@@ -688,7 +688,7 @@ def _worst_contact(name: str, answers: LoadAnswers | RollerAnswers) -> WorstCont
 
 
 def _life_record(known: rating.Life | None, speed: float | None) -> Life | None:
-    """Convert a computed life to the record that users get; None without a life.
+    """Convert a computed basic rating life to the record `Life` of a result; None without a life.
 
     ``speed``: speed of rotation [rad/s], for the running time until the end of the life; None if it is not known.
     """
@@ -699,12 +699,12 @@ def _life_record(known: rating.Life | None, speed: float | None) -> Life | None:
 
 
 def _preload_record(known: loading.Preload | None) -> Preload | None:
-    """Convert a computed preload to the record that users get; None if there is no preload."""
+    """Convert a computed preload to the record `Preload` of a result; None if there is no preload."""
     return None if known is None else Preload(known.mean, known.largest, known.axial, known.loaded)
 
 
 def expected_error_record(model_form: ModelForm | None) -> ExpectedError | None:
-    """Convert the estimate of a model's error to the record that users get.
+    """Convert the estimated error of a model to the record `ExpectedError` of a result.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 CONVERGED = "converged"
 
-#: Quantities of a row other than the stiffness matrix, each with the field of its expected error.
+#: Quantities of a table row other than the stiffness matrix, each with the field of `TableRow` that has its expected error.
 ERROR_OF = {
     "axial_rigidity_N_per_um": "rigidity_error",
     "displacement_um": "displacement_error",
@@ -121,7 +121,7 @@ class Over:
     column: str
     """Name of the table's column with its values, which ends with their unit."""
     values: tuple[float | str, ...]
-    """Values in the order of the rows; numbers are in the unit of the column."""
+    """Values of the parameter in the order of the table's rows; numbers are in the unit of the column."""
 
     @property
     def unit(self) -> str:
@@ -130,7 +130,7 @@ class Over:
 
     @property
     def numbers(self) -> list[float] | None:
-        """Values as numbers; None if one of them is a text."""
+        """Values of the parameter as numbers; None if one of them is a text."""
         return [float(x) for x in self.values] if all(isinstance(x, int | float) for x in self.values) else None
 
 
@@ -167,13 +167,13 @@ class Table(Data):
 
     @property
     def places(self) -> list[dict[str, float | str]]:
-        """Values of the varied parameters for each row, by the name of the column."""
+        """Values of the varied parameters for each row of the table, by the name of their column."""
         columns = [x.column for x in self.over]
         return [dict(zip(columns, values, strict=True)) for values in product(*(x.values for x in self.over))]
 
     @property
     def failures(self) -> dict[str, list[str]]:
-        """Texts with the parameter values for which there is no equilibrium, by the reason."""
+        """Parameter values, as texts, for which there is no equilibrium, by the reason."""
         out: dict[str, list[str]] = {}
         for row, place in zip(self.rows, self.places, strict=True):
             if not row.converged:
@@ -217,7 +217,7 @@ class Table(Data):
 
 
 def _flatten_row(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the keys and single values of one row of the table's JSON.
+    """Yield key and value of every single number in one row of the table's JSON.
 
     The stiffness gives 36 values, with keys such as ``K_ux_ry``; an inner table gives one for each of its keys.
     """
@@ -261,7 +261,7 @@ def table_from_json(data: Mapping[str, Any]) -> Table:
 
 
 def parameter_values_text(over: Sequence[Over], row: Mapping[str, Any]) -> str:
-    """Return a text that names the parameter values of a row of a table.
+    """Return a text with the values of the varied parameters in one row of a table, such as "load 2 kN".
 
     Parameters
     ----------

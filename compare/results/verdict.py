@@ -18,7 +18,7 @@ from rollbench.compare.scenes.scene_file import scenes_of_load_cases
 
 
 class Judgement(StrEnum):
-    """Judgement of a quantity, from its error e, the uncertainty u of the reference, and the limit of the error."""
+    """Judgement of a quantity by its error e against a reference, the reference's uncertainty u, and the error's limit."""
 
     PASS = "pass"
     """The error is within the limit even with the uncertainty added: e + u <= limit."""
@@ -54,7 +54,7 @@ class VerdictRow:
     judged: str
     """Name of the model or of the file whose values are judged."""
     quantity: str
-    """Name of the judged quantity."""
+    """Name of the judged quantity, such as "largest error of a contact load"."""
     judgement: Judgement
     """Judgement of the quantity."""
     unit: str
@@ -76,7 +76,7 @@ class VerdictRow:
     levels: tuple[int, ...]
     """Mesh levels of the 3D reference."""
     detail: str
-    """Further explanation; may be empty."""
+    """Further explanation of the judgement; may be empty."""
     line: str
     """The judgement as one line of text."""
 
@@ -100,7 +100,7 @@ class Verdict(Record):
     not_judged: tuple[str, ...]
     """Quantities that are not judged, because the user's file or the reference does not contain them."""
     judged: tuple[gate.Verdict, ...]
-    """Judgements with further details, one for each row."""
+    """Records of the gate with further details, one for each row."""
     described: tuple[Described, ...]
     """The judged scenes."""
 
@@ -162,7 +162,7 @@ class Verdict(Record):
 
     @property
     def answer(self) -> str:
-        """Verdict in one line: worst judgement, scenes, models, largest error of a contact load, and counts."""
+        """Verdict as one line: worst judgement, scenes, models, largest error of a contact load, numbers of judgements."""
         counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in self.judged)))
         of = [
             ", ".join(dict.fromkeys(texts)) for texts in ([v.subject for v in self.judged], [v.judged for v in self.judged])
@@ -174,7 +174,7 @@ class Verdict(Record):
 
     @property
     def advice(self) -> list[str]:
-        """Sentences that state to what load the errors are relative, and what to do if a quantity does not pass."""
+        """Sentences that state to which load the errors are relative, and what to do about quantities that do not pass."""
         words = {v.word for v in self.judged}
         loads = any(v.quantity == LARGEST for v in self.judged)
         return [
@@ -226,7 +226,7 @@ def judge_scenes(
 
 
 def _row_of_gate_verdict(gate_verdict: gate.Verdict) -> VerdictRow:
-    """Convert the judgement of one quantity to the row that users get."""
+    """Convert the gate's verdict on one quantity to a row of the record that `rollbench.check` returns."""
     return VerdictRow(
         scene=gate_verdict.scene,
         case=gate_verdict.case,
@@ -287,7 +287,7 @@ def judge_load_cases(
 
 
 def verdicts_json(described: Sequence[Described], verdicts: Sequence[gate.Verdict]) -> dict[str, Any]:
-    """Convert all judgements to JSON values.
+    """Convert the judgements of all scenes to JSON values.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Data of the 3D view of a solved scene: contacts of nuts and bearings, geometric errors, and errors of the loads."""
+"""Data for the 3D view of a solved scene: contact points and loads, geometric errors, and errors of the loads."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def collect_view_data(
     stores: Sequence[Path] | None = None,
     given: Reference | None = None,
 ) -> View:
-    """Collect the data that the 3D view of a solved scene, or of its load cases, shows.
+    """Collect the data for the 3D view of a solved scene and its load cases.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def collect_view_data(
 def _view_data_of_case(
     name: str, one: Solved | SolvedAxis, stores: Sequence[Path] | None, given: Reference | None
 ) -> CaseView:
-    """Return the data of one load case for the 3D view.
+    """Return the data of one solved load case for the 3D view.
 
     ``name``: name of the load case. ``one``: its solution. ``stores``: folders with runs of the 3D reference. ``given``:
     reference of the user that replaces the stored runs; None: no such reference.
@@ -102,7 +102,7 @@ def _view_data_of_ball_row(
     reference: Reference | None = None,
     expected_load_error: float | None = None,
 ) -> SetView:
-    """Return the data of one ball nut or ball bearing for the 3D view.
+    """Return the data of one solved ball nut or ball bearing for the 3D view.
 
     ``name``, ``kind``: its name, and the text "ball nut" or "bearing". ``position``: its axial position [m]. ``found``: its
     solution. ``solved``: whether there is an equilibrium. ``reference``: its 3D reference.
@@ -131,9 +131,9 @@ def _view_data_of_ball_row(
 
 
 def clearance_reduction_by_errors(scene: Scene, member: int = 0) -> Array:
-    """Return by how much geometric errors reduce the distance of each ball from its groove flanks, (n, 4) [m].
+    """Return by how much geometric errors reduce the gap between each of n balls and its four groove flanks, (n, 4) [m].
 
-    ``member``: number of the specimen with its random errors. The distance is measured along the nominal contact normal n:
+    ``member``: number of the specimen with its random errors. The gap is measured along the nominal contact normal n:
     delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0), with ball radius r_B, groove centre c, and groove radius rho at the
     nominal contact angle; nominal values have a 0. The formula is of first order in the errors.
     """
