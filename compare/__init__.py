@@ -8,7 +8,7 @@ __version__ = "0.15.0"
 
 
 class _Package(ModuleType):
-    """Module type of ``rollbench.compare``, which explains to callers that a function of this name was renamed.
+    """Module type of ``rollbench.compare``; a call of the module raises an error that names the renamed function.
 
     The function ``rollbench.compare`` existed up to version 0.14.
     """

@@ -40,7 +40,7 @@ class Case:
 
     @property
     def folder(self) -> Path:
-        """Folder that contains the case's printed tables, scenes and computations."""
+        """Folder that contains the case's printed tables, scenes and ``computations.toml``."""
         return Path(str(resources.files(self.package)))
 
     def files(self, folder: str) -> dict[str, Path]:

@@ -24,10 +24,10 @@ from rollbench.compare.running import clear_progress_line
 from rollbench.compare.text.printing import OutputLost, guard_standard_output
 from rollbench.meshes.processes import limit_to_one_thread
 
-#: Largest time to wait, after an interrupt, for threads that clean up [s].
+#: Largest time [s] to wait, after an interrupt, for threads that clean up after parallel workers.
 TIDYING = 2.0
-#: For arguments of library functions, the command-line option if it is not the same name with dashes; positional arguments
-#: of the command line are without dashes.
+#: Command-line options by name of the argument of a library function, where the option is not the same name with dashes;
+#: positional arguments of the command line are without dashes.
 OPTIONS = {
     "models": "--model",
     "limits": "--limit",
@@ -121,7 +121,7 @@ def option_of_argument(argument: str) -> str:
 
 
 def error_with_option_names(error: InputError) -> InputError:
-    """Return a copy of an error whose message names command-line options instead of arguments of library functions."""
+    """Return a copy of an error with the names of arguments of library functions replaced by command-line options."""
     said = copy(error)
     for part in ("allowed", "advice"):
         setattr(
@@ -160,7 +160,7 @@ def _term_as_interrupt() -> Iterator[None]:
 
 
 def _print_to_stderr(lines: Iterable[str]) -> None:
-    """Print lines on standard error; if it is closed, they are lost, and the exit code still tells of the error."""
+    """Print lines on standard error, each after "rollbench: "; if standard error is closed, they are lost."""
     clear_progress_line()
     with suppress(OSError):
         sys.stderr.writelines(f"rollbench: {line}\n" for line in lines)

@@ -152,14 +152,14 @@ class Refusal(InputError):
 
 
 class ProgramError(Refusal):
-    """Error for an external program of the user that failed: with program, scene, reason and the program's last output."""
+    """Error for an external program, used as the model, that failed; the message has its reason and last output."""
 
     code = 1
 
 
 @contextmanager
 def name_file_in_refusals(name: str, origin: str) -> Iterator[None]:
-    """Replace the scene's name by its file in every `Refusal` that is raised inside the block.
+    """Replace the scene's name by its file in the message of every `Refusal` that is raised inside the ``with`` block.
 
     Parameters
     ----------

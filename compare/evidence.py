@@ -47,9 +47,9 @@ class Evidence:
 
     @property
     def compared(self) -> float | None:
-        """Computed value to compare with the printed number: the correct value, or that with the publication's mistakes.
+        """Computed value that is compared with the printed number: with or without the mistakes of the publication.
 
-        Which of the two is compared depends on the class of the printed number.
+        It is the value with the mistakes for a number of class "as-printed", else the correct value.
         """
         return self.as_printed if self.printed.cls == "as-printed" else self.value
 
@@ -115,7 +115,9 @@ class Evidence:
 
 
 class Findings:
-    """Collector to which a computation adds its values for the numbers and claims of one printed table.
+    """Values computed for the numbers and claims of one printed table, for comparison with them.
+
+    A computation adds its values by the keys of the table.
 
     Parameters
     ----------
@@ -138,7 +140,7 @@ class Findings:
     def _set_fields(self, key: str, **fields: float | bool | str | None) -> None:
         """Set fields of the `Evidence` record of the number or claim ``key``; KeyError for an unknown key."""
         if key not in self._entries:
-            raise KeyError(f"{self.table}: no printed entry {key!r}")
+            raise KeyError(f"printed table {self.table}: no printed entry {key!r}")
         self._entries[key] = replace(self._entries[key], **fields)  # type: ignore[arg-type]
 
     def number(
@@ -151,7 +153,7 @@ class Findings:
         reading: float | None = None,
         reference: float | None = None,
     ) -> None:
-        """Record the values computed for a printed number, in the printed unit.
+        """Add the values computed for one printed number, in the printed unit.
 
         Parameters
         ----------
@@ -176,7 +178,7 @@ class Findings:
         self._set_fields(key, value=value, as_printed=as_printed, reading=reading, reference=reference, words=words)
 
     def numbers(self, values: Mapping[str, float]) -> None:
-        """Record the correctly computed values of several printed numbers, by key; KeyError for an unknown key."""
+        """Add the correct values computed for several printed numbers, by key; KeyError for an unknown key."""
         for key, value in values.items():
             self.number(key, float(value))
 
@@ -185,15 +187,15 @@ class Findings:
         return printed_value(self.table, key)
 
     def claim(self, key: str, holds: bool, words: str) -> None:
-        """Record whether the printed claim ``key`` is true (``holds``), and a text with the numbers that show it."""
+        """Add whether the printed claim ``key`` is true (``holds``), and a text with the numbers that show it."""
         self._set_fields(key, holds=bool(holds), words=words)
 
     def remark(self, key: str, words: str) -> None:
-        """Record a remark on the printed number or claim ``key``, such as the reason why it is not compared."""
+        """Add a remark on the printed number or claim ``key``, such as the reason why it is not compared."""
         self._set_fields(key, words=words)
 
     def evidence(self) -> tuple[Evidence, ...]:
-        """Return the records of all printed numbers and claims, in the order of the table."""
+        """Return every number and claim of the printed table with its computed values and verdict, in the table's order."""
         return tuple(self._entries.values())
 
 
@@ -204,18 +206,19 @@ def join_remarks(*texts: str) -> str:
 
 
 def count_text_of_mask(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> str:
-    """Return the text "k of n", where k of the n values in a mask are true."""
+    """Return the text "k of n" for a mask of n truth values, k of which are true."""
     return f"{int(mask.sum())} of {mask.size}"
 
 
-#: Names of the scenes from which a printed number is computed, or a text with the reason why no scene is used. The text is
-#: empty if the kind of the number implies the reason (an input of the publication, or arithmetic on printed numbers).
+#: Names of the scenes from which the value for a printed number is computed, or a text with the reason for none. The
+#: text is empty if the kind of the number implies the reason (an input of the publication, or arithmetic on printed
+#: numbers).
 Behind = tuple[str, ...] | str
 
 
 @dataclass(frozen=True)
 class Computation:
-    """How the numbers of one printed table are computed: by which function, from which scenes, asserted by which test."""
+    """How the values for one printed table are computed: by which function, from which scenes, asserted by which test."""
 
     #: Publication that prints the table.
     case: Case
@@ -225,12 +228,15 @@ class Computation:
     computed_by: str
     #: Test file that asserts every number and claim of the table.
     test: str
-    #: Pairs of a pattern for keys of the table and the scenes, or the reason for none, that hold for all keys that match
-    #: it; for a key, the first pattern that matches counts.
+    #: Pairs of a pattern for keys of the table, and the scenes (or the reason for none) of all keys that match it. For a
+    #: key, the first pattern that matches counts.
     behind: tuple[tuple[str, Behind], ...]
 
     def compute(self, study: Study) -> tuple[Evidence, ...]:
-        """Compute the values for all numbers and claims of the table; InputError if the function cannot be imported."""
+        """Compute the values for all numbers and claims of the printed table, and return both with verdicts.
+
+        ``study``: cache of computed values. InputError if the function that computes them cannot be imported.
+        """
         if not self.computed_by:
             return tuple(Evidence(row, words=self.origin(row)[1]) for row in load_table(self.table))
         findings = Findings(self.table)
@@ -250,13 +256,13 @@ class Computation:
 
     @property
     def scene_names(self) -> tuple[str, ...]:
-        """Names of all scenes from which numbers of the table are computed, without repetition."""
+        """Names of all scenes from which values for the printed table are computed, without repetition."""
         return tuple(dict.fromkeys(name for _, names in self.behind if not isinstance(names, str) for name in names))
 
     def origin(self, row: Printed) -> tuple[tuple[str, ...], str]:
-        """Return the names of the scenes from which a number or claim is computed, and the reason if there are none.
+        """Return the names of the scenes from which the value for a printed entry is computed, or the reason for none.
 
-        ``row``: the printed number or claim. The names are empty if no scene is used, the reason is empty if one is used.
+        ``row``: the printed number or claim. The names are empty if no scene is used; the reason is empty if one is used.
         """
         origin = next((behind for pattern, behind in self.behind if fnmatchcase(row.key, pattern)), "")
         if not isinstance(origin, str) and origin:
@@ -268,7 +274,7 @@ class Computation:
 
 @cache
 def all_computations() -> dict[str, Computation]:
-    """Return the computations of all publications, by the name of the printed table.
+    """Return how the values for each printed table of all publications are computed, by the name of the table.
 
     InputError if a file `computations.toml` cannot be read, misses a printed table, or names a table that does not exist.
     """
@@ -292,7 +298,7 @@ def all_computations() -> dict[str, Computation]:
 
 @cache
 def computations_with_function() -> dict[str, Computation]:
-    """Return the computations, by the name of the printed table, without tables for which nothing is computed."""
+    """Return the computations by name of the printed table, without tables for which nothing is computed."""
     return {name: one for name, one in all_computations().items() if one.computed_by}
 
 
@@ -351,7 +357,7 @@ class EntryOrigin:
 
 
 def origins_of_entries(table: str = "") -> Iterator[EntryOrigin]:
-    """Yield, for every printed number and claim, how it is computed; InputError for an unknown table.
+    """Yield, for every printed number and claim, how the value for it is computed; InputError for an unknown table.
 
     ``table``: name of the printed table; empty: all tables.
     """
@@ -363,15 +369,16 @@ def origins_of_entries(table: str = "") -> Iterator[EntryOrigin]:
             yield EntryOrigin(name, row.key, printed, row.cls, *computation.origin(row), computation.function_name, test)
 
 
-#: Verdicts that are counted separately, because they do not judge a model.
+#: Verdicts on printed numbers that are counted separately, because they do not judge a model.
 APART: tuple[Verdict, ...] = ("input", "identity")
 
 
 @cache
 def misprint_rows() -> list[dict[str, str]]:
-    """Return a row for each misprint or mistake in a publication, with the keys of a table of misprints.
+    """Return a row for each known misprint or mistake in a publication, for the table of misprints.
 
-    The keys are source (the publication), place, wrong (text), right (text), evidence, command (which shows it) and test.
+    The keys of a row are source (the publication), place, wrong (text), right (text), evidence, command (which shows it)
+    and test.
     """
     out = []
     for case, path in case_files_named("misprints.toml", all_cases()).items():
@@ -394,7 +401,9 @@ def publication_titles() -> list[str]:
 
 
 def evidence_of_all_tables(study: Study, *names: str) -> list[Evidence]:
-    """Return all numbers and claims of the printed tables ``names`` with their computed values and verdicts.
+    """Return the numbers and claims of printed tables with their computed values and verdicts.
+
+    ``study``: cache of computed values. ``names``: names of the tables.
 
     Without names, all tables are returned, including those for which nothing is computed. InputError for an unknown table.
     """

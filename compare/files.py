@@ -52,9 +52,9 @@ _LAYOUT = b"\t\n\r\f\v"
 
 
 class NotTextError(ValueError):
-    """Error for bytes that cannot be read as text.
+    """Error for the bytes of a file that cannot be read as text.
 
-    ``value``: description of what the bytes are; ``advice``: advice to the user.
+    ``value``: description of what the bytes are, such as "a binary file"; ``advice``: advice to the user.
     """
 
     def __init__(self, value: str, advice: str) -> None:
@@ -191,7 +191,7 @@ def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
 
 
 def reason_without_figure() -> str:
-    """Return a text on why no figure can be drawn (matplotlib is missing), with advice; empty if figures can be drawn."""
+    """Return a text on why figures cannot be drawn (matplotlib is missing), with advice; empty if they can."""
     reason = reason_of_failed_import("matplotlib")
     return f"no figure ({reason}: {pip_command('matplotlib')})" if reason else ""
 
@@ -210,7 +210,7 @@ def write_figure(path: Path, figure: Figure) -> str:
 
 
 def check_writable(path: Path) -> None:
-    """Raise InputError unless the file ``path`` can be written; called before results for the file are computed."""
+    """Raise InputError unless the file ``path`` can be written; called before the results for this file are computed."""
     if path.is_dir():
         raise InputError(str(path), "file", "a folder", "a file", "add the name of a file to the path")
     with os_errors_as_input_errors(path):

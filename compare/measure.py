@@ -10,20 +10,20 @@ from numpy.typing import ArrayLike
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.parts import SIDES
 
-#: Ratio to the largest contact load up to which a contact counts as unloaded, where only the loads are known. It excludes
-#: flanks that barely touch the balls.
+#: Ratio of a contact load to the largest one, up to which the contact counts as unloaded where only the loads are known. It
+#: excludes flanks that barely touch the balls.
 BARELY = 0.01
 
 
 def error_percent(value: ArrayLike, reference: ArrayLike, scale: ArrayLike | None = None) -> Array:
-    """Compute the error 100 (value - reference) / abs(scale) in per cent.
+    """Return the error 100 (value - reference) / abs(scale) in per cent.
 
     Parameters
     ----------
     value, reference
         Numbers of any shapes that broadcast.
     scale
-        Number to which the error is related; None: the reference.
+        Number by which the difference is divided; None: the reference.
 
     Returns
     -------
@@ -48,7 +48,7 @@ SMALL = 0.1
 
 
 def scale_of_gate_errors(reference: ArrayLike, mean: float) -> Array:
-    """Return for each contact the load [N] to which `rollbench check` relates the error of the contact load.
+    """Return for each contact the load [N] by which `rollbench check` divides the error of the contact load.
 
     Parameters
     ----------
@@ -73,9 +73,9 @@ def scale_of_gate_errors(reference: ArrayLike, mean: float) -> Array:
 
 @dataclass(frozen=True)
 class LoadError:
-    """Errors of a distribution of contact loads against that of a reference, in per cent."""
+    """Errors of all contact loads of a screw or bearing against those of a reference, in per cent."""
 
-    #: Largest error over all contacts that are loaded in one of both [% of the reference's mean contact load].
+    #: Largest error over all contacts with load in either distribution [% of the reference's mean contact load].
     max_percent: float
     #: Root mean square error over these contacts [% of the reference's mean contact load].
     rms_percent: float
@@ -87,8 +87,8 @@ class LoadError:
     ball: int
     #: Groove flank with the largest error: SL, SR, NL, NR.
     side: str
-    #: Largest error as `rollbench check` judges it [% of the load by `scale_of_gate_errors`], over all contacts that are
-    #: loaded in one of both.
+    #: Largest error as `rollbench check` judges it, over all contacts with load in either distribution [% of the load by
+    #: `scale_of_gate_errors`].
     gate_percent: float
 
 
@@ -135,7 +135,7 @@ def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
 
 
 def loaded_contacts(load: Array) -> Mask:
-    """Find the contacts that carry more than `BARELY` (1 %) of the largest load.
+    """Return which contacts carry more than 1 % of the largest contact load.
 
     Parameters
     ----------

@@ -27,7 +27,8 @@ CLASSES: dict[Class, str] = {
 Kind = Literal["number", "claim", "arithmetic", "zero", "input"]
 
 #: Kinds of printed numbers and claims, with their descriptions; the kind shows whether reproducing one tests a model. The
-#: file of a printed table states the kinds `NAMED` only; the others follow from the class and from whether it is a claim.
+#: file of a printed table states the kinds `NAMED` only; the others follow from the class and from whether the entry is a
+#: claim.
 KINDS: dict[Kind, str] = {
     "number": "computed number",
     "claim": "claim in words",
@@ -136,7 +137,7 @@ def printed_entry(table: str, key: str) -> Printed:
     for row in load_table(table):
         if row.key == key:
             return row
-    raise KeyError(f"{table}: no printed entry {key!r}")
+    raise KeyError(f"printed table {table}: no printed entry {key!r}")
 
 
 def printed_value(table: str, key: str) -> float:
@@ -146,7 +147,7 @@ def printed_value(table: str, key: str) -> float:
     """
     value = printed_entry(table, key).value
     if value is None:
-        raise KeyError(f"{table}: {key!r} is a claim in words, not a number")
+        raise KeyError(f"printed table {table}: {key!r} is a claim in words, not a number")
     return value
 
 
@@ -215,11 +216,11 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
     low, high = raw.get("low"), raw.get("high")
     if cls == "band":
         if not raw.get("origin"):
-            raise refuse("origin", "a sentence", "state where the range of the band comes from")
+            raise refuse("origin", "a sentence", "state where the limits of the tolerance band come from")
         if printed:
             if low is None or high is None or low > high:
                 allowed = "both low and high, with low <= high"
-                raise refuse("low", allowed, "state both limits of the band", f"low {low} and high {high}")
+                raise refuse("low", allowed, "state both limits of the tolerance band", f"low {low} and high {high}")
             if 0.5 * (high - low) > WIDEST * abs(0.5 * (high + low)):
                 allowed = f"low and high with half their difference at most {WIDEST:g} times their mean"
                 raise refuse(
@@ -280,9 +281,9 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
 
 
 def _check_value_types(raw: Mapping[str, Any], refuse: Any) -> None:
-    """Check that the ``[[row]]`` of a printed table (``raw``) has only known keys, with values of the right type.
+    """Raise an error if the ``[[row]]`` of a printed table has an unknown key or a value of the wrong type.
 
-    If not, raise the error that the function ``refuse`` returns for a key, its allowed values and an advice.
+    ``raw``: the row. ``refuse``: function that returns the error to raise, for a key, its allowed values and an advice.
     """
     for key, value in raw.items():
         if key in _TEXTS:

@@ -1,4 +1,4 @@
-"""Provenance of results: git commit and hash of the program's source code, and hashes of a report's inputs."""
+"""Provenance of results: git commit and hash of rollbench's source code, and hashes of the inputs of a report."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
 
 
 def files_of_printed_values() -> dict[str, Path]:
-    """Return the files with values printed in publications (also misprints, values left out), by names in manifests."""
+    """Return the files with printed numbers, misprints and uncompared values of publications, by name in manifests."""
     files = {f"{name}.toml": path for name, path in shipped_toml_files("printed").items()}
     files |= {f"misprints/{case.name}.toml": path for case, path in case_files_named("misprints.toml").items()}
     return files | {"left-out.toml": data.shipped_path("cases/left-out.toml")}

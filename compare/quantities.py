@@ -90,13 +90,16 @@ def quantities_of_record(kind: type) -> dict[str, Quantity]:
 
 
 def _unit_of_dotted_key(key: str) -> tuple[str, Unit | None]:
-    """Return the name in the last part of a dotted JSON key, and the unit of the last part that has one; None without."""
+    """Return the last name in a dotted JSON key such as ``loads.max_N``, and the unit of the last part that has one.
+
+    The unit is None if no part has one.
+    """
     *tables, last = map(name_and_unit_of_key, key.split("."))
     return last[0], next((unit for _, unit in (last, *reversed(tables)) if unit is not None), None)
 
 
 def heading_and_unit(stated: QuantityDescription) -> tuple[str, str]:
-    """Return the heading and the unit under which tables show a quantity; ``stated``: description of the quantity."""
+    """Return the heading and the unit with which tables show a quantity; ``stated``: description of the quantity."""
     words, unit = _unit_of_dotted_key(stated.key)
     return stated.heading or words.replace("_", " "), "" if unit is None else unit.text
 

@@ -77,7 +77,7 @@ def machine_description() -> str:
 
 
 def usable_cores() -> int:
-    """Return the number of processor cores that this process may use."""
+    """Return the number of processor cores that this process is allowed to use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -124,8 +124,8 @@ def checked_time_limit(limit: float | None) -> float | None:
 def watch_running_time(label: str, limit: float | None = None) -> Iterator[None]:
     """Show how long the computation ``label`` has been running, and end the process after ``limit`` [s] (None: never).
 
-    The process ends at once, even inside a compiled kernel, which cannot be interrupted otherwise. So the block under this
-    context manager must not write files.
+    The process ends at once, even inside a compiled kernel, which cannot be interrupted otherwise. So the ``with`` block
+    must not write files.
     """
     done = threading.Event()
     watcher = threading.Thread(target=_show_running_time, args=(label, limit, done), daemon=True)

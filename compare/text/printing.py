@@ -26,11 +26,11 @@ Column = tuple[str, str, str]
 
 @dataclass(frozen=True)
 class CommandOutput:
-    """Output of a command, with its exit code.
+    """Output of a command, as texts and tables or as JSON, with its exit code.
 
     data: value to print as JSON, or a function that returns it, which is called only for JSON output. parts: texts and
-    tables (of the package rich), printed in this order. code: exit code. folded: whether texts are wrapped to `text_width`
-    even if the output is no terminal.
+    tables (of the package rich) to print otherwise, in this order. code: exit code. folded: whether texts are wrapped to
+    `text_width` even if the output is no terminal.
     """
 
     data: Any = None
@@ -59,7 +59,7 @@ class OutputLost(Exception):
 
 @contextmanager
 def guard_standard_output() -> Iterator[None]:
-    """Raise OutputLost if the block under this context manager cannot write to standard output.
+    """Raise OutputLost if the ``with`` block cannot write to standard output.
 
     A pipe whose reader has ended still raises BrokenPipeError.
     """
@@ -215,7 +215,7 @@ def _padding_width(table: Table) -> int:
 
 
 def _smallest_and_full_width(column: RichColumn, around: int) -> tuple[int, int]:
-    """Return the smallest width of a column that breaks no word, and the width at which no text is wrapped.
+    """Return the smallest width of a table column that breaks no word, and the width at which no text is wrapped.
 
     ``around``: width of padding and rule, which is added to both [characters].
     """
@@ -228,7 +228,7 @@ def _smallest_and_full_width(column: RichColumn, around: int) -> tuple[int, int]
 def _table_of_columns(
     table: Table, columns: Sequence[int], rows: Sequence[tuple[str, ...]], limits: Sequence[tuple[int, int]], width: int
 ) -> Table:
-    """Return a table with some columns of another one, at most ``width`` characters wide.
+    """Return a table with some columns of another table, at most ``width`` characters wide.
 
     ``columns``: numbers of these columns, from 0. ``rows``: texts of all rows of the other table. ``limits``: for each of
     its columns, the smallest width that breaks no word and the width at which no text is wrapped. The width that remains is

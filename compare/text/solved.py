@@ -1,4 +1,4 @@
-"""Text and tables that the terminal shows for solved scenes, load cases, load curves and tables over parameters."""
+"""Texts and tables in which the terminal shows solved scenes, load cases, load curves, and tables over scene parameters."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def warning_and_note_lines(
 
 
 def solver_lines(solver_report: SolverReport, measured: str = "") -> list[str]:
-    """Return a line on solver, iterations and size of the system; only on the time if no solution was attempted.
+    """Return a line on the solver, its iterations and the size of the system; only on time if no solution was attempted.
 
     ``solver_report``: record of the solver. ``measured``: text on the discretisation error, which is added to the line.
     """
@@ -137,7 +137,7 @@ def solver_lines(solver_report: SolverReport, measured: str = "") -> list[str]:
 
 
 def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
-    """Return the texts and the table that the terminal shows for a load curve: backlash, stiffness, and the points.
+    """Return the texts and the table in which the terminal shows a load curve: backlash, stiffness, and the points.
 
     ``details``: also the assumptions.
     """
@@ -210,7 +210,7 @@ def _number_or_range_text(value: Any) -> str:
 
 
 def _force_balance_lines(equilibrium: Equilibrium, *, several: bool) -> list[str]:
-    """Return lines on the residuals of the force and moment balance.
+    """Return lines for the terminal on the residuals of the force and moment balance of a screw or shaft.
 
     ``equilibrium``: the residuals. ``several``: whether the scene is a shaft with several nuts or bearings.
     """
@@ -231,7 +231,7 @@ def _force_balance_lines(equilibrium: Equilibrium, *, several: bool) -> list[str
 
 
 def _ball_tables(one: Solved) -> list[RenderableType]:
-    """Return a table with a row for every ball, and one with a row for each groove flank.
+    """Return a table with loads and angles of every ball, and one with largest and smallest load of each groove flank.
 
     Loads are rounded to the digits that their expected error justifies.
     """
@@ -270,7 +270,7 @@ def tangent_stiffness_parts(tangent: Tangent) -> list[RenderableType]:
 
 
 def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
-    """Return the tables and lines on nuts, bearings and housings of a shaft.
+    """Return the tables and lines in which the terminal shows the nuts, bearings and housings of a shaft.
 
     ``balls``: also the tables of balls and rollers. ``stiffness``: also the stiffness of the shaft.
     """
@@ -353,7 +353,7 @@ def duty_cycle_parts(
     details: bool = False,
     stiffness: bool = False,
 ) -> list[Any]:
-    """Return the texts and tables for a duty cycle: results over all load cases, a table of cases, then each case.
+    """Return the texts and tables for a duty cycle: results over all load cases, a table of load cases, then each case.
 
     ``solved``: solution of each case. ``cycle_results``: extremes and lives over all cases. ``tangents``: for each case,
     the stiffness at the axial position that the user asked for; empty if none. ``balls``, ``details``, ``stiffness``: see
@@ -401,7 +401,7 @@ REASONS = 5
 
 
 def parameter_table_parts(found: Table) -> list[Any]:
-    """Return what the terminal shows of a table over scene parameters, as texts and tables.
+    """Return the texts and tables in which the terminal shows results over values of scene parameters.
 
     These are the table of quantities with their expected errors, then lines on the combinations of values without results.
     """
@@ -409,9 +409,9 @@ def parameter_table_parts(found: Table) -> list[Any]:
 
 
 def _parameter_table_rows(found: Table) -> list[dict[str, Any]]:
-    """Return the rows of a table over scene parameters, by headings.
+    """Return a row for each combination of parameter values: the values, the computed quantities and their expected errors.
 
-    A row has the values of the varied parameters, the quantities, and their expected errors.
+    The keys of a row are the headings of the table. ``found``: results over values of scene parameters.
     """
     named, rows = quantities_of_record(TableRow), []
     for row, place in zip(found.rows, found.places, strict=True):
@@ -431,9 +431,9 @@ def _round_percent(percent: float | None) -> float | None:
 
 
 def _summary_lines(found: Table) -> Iterator[str]:
-    """Yield lines on the number of combinations with results, on failures, and on errors that cannot be estimated.
+    """Yield lines on how many combinations of parameter values have results, on failures, and on errors not known.
 
-    ``found``: table over scene parameters.
+    ``found``: results over values of scene parameters.
     """
     matrix = any(row.stiffness is not None for row in found.rows)
     further = "; ±: error to expect" if any(row.load_error is not None for row in found.rows) else ""
@@ -444,9 +444,9 @@ def _summary_lines(found: Table) -> Iterator[str]:
 
 
 def failure_lines(found: Table) -> Iterator[str]:
-    """Yield a line for each of the first `REASONS` reasons for missing results, with the parameter values concerned.
+    """Yield a line for each of the first five reasons for missing results, with the parameter values concerned.
 
-    ``found``: table over scene parameters.
+    ``found``: results over values of scene parameters.
     """
     reasons = list(found.failures.items())
     for reason, places in reasons[:REASONS]:
