@@ -1,7 +1,7 @@
-"""Convert the keys of a shaft with several nuts and bearings (``[[sets]]``) to its record, with errors for faulty keys.
+"""Build the record of a shaft with several ball nuts and bearings from the keys of its scene file; errors for faulty keys.
 
-A table ``[[sets]]`` of a file describes one ball nut, one bearing, or equal bearings in an arrangement such as "DBD". An
-arrangement becomes one bearing row per bearing; all rows are ground to equal gaps.
+A table ``[[sets]]`` of a file describes one ball nut, one bearing, or equal bearings in an arrangement such as "DBD". Each
+bearing of an arrangement becomes one row; all rows are ground to equal gaps.
 """
 
 from __future__ import annotations
@@ -61,16 +61,16 @@ NO_STIFFNESS = diagonal_stiffness((0.0,) * 6)
 
 
 def build_axis_scene(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene | DutyCycle:
-    """Return the record of a shaft with several nuts and bearings, or of its load cases; SceneError for faults.
+    """Return the shaft with nuts and bearings that a scene file describes, or its load cases; SceneError for faults.
 
-    If the file describes a single nut or ball bearing that needs no table ``[[sets]]``, the record is a `Scene`.
+    If the file describes a single nut or ball bearing that needs no table ``[[sets]]``, a `Scene` is returned.
 
     Parameters
     ----------
     keys
-        Validated keys of the file.
+        Validated keys of the scene file.
     raw
-        Tables of the file as read from TOML, from which messages take the faulty values.
+        Tables of the file as read from TOML, for the faulty values in messages.
     origin
         Name of the file, for messages.
     name
@@ -87,17 +87,17 @@ def build_axis_scene(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: 
 
 
 def _geometry_faults_of_scene(scene: Scene | Assembly) -> Iterator[Fault]:
-    """Yield the faults of nuts and bearings that cannot be built, in the scene of one load case."""
+    """Yield the geometry faults of all nuts and ball bearings of a scene, which make them impossible to build."""
     for one in (scene,) if isinstance(scene, Scene) else (s.parts for s in scene.sets):
         if isinstance(one, Scene):
             yield from geometry_faults(one)
 
 
 def _build_checked_assembly(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene:
-    """Return the record of shaft, nuts, bearings and housings under the scene's loads, after all checks.
+    """Return shaft, nuts, bearings and housings that a scene file describes outside its load cases, after all checks.
 
-    ``keys``: validated keys of the file; ``raw``: tables of the file, from which messages take faulty values; ``origin``:
-    name of the file, for messages; ``name``: name of the scene. SceneError for faults.
+    ``keys``: validated keys of the file; ``raw``: tables of the file, for the faulty values in messages; ``origin``: name
+    of the file, for messages; ``name``: name of the scene. SceneError for faults.
     """
     raise_faults(origin, raw, [*_conflicting_key_faults(keys), *load_case_faults(keys)])
     sets = tuple(_rolling_set_from_keys(keys, i, raw, origin) for i in range(len(keys.sets)))
@@ -140,9 +140,9 @@ def _build_checked_assembly(keys: AxisKeys, raw: Mapping[str, Any], origin: str,
 
 
 def _assumptions_of_sets(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[str]:
-    """Yield a sentence on each assumption about a nut or bearing: conformity from a rigidity, preload from a load rating.
+    """Yield a sentence on each assumption about a nut or bearing, such as a preload computed from the load rating.
 
-    ``sets``: records of the nuts and bearings, in the order of ``keys.sets``.
+    ``keys``: keys of the scene file; ``sets``: nuts and bearings built from ``keys.sets``, in the same order.
     """
     for one, whole in zip(keys.sets, sets, strict=True):
         if isinstance(whole.parts, Scene):
@@ -152,7 +152,7 @@ def _assumptions_of_sets(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator
 
 
 def _housing_from_keys(housing: HousingKeys) -> Housing:
-    """Return the record of a housing from its keys."""
+    """Return a housing from its keys in the scene file."""
     return Housing(
         housing.name,
         housing.at,
@@ -164,7 +164,7 @@ def _housing_from_keys(housing: HousingKeys) -> Housing:
 
 
 def _has_single_plain_set(keys: AxisKeys) -> bool:
-    """Return whether the file describes one nut or ball bearing only, and could do so without the table ``[[sets]]``."""
+    """Return whether a scene file describes only one nut or ball bearing, and could do so without a table ``[[sets]]``."""
     one = keys.sets[0]
     more = keys.housings or keys.screw.plain or keys.heat or one.carrier or one.offset or one.preload or one.arrangement
     more = more or one.seals or keys.drive != Drive()
@@ -172,17 +172,17 @@ def _has_single_plain_set(keys: AxisKeys) -> bool:
 
 
 def kind_of_set(set_keys: SetKeys) -> str:
-    """Return the kind of a nut or bearing from its tables: "ball nut", "bearing" or "tapered roller bearing"."""
+    """Return what a table ``[[sets]]`` of a scene file describes: "ball nut", "bearing" or "tapered roller bearing"."""
     if set_keys.rollers is not None:
         return "tapered roller bearing"
     return "bearing" if set_keys.track is not None and set_keys.track.lead == 0.0 else "ball nut"
 
 
 def _conflicting_key_faults(keys: AxisKeys) -> Iterator[Fault]:
-    """Yield the faults of keys that exclude or need each other: of friction, motion, drive, sets, housings and joints.
+    """Yield faults of a shaft's scene file: keys that exclude or need each other, and names that are missing or used twice.
 
-    Further faults are names that occur twice among the sets or the housings, and names of housings that the file does not
-    describe.
+    These are keys of friction, motion, drive, nuts, bearings, housings and joints, and names of housings to which other
+    keys refer.
     """
     yield from conflicting_friction_key_faults(keys.friction)
     yield from zero_speed_faults(keys.motion)
@@ -222,10 +222,10 @@ def _conflicting_key_faults(keys: AxisKeys) -> Iterator[Fault]:
 
 
 def _drive_faults(keys: AxisKeys) -> Iterator[Fault]:
-    """Yield the faults of the tables [drive] and [lubricant].
+    """Yield the faults of the tables [drive] and [lubricant] of a shaft's scene file.
 
-    They are a lubricant without bearings, a mass that no nut moves or that nuts of different leads move, a time of
-    acceleration without a speed that is reached, and an efficiency without mass and time of the acceleration.
+    Faults are a lubricant without bearings; a mass without a nut, or with nuts of different leads; a time of acceleration
+    without the speed to be reached; and an efficiency without mass and time of the acceleration.
     """
     leads = {one.track.lead for one in keys.sets if one.track is not None and one.track.lead}
     if keys.lubricant is not None and all(kind_of_set(one) == "ball nut" for one in keys.sets):
@@ -246,7 +246,7 @@ def _drive_faults(keys: AxisKeys) -> Iterator[Fault]:
 
 
 def _set_faults(keys: AxisKeys, number: int, set_keys: SetKeys) -> Iterator[Fault]:
-    """Yield the faults of keys of one nut or bearing that exclude or need each other.
+    """Yield faults of one table ``[[sets]]``, a nut or bearing: keys that exclude or need each other.
 
     ``keys``: keys of the whole file; ``set_keys``: keys of the nut or bearing; ``number``: its index, from 0, in the list
     ``sets`` of the file.
@@ -306,7 +306,7 @@ def _set_faults(keys: AxisKeys, number: int, set_keys: SetKeys) -> Iterator[Faul
 
 
 def _roller_end_faults(table_path: str, rollers: RollerKeys) -> Iterator[Fault]:
-    """Yield the faults of the ends of rollers: edge rounding, rib height, and a large end that does not touch the rib.
+    """Yield the faults of keys for the ends of tapered rollers: edge rounding, rib height, and contact with the rib.
 
     ``table_path``: path of the table of rollers in the file, such as ``sets[0].rollers``; ``rollers``: its keys, of which
     the angles of cup and rollers are checked already.
@@ -333,7 +333,7 @@ def _roller_end_faults(table_path: str, rollers: RollerKeys) -> Iterator[Fault]:
 
 
 def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
-    """Yield the faults of a stiffness that is given by both springs and matrix, or by an invalid matrix.
+    """Yield the faults of a housing's or joint's stiffness: both springs and matrix given, or an invalid matrix.
 
     ``where``: path of its table in the file, such as ``joints[0]``.
     """
@@ -349,17 +349,17 @@ def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
 
 
 def _stiffness_from_keys(keys: StiffKeys) -> Stiffness | None:
-    """Return the stiffness of a housing or joint in six freedoms; None if neither springs nor matrix are given."""
+    """Return the 6x6 stiffness of a housing or joint from its keys; None if neither springs nor a matrix are given."""
     if keys.matrix is not None:
         return checked_stiffness(np.array(keys.matrix))
     return None if keys.springs is None else diagonal_stiffness(tuple(keys.springs.model_dump().values()))
 
 
 def _scene_keys_of_set(keys: AxisKeys, set_keys: SetKeys) -> SceneKeys:
-    """Return the keys of a scene that contains only the nut or bearing ``set_keys``; its screw is the shaft of ``keys``.
+    """Return the keys of a scene with only one nut or bearing of a shaft, and with the shaft as its screw.
 
-    Groove, diameter and material of the screw are those of the set where it states them. The scene has no supports or
-    loads.
+    ``keys``: keys of the shaft's file; ``set_keys``: keys of the nut or bearing, which take precedence for groove, diameter
+    and material of the screw. The scene has no supports or loads.
     """
     shaft = keys.screw
     fields: dict[str, Any] = {n: getattr(shaft, n) for n in ScrewKeys.model_fields}
@@ -387,10 +387,10 @@ def _scene_keys_of_set(keys: AxisKeys, set_keys: SetKeys) -> SceneKeys:
 
 
 def _rolling_set_from_keys(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> RollingSet:
-    """Return the record of the nut or bearing that the table ``sets[i]`` of the file describes; SceneError for its faults.
+    """Return the nut or bearing that the table ``sets[i]`` of a scene file describes; SceneError for its faults.
 
-    ``keys``: keys of the whole file; ``raw``: tables of the file, from which messages take faulty values; ``origin``: name
-    of the file, for messages.
+    ``keys``: keys of the whole file; ``raw``: tables of the file, for the faulty values in messages; ``origin``: name of
+    the file, for messages.
     """
     one = keys.sets[i]
     thrust = one.thrust or "both"
@@ -413,10 +413,7 @@ def _rolling_set_from_keys(keys: AxisKeys, i: int, raw: Mapping[str, Any], origi
 
 
 def _roller_row_from_keys(rollers: RollerKeys, material: Material) -> RollerRow:
-    """Return the record of a row of tapered rollers.
-
-    ``rollers``: keys of the row; ``material``: material of rollers and rings.
-    """
+    """Return a row of tapered rollers from its keys ``rollers``; ``material``: material of rollers and rings."""
     row = RollerRow(
         rollers.count,
         rollers.diameter,
@@ -432,7 +429,7 @@ def _roller_row_from_keys(rollers: RollerKeys, material: Material) -> RollerRow:
 
 
 def _with_one_arc_grooves(scene: Scene, thrust: str) -> Scene:
-    """Return a bearing with one arc per groove; a bearing with ``thrust`` "both" and a nut are returned unchanged.
+    """Return a ball bearing with one arc per groove; a bearing with ``thrust`` "both", or a nut, is returned unchanged.
 
     ``thrust``: direction of the axial force on the shaft that the bearing carries: "+z", "-z", "both" or "deep groove".
     """
@@ -442,7 +439,7 @@ def _with_one_arc_grooves(scene: Scene, thrust: str) -> Scene:
 
 
 def _fault_with_set_prefix(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
-    """Return a fault whose keys have the names that they have in the file, most of them with the prefix ``sets[i].``.
+    """Return a fault of one nut or bearing with its keys named as in the shaft's file, most with the prefix ``sets[i].``.
 
     ``fault``: fault of a scene that contains only the nut or bearing with the index ``i``; ``raw``: tables of the file.
     """
@@ -455,7 +452,7 @@ def _fault_with_set_prefix(fault: Fault, i: int, raw: Mapping[str, Any]) -> Faul
 
 
 def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fault]:
-    """Yield the faults of positions along the shaft, of its supports, and of loaded housings that cannot move.
+    """Yield the faults of positions along a shaft, of its supports, and of loads on housings that cannot move.
 
     Positions must lie on the shaft, its plain sections (without groove) must not overlap, and each support must fix a
     degree of freedom that no other support at its position fixes. ``sets``: records of the nuts and bearings, in the order
@@ -511,7 +508,7 @@ def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fau
 
 
 def arrangement_faults(set_path: str, set_keys: SetKeys) -> Iterator[Fault]:
-    """Yield the faults of keys that are allowed only with an arrangement of bearings, or only without one.
+    """Yield the faults of keys of a bearing that are allowed only with an arrangement such as "DBD", or only without one.
 
     ``set_path``: path of the bearing's table in the file, such as ``sets[0]``; ``set_keys``: the keys of this table.
     """
@@ -550,10 +547,10 @@ def arrangement_faults(set_path: str, set_keys: SetKeys) -> Iterator[Fault]:
 
 
 def preload_of_arrangement(arrangement: str, pair_preload: float) -> float:
-    """Return the preload P [N] of an arrangement of bearings: the axial force in each of its two directions.
+    """Return the preload P [N] of an arrangement of equal bearings, from the preload F of a pair of them.
 
-    The bearings are ground for a pair with the preload F: mounting the pair closes a gap of twice the deflection of one
-    bearing. The gap between opposite rows of any arrangement is the same, and the n_1 or n_2 rows of one direction share P:
+    P is the axial force in each of the two directions. Mounting a pair closes a gap of twice the deflection of one bearing.
+    The gap between opposite rows of any arrangement is the same, and the n_1 or n_2 rows of one direction share P:
     P^(2/3) (n_1^(-2/3) + n_2^(-2/3)) = 2 F^(2/3), at a constant contact angle.
 
     Parameters
@@ -569,16 +566,16 @@ def preload_of_arrangement(arrangement: str, pair_preload: float) -> float:
 
 
 def bearing_rows_of_arrangement(single_bearing: RollingSet, set_keys: SetKeys, seed_step: int) -> Iterator[RollingSet]:
-    """Yield one record for each bearing of an arrangement, side by side about the arrangement's position.
+    """Yield each bearing of an arrangement, side by side about the position of the arrangement.
 
     Without an arrangement, only ``single_bearing`` is yielded.
 
     Parameters
     ----------
     single_bearing
-        Record of one bearing of the arrangement, at the position of the arrangement's middle; or of a nut.
+        One bearing of the arrangement, at the position of the arrangement's middle; or a nut.
     set_keys
-        Keys of the table that describes it.
+        Keys of the table ``[[sets]]`` that describes it.
     seed_step
         Difference between the seeds of the random errors of successive bearings.
     """
@@ -603,7 +600,7 @@ def bearing_rows_of_arrangement(single_bearing: RollingSet, set_keys: SetKeys, s
 
 
 def conformity_for_rigidity(parts: Scene, preload: float, rigidity: float) -> float:
-    """Return the conformity (groove radius over ball diameter) that gives a pair of bearings its stated axial rigidity.
+    """Return the conformity (groove radius over ball diameter) at which a pair of bearings has a given axial rigidity.
 
     Both grooves of the bearing have this conformity.
 
@@ -637,7 +634,7 @@ def conformity_for_rigidity(parts: Scene, preload: float, rigidity: float) -> fl
 
 
 def with_conformity_from_rigidity(parts: Scene, set_keys: SetKeys, origin: str, set_path: str) -> Scene:
-    """Return a bearing with the groove radii that follow from the axial rigidity of a pair of such bearings.
+    """Return a bearing with the groove radii that follow from the axial rigidity stated for a pair of such bearings.
 
     ``parts``: the bearing, returned unchanged if no rigidity is given; ``set_keys``: its keys, with rigidity and preload of
     the pair; ``origin``: name of the file, for messages; ``set_path``: path of the bearing's table in the file, such as

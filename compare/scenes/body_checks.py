@@ -26,7 +26,7 @@ WIDEST_GROOVE = 10.0
 
 
 def ball_radii_with_listed_errors(scene: Scene) -> Array:
-    """Return the radii of all balls, (n,) [m], start by start, with their errors except random ones.
+    """Return the radii of all balls of a scene ``(n,)`` [m], start by start, with their errors except random ones.
 
     The errors are the oversize of all balls and the errors that the file lists for single balls.
     """
@@ -37,7 +37,7 @@ def ball_radii_with_listed_errors(scene: Scene) -> Array:
 
 
 def geometry_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults that prevent a scene from being built, in the order in which a user would correct them."""
+    """Yield the faults of dimensions with which a scene cannot be built, in the order in which users correct them."""
     radii = ball_radii_with_listed_errors(scene)
     small = np.flatnonzero(radii <= 0.0)
     if small.size:
@@ -61,7 +61,7 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _path_error_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of pitch and roundness errors that are larger than the ball radius, and of a lead offset."""
+    """Yield the faults of errors along the track: pitch and roundness errors above the ball radius, and lead offset."""
     for side in SIDES:
         for kind in ("pitch", "roundness"):
             terms = getattr(scene.errors.side(side), kind)
@@ -77,7 +77,7 @@ def _path_error_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _lead_offset_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of a lead offset: larger than the ball radius, or with all balls on one side of the nut's centre."""
+    """Yield the faults of a nut's lead offset: above the ball radius, or with all balls on one side of the nut's centre."""
     where, radius, offset = ("preload.lead_offset",), scene.balls.radius, scene.errors.lead_offset
     beyond = are_in_shifted_half(scene, ball_layout(scene).z)
     if abs(offset) > radius:
@@ -93,10 +93,10 @@ def _lead_offset_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def hertz_constant_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of contacts whose Hertz constants do not exist, in a scene whose bodies can be built.
+    """Yield the faults of contacts for which no Hertz constant exists, in a scene whose bodies can be built.
 
-    At such a contact the flank is as curved as the ball or more, or the formula printed in Lin's Table B.1, if the scene
-    selects it, has no solution.
+    There the flank is at least as curved as the ball; or the scene selects the formula printed in Lin's Table B.1, and that
+    has no solution.
     """
     from rollbench.lowfi.statics.contacts import curvature_changes, nominal_curvatures, printed_sides
 
@@ -125,7 +125,7 @@ def hertz_constant_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _groove_width_faults(scene: Scene, largest_ball_radius: float) -> Iterator[Fault]:
-    """Yield the faults of grooves that are narrower than the largest ball or much wider, and of their profile errors.
+    """Yield the faults of groove radii: not above the largest ball radius or far above it; and of profile errors.
 
     ``largest_ball_radius``: radius of the largest ball, without random errors [m].
     """
@@ -156,7 +156,7 @@ def _groove_width_faults(scene: Scene, largest_ball_radius: float) -> Iterator[F
 
 
 def _profile_error_faults(scene: Scene, part: str, clearance: float) -> Iterator[Fault]:
-    """Yield the faults of profile errors that are larger than the clearance of a ball in its groove.
+    """Yield the faults of profile errors that are larger than groove radius minus ball radius, so that balls jam.
 
     ``part``: "S" for the screw, "N" for the nut; ``clearance``: groove radius minus radius of the largest ball [m].
     """
@@ -171,7 +171,7 @@ def _profile_error_faults(scene: Scene, part: str, clearance: float) -> Iterator
 
 
 def _diameter_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of pitch radius, outer diameters and bore: balls must lie partly in the screw and within the nut."""
+    """Yield the faults of diameters: the screw's surface must cut the balls, and the nut must enclose them."""
     pitch, ball = scene.track.pitch_radius, scene.balls.radius
     if pitch <= ball:
         reach = f"balls of diameter {length_text(2.0 * ball)} would reach the axis"
@@ -193,9 +193,9 @@ def _diameter_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _reduced_section_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of a screw of whose cross-section as a beam, reduced by the groove, nothing remains.
+    """Yield the faults of a screw whose beam cross-section, reduced for the groove, has no material left.
 
-    The cross-section is reduced by Lin (2019), eqs. (C.6) to (C.8). A rigid screw has no such faults.
+    The cross-section is reduced after Lin (2019), eqs. (C.6) to (C.8). A rigid screw has no such faults.
     """
     if scene.ingredients.screw == "rigid":
         return
@@ -211,7 +211,7 @@ def _reduced_section_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _beyond_screw_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of a nut, supports or loads that lie beyond the screw's ends."""
+    """Yield the faults of positions of nut, supports and loads beyond the ends of the screw."""
     length, nut = scene.screw.length, scene.nut
     ends = (nut.position - nut.length / 2.0, nut.position + nut.length / 2.0)
     if ends[0] < -TOLERANCE or ends[1] > length + TOLERANCE:
@@ -234,7 +234,7 @@ def _beyond_screw_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _rigid_screw_support_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield a fault if the supports of a rigid screw contradict each other: no rigid-body motion satisfies them all."""
+    """Yield a fault if no rigid-body motion of a rigid screw satisfies all its supports."""
     if scene.ingredients.screw != "rigid":
         return
     clash = contradiction(scene)
@@ -249,7 +249,7 @@ def _rigid_screw_support_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _solid_table_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of the table ``[solid]``, whose dimensions are used only by the 3D finite-element model."""
+    """Yield the faults of the table ``[solid]``, the dimensions that only the 3D finite-element model uses."""
     solid, R = scene.solid, scene.track.pitch_radius
     of_screw, of_nut = largest_groove_depths(scene)
     if solid.nut_inner_diameter is not None:
@@ -269,7 +269,7 @@ def _solid_table_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _flange_faults(nut: Nut, flange: Flange) -> Iterator[Fault]:
-    """Yield the faults of a flange: not wider than its nut, longer than it, or a fixed annulus that exceeds its face."""
+    """Yield the faults of a nut's flange: not wider than the nut, longer than the nut, or fixed beyond its face."""
     if flange.diameter <= nut.outer_diameter + SMALLEST_WIDTH:
         advice = "check that this is a diameter, not a radius: a flange is wider than its nut"
         yield Fault(("nut.flange.diameter",), f"above {length_text(nut.outer_diameter + SMALLEST_WIDTH)}", advice)
@@ -291,7 +291,7 @@ def _flange_faults(nut: Nut, flange: Flange) -> Iterator[Fault]:
 
 
 def _ball_position_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
-    """Yield the faults of balls that lie outside the nut or overlap each other; ``radii``: radii of all balls (n,) [m]."""
+    """Yield the faults of ball positions: outside the nut, or overlapping; ``radii``: radii of all balls ``(n,)`` [m]."""
     track, nut = scene.track, scene.nut
     centres = ball_layout(scene).centre
     where = ("balls.azimuths", "balls.count")
@@ -321,14 +321,14 @@ def _ball_position_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
 
 
 def overlapping_pair(centres: Array, radii: Array) -> tuple[int, int] | None:
-    """Return the indices of two overlapping balls, the lower index first; None if no balls overlap.
+    """Return the indices of the first two balls that overlap, the lower index first; None if no balls overlap.
 
     Parameters
     ----------
     centres
-        Ball centres, (n, 3) [m].
+        Ball centres ``(n, 3)`` [m].
     radii
-        Ball radii, (n,) [m]; touching balls do not overlap.
+        Ball radii ``(n,)`` [m]; touching balls do not overlap.
     """
     following = np.arange(len(radii) - 1)[:, None] + np.array([0, 1])
     for pairs in (following, None):  # neighbours first: if they overlap, there may be very many close pairs
@@ -340,7 +340,7 @@ def overlapping_pair(centres: Array, radii: Array) -> tuple[int, int] | None:
 
 
 def _ball_circuit_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of ball circuits that cannot be built, and of a simulation that would move the nut off the screw."""
+    """Yield the faults of ball circuits that are impossible, and of a simulation that moves the nut off the screw."""
     from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits_of_scene, nut_travel
 
     try:

@@ -1,4 +1,4 @@
-"""Access to scenes by name or path; the scenes that are part of the package are read only once."""
+"""Access to scenes by name or path; the scenes that are included in rollbench are read only once."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def scene_names() -> tuple[str, ...]:
 
 @cache
 def top_level_keys(name: str) -> dict[str, Any]:
-    """Return the keys before the first table in the file of a scene included in rollbench: title, kind, role and others.
+    """Return the keys before the first table in the file of a scene included in rollbench, such as title and kind.
 
     ``name``: name of the scene; InputError for an unknown name.
     """
@@ -44,16 +44,16 @@ def kind_of_shipped_scene(name: str) -> str:
 
 @cache
 def names_of_single_set_scenes() -> tuple[str, ...]:
-    """Return the names of the scenes included in rollbench that have a single nut or bearing row, sorted."""
+    """Return the sorted names of the scenes included in rollbench that have only one nut or bearing row."""
     return tuple(n for n in scene_names() if top_level_keys(n).get("kind") not in (AXIS, *KINDS))
 
 
 @cache
 def names_with_role(role: str) -> tuple[str, ...]:
-    """Return the names of the scenes included in rollbench whose role in the validation report begins with ``role``.
+    """Return the sorted names of the scenes included in rollbench that have a given role in the validation report.
 
-    ``role``: "referenced" (case study with a 3D reference), "unseen" (scene with which no model was made) or its kinds
-    "unseen, changed parts" and "unseen, catalogue size". The names are sorted.
+    ``role``: beginning of the role: "referenced" (case study with a 3D reference), "unseen" (scene not used when the models
+    were developed), "unseen, changed parts" or "unseen, catalogue size".
     """
     return tuple(name for name in scene_names() if top_level_keys(name).get("role", "").startswith(role))
 
@@ -77,7 +77,7 @@ def shipped_scene(name: str) -> Described:
 def shipped_scene_of_kind(name: str, kind: type[Of]) -> Of:
     """Return the scene ``name`` that is included in rollbench, if it is of a given kind; InputError otherwise.
 
-    ``kind``: class of the records of scenes of this kind.
+    ``kind``: class of the scenes of this kind.
     """
     described = shipped_scene(name)
     if not isinstance(described, kind):
@@ -120,7 +120,7 @@ def any_scene(name_or_path: str) -> Described:
 
 
 def scene(name_or_path: str) -> Scene:
-    """Return a scene with a single nut or bearing row, by its name if rollbench includes it, or by the path of its file.
+    """Return a scene with only one nut or bearing row: one included in rollbench, by its name, or one read from a file.
 
     InputError if there is no such scene, the file is faulty, or the scene is of another kind.
     """

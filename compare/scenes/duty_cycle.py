@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from rollbench.compare.scenes.friction_kinds.common import KindScene
 
 
-#: Records of the kinds of scenes that a file may describe.
+#: Classes of all kinds of scenes that a file may describe.
 Described: TypeAlias = "Scene | KindScene | Assembly | DutyCycle"
 
 
 @result_record
 class LoadCase:
-    """One load case of a duty cycle: the parts under its loads, with its share of the revolutions."""
+    """One load case of a duty cycle: the parts under its loads, and its share of all revolutions of the cycle."""
 
     #: Name of the load case.
     name: str = quantity_field("case", "name of the load case")
@@ -36,7 +36,7 @@ class LoadCase:
 
 @dataclass(frozen=True)
 class DutyCycle:
-    """Scene with several load cases of the same parts, in the order of the file."""
+    """Duty cycle: a scene with several load cases of the same parts, in the order of its file."""
 
     #: Scene as the file describes it outside its load cases.
     parts: Scene | Assembly
@@ -74,20 +74,20 @@ class DutyCycle:
 
     @property
     def sets(self) -> dict[str, Scene | RollerRow]:
-        """Geometry of each nut or bearing row by its name; an empty name if the scene has only one."""
+        """Parts of each nut or bearing row, by its name; the name is empty if the scene has only one."""
         if isinstance(self.parts, Scene):
             return {"": self.parts}
         return {s.name: s.parts for s in self.parts.sets}
 
     @property
     def shares(self) -> tuple[float, ...]:
-        """Share of the revolutions of each load case; their sum is 1."""
+        """Share of each load case in all revolutions of the cycle; the sum is 1."""
         return tuple(case.share for case in self.cases)
 
 
 @dataclass(frozen=True)
 class CaseOfCycle:
-    """Load case together with the duty cycle to which it belongs."""
+    """One load case together with the duty cycle (scene with several load cases) to which it belongs."""
 
     #: The duty cycle.
     cycle: DutyCycle
@@ -96,7 +96,7 @@ class CaseOfCycle:
 
     @property
     def keys(self) -> dict[str, Any]:
-        """Keys that identify the load case in every JSON row: scene, case, share."""
+        """Names and values that identify the load case in every row of JSON results: scene, case, share."""
         return {"scene": self.cycle.name, "case": self.case.name, "share": self.case.share}
 
 

@@ -1,7 +1,7 @@
-"""Faults of a scene file as texts (key, value, allowed range, advice), and one SceneError that lists all of them.
+"""Faults of a scene file, which a user can correct, as texts (key, value, allowed range, advice), and their SceneError.
 
-Faults that pydantic finds are translated into such texts. Reading continues with the valid keys, so that all faults of a
-file are listed at once. A faulty file is one that a user can correct; a fault is never an error of the program.
+Faults that pydantic finds are translated into such texts. Reading continues with the valid keys, so that one error lists
+all faults of a file. A fault is never an error of the program.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ ALIASES = {
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault of a scene file: the keys that may cause it, the allowed values and the advice to the user."""
+    """One fault of a scene file: keys that may cause it, allowed values, and advice to the user."""
 
     #: Keys that may cause the fault; the message names the first of them that the file has.
     keys: tuple[str, ...]
@@ -52,7 +52,7 @@ def length_text(length: float) -> str:
 
 
 class FaultText(NamedTuple):
-    """The four parts of the message about one fault: key, value, allowed values, advice."""
+    """Message about one fault of a scene file, in four parts: key, value, allowed values, advice to the user."""
 
     #: Path of the faulty key, such as ``sets[0].balls``.
     key: str
@@ -65,23 +65,23 @@ class FaultText(NamedTuple):
 
 
 def combined_scene_error(origin: str, texts: Sequence[FaultText]) -> SceneError:
-    """Return one SceneError for all faults of a file: its message shows the first fault, and it contains the others.
+    """Return one SceneError for all faults of a scene file: its message shows the first one, and it contains the others.
 
-    ``origin``: name of the file; ``texts``: message parts of the faults, at least one.
+    ``origin``: name of the file; ``texts``: texts of the faults, at least one.
     """
     errors = [SceneError(origin, *one) for one in texts]
     return SceneError(origin, *texts[0], len(texts) - 1, tuple(errors[1:]))
 
 
 def raise_faults(origin: str, raw: Mapping[str, Any], faults: Sequence[Fault]) -> None:
-    """Raise a SceneError that lists all faults of a file; do nothing if there are none.
+    """Raise a SceneError that lists the given faults of a scene file; do nothing if there are none.
 
     Parameters
     ----------
     origin
         Name of the file in the message.
     raw
-        Tables of the file, which show the faulty values.
+        Tables of the file as read from TOML, for the faulty values in the message.
     faults
         The faults.
     """
@@ -90,10 +90,10 @@ def raise_faults(origin: str, raw: Mapping[str, Any], faults: Sequence[Fault]) -
 
 
 def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[FaultText]:
-    """Return the message parts of the faults ``faults`` of a file; ``raw``: tables of the file.
+    """Return key, value, allowed values and advice for each fault of a scene file.
 
-    Of the keys that may cause a fault, and of the keys that may stand in their place (`ALIASES`), the message names the
-    first one that the file has.
+    ``raw``: tables of the file; ``faults``: the faults. Of the keys that may cause a fault, and of the keys that may stand
+    in their place (`ALIASES`), the text names the first one that the file has.
     """
     out = []
     for fault in faults:
@@ -108,14 +108,14 @@ def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[FaultTe
 
 
 def _alias_keys(key: str) -> Iterator[str]:
-    """Yield the keys that a file may have in place of ``key``, such as a diameter in place of a radius (`ALIASES`)."""
+    """Yield the keys that a file may have in place of ``key`` (`ALIASES`), such as a diameter in place of a radius."""
     for suffix, others in ALIASES.items():
         if key.endswith(suffix):
             yield from (key.removesuffix(suffix) + other for other in others)
 
 
 def _value_at_path(raw: Any, path: str) -> Any:
-    """Return the value of a key in the tables ``raw`` of a file; None if it is missing.
+    """Return the value of a key in the tables ``raw`` of a scene file; None if the file has no such key.
 
     ``path``: path of the key, such as ``sets[0].balls``.
     """
@@ -143,28 +143,25 @@ WORDS: dict[str, str] = files.read_shipped_toml("words.toml")
 
 @dataclass(frozen=True)
 class KeyFaults:
-    """Faults of a file's keys, and the top-level tables or keys that were replaced so that reading could continue."""
+    """Faults of a scene file's keys, and the top-level tables or keys that were replaced so that reading could continue."""
 
-    #: The faults as message parts.
+    #: Key, value, allowed values and advice for each fault.
     texts: tuple[FaultText, ...] = ()
     #: Names of the replaced top-level tables and keys.
     replaced: frozenset[str] = frozenset()
 
     @property
     def bodies_unchanged(self) -> bool:
-        """Whether bodies, supports and loads are those of the file: no replaced table affects them."""
+        """Whether the bodies, supports and loads that were read are those of the file: no replaced table affects them."""
         return self.replaced <= INDEPENDENT_TABLES
 
     def are_in_file(self, keys: Sequence[str]) -> bool:
-        """Return whether a fault of the keys ``keys`` is due to the file itself.
-
-        It is not if reading replaced a table or value to which one of these keys belongs.
-        """
+        """Return whether a fault of the keys ``keys`` is one of the file itself, not of a value replaced while reading."""
         return not any(key.split(".")[0].split("[")[0] in self.replaced for key in keys)
 
 
 def validate_or_raise(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> Keys:
-    """Return the validated keys of a file, or raise a SceneError that lists all faults of keys.
+    """Return the validated keys of a scene file, or raise a SceneError that lists the faults of all keys.
 
     Parameters
     ----------
@@ -182,7 +179,7 @@ def validate_or_raise(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> 
 
 
 def validate_beyond_faults(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, KeyFaults]:
-    """Return the validated keys of a file, and all faults of its keys; reading continues after a fault.
+    """Return the validated keys of a scene file, and the faults of all keys; reading continues after a fault.
 
     ``raw``: tables of the file; ``keys``: pydantic model of its keys. A faulty value is replaced by the example of its key,
     and an unknown key is left out. The returned keys are None if the file cannot be read even so, for example if a whole
@@ -207,10 +204,10 @@ def validate_beyond_faults(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Ke
 
 
 def _replace_faulty_value(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, Any]) -> bool:
-    """Replace a faulty value in the tables ``raw`` by its key's example, or remove it; return whether that was possible.
+    """Replace a faulty value of a scene file by the example of its key, or remove it; return whether that was possible.
 
-    ``raw`` is changed in place. ``where``: path of the key; ``kind``: pydantic's name of the error; ``node``: part of the
-    JSON Schema for the key.
+    ``raw``: tables of the file, which are changed in place; ``where``: path of the key; ``kind``: pydantic's name of the
+    error; ``node``: part of the JSON Schema for the key.
     """
     for key in where[:-1]:
         known = isinstance(raw, list) if isinstance(key, int) else isinstance(raw, dict) and key in raw
@@ -229,7 +226,7 @@ def _replace_faulty_value(raw: Any, where: Sequence[int | str], kind: str, node:
 
 
 def key_fault_texts(keys: type[BaseModel], error: ValidationError) -> list[FaultText]:
-    """Return the message parts of all faults that pydantic found in a file, unknown keys first.
+    """Return key, value, allowed values and advice for each fault that pydantic found in a scene file, unknown keys first.
 
     ``keys``: pydantic model of the file's keys; ``error``: pydantic's error. A missing key is not reported if the file has
     an unknown key that was probably meant for it, because the advice on the unknown key names it.
@@ -262,7 +259,7 @@ def _key_path(where: Sequence[int | str]) -> str:
 
 
 def unknown_key_text(schema: dict[str, Any], fault: Any) -> tuple[FaultText, str]:
-    """Return the message parts for an unknown key, and the known key that is probably meant (empty if none is similar).
+    """Return the message about an unknown key, and the known key that is probably meant (empty if none is similar).
 
     ``schema``: JSON Schema of the scene; ``fault``: an entry of pydantic's list of errors.
     """
@@ -279,7 +276,7 @@ def unknown_key_text(schema: dict[str, Any], fault: Any) -> tuple[FaultText, str
 
 
 def _refused_value_text(schema: dict[str, Any], fault: Any) -> FaultText:
-    """Return the message parts for a missing key or a refused value.
+    """Return the message about a missing key or a refused value of a scene file.
 
     ``schema``: JSON Schema of the scene; ``fault``: an entry of pydantic's list of errors.
     """
@@ -294,7 +291,7 @@ def _refused_value_text(schema: dict[str, Any], fault: Any) -> FaultText:
 
 
 def schema_part_at_path(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any]:
-    """Return the part of the JSON Schema for the key at the path ``where``; empty if the schema has no such key."""
+    """Return the part of a scene's JSON Schema for the key at the path ``where``; empty if there is no such key."""
     node: dict[str, Any] = schema
     for key in (*where, None):
         if "$ref" in node:
@@ -310,7 +307,7 @@ def schema_part_at_path(schema: dict[str, Any], where: Sequence[int | str]) -> d
 
 
 def _allowed_values(node: Mapping[str, Any]) -> str:
-    """Return a text on the values that a key allows; ``node``: part of the JSON Schema for the key."""
+    """Return in words which values a key of a scene file allows; ``node``: part of the JSON Schema for the key."""
     if "x-allowed" in node:
         return f"{node['x-dimension']}, {node['x-allowed']}"
     if "enum" in node:
@@ -328,7 +325,7 @@ def _allowed_values(node: Mapping[str, Any]) -> str:
 
 
 def _advice_for_key(node: Mapping[str, Any], name: str, kind: str, given: object) -> str:
-    """Return the advice on what to write for a faulty or missing key.
+    """Return the advice to a user on what to write for a faulty or missing key of a scene file.
 
     ``node``: part of the JSON Schema for the key; ``name``: the key; ``kind``: pydantic's name of the error; ``given``: the
     faulty value.
@@ -347,5 +344,5 @@ def _advice_for_key(node: Mapping[str, Any], name: str, kind: str, given: object
 
 
 def key_meant_by_word(name: str) -> str:
-    """Return the key of a scene that is meant by a frequent unknown key, from the table `WORDS`; empty for other keys."""
+    """Return the key of a scene file that is meant by a frequent unknown key ``name`` (`WORDS`); empty for other keys."""
     return WORDS.get(name.strip().lower().replace("-", "_").replace(" ", "_"), "")

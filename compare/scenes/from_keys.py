@@ -1,4 +1,4 @@
-"""Convert validated keys of a scene file to records of the parts and of load cases, and check the keys of load cases."""
+"""Build parts and load cases from the validated keys of a scene file, and check the keys of load cases."""
 
 from __future__ import annotations
 
@@ -69,9 +69,10 @@ def scene_from_keys(keys: schema.SceneKeys, name: str) -> parts.Scene:
 
 
 def _track_from_keys(keys: schema.SceneKeys) -> parts.Track:
-    """Return the record of the path of the ball centres.
+    """Return the path of the ball centres from the keys of a scene file.
 
-    With a clearance it is the path of a bearing with one arc per groove, whose contact angle follows from the clearance.
+    If the file states a clearance, it is the path of a bearing with one arc per groove, whose contact angle follows from
+    the clearance.
     """
     fields, clearance = keys.track.model_dump(exclude={"clearance"}), keys.track.clearance
     if clearance is not None:
@@ -81,20 +82,17 @@ def _track_from_keys(keys: schema.SceneKeys) -> parts.Track:
 
 
 def groove_centre_distance(keys: schema.SceneKeys) -> float:
-    """Return the distance [m] between the arc centres of the screw's and the nut's groove when a ball touches both."""
+    """Return the distance [m] between the centres of the screw's and the nut's groove arcs when a ball touches both."""
     return groove_radius_of_part(keys, keys.screw) + groove_radius_of_part(keys, keys.nut) - 2.0 * keys.balls.radius
 
 
 def groove_radius_of_part(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> float:
-    """Return the groove radius of the screw or nut ``part`` [m], as given or as conformity times ball diameter."""
+    """Return the groove radius [m] of the screw or nut ``part``: as stated, or as conformity times ball diameter."""
     return part.groove_radius or (part.conformity or 0.0) * (2.0 * keys.balls.radius)
 
 
 def _fields_of_screw_or_nut(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
-    """Return the fields that the records of screw and nut have in common: length, diameter, groove radius and material.
-
-    ``part``: keys of the screw or nut.
-    """
+    """Return length, outer diameter, groove radius and material of the screw or nut ``part``, by field names."""
     shape = {
         "length": part.length,
         "outer_diameter": part.outer_diameter,
@@ -104,9 +102,9 @@ def _fields_of_screw_or_nut(keys: schema.SceneKeys, part: schema.ScrewKeys | sch
 
 
 def _flange_from_keys(nut: schema.NutKeys) -> parts.Flange | None:
-    """Return the record of a nut's flange; None if the nut has no flange.
+    """Return the flange of a nut from the nut's keys; None if the nut has no flange.
 
-    It may be fixed at its whole face towards the nut, or at the annulus whose diameters are given.
+    The flange may be fixed at its whole face towards the rest of the nut, or at the annulus whose diameters are given.
     """
     if nut.flange is None:
         return None
@@ -120,10 +118,10 @@ def _flange_from_keys(nut: schema.NutKeys) -> parts.Flange | None:
 
 
 def friction_from_keys(keys: schema.FrictionKeys) -> parts.Friction:
-    """Return the record of a scene's friction: coefficients, and whether friction affects the loads of the balls."""
+    """Return friction coefficients, and whether friction changes the contact loads, from the table [friction] of a file."""
     screw, nut = (keys.coefficient if given is None else given for given in (keys.screw, keys.nut))
     if screw is None or nut is None:  # conflicting_key_faults has refused this
-        raise AssertionError("a groove without a coefficient")
+        raise AssertionError("a groove without a coefficient of friction")
     assumed, feedback, neighbours = tuple(map(escape_unprintable, keys.assumed)), keys.feedback, keys.neighbours
     if keys.coupling is not None:
         feedback, neighbours = keys.coupling == "ball", keys.coupling == "balls"
@@ -135,24 +133,23 @@ def friction_from_keys(keys: schema.FrictionKeys) -> parts.Friction:
 
 
 def material_from_keys(keys: MaterialKeys | None, default: MaterialKeys) -> parts.Material:
-    """Return the material of a part.
+    """Return the material of a part from its keys, completed from the table [material] of the scene file.
 
-    ``keys``: material in the part's table, None if it has none; ``default``: table [material] of the file, which gives the
-    missing values.
+    ``keys``: material in the part's table, None if it has none; ``default``: table [material], which gives missing values.
     """
     keys = keys or default
     modulus = default.youngs_modulus if keys.youngs_modulus is None else keys.youngs_modulus
     ratio = default.poissons_ratio if keys.poissons_ratio is None else keys.poissons_ratio
     if modulus is None or ratio is None:  # conflicting_key_faults has refused this
-        raise AssertionError("material without a value")
+        raise AssertionError("a material without Young's modulus or Poisson's ratio")
     return parts.Material(modulus, ratio)
 
 
 def _ball_azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[float, ...]:
-    """Return the azimuths of the balls of one start [rad].
+    """Return the azimuths of the balls of one start [rad] from the keys of balls and track.
 
-    They are listed in the file (``balls.azimuths``), or the balls are spread evenly over the angle ranges ``balls.arcs``,
-    or over the turns of each circuit. Circuits and the gaps between them are centred on the nut.
+    The file lists them (``balls.azimuths``); or the balls are spread evenly over the angle ranges ``balls.arcs``, or over
+    the turns of each circuit. Circuits and the gaps between them are centred on the nut.
     """
     if balls.azimuths is not None:
         return tuple(balls.azimuths)
@@ -203,14 +200,14 @@ def angle_of_touching_balls(pitch_radius: float, lead: float, ball_diameter: flo
 
 
 def loaded_ball_count(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
-    """Return the number of loaded balls over all starts and circuits."""
+    """Return the number of loaded balls in all starts and circuits together."""
     return balls.count or ball_count_of_circuit(balls, track) * balls.circuits * track.starts
 
 
 def support_from_keys(support: schema.SupportKeys | HousingKeys) -> parts.Support:
-    """Return the record of a support of the screw, or of the degrees of freedom in which a housing is fixed.
+    """Return a support of the screw, or the fixed degrees of freedom of a housing, from the keys of a scene file.
 
-    It holds the position, and the prescribed value of each fixed degree of freedom.
+    The record holds the axial position, and the prescribed value of each fixed degree of freedom.
     """
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
     held |= support.displace.given
@@ -221,7 +218,7 @@ def support_from_keys(support: schema.SupportKeys | HousingKeys) -> parts.Suppor
 
 
 def oversize_for_preload(scene: parts.Scene, force: float) -> float:
-    """Return the oversize e of the ball radius [m] that gives a nut on a rigid screw, itself rigid, an axial preload.
+    """Return the oversize e of the ball radius [m] that causes a given axial preload between rigid nut and rigid screw.
 
     All four contacts of each of the n balls carry Q = force / (n sin beta cos alpha), with the contact angle beta and the
     lead angle alpha. The approaches of the two opposite contacts on a ball, one on the screw and one on the nut, add up to
@@ -246,10 +243,10 @@ def oversize_for_preload(scene: parts.Scene, force: float) -> float:
 
 
 def preload_force(scene: parts.Scene, force_or_share: float | ShareOfRating) -> tuple[float, str]:
-    """Return a preload [N], and a text in brackets on the load rating from which it was computed.
+    """Return a preload [N], and a text on the load rating from which it was computed.
 
     ``force_or_share``: the preload as a force [N], for which the text is empty; or as a fraction of the dynamic load rating
-    of the nut or bearing ``scene``.
+    of the nut or bearing ``scene``, for which the text states the rating in brackets.
     """
     if not isinstance(force_or_share, ShareOfRating):
         return force_or_share, ""
@@ -261,10 +258,10 @@ def preload_force(scene: parts.Scene, force_or_share: float | ShareOfRating) -> 
 
 
 def with_preload_as_oversize(scene: parts.Scene, keys: schema.PreloadKeys | None) -> parts.Scene:
-    """Return the scene with its preload as an oversize of the balls.
+    """Return the scene with the preload of its file's table [preload], converted to an oversize of the balls.
 
-    ``keys``: table [preload] of the file. The scene is returned unchanged if this is None or states a lead offset. If it
-    states a force, the conversion to an oversize is added to the scene's assumptions.
+    ``keys``: keys of the table. The scene is returned unchanged if these are None or state a lead offset. If they state a
+    force, the conversion to an oversize is added to the scene's assumptions.
     """
     if keys is None or keys.lead_offset is not None:
         return scene
@@ -289,7 +286,7 @@ ROUNDED = 1e-6
 def with_load_cases(
     parts: Parts, keys: Sequence[CaseKeys], raw: Mapping[str, Any], origin: str, faults: Callable[[Any], Iterable[Fault]]
 ) -> Parts | DutyCycle:
-    """Return the duty cycle of a scene under the file's load cases; the scene itself if the file has no load cases.
+    """Return the duty cycle of a scene with its file's load cases; the scene itself if the file has no load cases.
 
     Parameters
     ----------
@@ -298,7 +295,7 @@ def with_load_cases(
     keys
         Validated keys of the load cases; empty if the file has none.
     raw
-        Tables of the file, from which messages take faulty values.
+        Tables of the file as read from TOML, for the faulty values in messages.
     origin
         Name of the file in messages.
     faults
@@ -319,7 +316,7 @@ def with_load_cases(
 
 
 def duty_cycle_from_keys(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
-    """Return the duty cycle of a scene from the validated keys of its load cases.
+    """Return the duty cycle of a scene: the scene under each of its load cases, built from their validated keys.
 
     The share of a load case is its fraction of the revolutions of the cycle. If the file states times instead of shares,
     the revolutions of a load case are its time multiplied by its absolute speed.
@@ -336,9 +333,9 @@ def duty_cycle_from_keys(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> D
 
 
 def _scene_under_load_case(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
-    """Return the scene under the load case ``keys``, with its loads, displacements, speed and oversize where stated.
+    """Return the scene under the load case ``keys``: with the loads, displacements, speed and oversize that it states.
 
-    It is named SCENE-CASE, so that stored runs and files of each load case have separate names.
+    Its name is SCENE-CASE, so that stored runs and files of each load case have separate names.
     """
     motion = scene.motion
     if keys.speed is not None:
@@ -365,7 +362,7 @@ def _scene_under_load_case(scene: Scene | Assembly, keys: CaseKeys) -> Scene | A
 
 
 def _errors_under_load_case(scene: Scene, keys: CaseKeys) -> Errors:
-    """Return the geometric errors of a scene, with the ball oversize of the load case ``keys`` if it states one."""
+    """Return the manufacturing errors of a scene, with the ball oversize of the load case ``keys`` if it states one."""
     oversize = scene.errors.balls.oversize if keys.oversize is None else keys.oversize
     return replace(scene.errors, balls=replace(scene.errors.balls, oversize=oversize))
 
@@ -380,7 +377,7 @@ def _displaced_support(support: Support, keys: CaseKeys) -> Support:
 
 
 def load_case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
-    """Yield the faults of a file's load cases: of their names, of shares or times, and of displaced supports."""
+    """Yield the faults of the load cases of a scene file: of their names, shares, times, and displaced supports."""
     names = [case.name for case in keys.cases]
     for k, case in enumerate(keys.cases):
         where = f"cases[{k}]"
@@ -424,10 +421,10 @@ def _share_faults(case: CaseKeys, case_path: str) -> Iterator[Fault]:
 
 
 def _case_support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, case_path: str) -> Iterator[Fault]:
-    """Yield the faults of displacements of supports in a load case.
+    """Yield the faults of the support displacements that a load case prescribes.
 
-    The scene has no support at the position, its support does not fix the degree of freedom, or the load case displaces
-    the degree of freedom twice. ``keys``: keys of the scene; ``case``: keys of the load case; ``case_path``: path of the
+    Faults are a position without support, a degree of freedom that the scene's support does not fix, and one that the load
+    case displaces twice. ``keys``: keys of the scene; ``case``: keys of the load case; ``case_path``: path of the
     load case in the file, such as ``cases[0]``.
     """
     seen: set[tuple[int, str]] = set()
@@ -451,9 +448,10 @@ def _case_support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, case_path: 
 
 
 def fault_in_load_case(fault: Fault, case_number: int) -> Fault:
-    """Return a fault of the scene under load case ``case_number`` (from 0), with keys of the load case before the scene's.
+    """Return a fault of the scene under a load case, with the keys of this load case added before those of the scene.
 
     The message names the first key that the file has, so that it names ``cases[k].KEY`` where the load case states KEY.
+    ``case_number``: number k of the load case, from 0.
     """
     blamed = tuple(f"cases[{case_number}].{key}" for key in fault.keys if key.startswith(("loads", "supports")))
     oversize = () if blamed else (f"cases[{case_number}].oversize",)

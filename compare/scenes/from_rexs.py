@@ -41,7 +41,7 @@ Steels = tuple[RexsComponent | None, RexsComponent | None]
 
 @dataclass
 class RexsReader:
-    """REXS file during its conversion, with the user's values and the faults, assumptions and omissions found so far.
+    """REXS file while it is converted to a scene, with the user's values and all faults, assumptions and omissions so far.
 
     ``given``: the user's values, as text by the keys of the scene file; ``missing``: faults because of missing attributes;
     ``assumed``: sentences on assumptions; ``notes``: sentences on parts of the file that are omitted.
@@ -57,10 +57,10 @@ class RexsReader:
     def quantity_or_fault(
         self, component: RexsComponent, attribute: str, key: str, names: Iterable[str] = ()
     ) -> str | None:
-        """Return a quantity as text with a unit: the user's value of ``key``, else the value of the component's attribute.
+        """Return a quantity as text with a unit: the value that the user gives for ``key``, else the one in the REXS file.
 
-        ``key``: key of the scene file for the quantity; ``names``: other attributes that may give it. If there is no value,
-        the attribute is recorded as missing, and None is returned.
+        ``component``, ``attribute``: where the REXS file states it; ``key``: key of the scene file for the quantity;
+        ``names``: other attributes that may state it. Without a value, a fault is recorded, and None is returned.
         """
         if key in self.given:
             return self.given.pop(key)
@@ -71,7 +71,7 @@ class RexsReader:
         return None
 
     def record_missing_attribute(self, component: RexsComponent, attribute: str, key: str, unit: str = "") -> None:
-        """Record a fault for a missing attribute of a component.
+        """Record a fault for an attribute that a component of the REXS file lacks.
 
         ``key``: key with which the user can give the value (``--set``); ``unit``: unit of the attribute in REXS, "none" for
         a number or a word; if it is empty, the unit in `UNITS`.
@@ -84,7 +84,7 @@ class RexsReader:
 
 
 def attribute_text(attribute: str, value: float) -> str:
-    """Return the value of a REXS attribute as text with its unit, as a scene file needs it.
+    """Return the value of a REXS attribute as text with its unit, as written in a scene file.
 
     ``attribute``: name of the attribute, from which the unit follows; ``value``: its value in the units of REXS.
     """
@@ -140,7 +140,7 @@ def scene_tables_from_rexs(path: Path, shaft: str, user_values: dict[str, str]) 
 
 
 def _chosen_shaft(reader: RexsReader, name: str) -> RexsComponent:
-    """Return the shaft whose name or id is ``name``, or the only shaft with bearings if ``name`` is empty.
+    """Return the shaft of a REXS file with the name or id ``name``, or the only shaft with bearings if that is empty.
 
     ArgumentError if not exactly one shaft fits.
     """
@@ -163,7 +163,7 @@ def _is_bearing(model: RexsModel, roles: dict[str, int]) -> bool:
 
 
 def _tables_of_shaft(reader: RexsReader, shaft: RexsComponent) -> Table:
-    """Return all tables of a scene file for a shaft with its bearings, supports, loads and load cases."""
+    """Return all tables of the scene file for a shaft of a REXS file, with bearings, supports, loads and load cases."""
     model = reader.model
     sections = model.parts(shaft.id, "shaft_section")
     steel = model.material(shaft.id)
@@ -207,7 +207,7 @@ def _tables_of_shaft(reader: RexsReader, shaft: RexsComponent) -> Table:
 
 
 def _plain_section_table(reader: RexsReader, section: RexsComponent) -> Table:
-    """Return the table of the plain section ``section`` of the shaft; a cone becomes a cylinder of its mean diameters."""
+    """Return the scene-file table of a section of the shaft; a cone becomes a cylinder of its mean diameters."""
     needed = ("u_coordinate_on_shaft", "length", "outer_diameter_begin")
     for name in needed:
         if section.number(name) is None:
@@ -226,10 +226,9 @@ def _plain_section_table(reader: RexsReader, section: RexsComponent) -> Table:
 
 
 def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steels, names: set[str]) -> list[Table]:
-    """Return the tables ``[[sets]]`` of a bearing, one for each of its rows.
+    """Return the scene-file tables ``[[sets]]`` of a bearing, one for each of its rows.
 
-    ``steels``: material of the shaft, and default material of all parts; ``names``: names of sets that are used already,
-    and are not given to a row again.
+    ``steels``: material of the shaft, and default material of all parts; ``names``: names already in use for other rows.
     """
     model, name = reader.model, bearing.name or f"bearing {bearing.id}"
     kind, rows = bearing.word("bearing_type"), model.parts(bearing.id, "rolling_bearing_row") or [bearing]
@@ -255,7 +254,7 @@ def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steel
 
 
 def _shift_position(position: str, shift: float) -> str:
-    """Return a position along the shaft, as text with its unit, moved by a distance along the shaft.
+    """Return a position along the shaft, as text with its unit, after moving it by a distance.
 
     ``position``: the position as text in mm; ``shift``: the distance [mm].
     """
@@ -266,10 +265,10 @@ def _shift_position(position: str, shift: float) -> str:
 def _table_of_row(
     reader: RexsReader, bearing: RexsComponent, row: RexsComponent, steels: Steels, name: str, position: str
 ) -> Table:
-    """Return the table ``[[sets]]`` for one row of a bearing.
+    """Return the scene-file table ``[[sets]]`` for one row of a bearing.
 
-    ``steels``: material of the shaft, and default material of all parts; ``name``: name of the set; ``position``: position
-    of the row along the shaft, as text.
+    ``steels``: material of the shaft, and default material of all parts; ``name``: name of the row in the scene;
+    ``position``: position of the row along the shaft, as text.
     """
     model, kind = reader.model, bearing.word("bearing_type")
     elements = model.parts(row.id, "rolling_element")
@@ -308,10 +307,10 @@ def _table_of_row(
 def _roller_tables(
     reader: RexsReader, row: RexsComponent, element: RexsComponent, name: str, position: str, count: int
 ) -> Table:
-    """Return the tables of position and rollers for a row of tapered rollers.
+    """Return the scene-file keys of position and rollers for a row of tapered rollers.
 
-    ``element``: component of a roller; ``name``: name of the set; ``position``: position of the row along the shaft, as
-    text; ``count``: number of rollers.
+    ``element``: component of a roller; ``name``: name of the row in the scene; ``position``: position of the row along the
+    shaft, as text; ``count``: number of rollers.
     """
     of = f"{name}.rollers"
     depth = reader.given.pop(f"{of}.ring_depth", None)
@@ -344,10 +343,10 @@ def _ball_tables(
     position: str,
     count: int,
 ) -> Table:
-    """Return the tables of ball path, inner ring, outer ring and balls for a row of balls.
+    """Return the scene-file tables of ball path, inner ring, outer ring and balls for a row of balls.
 
     ``elements``: components of the balls; ``steels``: material of the shaft, and default material of all parts; ``name``:
-    name of the set; ``position``: position of the row along the shaft, as text; ``count``: number of balls.
+    name of the row in the scene; ``position``: position of the row along the shaft, as text; ``count``: number of balls.
     """
     model, element = reader.model, elements[0] if elements else row
     rings = {x.word("bearing_ring_type"): x for x in model.parts(bearing.id, "bearing_ring")}
@@ -404,7 +403,7 @@ def _without_sign(text: str | None) -> str | None:
 
 
 def _material_table(reader: RexsReader, component: RexsComponent, key: str) -> Table:
-    """Return the table of a material from the elastic constants of ``component``; missing constants are faults.
+    """Return the scene-file table of a material from the elastic constants of ``component``; missing ones are faults.
 
     ``key``: prefix of the keys with which the user can give missing constants, such as ``material``.
     """
@@ -416,7 +415,7 @@ def _material_table(reader: RexsReader, component: RexsComponent, key: str) -> T
 def _own_material_table(
     reader: RexsReader, steel: RexsComponent | None, default_steel: RexsComponent | None, key: str
 ) -> Table:
-    """Return the material table of a part if its material differs from the default, else an empty table.
+    """Return the scene-file table of a part's material, or an empty table where the part has the default material.
 
     ``steel``: material of the part, None if unknown; ``default_steel``: default material of all parts, None if there is
     none; ``key``: prefix of the keys with which the user can give missing constants.
@@ -442,13 +441,13 @@ def _material_of_elements(model: RexsModel, bearing: RexsComponent) -> RexsCompo
 
 
 def _components_attached_to_shaft(model: RexsModel, shaft: RexsComponent, type: str) -> list[RexsComponent]:
-    """Return the components of a type, such as "concept_bearing", that a relation of type "side" attaches to the shaft."""
+    """Return the components of a REXS type, such as "concept_bearing", that "side" relations attach to the shaft."""
     sides = (r.roles for r in model.relations if r.type == "side" and shaft.id in r.roles.values())
     return [x for roles in sides if (x := model.components[roles["assembly"]]).type == type]
 
 
 def _support_table(reader: RexsReader, bearing: RexsComponent) -> Table:
-    """Return the table of a rigid support for the concept bearing ``bearing``; empty if it carries no force or moment."""
+    """Return the scene-file table of a rigid support for a REXS concept bearing; empty if it carries no load."""
     fix = ["ux", "uy"] if bearing.attributes.get("radial_force_absorption") else []
     fix += ["uz"] if bearing.word("axial_force_absorption") == "both_directions" else []
     fix += ["rx", "ry"] if (bearing.number("bending_stiffness") or 0.0) >= RIGID else []
@@ -458,7 +457,7 @@ def _support_table(reader: RexsReader, bearing: RexsComponent) -> Table:
 
 
 def _load_table(load: RexsComponent, case: dict[str, Value]) -> Table:
-    """Return the table of the load ``load`` on the shaft; attributes that the load case ``case`` states take precedence.
+    """Return the scene-file table of a load on the shaft; attributes stated by the load case ``case`` take precedence.
 
     The torque about the axis is balanced by the support at the end of the shaft.
     """
@@ -470,7 +469,7 @@ def _load_table(load: RexsComponent, case: dict[str, Value]) -> Table:
 
 
 def _case_tables(model: RexsModel, shaft: RexsComponent, loads: list[RexsComponent]) -> list[Table]:
-    """Return the tables of the load cases, each with its loads and its share of the operating time.
+    """Return the scene-file tables of the load cases, each with its loads and its share of the operating time.
 
     ``loads``: components of the loads on the shaft. If the file has a time and a speed for every load case, the tables
     state them instead of shares.
@@ -497,7 +496,7 @@ def _lubricant_viscosity(model: RexsModel, shaft: RexsComponent) -> float | None
 
 
 def _note_unmapped_parts(reader: RexsReader, shaft: RexsComponent) -> None:
-    """Record notes on parts on the shaft, such as gears, that are omitted because a scene cannot describe them."""
+    """Record a note on each part on the shaft, such as a gear, that is omitted because a scene cannot describe it."""
     model = reader.model
     for r in model.relations:
         if r.roles.get("assembly") == shaft.id and (x := model.components[r.roles.get("part", shaft.id)]).type not in (

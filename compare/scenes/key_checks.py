@@ -1,4 +1,4 @@
-"""Checks for keys of a scene file that contradict or need each other, made before any geometry is built."""
+"""Checks of a scene file for keys that contradict or need each other, made before any geometry is built."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SAME = 1e-9
 
 
 def conflicting_key_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield the faults of a scene's keys that exclude or need each other, and of invalid counts and supports."""
+    """Yield the faults of a scene file's keys: keys that exclude or need each other, invalid counts and supports."""
     for part in ("screw", "nut", "balls"):
         yield from _missing_elastic_constant_faults(keys, part)
     yield from _kind_against_lead_faults(keys)
@@ -62,7 +62,7 @@ def _circulation_and_time_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def simulation_time_faults(time: Time) -> Iterator[Fault]:
-    """Yield a fault unless the settings of a simulation over time have either an angle or a duration."""
+    """Yield a fault unless the table [time] of a simulation states either an angle or a duration."""
     if (time.angle is None) == (time.duration is None):
         value = "neither" if time.angle is None else "both angle and duration"
         advice = 'write one of them, e.g. angle = "360 deg" or duration = "1 s"'
@@ -70,9 +70,9 @@ def simulation_time_faults(time: Time) -> Iterator[Fault]:
 
 
 def conflicting_friction_key_faults(friction: FrictionKeys | None) -> Iterator[Fault]:
-    """Yield the faults of [friction]: a groove without coefficient; or both the former key ``coupling`` and a present one.
+    """Yield the faults of [friction]: a groove without coefficient, or the former key ``coupling`` beside new keys.
 
-    The present keys in place of ``coupling`` are ``feedback`` and ``neighbours``.
+    The new keys, which replace ``coupling``, are ``feedback`` and ``neighbours``.
     """
     if friction is not None and friction.coefficient is None and None in (friction.screw, friction.nut):
         advice = "write e.g. coefficient = 0.1, or a coefficient for each groove, screw and nut"
@@ -100,7 +100,7 @@ def groove_definition_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
 
 
 def _contact_angle_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield the faults of the nominal contact angle, and of the bearing clearance that may replace it.
+    """Yield the faults of the keys for the nominal contact angle, and for the clearance that may replace it in a bearing.
 
     A clearance is allowed only for a bearing, and only without a contact angle. It must be either radial or axial, and so
     small that the balls can touch both grooves.
@@ -212,7 +212,7 @@ def _ball_arc_faults(balls: BallKeys) -> Iterator[Fault]:
 
 
 def _listed_ball_error_faults(keys: SceneKeys, ball_count: int) -> Iterator[Fault]:
-    """Yield the faults of too many balls, and of radius errors that are listed for a missing ball or twice.
+    """Yield a fault for too many balls, and for each radius error listed for a ball that does not exist, or listed twice.
 
     ``ball_count``: number of balls of the scene.
     """
@@ -234,7 +234,7 @@ def _listed_ball_error_faults(keys: SceneKeys, ball_count: int) -> Iterator[Faul
 
 
 def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield the faults of supports that fix no degree of freedom, or one that another support at their position fixes."""
+    """Yield the faults of supports that fix no degree of freedom, or one that a support at the same position fixes too."""
     taken: list[tuple[float, str, str]] = []
     for i, support in enumerate(keys.supports):
         given: list[tuple[str, str]] = [(name, f"supports[{i}].fix") for name in support.fix]
@@ -254,7 +254,7 @@ def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _contradictory_diameter_and_count_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield a fault for a diameter that is not twice the radius in the same table, and for both ball count and filling."""
+    """Yield a fault for a diameter that contradicts the radius in the same table, and for both ball count and filling."""
     pairs = (
         ("track.pitch_diameter", keys.track.pitch_diameter, keys.track.pitch_radius),
         ("balls.diameter", keys.balls.diameter, keys.balls.radius),
@@ -298,7 +298,7 @@ def _circuit_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _life_factor_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield a fault if only one of viscosity ratio and contamination, which the life factor a_ISO needs, is given."""
+    """Yield a fault if only one of viscosity ratio and contamination is given; the life factor a_ISO needs both."""
     of = keys.operation
     if (of.viscosity_ratio is None) != (of.contamination is None):
         given, lacking = ("viscosity_ratio", "contamination")[:: 1 if of.contamination is None else -1]
@@ -307,9 +307,9 @@ def _life_factor_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _circulating_ball_faults(keys: SceneKeys, circuits: int) -> Iterator[Fault]:
-    """Yield the faults of the ball circuits of a scene with a table [circulation] or [time].
+    """Yield the faults of ball circuits where the scene file has a table [circulation] or [time].
 
-    [circulation] and [balls] state different numbers of circuits, or the angle ranges filled with balls are not equally
+    Faults are different numbers of circuits in [circulation] and [balls], and angle ranges of balls that are not equally
     long. ``circuits``: number of circuits of each start according to [balls].
     """
     if keys.circulation is None and keys.time is None:

@@ -1,4 +1,4 @@
-"""Keys that several kinds of scene files share: quantities with ranges, tables of material, grooves, path and motion."""
+"""Keys that several kinds of scene files share: tables of material, grooves, ball path, balls, friction and motion."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ OTHER_NAME = "any other name with youngs_modulus and poissons_ratio"
 
 
 def fill_in_elastic_constants(table: Any) -> Any:
-    """Return the unchecked table of a material with missing elastic constants filled in from its name.
+    """Return the table of a material, before its check, with missing elastic constants filled in from its name.
 
     An unknown name is dropped if the table gives both constants; the name is then only a remark for readers of the file.
     """
@@ -68,7 +68,7 @@ def fill_in_elastic_constants(table: Any) -> Any:
 
 
 def fill_in_radius(table: Any, radius: str, diameter: str) -> Any:
-    """Return an unchecked table in which the key ``radius`` is filled in from the key ``diameter``, if only that is given.
+    """Return a table, before its check, with the key ``radius`` filled in from ``diameter`` if only that is given.
 
     Halving a floating-point number is exact, so the result is the same as with the radius in the file. A diameter that
     cannot be read is reported later under its own key.
@@ -83,7 +83,7 @@ def fill_in_radius(table: Any, radius: str, diameter: str) -> Any:
 
 
 def config_requiring_one_of(radius: str, diameter: str) -> ConfigDict:
-    """Return the pydantic configuration of a table whose JSON Schema requires one of two keys.
+    """Return the pydantic configuration of a table whose JSON Schema requires either a radius or a diameter.
 
     ``radius``, ``diameter``: names of the two keys.
     """
@@ -124,20 +124,20 @@ class MaterialKeys(Table):
     """Isotropic elastic material. If a part gives only one of the two constants, the other is that of [material]."""
 
     name: StandardName | None = key(MATERIAL_NAMES, None, "bearing steel")
-    unusual: bool = key("the modulus is meant as it stands, although no solid of a machine has it", False, True)
+    unusual: bool = key("whether a Young's modulus that no material of machine parts has is intended", False, True)
     youngs_modulus: Modulus | None = key("Young's modulus", None)
     poissons_ratio: Poisson | None = key("Poisson's ratio", None)
 
     @model_validator(mode="before")
     @classmethod
     def _fill_in_constants(cls, value: Any) -> Any:
-        """Return the unchecked table with elastic constants filled in from the material's name."""
+        """Return the table, before its check, with elastic constants filled in from the material's name."""
         return fill_in_elastic_constants(value)
 
     @field_validator("youngs_modulus")
     @classmethod
     def _check_modulus(cls, value: float | None, info: ValidationInfo) -> float | None:
-        """Raise an error for a modulus that no solid has, usually due to a wrong unit, unless ``unusual`` is true."""
+        """Return Young's modulus, or raise an error if no solid has it (a wrong unit) and ``unusual`` is not true."""
         if value is None or SOLIDS[0] <= value <= SOLIDS[1] or info.data.get("unusual"):
             return value
         allowed = f"{1e-9 * SOLIDS[0]:g} GPa to {1e-9 * SOLIDS[1]:g} GPa"
@@ -151,17 +151,17 @@ MATERIAL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.28}
 class HeadKeys(Table):
     """Keys at the beginning of every scene file: title, source of the data, assumptions."""
 
-    title: Sentence = key("one line saying what the scene is", example="Screw under 5 kN")
-    source: Annotated[str, Field(max_length=2000)] = key("where the numbers come from", "", "Lin 2019, 2.4.1.1")
-    assumed: Sentences = key("sentences on what the source leaves open", [], ["The nut is rigid."])
+    title: Sentence = key("title of the scene, in one line", example="Screw under 5 kN")
+    source: Annotated[str, Field(max_length=2000)] = key("source of the data", "", "Lin 2019, 2.4.1.1")
+    assumed: Sentences = key("assumptions where the source says nothing, as sentences", [], ["The nut is rigid."])
 
 
 class PathKeys(Table):
     """Nominal path of the ball centres of a screw or a bearing ring."""
 
     pitch_radius: Size = key("radius of the helix of the ball centres", example="16.5 mm")
-    lead: Lead = key('advance of the helix per turn; "0 mm" is a ball bearing')
-    contact_angle: ContactAngle = key("nominal angle of the contact normal against the radius")
+    lead: Lead = key('lead: advance of the helix per turn; "0 mm" for a ball bearing')
+    contact_angle: ContactAngle = key("nominal angle between contact normal and radius")
 
 
 class HelixKeys(PathKeys):
@@ -178,27 +178,27 @@ class GrooveKeys(Table):
 
 
 class BallSizeKeys(Table):
-    """Size of the balls."""
+    """Nominal size of the balls."""
 
     radius: Radius = key("nominal radius")
 
 
 class OversizeKeys(Table):
-    """Deviation that all ball radii share."""
+    """Deviation from the nominal ball radius that all balls have, such as an oversize for preload."""
 
-    oversize: Deviation = key("added to every ball's radius (preload if positive)", "0 um", "7 um")
+    oversize: Deviation = key("length added to the radius of every ball (preload if positive)", "0 um", "7 um")
 
 
 class CoulombKeys(Table):
     """Coulomb friction between balls and grooves."""
 
-    coefficient: Coefficient = key("coefficient of friction of ball on groove; zero is allowed")
+    coefficient: Coefficient = key("coefficient of friction between balls and grooves; may be zero")
 
 
 class SpeedKeys(Table):
-    """Rotation of a ring."""
+    """Angular speed of the rotating ring of a bearing."""
 
-    speed: Turning = key("angular speed of the part that turns, about +z; negative: the other way")
+    speed: Turning = key("angular speed of the rotating part about +z; negative for the other direction")
 
 
 @cache
@@ -238,7 +238,7 @@ def schema_without_null(node: Any) -> Any:
 
 
 def _default_with_unit(default: Any, node: dict[str, Any]) -> Any:
-    """Return a default value in SI units as text with a unit, as it would be written in a file.
+    """Return the default value of a key, in SI units, as text with a unit, as it would be written in a scene file.
 
     ``node``: part of the JSON Schema for the key.
     """

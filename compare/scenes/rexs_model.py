@@ -84,7 +84,7 @@ class RexsComponent:
             return None
 
     def word(self, attribute: str) -> str:
-        """Return the value of an attribute as text; empty if it is missing or not a text."""
+        """Return the value of an attribute that is a word; empty if it is missing or not a word."""
         value = self.attributes.get(attribute, "")
         return value if isinstance(value, str) else ""
 
@@ -150,7 +150,7 @@ class RexsModel:
         self.relations.append(RexsRelation(type, roles, order))
 
     def parts(self, whole: int, type: str) -> list[RexsComponent]:
-        """Return the components of the type ``type`` that are parts of the component with the id ``whole``.
+        """Return the parts of the component with the id ``whole`` that have the REXS type ``type``.
 
         They are in the order that the relations state.
         """
@@ -159,7 +159,7 @@ class RexsModel:
         return [x for r in found if (x := self.components[r.roles["part"]]).type == type]
 
     def material(self, *ids: int) -> RexsComponent | None:
-        """Return the material of the first component among those with the ids ``ids`` that has one; None if none has."""
+        """Return the material of the first of the components ``ids`` that has one, as a component; None if none has."""
         for k in ids:
             for r in self.relations:
                 if r.type == "reference" and r.roles.get("origin") == k and "referenced" in r.roles:
@@ -229,7 +229,7 @@ def _component_id(element: ET.Element, path: Path) -> int:
 
 
 def _known_attributes(component: ET.Element, path: Path) -> dict[str, Value]:
-    """Return the values of a component's attributes that occur in `UNITS`, by the attributes' names.
+    """Return the values of those attributes of a component that this program knows (`UNITS`), by their names.
 
     ``component``: its XML element; ``path``: the file, for messages. InputError for a wrong unit or an invalid number.
     """
@@ -261,14 +261,14 @@ def _parse_attribute(text: str, unit: str) -> Value:
 
 
 def rexs_file_text(model: RexsModel, version: str, writing_date: str) -> str:
-    """Return a REXS model as the text of an XML file.
+    """Return a REXS model as the text of a REXS file (XML).
 
     Parameters
     ----------
     model
         Components, relations and load cases.
     version
-        Version of this program.
+        Version of this program (rollbench), written to the file.
     writing_date
         Date of writing (ISO 8601).
 
@@ -298,7 +298,7 @@ def rexs_file_text(model: RexsModel, version: str, writing_date: str) -> str:
 
 
 def _write_component(parent: ET.Element, component: RexsComponent, attributes: dict[str, Value]) -> None:
-    """Append a component with the given attributes to the XML element ``parent``."""
+    """Append a REXS component with the values ``attributes`` to the XML element ``parent``."""
     head = {"id": str(component.id), "type": component.type, "name": component.name}
     one = ET.SubElement(parent, "component", {k: v for k, v in head.items() if v})
     for name, value in attributes.items():
@@ -312,7 +312,7 @@ def _write_component(parent: ET.Element, component: RexsComponent, attributes: d
 
 
 def _attribute_text(value: str | float | bool) -> str:
-    """Return the value of an attribute as text; numbers have 15 digits, enough to recover those of a scene file."""
+    """Return the value of an attribute as text; numbers get 15 digits, from which those of a scene file are recovered."""
     if isinstance(value, bool):
         return str(value).lower()
     return f"{value:.15g}" if isinstance(value, float) else str(value)

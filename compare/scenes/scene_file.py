@@ -1,4 +1,4 @@
-"""Reading of scene files: a TOML file describes one scene, with one load case or several; faults are one-line errors."""
+"""Reading of scene files: a TOML file describes one scene, with one load case or several; faults become one-line errors."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MAX_BYTES, MAX_LINE = 4_000_000, 2_500_000
 
 
 def read_scene_file(path: str | Path) -> Scene:
-    """Read a ball screw or bearing from a scene file; it is named as the file without suffix. SceneError for faults."""
+    """Read a ball screw or bearing from a scene file and name it as the file, without suffix; SceneError for faults."""
     return scene_from_text(read_scene_text(path), str(path))
 
 
@@ -57,7 +57,7 @@ def scene_from_text(text: str, file_name: str) -> Scene:
 
 
 def scene_or_assembly_or_raise(scene: Described, file_name: str) -> Scene | Assembly:
-    """Return the scene if it is a ball screw, a bearing, or a shaft with several of them; SceneError for other kinds.
+    """Return ``scene`` if it is a ball screw, a bearing, or a shaft with several of them; SceneError for other kinds.
 
     ``file_name``: name of the file, for messages.
     """
@@ -65,7 +65,7 @@ def scene_or_assembly_or_raise(scene: Described, file_name: str) -> Scene | Asse
 
 
 def scenes_of_load_cases(scene: Described, file_name: str) -> list[Scene] | list[Assembly]:
-    """Return the scenes to be solved: the scene of each load case in order, or the scene itself if it has no load cases.
+    """Return the scenes to solve: the scene under each load case in order, or the scene itself if it has no load cases.
 
     ``file_name``: name of the file, for messages. SceneError for kinds of scenes of which only friction is computed.
     """
@@ -76,7 +76,7 @@ def scenes_of_load_cases(scene: Described, file_name: str) -> list[Scene] | list
 
 
 def single_set_or_raise(scene: Described, file_name: str) -> Scene:
-    """Return the scene if it is a ball screw or bearing with a single nut or row; SceneError for other kinds.
+    """Return ``scene`` if it is a ball screw or bearing with only one nut or row; SceneError for other kinds.
 
     ``file_name``: name of the file, for messages.
     """
@@ -96,7 +96,7 @@ def single_set_or_raise(scene: Described, file_name: str) -> Scene:
 
 @dataclass(frozen=True)
 class ParsedScene:
-    """Scene that was read from the text of a scene file, as stored in the cache."""
+    """Scene that was read from the text of a scene file; the record that the cache stores."""
 
     #: The scene.
     described: Described
@@ -127,7 +127,7 @@ def parse_scene(text: str, file_name: str) -> Described:
 
 @cached_on_disk(ParsedScene)
 def _parse_scene_cached(text: str, file_name: str) -> ParsedScene:
-    """Return the scene that the text of a file describes, from the cache on disk if it was read before.
+    """Return the scene that the text of a scene file describes, from the cache on disk if it was read before.
 
     ``text``: text of the scene file; ``file_name``: name of the file, for error messages.
     """
@@ -137,7 +137,7 @@ def _parse_scene_cached(text: str, file_name: str) -> ParsedScene:
 
 
 def kind_of_scene(scene: Described) -> str:
-    """Return the kind of a scene as in its file, such as "ball screw", "bearing" or "axis"."""
+    """Return the kind of a scene as its file names it, such as "ball screw", "bearing" or "axis"."""
     scene = scene.parts if isinstance(scene, DutyCycle) else scene
     if not isinstance(scene, Scene):
         return scene.kind
@@ -176,7 +176,7 @@ def read_scene_text(path: str | Path) -> str:
 
 
 def hash_of_scene_text(text: str) -> str:
-    """Return the first 16 hexadecimal digits of the SHA-256 of a scene's text without the line of the key ``role``."""
+    """Return a hash of a scene file's text without the line of the key ``role``: 16 hexadecimal digits of SHA-256."""
     described = re.sub(r"(?m)^role = .*\n", "", text)
     return hashlib.sha256(described.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 

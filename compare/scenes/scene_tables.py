@@ -1,4 +1,4 @@
-"""Convert the tables of a scene file to the scene, with one-line errors for faulty keys and parts that cannot be built."""
+"""Build a scene from the tables of its file, with one-line errors for faulty keys and parts that cannot be built."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
 
 
 def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
-    """Return the scene, of any kind, that the tables of a file describe.
+    """Return the scene, of any kind, that the tables of a scene file describe.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
 
 
 def validated_keys(tables: dict[str, Any], file_name: str) -> SceneKeys | AxisKeys:
-    """Return the validated keys of a ball screw, a bearing, or a shaft with several of them; SceneError for faulty keys.
+    """Return the validated keys of the scene file of a ball screw, bearing or shaft with several; SceneError for faults.
 
     ``tables``: tables of the file; ``file_name``: name of the file, for messages.
     """
@@ -84,22 +84,22 @@ def validated_keys(tables: dict[str, Any], file_name: str) -> SceneKeys | AxisKe
 
 
 def _validated_axis_keys(tables: dict[str, Any], file_name: str) -> AxisKeys:
-    """Return the validated keys of a shaft with several nuts or bearings; SceneError for faulty keys."""
+    """Return the validated keys of the scene file of a shaft with nuts and bearings; SceneError for faulty keys."""
     from rollbench.compare.scenes.schema import AxisKeys
 
     return validate_or_raise(tables, AxisKeys, file_name)
 
 
 def _describes_several_sets(tables: dict[str, Any]) -> bool:
-    """Return whether the tables of a file describe a shaft with several nuts or bearings."""
+    """Return whether the tables of a scene file describe a shaft with several nuts or bearings (``[[sets]]``)."""
     return "sets" in tables or tables.get("kind") == AXIS
 
 
 def single_set_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scene | DutyCycle:
-    """Return the ball screw or bearing that the tables ``tables`` describe, in one load case or several.
+    """Return the ball screw or bearing that the tables of a scene file describe, in one load case or several.
 
-    SceneError for a faulty file ``file_name``; it lists all faults that can be detected before the first ones are
-    corrected.
+    ``tables``: the tables; ``file_name``: name of the file, for messages. SceneError for faults; it lists all that can be
+    detected before the first ones are corrected.
     """
     keys, key_faults = validate_beyond_faults(tables, SceneKeys)
     texts = list(key_faults.texts)
@@ -119,5 +119,5 @@ def single_set_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scen
 
 
 def _geometry_or_contact_faults(scene: Scene) -> list[Fault]:
-    """Return the faults of bodies that cannot be built; if there are none, those of contacts that cannot be solved."""
+    """Return the faults of a scene's dimensions; if there are none, those of contacts without Hertz constants."""
     return list(geometry_faults(scene)) or list(hertz_constant_faults(scene))

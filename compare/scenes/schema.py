@@ -32,7 +32,7 @@ class ClearanceKeys(keys.Table):
     """Internal clearance of a bearing, as in data sheets: total free travel of one ring relative to the other."""
 
     radial: ranges.Clearance | None = key("radial clearance", None, "13 um")
-    axial: ranges.Clearance | None = key("or axial clearance", None, "96 um")
+    axial: ranges.Clearance | None = key("axial clearance (instead of radial)", None, "96 um")
 
 
 class TrackKeys(keys.HelixKeys):
@@ -41,10 +41,10 @@ class TrackKeys(keys.HelixKeys):
     model_config = config_requiring_one_of("pitch_radius", "pitch_diameter")
 
     contact_angle: ranges.ContactAngle | None = key(  # type: ignore[assignment]
-        "nominal angle of the contact normal against the radius; of a bearing it may follow from clearance", None, "45 deg"
+        "nominal angle between contact normal and radius; for a bearing clearance may be given instead", None, "45 deg"
     )
     clearance: ClearanceKeys | None = key(
-        "of a bearing whose grooves are one arc each (deep groove, or a row with thrust), in place of the contact angle",
+        "clearance of a bearing with single-arc grooves (deep groove, or a row with thrust), instead of contact_angle",
         None,
         {"radial": "13 um"},
     )
@@ -60,62 +60,68 @@ class TrackKeys(keys.HelixKeys):
     @model_validator(mode="before")
     @classmethod
     def _fill_in_radius(cls, value: Any) -> Any:
-        """Return the unchecked table with the radius filled in from the diameter."""
+        """Return the table, before its check, with the radius filled in from the diameter."""
         return fill_in_radius(value, "pitch_radius", "pitch_diameter")
 
 
 class ScrewKeys(keys.GrooveKeys):
     """Screw shaft, or inner ring of a bearing."""
 
-    length: ranges.Size = key("length; stations run from 0 to it", example="800 mm")
-    outer_diameter: ranges.Size = key("outer diameter of the thread or of the shoulders", example="32 mm")
+    length: ranges.Size = key("length; positions along the screw run from 0 to this length", example="800 mm")
+    outer_diameter: ranges.Size = key("outer diameter of the thread, or of the inner ring's shoulders", example="32 mm")
     bore: ranges.Bore = key("diameter of the hole along the axis", "0 mm", "10 mm")
-    material: keys.MaterialKeys | None = key("material of this part where it is not [material]", None, keys.MATERIAL)
+    material: keys.MaterialKeys | None = key("material of this part, if it is not that of [material]", None, keys.MATERIAL)
 
 
 class FlangeKeys(keys.Table):
-    """Flange at an end of the nut, within its length."""
+    """Flange at one end of a nut; the length of the nut includes the flange."""
 
     diameter: ranges.Size = key("outer diameter", example="72 mm")
     thickness: ranges.Size = key("thickness", example="11 mm")
-    side: Literal["left", "right"] = key("end of the nut", Flange.side, "right")
+    side: Literal["left", "right"] = key("end of the nut at which the flange is", Flange.side, "right")
     centring: ranges.Bore = key(
-        "length of the nut's outside, from the flange on, that fits the bore of the housing", "0 mm", "10 mm"
+        "length of the nut's outer surface, from the flange on, that fits into the bore of the housing", "0 mm", "10 mm"
     )
 
 
 class HeldKeys(keys.Table):
-    """Surface at which the nut is fixed."""
+    """Surface at which a nut or outer ring is fixed."""
 
     at: NutHeld | None = key(
-        "surface; the flange's face towards the rest of the nut where there is a flange, else the left face, or the outer "
-        "surface at zero lead (low-order models hold the whole of a face but the flange's)",
+        "surface at which it is fixed; if left out: the flange's face towards the rest of the nut, else the left face, for "
+        "a bearing the outer surface (low-order models fix a whole face, except that of a flange)",
         None,
         "left face",
     )
-    inner_diameter: ranges.Size | None = key("of the annulus on the flange's face; the nut's if left out", None, "50 mm")
-    outer_diameter: ranges.Size | None = key("of the annulus on the flange's face; the flange's if left out", None, "66 mm")
+    inner_diameter: ranges.Size | None = key(
+        "inner diameter of the fixed annulus on the flange; the nut's outer diameter if left out", None, "50 mm"
+    )
+    outer_diameter: ranges.Size | None = key(
+        "outer diameter of the fixed annulus on the flange; that of the flange if left out", None, "66 mm"
+    )
     centring: Literal["free", "bonded"] = key(
-        "of the flange's face: whether the centring fit lets the nut go, or holds it too", "free", "bonded"
+        "whether the nut is free at the centring fit of its flange, or fixed there too", "free", "bonded"
     )
     bolts: Annotated[int, Field(ge=0, le=100)] = key(
-        "of the flange's face: bolts, at each of which a circle as wide as the annulus is held in 3D, the first towards x; "
-        "0: all of the annulus, as low-order models always do",
+        "number of bolts of the flange; the 3D reference fixes a circle as wide as the annulus at each bolt, the first "
+        "towards x; 0: the whole annulus, as always in low-order models",
         Flange.bolts,
         6,
     )
 
 
 class NutKeys(keys.GrooveKeys):
-    """Nut, or outer ring of a bearing; it is fixed."""
+    """Nut, or outer ring of a bearing: dimensions, position, and where it is fixed."""
 
-    position: ranges.Station = key("station of the nut's centre along the screw", example="400 mm")
+    position: ranges.Station = key("axial position of the nut's centre, from the left end of the screw", example="400 mm")
     length: ranges.Size = key("length", example="54 mm")
     outer_diameter: ranges.Size = key("outer diameter", example="48 mm")
-    azimuth: ranges.Azimuth = key("angle between the axes of nut and screw; turns the nut's errors", "0 deg", "0 deg")
+    azimuth: ranges.Azimuth = key(
+        "angle from the screw's x axis to the nut's, in which the nut's errors are defined", "0 deg", "0 deg"
+    )
     flange: FlangeKeys | None = key("flange of a nut with a lead", None, {"diameter": "72 mm", "thickness": "11 mm"})
-    held: HeldKeys = key("where the nut is held", HeldKeys(), {"at": "left face"})
-    material: keys.MaterialKeys | None = key("material of this part where it is not [material]", None, keys.MATERIAL)
+    held: HeldKeys = key("where the nut is fixed", HeldKeys(), {"at": "left face"})
+    material: keys.MaterialKeys | None = key("material of this part, if it is not that of [material]", None, keys.MATERIAL)
 
 
 Arc = Annotated[list[ranges.Azimuth], Field(min_length=2, max_length=2)]
@@ -127,44 +133,46 @@ class BallKeys(keys.BallSizeKeys):
     model_config = config_requiring_one_of("radius", "diameter")
 
     diameter: Annotated[BallDiameter | None, Field(exclude=True)] = key("nominal diameter (or radius)", None, "5.556 mm")
-    count: keys.Count | None = key("number of balls over all starts and circuits, spread evenly (with turns)", None, 32)
+    count: keys.Count | None = key("number of balls in all starts and circuits, evenly spaced (with turns)", None, 32)
     filling: ranges.Filling | None = key(
-        "part of the turns that the balls would fill if they touched (or count)", None, 0.9
+        "fraction of the turns that the balls would fill if they touched (instead of count)", None, 0.9
     )
-    turns: ranges.Turns | None = key("turns filled by the balls of each circuit, centred on the nut (zero lead: 1)", None)
-    circuits: Annotated[int, Field(ge=1, le=1000)] = key("circuits of each start, one after the other", 1, 3)
-    circuit_gap: Gap | None = key("turns without balls from each circuit to the next", None, 0.5)
+    turns: ranges.Turns | None = key("turns that the balls of each circuit fill, centred on the nut (a bearing: 1)", None)
+    circuits: Annotated[int, Field(ge=1, le=1000)] = key("number of ball circuits of each start, one after the other", 1, 3)
+    circuit_gap: Gap | None = key("number of turns without balls between two circuits", None, 0.5)
     azimuths: Annotated[list[ranges.Azimuth], Field(min_length=1, max_length=ranges.MAX_BALLS)] | None = key(
-        "unwrapped azimuths of the balls of one start, instead of count and turns", None, ["-90 deg", "90 deg"]
+        "azimuths of the balls of one start, counted on over whole turns (instead of count and turns)",
+        None,
+        ["-90 deg", "90 deg"],
     )
     arcs: Annotated[list[Arc], Field(min_length=1, max_length=1000)] | None = key(
-        "angle ranges that the balls of each start fill evenly, instead of turns: circuits with gaps between them",
+        "angle ranges that the balls of each start fill evenly (instead of turns): circuits with gaps between them",
         None,
         [["-900 deg", "-180 deg"], ["180 deg", "900 deg"]],
     )
-    material: keys.MaterialKeys | None = key("material of this part where it is not [material]", None, keys.MATERIAL)
+    material: keys.MaterialKeys | None = key("material of this part, if it is not that of [material]", None, keys.MATERIAL)
 
     @model_validator(mode="before")
     @classmethod
     def _fill_in_radius(cls, value: Any) -> Any:
-        """Return the unchecked table with the radius filled in from the diameter."""
+        """Return the table, before its check, with the radius filled in from the diameter."""
         return fill_in_radius(value, "radius", "diameter")
 
 
 class BallErrorKeys(keys.OversizeKeys):
-    """Errors of the ball radii."""
+    """Manufacturing errors of the ball radii: of all balls, of single balls, and random ones."""
 
     listed: dict[str, ranges.Deviation] = key(
-        "added to the radius of single balls, by number from 1 (all balls of start 1 first)", {}, {"17": "1 um"}
+        "errors of the radii of single balls, by ball number from 1 (all balls of start 1 first)", {}, {"17": "1 um"}
     )
     sigma: ranges.Spread = key("standard deviation of random radius errors", "0 um", "1 um")
     distribution: Literal["normal", "uniform"] = key("distribution of the random errors", "normal", "normal")
 
 
 class ErrorKeys(keys.Table):
-    """Geometric errors; all are zero if left out."""
+    """Manufacturing errors of balls and grooves; all are zero if left out."""
 
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = key("seed of every random error", 0, 2019)
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = key("seed of all random errors", 0, 2019)
     balls: BallErrorKeys = key("errors of the ball radii", BallErrorKeys(), {"oversize": "7 um"})
     SL: parts.SideErrors = key("screw, left flank", parts.SideErrors(), {"profile": ["3 um"]})
     SR: parts.SideErrors = key("screw, right flank", parts.SideErrors(), {"profile": ["3 um"]})
@@ -173,7 +181,7 @@ class ErrorKeys(keys.Table):
 
 
 class DisplaceKeys(keys.Table):
-    """Prescribed displacements and small rotations."""
+    """Prescribed displacements and small rotations of a support or housing."""
 
     ux: ranges.Shift | None = key("displacement along x", None)
     uy: ranges.Shift | None = key("displacement along y", None)
@@ -191,13 +199,13 @@ class DisplaceKeys(keys.Table):
 class SupportKeys(keys.Table):
     """Support of the screw at one axial position."""
 
-    at: ranges.Station = key("station along the screw", example="0 mm")
-    fix: keys.Freedoms = key("freedoms held at zero", [], ["ux", "uy", "uz"])
-    displace: DisplaceKeys = key("freedoms held at other values", DisplaceKeys(), {"ux": "300 um"})
+    at: ranges.Station = key("axial position of the support, from the left end of the screw", example="0 mm")
+    fix: keys.Freedoms = key("degrees of freedom fixed at zero", [], ["ux", "uy", "uz"])
+    displace: DisplaceKeys = key("degrees of freedom fixed at other values", DisplaceKeys(), {"ux": "300 um"})
 
     @property
     def held(self) -> tuple[str, ...]:
-        """Degrees of freedom that the support prescribes: first those fixed at zero, then those displaced."""
+        """Names of the degrees of freedom that the support fixes: first those at zero, then those at other values."""
         return (*self.fix, *self.displace.given)
 
 
@@ -213,20 +221,18 @@ class FrictionKeys(keys.Table):
     """Coulomb friction between balls and grooves, for the command rollbench friction. It does not change static loads."""
 
     coefficient: ranges.Coefficient | None = key(
-        "coefficient of friction of ball on groove; zero is allowed; needed unless screw and nut are given", None, 0.1
+        "coefficient of friction between balls and grooves; may be zero; needed unless screw and nut are given", None, 0.1
     )
-    screw: ranges.Coefficient | None = key("coefficient on the screw's groove, where it is another", None)
-    nut: ranges.Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
-    balls: ranges.Coefficient | None = key(
-        "coefficient from ball to ball, where it is not the larger one of the grooves", None
-    )
+    screw: ranges.Coefficient | None = key("coefficient at the screw's groove, if it differs", None)
+    nut: ranges.Coefficient | None = key("coefficient at the nut's groove, if it differs", None)
+    balls: ranges.Coefficient | None = key("coefficient between balls, if it is not the larger one of the grooves", None)
     feedback: bool = key(
-        "whether friction moves each ball across its grooves, at the axial load it carries, or does not change the loads",
+        "whether friction moves each ball across its grooves, at its axial load, and so changes the contact loads",
         Friction.feedback,
         False,
     )
     neighbours: bool = key(
-        "whether neighbours that touch push each other at the scene's instant (always in a simulation over time)",
+        "whether balls that touch push each other in the quasi-static solution (always in a simulation over time)",
         Friction.neighbours,
         True,
     )
@@ -245,15 +251,15 @@ class PreloadKeys(keys.Table):
     contact by a lead offset of its halves. Give one of the three."""  # noqa: D205, D209 - a description in the schema
 
     force: Preload | None = key(
-        "axial force between the two pairs of flanks of nut and screw without load, both taken as rigid; or in per cent of "
-        'the dynamic load rating as computed: "5 % of C"',
+        "axial force of the left flanks against the right ones without load, nut and screw taken as rigid; or in per cent "
+        'of the dynamic load rating as computed: "5 % of C"',
         None,
         "500 N",
     )
-    oversize: ranges.Deviation | None = key("added to every ball's radius", None, "3 um")
+    oversize: ranges.Deviation | None = key("length added to the radius of every ball", None, "3 um")
     lead_offset: ranges.Deviation | None = key(
-        "shift of the nut's groove beyond its centre along the axis, against the rest, the step between two balls: one at "
-        "the centre counts to the half before it (two nuts: [[sets]] with an offset)",
+        "axial shift of the half of the nut's groove at larger z than the nut's centre; a ball at the centre is in the "
+        "other half (for two nuts: [[sets]] with an offset)",
         None,
     )
 
@@ -261,35 +267,39 @@ class PreloadKeys(keys.Table):
 class CaseSupportKeys(keys.Table):
     """Prescribed displacements of one of the scene's supports in one load case."""
 
-    at: ranges.Station = key("station of the support in the scene", example="0 mm")
-    displace: DisplaceKeys = key("values of freedoms that the support holds", example={"ux": "300 um"})
+    at: ranges.Station = key("axial position of the support in the scene", example="0 mm")
+    displace: DisplaceKeys = key("displacements of degrees of freedom that the support fixes", example={"ux": "300 um"})
 
 
 class CaseKeys(keys.Table):
-    """One of several load cases of the same parts: its differences from the scene, and its share of the revolutions."""
+    """One of several load cases of the same parts: its loads, its supports, and its share of all revolutions."""
 
-    name: keys.Sentence = key("name in all results, of letters, digits, . _ and -", example="cutting")
-    share: Share | None = key("part of the revolutions; 0: static check only; all cases together 1", None, 0.5)
-    time: CaseTime | None = key("time in one duty cycle, from which the share follows (with speed)", None, "2 s")
-    speed: ranges.Turning | None = key("speed of the part that turns in this case (with time)", None, "600 rpm")
-    loads: Loads | None = key("loads in place of the scene's", None, LOADED)
+    name: keys.Sentence = key("name of the load case in all results: letters, digits, . _ and -", example="cutting")
+    share: Share | None = key("fraction of all revolutions; 0: static check only; the sum of all cases is 1", None, 0.5)
+    time: CaseTime | None = key("duration in one duty cycle, from which the share follows (with speed)", None, "2 s")
+    speed: ranges.Turning | None = key("angular speed of the rotating part in this case (with time)", None, "600 rpm")
+    loads: Loads | None = key("loads on the screw, instead of those of the scene", None, LOADED)
     supports: Annotated[list[CaseSupportKeys], Field(max_length=1000)] = key(
-        "other displacements of the scene's supports", [], [{"at": "0 mm", "displace": {"ux": "300 um"}}]
+        "displacements of the scene's supports in this case", [], [{"at": "0 mm", "displace": {"ux": "300 um"}}]
     )
-    oversize: ranges.Deviation | None = key("added to every ball's radius in place of the scene's value", None, "3 um")
+    oversize: ranges.Deviation | None = key(
+        "length added to the radius of every ball, instead of that of the scene", None, "3 um"
+    )
 
 
 class SceneKeys(keys.HeadKeys):
     """One ball screw or bearing, in one load case or several. Lengths, forces and angles are texts with a unit."""
 
-    kind: Literal["ball screw", "bearing"] | None = key("what is described; by the lead if left out", None, "ball screw")
+    kind: Literal["ball screw", "bearing"] | None = key(
+        "what the scene describes; the lead decides if left out", None, "ball screw"
+    )
     role: Literal["", "referenced", "unseen, changed parts", "unseen, catalogue size"] = key(
-        "of a shipped scene in the report: a case study with a 3D reference, or a scene that no model was made with",
+        "role of an included scene in the validation report: case study with a 3D reference, or unseen by model developers",
         "",
         "referenced",
     )
-    members: Annotated[int, Field(ge=1, le=100_000)] = key("number of draws of the random errors", 1, 200)
-    material: keys.MaterialKeys = key("material of every part that gives none", keys.MaterialKeys(), keys.MATERIAL)
+    members: Annotated[int, Field(ge=1, le=100_000)] = key("number of specimens, each with its own random errors", 1, 200)
+    material: keys.MaterialKeys = key("material of all parts without their own", keys.MaterialKeys(), keys.MATERIAL)
     track: TrackKeys = key("path of the ball centres")
     screw: ScrewKeys = key("screw shaft, or inner ring")
     nut: NutKeys = key("nut, or outer ring")
@@ -298,16 +308,16 @@ class SceneKeys(keys.HeadKeys):
     supports: Supports = key("supports of the screw", [], [{"at": "0 mm", "fix": ["ux", "uy"]}])
     loads: Loads = key("loads on the screw", [], LOADED)
     cases: Annotated[list[CaseKeys], Field(max_length=1000)] = key("load cases of the same parts", [], CASE)
-    ingredients: parts.Ingredients = key("parts of the low-order model", parts.Ingredients(), {"screw": "rigid"})
-    solid: parts.Solid = key("what only the 3D reference needs", parts.Solid(), {"nut_groove": "through"})
+    ingredients: parts.Ingredients = key("options of the low-order models", parts.Ingredients(), {"screw": "rigid"})
+    solid: parts.Solid = key("inputs of the 3D reference only", parts.Solid(), {"nut_groove": "through"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
     motion: parts.Motion | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
     lubricant: parts.Lubricant | None = key("lubricant, for torques that depend on speed", None, {"viscosity": "27 mm2/s"})
     circulation: parts.Circulation | None = key("circuits of the balls", None, {"returning": 4, "filling": 0.8})
     time: parts.Time | None = key("simulation over time", None, {"angle": "360 deg"})
     preload: PreloadKeys | None = key("preload of one nut", None, {"force": "500 N"})
-    gate: parts.GateLimits = key("limits for: rollbench check", parts.GateLimits(), {"max_error": 7})
-    operation: parts.Operation = key("reliability, lubricant, limit of speed", parts.Operation(), {"reliability": 95})
+    gate: parts.GateLimits = key("limits for the command rollbench check", parts.GateLimits(), {"max_error": 7})
+    operation: parts.Operation = key("reliability, lubrication, speed limit", parts.Operation(), {"reliability": 95})
 
 
 Warming = Annotated[float, Quantity("temperature difference", "-500 K", "500 K", "10 K")]
@@ -324,98 +334,104 @@ Entry = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class ShaftKeys(ScrewKeys):
-    """Screw shaft, with the groove and diameters of the thread for all sets that do not state their own."""
+    """Screw shaft; nuts and bearings without their own groove and diameters have those of its thread."""
 
     plain: Annotated[list[Segment], Field(max_length=1000)] = key(
-        "plain stretches of the shaft", [], [{"start": "0 mm", "end": "60 mm", "diameter": "25 mm"}]
+        "cylindrical sections of the shaft without groove", [], [{"start": "0 mm", "end": "60 mm", "diameter": "25 mm"}]
     )
 
 
 class InnerKeys(keys.GrooveKeys):
-    """Inner ring of a set, or its groove on the shaft, if it differs from that of the shaft."""
+    """Inner ring of a bearing, or groove of a nut on the shaft, if it differs from the groove of the shaft."""
 
-    outer_diameter: ranges.Size | None = key("diameter of its shoulders, where it is not the shaft's", None, "40 mm")
-    material: keys.MaterialKeys | None = key("its material, where it is not the shaft's", None, keys.MATERIAL)
+    outer_diameter: ranges.Size | None = key("diameter of its shoulders, if it is not that of the shaft", None, "40 mm")
+    material: keys.MaterialKeys | None = key("its material, if it is not that of the shaft", None, keys.MATERIAL)
 
 
 class RollerKeys(keys.Table):
-    """One row of tapered rollers."""
+    """One row of tapered rollers with its rings: dimensions, crowning, and contact with the rib."""
 
     count: keys.Count = key("number of rollers", example=16)
     diameter: ranges.Size = key("mean diameter of a roller", example="8.4 mm")
     length: ranges.Size = key("effective length of a roller", example="12.4 mm")
     cup_angle: ranges.ContactAngle = key(
-        "half included angle of the cup: of the outer contacts against the axis", example="30.8 deg"
+        "half included angle of the cup: angle between its raceway and the axis", example="30.8 deg"
     )
     roller_angle: ranges.ContactAngle = key("half included angle of a roller", example="4 deg")
-    ring_depth: ranges.Size = key("depth of both rings to which their deformation counts", example="5 mm")
+    ring_depth: ranges.Size = key("depth below both raceways down to which deformation is considered", example="5 mm")
     crown: ranges.Size | None = key("radius of the crowning at both contacts; straight rollers if left out", None, "2 m")
-    slices: Annotated[int, Field(ge=1, le=200)] = key("slices of a roller", 15, 15)
+    slices: Annotated[int, Field(ge=1, le=200)] = key("number of slices into which a roller is divided", 15, 15)
     edge_radius: ranges.Size | None = key(
-        "radius of the rounding that follows the effective length at both ends, for the roller in 3D; sharp if left out",
+        "radius of the edges at both ends of the effective length, for the roller in 3D; sharp edges if left out",
         None,
         "1 mm",
     )
     end_radius: ranges.Size | None = key(
-        "radius of the sphere of the large end, for the pressure on the rib; usually 0.8 to 0.95 of its apex distance",
+        "radius of the spherical large end, for the pressure at the rib; usually 0.8 to 0.95 of its distance from the apex",
         None,
         "55 mm",
     )
     rib_height: ranges.Size | None = key(
-        "height of the contact with the rib above the cone's race; a tenth of the diameter if left out", None, "0.8 mm"
+        "height of the rib contact above the cone's raceway; a tenth of the roller diameter if left out", None, "0.8 mm"
     )
     rib_friction: ranges.Coefficient | None = key(
-        "coefficient of friction of the large end on the rib; 0.1 if left out", None, 0.1
+        "coefficient of friction between large end and rib; 0.1 if left out", None, 0.1
     )
-    torque_factor: ranges.TorqueFactor | None = key("the maker's factor G1, for the torque by Timken's formula", None, 40)
+    torque_factor: ranges.TorqueFactor | None = key(
+        "manufacturer's factor G1 of Timken's formula for the friction torque", None, 40
+    )
 
 
 class SetKeys(keys.Table):
-    """One set of rolling elements: a nut with its balls, a ball bearing (lead of zero), or a row of tapered rollers."""
+    """One ball nut, ball bearing (lead of zero) or row of tapered rollers on a shaft, and how it is mounted."""
 
-    name: Name = key("name of the set in results", example="nut 1")
+    name: Name = key("name of the nut or bearing in results", example="nut 1")
     kind: Literal["ball nut", "bearing", "tapered roller bearing"] | None = key(
-        "what it is; by its tables if left out", None, "ball nut"
+        "what it is; its tables decide if left out", None, "ball nut"
     )
-    housing: Name | None = key("name of the housing that its outer part belongs to; held if left out", None, "carriage")
-    carrier: Name | None = key("name of the housing that its inner ring sits on; the shaft if left out", None, "nut")
+    housing: Name | None = key(
+        "name of the housing to which its nut or outer ring belongs; fixed if left out", None, "carriage"
+    )
+    carrier: Name | None = key("name of the housing on which its inner ring sits; the shaft if left out", None, "nut")
     thrust: Literal["both", "+z", "-z", "deep groove"] | None = key(
-        'thrust on the shaft that it carries: "both" by a gothic arch, one way by an angular-contact row, or by one arc',
+        'direction of axial force on the shaft that it carries: "both" for a gothic arch, "+z" or "-z" for a single arc',
         None,
         "+z",
     )
     offset: ranges.Deviation = key(
-        "shift of its outer part along the shaft against its housing (spacer, lead offset)", "0 um", "4 um"
+        "shift of its outer part relative to its housing, along z (spacer, lead offset)", "0 um", "4 um"
     )
     preload: Push = key(
-        "axial force set by such a shift at mounting, without loads and warming, and then locked; or in per cent of the "
+        "axial force to which the outer part is shifted at mounting, without loads, and then fixed; or in per cent of the "
         'dynamic load rating of balls as computed: "5 % of C"',
         "0 N",
         "500 N",
     )
     arrangement: Arrangement | None = key(
-        "set of equal bearings side by side about the position, ground to equal gaps: DB back to back, DF face to face, "
-        "DBD two against one, DBB two against two, DBT three against one; preload is then that of the set",
+        "arrangement of equal bearings about the position, ground to equal gaps: DB back to back, DF face to face, DBD two "
+        "against one, DBB two against two, DBT three against one; preload is then that of the arrangement",
         None,
         "DBD",
     )
     pair_preload: ranges.Force = key(
-        "preload of a pair of these bearings with the same gaps, from which that of the set follows", "0 N", "2150 N"
+        "preload of a pair of these bearings, from which that of the arrangement follows", "0 N", "2150 N"
     )
     pair_rigidity: ranges.Spring | None = key(
-        "axial rigidity of that pair at its preload, as makers print it: the conformity of both grooves follows from it",
+        "axial rigidity of this pair at its preload, as in catalogues: the conformity of both grooves follows from it",
         None,
         "750 N/um",
     )
-    position: ranges.Station | None = key("of rollers: station of the middle of the cup's contact lines", None, "30 mm")
+    position: ranges.Station | None = key(
+        "of rollers: axial position of the middle of the cup's contact lines", None, "30 mm"
+    )
     track: TrackKeys | None = key("path of the ball centres", None)
-    screw: InnerKeys | None = key("its inner ring, or groove on the shaft where that is another", None)
+    screw: InnerKeys | None = key("its inner ring, or its groove on the shaft if that differs", None)
     nut: NutKeys | None = key("nut, or outer ring", None)
     balls: BallKeys | None = key("balls", None)
     errors: ErrorKeys = key("geometric errors", ErrorKeys(), {"seed": 0})
     rollers: RollerKeys | None = key("tapered rollers", None)
     seals: ranges.Torque = key(
-        "friction torque of its seals or wipers as their maker gives it, of each row of an arrangement", "0 N m", "100 N mm"
+        "friction torque of the seals or wipers as in catalogues; for an arrangement, of each row", "0 N m", "100 N mm"
     )
 
 
@@ -434,19 +450,19 @@ Matrix = Annotated[list[Annotated[list[Entry], Field(min_length=6, max_length=6)
 
 
 class StiffKeys(keys.Table):
-    """Stiffness in six degrees of freedom, by springs or by a matrix."""
+    """Stiffness of a housing or joint in six degrees of freedom, by springs or by a matrix."""
 
-    springs: SpringKeys | None = key("springs that do not feel one another", None, {"ux": "200 N/um"})
-    matrix: Matrix | None = key("or a symmetric matrix of six rows, in N, m and rad", None)
+    springs: SpringKeys | None = key("independent springs", None, {"ux": "200 N/um"})
+    matrix: Matrix | None = key("symmetric 6x6 matrix in N, m and rad (instead of springs)", None)
 
 
 class HousingKeys(StiffKeys):
-    """Rigid housing of outer rings or nuts. In directions that are not fixed or displaced, it moves against its springs."""
+    """Rigid housing of nuts or outer rings; in directions that are not fixed or displaced, it moves against its springs."""
 
-    name: Name = key("its name", example="carriage")
-    at: ranges.Station = key("station where its motion, springs and loads are taken", example="400 mm")
-    fix: keys.Freedoms = key("freedoms held at zero", [], ["ux", "uy", "rx", "ry", "rz"])
-    displace: DisplaceKeys = key("freedoms held at other values", DisplaceKeys(), {"uz": "20 um"})
+    name: Name = key("name of the housing", example="carriage")
+    at: ranges.Station = key("axial position to which its motion, springs and loads refer", example="400 mm")
+    fix: keys.Freedoms = key("degrees of freedom fixed at zero", [], ["ux", "uy", "rx", "ry", "rz"])
+    displace: DisplaceKeys = key("degrees of freedom fixed at other values", DisplaceKeys(), {"uz": "20 um"})
     force: ranges.Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
     moment: ranges.Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
 
@@ -455,36 +471,36 @@ class JointKeys(StiffKeys):
     """Elastic connection of two housings, such as a spacer or a bolted joint."""
 
     between: Annotated[list[Name], Field(min_length=2, max_length=2)] = key("names of the two housings", example=["a", "b"])
-    at: ranges.Station = key("station where they act", example="400 mm")
+    at: ranges.Station = key("axial position at which its springs act", example="400 mm")
 
 
 class AskedKeys(keys.Table):
-    """Position for which the stiffness of the whole assembly is reported; if left out, where the loads act."""
+    """Position at which the stiffness of the whole assembly is reported; if left out, where the loads act."""
 
-    at: ranges.Station | None = key("a station of the shaft", None, "400 mm")
-    housing: Name | None = key("or a housing", None, "carriage")
+    at: ranges.Station | None = key("position along the shaft", None, "400 mm")
+    housing: Name | None = key("name of a housing (instead of at)", None, "carriage")
 
 
 class HeatKeys(keys.Table):
     """Uniform temperature rise of the shaft relative to all other parts."""
 
-    warming: Warming = key("warming", example="10 K")
-    expansion: Expansion = key("thermal expansion per K", example=11.5e-6)
+    warming: Warming = key("temperature rise", example="10 K")
+    expansion: Expansion = key("coefficient of thermal expansion per K", example=11.5e-6)
 
 
 class AxisIngredientKeys(keys.Table):
-    """Options of the low-order model."""
+    """Options of the low-order models of a shaft with nuts and bearings."""
 
     hertz: Literal["nominal", "error-free", "actual", "as printed"] = key(
-        "contact constants: own radii at the nominal angle, error-free parts, actual geometry, or as in Table B.1",
+        "contact constants: each contact's radii at the nominal angle, error-free parts, actual geometry, or Table B.1",
         "nominal",
         "actual",
     )
     partition: Literal["nodal", "source"] = key(
-        "nodes of the shaft: at every contact, or as the source (15 mm in every set)", "nodal", "source"
+        "nodes of the shaft: at every contact, or as in Lin's thesis (15 mm in every nut)", "nodal", "source"
     )
     section: Literal["groove", "groove squared", "full"] = key(
-        "section of the threaded shaft: diameters scaled by k_r (Lin C.8), by k_r without the root, or full",
+        "section of the threaded shaft: diameters scaled by k_r (Lin C.8), by k_r without its root, or full",
         "groove",
         "full",
     )
@@ -499,20 +515,20 @@ class CaseHousingKeys(keys.Table):
 
 
 class AxisCaseKeys(CaseKeys):
-    """One of several load cases of the same parts; an oversize applies to the balls of every set."""
+    """One of several load cases of a shaft; its oversize applies to the balls of all nuts and bearings."""
 
     housings: Annotated[list[CaseHousingKeys], Field(max_length=100)] = key(
-        "loads on housings in place of the scene's", [], [{"name": "carriage", "force": ["0 N", "0 N", "5 kN"]}]
+        "loads on housings, instead of those of the scene", [], [{"name": "carriage", "force": ["0 N", "0 N", "5 kN"]}]
     )
 
 
 class AxisKeys(keys.HeadKeys):
     """One shaft with several nuts and bearings, with or without housings, in one load case or several."""
 
-    kind: Literal["axis"] = key("what is described", "axis", "axis")
-    material: keys.MaterialKeys = key("material of every part that gives none", keys.MaterialKeys(), keys.MATERIAL)
+    kind: Literal["axis"] = key("what the scene describes", "axis", "axis")
+    material: keys.MaterialKeys = key("material of all parts without their own", keys.MaterialKeys(), keys.MATERIAL)
     screw: ShaftKeys = key("screw shaft")
-    sets: Annotated[list[SetKeys], Field(min_length=1, max_length=100)] = key("rolling sets, in any order")
+    sets: Annotated[list[SetKeys], Field(min_length=1, max_length=100)] = key("ball nuts and bearings, in any order")
     housings: Annotated[list[HousingKeys], Field(max_length=100)] = key(
         "housings that move", [], [{"name": "carriage", "at": "400 mm"}]
     )
@@ -522,10 +538,10 @@ class AxisKeys(keys.HeadKeys):
     supports: Supports = key("supports of the shaft other than bearings", [], [{"at": "0 mm", "fix": ["rz"]}])
     loads: Loads = key("loads on the shaft", [], LOADED)
     cases: Annotated[list[AxisCaseKeys], Field(max_length=1000)] = key("load cases of the same parts", [], CASE)
-    stiffness: AskedKeys = key("where the stiffness is asked for", AskedKeys(), {"housing": "carriage"})
-    heat: HeatKeys | None = key("warming of the shaft", None, {"warming": "10 K", "expansion": 11.5e-6})
-    ingredients: AxisIngredientKeys = key("parts of the low-order model", AxisIngredientKeys(), {"section": "full"})
+    stiffness: AskedKeys = key("where the stiffness is reported", AskedKeys(), {"housing": "carriage"})
+    heat: HeatKeys | None = key("temperature rise of the shaft", None, {"warming": "10 K", "expansion": 11.5e-6})
+    ingredients: AxisIngredientKeys = key("options of the low-order models", AxisIngredientKeys(), {"section": "full"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
     motion: Motion | None = key("motion of the shaft", None, {"speed": "600 rpm"})
     lubricant: parts.Lubricant | None = key("lubricant, for torques that depend on speed", None, {"viscosity": "27 mm2/s"})
-    drive: Drive = key("what its motor moves", Drive(), {"mass": "200 kg"})
+    drive: Drive = key("what the motor moves", Drive(), {"mass": "200 kg"})

@@ -1,4 +1,4 @@
-"""Templates of scene files: commented scenes of every kind, and ball screws of a nominal size such as 40x10.
+"""New scene files: commented templates of every kind of scene, and ball screws of a nominal size such as 40x10.
 
 A commented scene has the values of a scene included in rollbench, and lists every other key in a comment. A ball screw of a
 nominal size has typical dimensions, computed by rules that are stated in its comments.
@@ -80,7 +80,7 @@ def new_scene_text(kind: str = "ball screw", size: str = "") -> str:
 
 
 def commented_template(kind: str = "ball screw") -> str:
-    """Return the text of a commented scene of a kind, which can be solved unchanged.
+    """Return the text of a commented template of some kind of scene, which can be solved unchanged.
 
     ``kind``: name with spaces or hyphens between its words; InputError if it is unknown.
     """
@@ -104,7 +104,7 @@ def commented_template(kind: str = "ball screw") -> str:
 
 
 def _schema_of_kind(kind: str) -> dict[str, Any]:
-    """Return the JSON Schema of scene files of a kind."""
+    """Return the JSON Schema of scene files of the kind ``kind``, such as "bearing"."""
     if kind in WHOLE:
         schema = scene_schema_of_kind(SceneKeys)
         if kind == "bearing":  # a bearing has no ball return and no flange
@@ -146,7 +146,7 @@ def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[st
 
 
 def _key_line(name: str, entry: Node, value: Any) -> Iterator[str]:
-    """Yield the line of a key: with its value, or as a comment with its default or an example if ``value`` is None.
+    """Yield the line of a key in a template: with its value, or (``value`` None) as a comment with default or example.
 
     ``entry``: part of the JSON Schema for the key.
     """
@@ -168,7 +168,7 @@ def _key_description(entry: Node) -> str:
 
 
 def _definition_of_table(entry: Node, defs: Node) -> Node:
-    """Return the definition of the table to which an entry of the JSON Schema refers.
+    """Return the definition of the scene-file table to which an entry of the JSON Schema refers.
 
     ``defs``: definitions of the schema, by their names.
     """
@@ -229,7 +229,7 @@ def double_nut_text(size: str) -> str:
 
 
 def _fill_in_text(name: str, values: Mapping[str, Any], **words: object) -> str:
-    """Return the text of the file ``name`` in the folder ``like_texts``, with ``values`` and ``words`` in its placeholders.
+    """Return the template text ``name`` of the folder ``like_texts``, with ``values`` and ``words`` in its placeholders.
 
     Title and assumptions of these texts do not repeat values that a user may change later.
     """
@@ -237,7 +237,7 @@ def _fill_in_text(name: str, values: Mapping[str, Any], **words: object) -> str:
 
 
 def _without_circuit_gap(text: str, values: dict[str, Any]) -> str:
-    """Return the text of a scene without the line ``circuit_gap = ...``; with it if the nut has several ball circuits.
+    """Return the text of a scene file without the line ``circuit_gap = ...`` if the nut has only one ball circuit.
 
     ``values``: dimensions from `typical_dimensions`, with the number of circuits.
     """

@@ -1,4 +1,4 @@
-"""Kinds of scenes for friction in bearings (Lin 3.2, 3.3 and 4.3.1).
+"""Scene files for friction in rotary and linear bearings: keys, faults and records (Lin 3.2, 3.3 and 4.3.1).
 
 "bearing ball" is one ball of a rotary bearing, "bearing pair" a four-point and a double-row bearing under the same force.
 "linear pair" and "linear chain" are two or more balls of a linear bearing, which may touch each other.
@@ -40,17 +40,19 @@ MapStep = Annotated[float, Quantity("number", 0, 1, 0.08, above=True)]
 class RingLoadKeys(Table):
     """Axial force and radial displacement of the inner ring."""
 
-    axial_force: Axial = key("force along the axis")
-    radial_displacement: Move = key("displacement towards the ball", "0 um", "5 um")
+    axial_force: Axial = key("force on the inner ring along its axis")
+    radial_displacement: Move = key("radial displacement of the inner ring towards the ball", "0 um", "5 um")
 
 
 class LawKeys(CoulombKeys):
-    """Coefficient of friction of the contacts, and the friction law."""
+    """Coefficient of friction between ball and grooves, and the friction law."""
 
-    law: Law = key("Coulomb's, Coulomb's regularised, or the sigmoid of Lin 3.20", "coulomb", "coulomb")
-    creep: Creep | None = key('speed that regularises, for law = "regularised"', None)
-    sharpness: Sharpness | None = key('k_S, for law = "sigmoid"', None)
-    map_step: MapStep | None = key("step in c/a of the source's maps; exact integrals if left out", None)
+    law: Law = key("friction law: Coulomb's, Coulomb's regularised, or the sigmoid of Lin (3.20)", "coulomb", "coulomb")
+    creep: Creep | None = key('sliding speed below which friction is reduced, for law = "regularised"', None)
+    sharpness: Sharpness | None = key('parameter k_S of the law "sigmoid"', None)
+    map_step: MapStep | None = key(
+        'step in c/a of tabulated friction, for law = "sigmoid"; exact integrals if left out', None
+    )
 
 
 class BearingBallKeys(common.SectionKeys):
@@ -66,10 +68,10 @@ class BearingBallKeys(common.SectionKeys):
 
 @dataclass(frozen=True)
 class BearingBallScene(KindScene):
-    """Scene of one ball in a rotary bearing under an axial force [N] and a radial displacement [m] of the inner ring.
+    """Scene of one ball in a rotary bearing, under an axial force and a radial displacement of the inner ring.
 
-    ``force``: axial force [N]; ``displacement``: radial displacement [m]; ``law``: friction law; ``creep``: speed [m/s]
-    below which friction is regularised in the law "regularised"; ``sharpness``: parameter k_S of the law "sigmoid";
+    ``force``: axial force [N]; ``displacement``: radial displacement [m]; ``law``: friction law; ``creep``: sliding speed
+    [m/s] below which the law "regularised" reduces friction; ``sharpness``: parameter k_S of the law "sigmoid";
     ``map_step``: step of the tables of the law "sigmoid" in c/a, the distance of the centre of rotation from the contact's
     centre divided by the semi-axis a; None: exact integrals instead of tables.
     """
@@ -85,7 +87,7 @@ class BearingBallScene(KindScene):
 
 
 def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
-    """Yield faults of a scene of one bearing ball: contradictory keys, and geometry that the model does not cover."""
+    """Yield the faults of a scene file of one bearing ball: contradictory keys, and geometry the model does not cover."""
     wrong = [*common.material_faults(keys.material), *common.groove_and_path_faults(keys, ring=True)]
     yield from wrong
     if wrong:
@@ -96,7 +98,7 @@ def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
 
 
 def _friction_law_faults(friction: LawKeys, speed: float) -> Iterator[Fault]:
-    """Yield faults of a friction law: parameters of another law, missing parameters, or a sigmoid without rotation.
+    """Yield the faults of the keys of a friction law: parameters of another law, missing ones, or no rotation.
 
     ``friction``: keys of the friction law; ``speed``: angular speed of the inner ring [rad/s].
     """
@@ -104,7 +106,7 @@ def _friction_law_faults(friction: LawKeys, speed: float) -> Iterator[Fault]:
         if getattr(friction, name) is not None and friction.law != law:
             yield Fault((f"friction.{name}",), f'only with law = "{law}"', f'remove the key, or set law = "{law}"')
     if friction.law == "regularised" and friction.creep is None:
-        advice = 'add creep = "0.1 mm/s", the speed below which friction is regularised'
+        advice = 'add creep = "0.1 mm/s", the sliding speed below which friction is reduced'
         yield Fault(("friction.creep",), "above 0 m/s", advice, "nothing")
     if friction.law == "sigmoid" and friction.sharpness is None:
         yield Fault(("friction.sharpness",), "above 0", "add sharpness = 100, the k_S of the sigmoid", "nothing")
@@ -114,7 +116,7 @@ def _friction_law_faults(friction: LawKeys, speed: float) -> Iterator[Fault]:
 
 
 def bearing_ball_scene(keys: BearingBallKeys, name: str) -> BearingBallScene:
-    """Return the scene ``name`` of one bearing ball from its validated keys."""
+    """Return the scene ``name`` of one bearing ball from the validated keys of its file."""
     f = keys.friction
     bearing = Bearing(
         keys.balls.radius,
@@ -148,7 +150,7 @@ LoadAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "18 deg")]
 
 
 class RowBallKeys(BallSizeKeys):
-    """Balls of one row, evenly spaced."""
+    """Evenly spaced balls of one bearing row: their size and number."""
 
     count: Annotated[int, Field(ge=1, le=1000)] = key("balls in a row", example=9)
 
@@ -158,7 +160,7 @@ class RingKeys(Table):
 
     track: PathKeys = key("path of the ball centres, of zero lead")
     screw: GrooveKeys = key("groove of the inner ring", example={"groove_radius": "6.75 mm"})
-    nut: GrooveKeys = key("groove of the outer ring; the same section", example={"groove_radius": "6.75 mm"})
+    nut: GrooveKeys = key("groove of the outer ring, with the same radius", example={"groove_radius": "6.75 mm"})
     balls: RowBallKeys = key("balls of each row")
     errors: common.SharedErrorKeys = key("geometric errors", common.SharedErrorKeys(), {"balls": {"oversize": "1 um"}})
 
@@ -167,7 +169,7 @@ class RowKeys(Table):
     """Distance and arrangement of the two rows of balls of a double-row bearing."""
 
     distance: Size = key("axial distance of the rows", example="12 mm")
-    arrangement: Literal["back to back", "face to face"] = key("of the rows", "back to back", "back to back")
+    arrangement: Literal["back to back", "face to face"] = key("arrangement of the rows", "back to back", "back to back")
 
 
 class DoubleRowKeys(RingKeys):
@@ -177,13 +179,13 @@ class DoubleRowKeys(RingKeys):
 
 
 class BearingLoadKeys(Table):
-    """Force on the inner ring, midway between the rows."""
+    """Force on the inner ring midway between its rows, at several angles from the axis, and whether the ring may tilt."""
 
     force: common.Pressing = key("size of the force")
     angles: Annotated[list[LoadAngle], Field(min_length=2, max_length=500)] = key(
         "angles of the force from the axis, in ascending order", example=["0 deg", "10 deg", "18 deg"]
     )
-    tilt: bool = key("inner ring free to tilt", True, True)
+    tilt: bool = key("whether the inner ring is free to tilt", True, True)
 
 
 class BearingPairKeys(KindKeys):
@@ -195,12 +197,15 @@ class BearingPairKeys(KindKeys):
     load: BearingLoadKeys = key("force on the inner ring")
     motion: SpeedKeys = key("motion of the inner ring")
     friction: CoulombKeys = key("friction")
-    ingredients: common.HertzKeys = key("parts of the low-order model", common.HertzKeys(), {"hertz": "nominal"})
+    ingredients: common.HertzKeys = key("options of the low-order model", common.HertzKeys(), {"hertz": "nominal"})
 
 
 @dataclass(frozen=True)
 class BearingPairScene(KindScene):
-    """Scene of a four-point and a double-row bearing under the same force, at angles (n,) [rad] from the axis."""
+    """Scene of a four-point and a double-row bearing under the same force.
+
+    ``angle``: angles of the force from the axis ``(n,)`` [rad], for each of which the scene is solved.
+    """
 
     kind: ClassVar[str] = "bearing pair"
     four_point: BearingCase
@@ -209,7 +214,7 @@ class BearingPairScene(KindScene):
 
 
 def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
-    """Yield faults of a scene of two bearings: contradictory keys, and geometry that the model does not cover."""
+    """Yield the faults of a scene file of two bearings: contradictory keys, and geometry the model does not cover."""
     wrong = list(common.material_faults(keys.material))
     yield from wrong
     if wrong:
@@ -231,7 +236,7 @@ def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
 
 
 def _bearing_case_from_keys(keys: BearingPairKeys, ring: RingKeys) -> BearingCase:
-    """Return the record of the bearing with the keys ``ring``, one of the two of the scene, with its load and friction."""
+    """Return one of the two bearings of a scene, with load and friction; ``ring``: keys of this bearing."""
     groove = ScrewGroove(
         ring.balls.radius,
         common.groove_radius_from_keys(ring.screw, ring.balls),
@@ -253,7 +258,7 @@ def _bearing_case_from_keys(keys: BearingPairKeys, ring: RingKeys) -> BearingCas
 
 
 def bearing_pair_scene(keys: BearingPairKeys, name: str) -> BearingPairScene:
-    """Return the scene ``name`` of a four-point and a double-row bearing from its validated keys."""
+    """Return the scene ``name`` of a four-point and a double-row bearing from the validated keys of its file."""
     four, double = (_bearing_case_from_keys(keys, b) for b in (keys.four_point, keys.double_row))
     return BearingPairScene(*first_scene_fields(keys, name), four, double, np.array(keys.load.angles))
 
@@ -264,63 +269,65 @@ SideRatio = Annotated[float, Quantity("number", -10, 10, -0.6)]
 
 
 class StraightKeys(Table):
-    """Straight path of the ball centres of a linear bearing."""
+    """Contact angle of a linear bearing, whose ball centres move on a straight path."""
 
-    contact_angle: ContactAngle = key("nominal angle of the contact normals against the pressing direction")
+    contact_angle: ContactAngle = key("nominal angle between contact normals and vertical force")
 
 
 class ChainLoadKeys(Table):
-    """Force of the carriage on every ball."""
+    """Vertical force of the carriage on each ball of a linear bearing, and how contact loads follow from it."""
 
     vertical_force: common.Pressing = key("force that presses on each ball")
     distribution: Loads = key(
-        "loads in balance at the angles, equal on each diagonal, or with angles that follow", "balanced", "elastic"
+        "contact loads: balanced at fixed angles, equal on each diagonal, or elastic with changing angles",
+        "balanced",
+        "elastic",
     )
 
 
 class PairLoadKeys(ChainLoadKeys):
-    """Force of the carriage on each ball; the side force on the second ball is opposite to that on the first."""
+    """Force of the carriage on two balls of a linear bearing; the side forces on the two balls are opposite."""
 
-    side_force_ratio: SideRatio = key("side force on the first ball over vertical_force")
+    side_force_ratio: SideRatio = key("side force on the first ball divided by vertical_force")
 
 
 class CarriageKeys(Table):
     """Speed of the carriage of a linear bearing."""
 
-    carriage: Speed = key("speed along the track")
+    carriage: Speed = key("speed of the carriage along the track")
 
 
 class LinearAngleKeys(Table):
-    """Deviation of the contact angles at the bottom groove: smaller by it on the left, larger on the right."""
+    """Deviation of the bottom groove's contact angles from the nominal one: smaller on the left, larger on the right."""
 
     deviation: common.Theta = key("deviation theta of the bottom groove's contact angles")
-    mated: bool = key("top groove made to match (Lin 3.3.4.2)", False, False)
+    mated: bool = key("whether the top groove's angles match (Lin 3.3.4.2)", False, False)
 
 
 class ChainBallKeys(Table):
-    """One ball of a chain of balls along the track."""
+    """One ball in a chain of balls of a linear bearing: side force, contact angles, and gap to the next ball."""
 
-    side_force_ratio: SideRatio = key("side force over vertical_force", 0.0)
+    side_force_ratio: SideRatio = key("side force divided by vertical_force", 0.0)
     angle_deviations: Annotated[list[common.Theta], Field(min_length=4, max_length=4)] = key(
-        "deviations of the contact angles at BL, BR, TR, TL",
+        "deviations of the contact angles at bottom left, bottom right, top right, top left",
         ["0 deg", "0 deg", "0 deg", "0 deg"],
         ["-2 deg", "2 deg", "0 deg", "0 deg"],
     )
-    gap: common.Gap = key("gap to the next ball; none: in reach of each other", "0 mm", "0.5 mm")
+    gap: common.Gap = key("gap to the next ball; 0: the two balls may touch", "0 mm", "0.5 mm")
 
 
 class LinearKeys(KindKeys):
-    """Balls of a linear bearing between equal gothic grooves at bottom and top."""
+    """Linear bearing with balls between equal gothic-arch grooves at bottom and top."""
 
     track: StraightKeys = key("path of the ball centres")
-    grooves: GrooveKeys = key("section of both grooves", example={"conformity": 0.56})
+    grooves: GrooveKeys = key("cross-section of both grooves", example={"conformity": 0.56})
     balls: BallSizeKeys = key("the balls")
     motion: CarriageKeys = key("motion of the carriage")
     friction: common.RubbingKeys = key("friction")
 
 
 class LinearPairKeys(LinearKeys):
-    """Two balls of a linear bearing."""
+    """Two balls of a linear bearing, which may touch each other."""
 
     kind: Literal["linear pair"] = key("what the scene describes", example="linear pair")
     angles: LinearAngleKeys = key("contact angles")
@@ -328,7 +335,7 @@ class LinearPairKeys(LinearKeys):
 
 
 class LinearChainKeys(LinearKeys):
-    """Chain of balls in a linear bearing."""
+    """Chain of balls in a linear bearing, which may touch each other."""
 
     kind: Literal["linear chain"] = key("what the scene describes", example="linear chain")
     load: ChainLoadKeys = key("force of the carriage")
@@ -372,13 +379,13 @@ class LinearChainScene(LinearScene):
 
 
 def linear_bearing_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
-    """Yield faults of a linear bearing: contradictory keys, and geometry that the model does not cover."""
+    """Yield the faults of a scene file of a linear bearing: contradictory keys, and geometry the model does not cover."""
     wrong = [*common.material_faults(keys.material), *common.groove_radius_faults(keys.grooves, keys.balls, "grooves")]
     yield from wrong or _linear_ball_faults(keys)
 
 
 def _linear_ball_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
-    """Yield faults of gaps, contact angles and side forces of the balls of a linear bearing."""
+    """Yield the faults of the keys for gaps, contact angles and side forces of the balls of a linear bearing."""
     angles, side, gap = _ball_angles_and_gaps(keys)
     chain = isinstance(keys, LinearChainKeys)
     if gap[-1] != 0.0:
@@ -418,7 +425,7 @@ def allowed_side_force_ratios(angles: Array, nominal: float, distribution: Loads
 
 
 def _ball_angles_and_gaps(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array, Array, Array]:
-    """Return the contact angles, side forces and gaps of the N balls of a linear bearing.
+    """Return the contact angles, side force ratios and gaps of the N balls of a linear bearing, from its keys.
 
     These are the contact angles (N, 4) [rad] at bottom left, bottom right, top right and top left; the ratios of side force
     to vertical force (N,); and the gaps to the next ball (N,) [m].
@@ -433,7 +440,7 @@ def _ball_angles_and_gaps(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array
 
 
 def linear_bearing_scene(keys: LinearPairKeys | LinearChainKeys, name: str) -> LinearScene:
-    """Return the scene ``name`` of balls in a linear bearing from its validated keys."""
+    """Return the scene ``name`` of balls in a linear bearing from the validated keys of its file."""
     f, radius = keys.friction, keys.balls.radius
     bearing = LinearBearing(
         radius,

@@ -1,4 +1,4 @@
-"""Keys, records and checks that all kinds of scenes share for which only friction is computed."""
+"""Keys, records and checks shared by all kinds of scenes for which only friction is computed."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from rollbench.meshes.scene_text import toml_of_tables
 
 
 class KindKeys(HeadKeys):
-    """Keys of every scene for which only friction is computed."""
+    """Keys that the file of every scene has for which only friction is computed: kind, material, title."""
 
     kind: str = key("what the scene describes")
     material: MaterialKeys = key("material of all parts", example=MATERIAL)
@@ -59,14 +59,18 @@ Head = tuple[str, str, str, tuple[str, ...]]
 
 
 def first_scene_fields(keys: KindKeys, name: str) -> Head:
-    """Return the fields that the records of all these scenes begin with: ``name``, title, source and assumptions."""
+    """Return the first fields of the record of a friction scene: ``name``, title, source of the data, and assumptions."""
     assumed = tuple(map(escape_unprintable, keys.assumed))
     return name, escape_unprintable(keys.title), escape_unprintable(keys.source), assumed
 
 
 @dataclass(frozen=True)
 class SceneKind:
-    """Kind of scene for friction: class of its keys, check of these keys, and function that returns its record."""
+    """Kind of scene for which only friction is computed: how its file is read.
+
+    ``keys``: class of the keys; ``faults``: function that yields the faults of keys; ``record``: function that returns the
+    scene from its keys and its name.
+    """
 
     keys: type[KindKeys]
     faults: Callable[[Any], Iterator[Fault]]
@@ -83,53 +87,55 @@ Theta = Annotated[float, Quantity("angle", "-15 deg", "15 deg", "2 deg")]
 
 
 class SharedErrorKeys(Table):
-    """Geometric errors that scenes of a few balls can have."""
+    """Manufacturing errors of the balls in a scene of a few balls: the oversize that all ball radii have."""
 
     balls: OversizeKeys = key("errors of the ball radii", OversizeKeys(), {"oversize": "1.7 um"})
 
 
 class HertzKeys(Table):
-    """Choice of the Hertz constants."""
+    """Choice of the Hertz constants of the contacts: exact ones, or those printed in Lin's Table B.1."""
 
     hertz: Literal["nominal", "as printed"] = key(
-        "contact constants: exact at the nominal angle, or with the faults of Table B.1", "nominal", "nominal"
+        "Hertz constants: exact at the nominal contact angle, or as printed with the errors of Lin's Table B.1",
+        "nominal",
+        "nominal",
     )
 
     @property
     def solver_mode(self) -> Mode:
-        """Name of this choice in the friction solvers: "right" or "as printed"."""
+        """Name of this choice of Hertz constants in the friction solvers: "right" or "as printed"."""
         return "right" if self.hertz == "nominal" else "as printed"
 
 
 class RubbingKeys(CoulombKeys):
     """Coulomb friction between balls and grooves, and between neighbouring balls."""
 
-    balls: Coefficient | None = key("coefficient from ball to ball, where it is not that of the grooves", None)
+    balls: Coefficient | None = key("coefficient between balls, if it is not that of the grooves", None)
 
 
 class SectionKeys(KindKeys):
-    """Bearing ring or screw with the same groove cross-section on both parts, and balls of one size."""
+    """Bearing or screw with the same groove radius on both parts, and balls of one size."""
 
     screw: GrooveKeys = key("groove of the screw, or of the inner ring", example={"conformity": 0.54})
-    nut: GrooveKeys = key("groove of the nut, or of the outer ring; the same section", example={"conformity": 0.54})
+    nut: GrooveKeys = key("groove of the nut, or of the outer ring, with the same radius", example={"conformity": 0.54})
     errors: SharedErrorKeys = key("geometric errors", SharedErrorKeys(), {"balls": {"oversize": "1.7 um"}})
-    ingredients: HertzKeys = key("parts of the low-order model", HertzKeys(), {"hertz": "nominal"})
+    ingredients: HertzKeys = key("options of the low-order model", HertzKeys(), {"hertz": "nominal"})
 
 
 def material_faults(material: MaterialKeys) -> Iterator[Fault]:
-    """Yield a fault for a material without Young's modulus or without Poisson's ratio."""
+    """Yield a fault for a material in a scene file without Young's modulus or without Poisson's ratio."""
     for name, text in (("youngs_modulus", '"210 GPa"'), ("poissons_ratio", "0.28")):
         if getattr(material, name) is None:
             yield Fault((f"material.{name}",), "a value", f"write {name} = {text} under [material]", "nothing")
 
 
 def elastic_constants(material: MaterialKeys) -> tuple[float, float]:
-    """Return Young's modulus [Pa] and Poisson's ratio of a validated material."""
+    """Return Young's modulus [Pa] and Poisson's ratio from the validated keys of a material."""
     return material.youngs_modulus or 0.0, material.poissons_ratio or 0.0
 
 
 def groove_radius_from_keys(groove: GrooveKeys, balls: BallSizeKeys) -> float:
-    """Return the radius of a groove [m], as given or as conformity times ball diameter.
+    """Return the radius of a groove [m] from its keys: as stated, or as conformity times ball diameter.
 
     ``groove``, ``balls``: tables with the keys of the groove and of the balls.
     """
@@ -137,7 +143,7 @@ def groove_radius_from_keys(groove: GrooveKeys, balls: BallSizeKeys) -> float:
 
 
 def groove_radius_faults(groove: GrooveKeys, balls: BallSizeKeys, table: str) -> Iterator[Fault]:
-    """Yield a fault for a groove that is given twice, not at all, or with a radius not above that of the ball.
+    """Yield a fault for a groove whose radius is stated twice, not at all, or not above the ball radius.
 
     ``groove``, ``balls``: tables with the keys of the groove and of the balls; ``table``: name of the groove's table in the
     file.
@@ -150,7 +156,7 @@ def groove_radius_faults(groove: GrooveKeys, balls: BallSizeKeys, table: str) ->
 
 
 class OneRingKeys(Protocol):
-    """Keys of a bearing ring or screw that `groove_and_path_faults` checks."""
+    """Keys of a bearing or screw that `groove_and_path_faults` checks: grooves, ball path, ball size and oversize."""
 
     screw: GrooveKeys
     nut: GrooveKeys
@@ -166,16 +172,16 @@ class OneRingKeys(Protocol):
 
 
 def groove_and_path_faults(body: OneRingKeys, prefix: str = "", *, ring: bool) -> Iterator[Fault]:
-    """Yield faults of the grooves, the ball path and the oversize of a bearing ring or screw.
+    """Yield the faults of the keys for grooves, ball path and ball oversize of a bearing or screw.
 
     Parameters
     ----------
     body
-        Tables of the ring or screw.
+        Tables of the bearing or screw.
     prefix
         Prefix of the names of its tables, such as ``four_point.``.
     ring
-        Whether it is a bearing ring, whose lead must be zero; else the lead must be positive.
+        Whether it is a bearing, whose lead must be zero; else the lead must be positive.
     """
     track, radius = body.track, groove_radius_from_keys(body.screw, body.balls)
     for name, groove in (("screw", body.screw), ("nut", body.nut)):
@@ -199,7 +205,7 @@ def groove_and_path_faults(body: OneRingKeys, prefix: str = "", *, ring: bool) -
 
 
 def displacement_faults(limit: float, displacement: float, key_name: str) -> Iterator[Fault]:
-    """Yield a fault for an oversize or a displacement of the inner ring that is too large for the groove.
+    """Yield a fault if a ball oversize, or a displacement of the inner ring, reaches groove radius minus ball radius.
 
     ``limit``: groove radius minus ball radius [m]; ``displacement``: the oversize or displacement [m]; ``key_name``: key of
     the scene file that states it.
@@ -212,7 +218,7 @@ def displacement_faults(limit: float, displacement: float, key_name: str) -> Ite
 
 
 def missing_hertz_constant_faults(groove: ScrewGroove, prefix: str = "") -> Iterator[Fault]:
-    """Yield a fault for grooves whose Hertz constants do not exist.
+    """Yield a fault for grooves with dimensions for which no Hertz constants exist.
 
     ``prefix``: prefix of the names of the grooves' tables in the file, such as ``four_point.``.
     """

@@ -1,4 +1,4 @@
-"""Kinds of scenes "screw pair" and "screw run": two balls of a ball screw, and a whole screw over time (Lin 3.4)."""
+"""Scene files for friction in ball screws (Lin 3.4): "screw pair", two balls, and "screw run", a whole screw over time."""
 
 from __future__ import annotations
 
@@ -31,66 +31,70 @@ Direction = Literal["axial", "radial"]
 MOST = 5_000_000
 #: Name in the friction solvers of the direction in which the screw can move.
 FREE_TRANSLATION: dict[Direction, str] = {"axial": "z", "radial": "r"}
-_PATTERN = "how much of the deviation the contact angles at SL, SR, NL, NR (screw or nut, left or right) take"
+_PATTERN = "factors on the deviation for the contact angles at SL, SR, NL, NR (screw or nut, left or right)"
 
 
 class ScrewLoadKeys(Table):
-    """Force on the screw and its direction; the nut is fixed."""
+    """Force on the screw, and the direction in which it acts and the screw can move; the nut is fixed."""
 
     force: common.AxialLoad = key("force on the screw")
-    direction: Direction = key("along the axis, or radially at every ball; the screw moves that way only", "axial", "axial")
+    direction: Direction = key(
+        "direction of the force and of the screw's motion: along the axis, or radial at every ball", "axial", "axial"
+    )
 
 
 class ScrewFrictionKeys(common.RubbingKeys):
-    """Coulomb friction of grooves and balls, and the bodies that friction displaces."""
+    """Coefficients of Coulomb friction at grooves and between balls, and the bodies that friction displaces."""
 
-    coupling: Coupling = key("what friction moves: nothing, the balls, or balls and screw", "none", "ball")
+    coupling: Coupling = key("bodies that friction displaces: none, the balls, or balls and screw", "none", "ball")
 
 
 class ScrewAngleKeys(Table):
-    """Deviations of the contact angles of two balls."""
+    """Deviations of the contact angles of two balls from the nominal contact angle."""
 
     deviations: Annotated[list[common.Theta], Field(min_length=2, max_length=2)] = key(
-        "deviation theta at the ball behind and at the one ahead", example=["0 deg", "2 deg"]
+        "deviation theta at the rear ball and at the front ball", example=["0 deg", "2 deg"]
     )
     pattern: Pattern = key(_PATTERN, [1, 1, 0, 0], [1, 1, 0, 0])
 
 
 class RunAngleKeys(Table):
-    """Deviation theta of the contact angles along the screw: theta = amplitude sin(cycles azimuth + phase)."""
+    """Deviation theta of the contact angles along the screw: theta = amplitude sin(cycles_per_turn azimuth + phase)."""
 
     amplitude: common.Theta = key("amplitude of the deviation theta")
-    cycles_per_turn: Cycles = key("periods of theta in a turn of the screw", 2, 2)
+    cycles_per_turn: Cycles = key("number of periods of theta per turn of the screw", 2, 2)
     phase: Azimuth = key("phase of theta", "0 deg", "90 deg")
     pattern: Pattern = key(_PATTERN, [1, 1, 0, 0], [1, 1, 0, 0])
-    follows: Literal["screw", "nut"] = key("the part that theta stays with: azimuths count from it", "screw", "nut")
+    follows: Literal["screw", "nut"] = key(
+        "part in which theta is fixed, and in whose axes azimuths are measured", "screw", "nut"
+    )
 
 
 class RunBallKeys(BallSizeKeys):
-    """Balls of a closed track with a return tube."""
+    """Balls of a closed ball circuit: size, number, and loaded turns."""
 
     count: Annotated[int, Field(ge=2, le=1000)] = key("number of balls", example=37)
     turns: Turns = key("loaded turns of the nut")
 
 
 class ClosedTrackKeys(Table):
-    """Length of the return tube of the balls, and position of the first ball."""
+    """Return of the balls in a closed circuit: length of the return tube, and position of the first ball."""
 
-    return_tube: common.Gap = key("length of the return tube, whose balls bear no load", "0 mm", "5.6 mm")
-    first_ball: Part = key("place of the first ball at the start, as part of the distance between balls", 0.5, 0.5)
+    return_tube: common.Gap = key("length of the return tube, in which balls carry no load", "0 mm", "5.6 mm")
+    first_ball: Part = key("initial position of the first ball, as a fraction of the distance between balls", 0.5, 0.5)
 
 
 @dataclass(frozen=True)
 class RunTimeKeys(Time):
-    """Simulation over time, over an angle of rotation or a duration."""
+    """Length and steps of a simulation over time, and number of iterations of loads and friction in each step."""
 
     rounds: Annotated[int, IntegerRange(1, 100)] = frozen_default(
-        1, "rounds of loads and friction at an instant; one: loads with the friction of the instant before", 1
+        1, "iterations between loads and friction in each time step; 1: loads with the friction of the step before", 1
     )
 
 
 class ScrewBallKeys(common.SectionKeys):
-    """Balls of a ball screw, of which only the relative speed of nut and screw matters."""
+    """Ball screw with load, motion and friction; only the speed of nut and screw relative to each other matters."""
 
     track: HelixKeys = key("path of the ball centres")
     load: ScrewLoadKeys = key("force on the screw")
@@ -137,7 +141,7 @@ class ScrewRunScene(KindScene):
 
 
 def ball_screw_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
-    """Yield faults of balls of a ball screw: contradictory keys, and geometry that the models do not cover."""
+    """Yield the faults of a scene file of ball-screw friction: contradictory keys, and geometry the models do not cover."""
     wrong = list(common.material_faults(keys.material))
     wrong = wrong or list(common.groove_and_path_faults(keys, ring=False))
     wrong = wrong or list(_angle_and_load_faults(keys))
@@ -147,7 +151,7 @@ def ball_screw_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
 
 
 def _angle_and_load_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
-    """Yield faults of contact angles, ball size, Hertz constants and load of the balls of a screw."""
+    """Yield the faults of the keys for contact angles, ball size, Hertz constants and load of the balls of a screw."""
     pair = isinstance(keys, ScrewPairKeys)
     where = "angles.deviations" if pair else "angles.amplitude"
     largest = max(map(abs, keys.angles.deviations)) if isinstance(keys, ScrewPairKeys) else abs(keys.angles.amplitude)
@@ -168,7 +172,7 @@ def _angle_and_load_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault
 
 
 def _screw_simulation_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
-    """Yield faults of speed, number of balls and time steps of the transient simulation of a whole screw."""
+    """Yield the faults of the keys for speed, number of balls and time steps of the simulation of a whole screw."""
     if keys.motion.speed == 0.0:
         advice = "let nut and screw turn relative to each other; friction torque is computed for a moving screw"
         yield Fault(("motion.speed",), "any angular speed except zero", advice)
@@ -188,7 +192,7 @@ def _screw_simulation_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
 
 
 def _screw_groove_from_keys(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
-    """Return groove, balls, speeds and friction of a ball screw from its validated keys."""
+    """Return grooves, balls, speeds and friction of a ball screw from the validated keys of its scene file."""
     track, f, motion = keys.track, keys.friction, keys.motion
     nut, screw = (motion.speed, 0.0) if motion.turns == "nut" else (0.0, motion.speed)
     return ScrewGroove(
@@ -207,7 +211,7 @@ def _screw_groove_from_keys(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
 
 
 def screw_pair_scene(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
-    """Return the scene ``name`` of two balls of a ball screw from its validated keys."""
+    """Return the scene ``name`` of two balls of a ball screw from the validated keys of its file."""
     first, second = keys.angles.deviations
     pattern = tuple(keys.angles.pattern)
     pair = Pair(
@@ -223,7 +227,7 @@ def screw_pair_scene(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
 
 
 def screw_run_scene(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
-    """Return the scene ``name`` of a simulation of a whole ball screw over time from its validated keys."""
+    """Return the scene ``name`` of a ball screw simulated over time from the validated keys of its file."""
     groove, a = _screw_groove_from_keys(keys), keys.angles
     time = Time(**{f.name: getattr(keys.time, f.name) for f in fields(Time)})
     run = Run(

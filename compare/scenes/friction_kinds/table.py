@@ -1,4 +1,4 @@
-"""Table of the kinds of scenes for which only friction is computed, and conversion of their records to scene files."""
+"""List of the kinds of scenes for which only friction is computed, and conversion of such scenes to scene files."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ TABLE = {
 
 
 def scene_kind_by_name(name: str) -> SceneKind:
-    """Return what rollbench needs to read scenes of a kind: class of keys, check, and function that makes the record.
+    """Return how the file of a friction scene of some kind is read: class of its keys, check, and conversion.
 
     ``name``: name of the kind, one of `duty_cycle.KINDS`.
     """
@@ -68,7 +68,7 @@ def scene_kind_by_name(name: str) -> SceneKind:
 
 
 def _schema_tag_of_kind(value: Any) -> str:
-    """Return the name by which the JSON Schema distinguishes kinds of scenes; "whole" for ball screws and bearings.
+    """Return the kind of a scene for the choice of its JSON Schema; "whole" for a ball screw or bearing.
 
     ``value``: tables of a scene file, or its validated keys.
     """
@@ -96,7 +96,7 @@ Table = dict[str, Any]
 
 
 def friction_scene_tables(scene: KindScene) -> Table:
-    """Return the keys and tables of a scene file from the record of a scene for friction."""
+    """Return the keys and tables of the scene file of a scene for which only friction is computed."""
     head = without_empty_values(title=scene.title, source=scene.source, assumed=[*scene.assumed]) | {"kind": scene.kind}
     match scene:
         case BearingBallScene():
@@ -117,7 +117,7 @@ def friction_scene_tables(scene: KindScene) -> Table:
 
 
 def _material_table(young: float, poisson: float) -> Table:
-    """Return the table of a material from Young's modulus [Pa] and Poisson's ratio."""
+    """Return the table ``material`` of a scene file from Young's modulus [Pa] and Poisson's ratio."""
     return {"youngs_modulus": value_with_unit_text(Modulus, young), "poissons_ratio": poisson}
 
 
@@ -143,12 +143,12 @@ def _track_and_groove_tables(groove: ScrewGroove, oversize: float) -> Table:
 
 
 def _hertz_table(groove: ScrewGroove) -> Table:
-    """Return the table that chooses the printed Hertz constants; empty for the nominal constants."""
+    """Return the table of a scene file that chooses Lin's printed Hertz constants; empty for the nominal constants."""
     return {"ingredients": {"hertz": "as printed"}} if groove.hertz == "as printed" else {}
 
 
 def _bearing_ball_tables(scene: BearingBallScene) -> Table:
-    """Return the tables of a scene of one bearing ball."""
+    """Return the tables of the scene file of one bearing ball."""
     b = scene.bearing
     creep = value_with_unit_text(Creep, scene.creep) if scene.creep else None
     law = without_empty_values(law=scene.law, creep=creep, sharpness=scene.sharpness or None, map_step=scene.map_step)
@@ -166,7 +166,7 @@ def _bearing_ball_tables(scene: BearingBallScene) -> Table:
 
 
 def _bearing_pair_tables(scene: BearingPairScene) -> Table:
-    """Return the tables of a scene of a four-point and a double-row bearing."""
+    """Return the tables of the scene file of a four-point and a double-row bearing."""
     four, double = scene.four_point, scene.double_row
     groove = four.groove
     first, second = double.rows
@@ -188,13 +188,13 @@ def _bearing_pair_tables(scene: BearingPairScene) -> Table:
 
 
 def _tables_of_one_bearing(case: BearingCase) -> Table:
-    """Return the tables of ball path, grooves and balls of one of the two bearings of a scene."""
+    """Return the scene-file tables of ball path, grooves and balls for one of the two bearings of a scene."""
     bodies = _track_and_groove_tables(case.groove, 0.0 - case.clearance)
     return bodies | {"balls": bodies["balls"] | {"count": case.count}}
 
 
 def _linear_bearing_tables(scene: LinearScene) -> Table:
-    """Return the tables of a scene of balls in a linear bearing."""
+    """Return the tables of the scene file of balls in a linear bearing."""
     b = scene.bearing
     load = {"vertical_force": value_with_unit_text(Force, scene.vertical), "distribution": scene.distribution}
     table = {
@@ -226,7 +226,7 @@ def _linear_bearing_tables(scene: LinearScene) -> Table:
 
 
 def _shared_screw_tables(groove: ScrewGroove, pair_or_run: Any, angles: Table) -> Table:
-    """Return those tables of a scene file that two balls of a screw and a simulation of a whole screw have in common.
+    """Return the tables that scene files of two balls of a screw and of a simulated whole screw have in common.
 
     ``groove``: grooves, balls, speeds and friction; ``pair_or_run``: record of the two balls or of the simulation, with
     oversize, force, free direction and coupling; ``angles``: table of the contact angles.

@@ -98,7 +98,7 @@ def test_models_and_commands_of_one_set_refuse_several_with_the_reason(monkeypat
 
 def test_schema_knows_axes():
     text = json.dumps(kind_table.scene_json_schema())
-    assert all(words in text for words in ("rolling sets, in any order", "cup_angle"))
+    assert all(words in text for words in ("ball nuts and bearings, in any order", "cup_angle"))
 
 
 @pytest.fixture(scope="module")
