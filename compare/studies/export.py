@@ -44,7 +44,7 @@ AWAY = 0.4
 
 
 def exported_parts(scene: Scene) -> tuple[str, ...]:
-    """Return the names of the parts of a scene whose meshes can be exported.
+    """Return the names of those parts of a scene whose meshes can be exported: bodies, contact patches, quarter block.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def exported_parts(scene: Scene) -> tuple[str, ...]:
     -------
     tuple of str
         Names of the whole bodies, of the bodies with sockets (holes for fine contact patches), of the patches of groove and
-        ball on the flanks that may touch, and of the block `BLOCK`.
+        ball on the flanks that may touch, and of the quarter block for a Hertz contact.
     """
     sides = [SIDES[s] for s in flanks_to_mesh(scene)]
     patches = (f"{kind}-{s}" for kind in ("patch", "ball-patch") for s in sides)
@@ -63,9 +63,10 @@ def exported_parts(scene: Scene) -> tuple[str, ...]:
 
 
 def nuts_and_bearings_on_shaft(described: Solvable) -> list[PlacedSet]:
-    """Return each nut or ball bearing of a scene at its axial position, with both ends of its 3D piece of shaft [m].
+    """Return each nut or ball bearing of a scene, its axial position, and the ends of the shaft piece modelled in 3D [m].
 
-    Outside these ends the shaft is a beam. Raises ValueError for a row of rollers, whose geometry cannot be written.
+    Outside these ends the shaft is a beam in the 3D reference. Raises ValueError for a row of rollers, whose geometry
+    cannot be written.
     """
     from rollbench.hifi.several_sets import describe_bodies_of_each_set
     from rollbench.meshes.exchange.step_files import PlacedSet
@@ -101,7 +102,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     Returns
     -------
     Mesh
-        The mesh, with its contact surfaces and cut faces as named boundaries.
+        The mesh, whose contact surfaces and cut faces are named boundaries.
 
     Raises
     ------
@@ -143,7 +144,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
 def displacement_and_stress_of_part(
     scene: Scene, part: str, level: int, ball: int, cache: Path | None = None
 ) -> dict[str, Array]:
-    """Compute displacement and stress at the nodes of one part from the contact loads of the 3D reference.
+    """Solve a scene by the 3D reference, and return displacement and stress at the mesh nodes of one part.
 
     Parameters
     ----------
@@ -154,7 +155,7 @@ def displacement_and_stress_of_part(
     level
         Mesh level of the 3D reference, from 1 (coarse).
     ball
-        Number of the ball, from 0, if the part is a ball or a contact patch.
+        Number of the ball, from 0, for a part that each ball has (the ball, or a contact patch).
     cache
         Folder with stored meshes; None: no cache.
 
@@ -185,7 +186,7 @@ def displacement_and_stress_of_part(
     forces = fields.pressure_function_forces_by_flank(setup, result)
 
     def body_displacement(screw: bool) -> Array:
-        """Return the nodal displacements of the screw or the nut, (n, 3) [m]."""
+        """Return the displacements of the n mesh nodes of the screw, or of the nut if not ``screw``, (n, 3) [m]."""
         if screw:
             return fields.screw_displacement(setup, meshes.screw, forces, scene)
         return fields.nut_displacement(setup, meshes.nut, forces)
@@ -209,7 +210,7 @@ def displacement_and_stress_of_part(
 
 
 def _whole_body_mesh(scene: Scene, part: str, level: int) -> Mesh:
-    """Mesh a body without sockets for contact patches; its finest elements lie at the expected contacts.
+    """Mesh a whole body, without holes for contact patches; its finest elements lie at the expected contacts.
 
     ``part``: "screw" (its piece that is modelled in 3D), "nut" or "ball"; ``level``: mesh level of the 3D reference.
     """
@@ -268,13 +269,13 @@ def write_deck(
     unit
         Unit of length of the deck.
     balls
-        Range of balls that are cut out of the screw, such as ``3:5``; empty: all balls.
+        Range of balls that are kept with short pieces of screw and nut, such as ``3:5``; empty: the whole scene.
     b_over_h
         Number of elements across the minor semi-axis of the contact ellipse.
     growth
         Growth of element size per distance from the contacts.
     stiffness
-        Contact pressure per overclosure [N/mm3].
+        Contact stiffness: pressure per depth of penetration [N/mm3].
     scene
         Scene of one nut or bearing.
     out
@@ -317,7 +318,7 @@ def write_deck(
 
 
 def parse_balls(range_text: str, scene: Scene) -> tuple[int, int]:
-    """Return the numbers of the first and last ball (from 1) in a range such as ``3:5``.
+    """Return the numbers of the first and last ball, from 1, that a text such as "3:5" states.
 
     Raises InputError for another text, and for balls that the scene does not have.
     """
@@ -385,11 +386,11 @@ def cut_balls_out_of_screw(scene: Scene, first: int, last: int) -> Scene:
     share = (last - first + 1) / scene.ball_count
 
     def nearer_end(at: float) -> float:
-        """Return the end of the piece of screw that is nearer to an axial position [m]."""
+        """Return the end of the kept piece of screw that is nearer to the axial position ``at`` [m]."""
         return low if at <= middle else high
 
     def share_of_balls(v: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Return a force or moment times the share of the balls that are kept."""
+        """Return the force or moment ``v`` multiplied by the share of the balls that are kept."""
         return share * v[0], share * v[1], share * v[2]
 
     listed = tuple((n - first + 1, e) for n, e in scene.errors.balls.listed if first <= n <= last)

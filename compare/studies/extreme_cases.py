@@ -36,13 +36,13 @@ TWO_BALLS = UNHELD.format("rigid motion in uy, uz, rx, ry at the nut's centre")
 class StabilityCase:
     """Scene that is hard to solve, with its group in the stability table and the status that a solver should report."""
 
-    #: Name of the case.
+    #: Name of the scene in the stability table.
     name: str
     #: Group in the table.
     group: str
     #: Scene of a screw or bearing, or of a shaft with several.
     scene: Scene | Assembly
-    #: ``"converged"``, or the status that names the rigid motion that nothing resists.
+    #: Status to expect: "converged", or for a scene that is not held the one that names the free rigid motion.
     expected: str = CONVERGED
 
 
@@ -50,7 +50,7 @@ class StabilityCase:
 
 
 def _with_load(base: Scene, force: tuple[float, float, float], moment: float = 0.0, z: float = 0.0) -> Scene:
-    """Return a scene with a single load.
+    """Return a copy of the scene ``base`` with a single external load.
 
     ``force``: force along x, y, z [N]; ``moment``: moment about x [N m]; ``z``: axial position of the load [m].
     """
@@ -58,17 +58,17 @@ def _with_load(base: Scene, force: tuple[float, float, float], moment: float = 0
 
 
 def _with_ball_errors(base: Scene, oversize: float, half_width: float = 0.0, seed: int = 0) -> Scene:
-    """Return a scene whose only geometric errors are those of its ball radii.
+    """Return a copy of the scene ``base`` whose only geometric errors are those of its ball radii.
 
-    ``oversize``: excess of all radii [m]; ``half_width``: half the width of their uniform random scatter [m]; ``seed``:
-    seed of the scatter.
+    ``oversize``: excess of all radii [m]; ``half_width``: largest random deviation from it, uniformly distributed [m];
+    ``seed``: seed of the deviations.
     """
     drawn = BallErrors(oversize=oversize, sigma=half_width / math.sqrt(3.0), distribution="uniform")
     return replace(base, errors=Errors(balls=drawn, seed=seed))
 
 
 def _with_scaled_youngs_moduli(base: Scene, screw: float, nut: float, balls: float) -> Scene:
-    """Return a scene with the Young's moduli of screw, nut and balls multiplied by one factor each."""
+    """Return a copy of the scene ``base``; factors ``screw``, ``nut`` and ``balls`` multiply their Young's moduli."""
 
     def scaled_material(m: Material, factor: float) -> Material:
         return replace(m, youngs_modulus=m.youngs_modulus * factor)
@@ -82,7 +82,7 @@ def _with_scaled_youngs_moduli(base: Scene, screw: float, nut: float, balls: flo
 
 
 def with_shaft_stiffness(base: Scene, factor: float) -> Scene:
-    """Return a scene whose shaft is stiffer or softer as a beam by a factor, with unchanged Hertz constants.
+    """Return a copy of the scene ``base`` whose shaft is stiffer or softer as a beam, with unchanged Hertz contacts.
 
     Stiffer shaft: the moduli of screw and nut are multiplied by ``factor``, and the balls' modulus is divided by
     ``2 - 1/factor``; the contact moduli do not change, because all parts of ``base`` have the same material. Softer
@@ -97,13 +97,13 @@ def with_shaft_stiffness(base: Scene, factor: float) -> Scene:
 
 
 def with_groove_radius_ratio(base: Scene, ratio: float) -> Scene:
-    """Return a scene whose groove radii of screw and nut are ``ratio`` times the ball radius."""
+    """Return a copy of the scene ``base`` with groove radii of screw and nut of ``ratio`` times the ball radius."""
     radius = ratio * base.balls.radius
     return replace(base, screw=replace(base.screw, groove_radius=radius), nut=replace(base.nut, groove_radius=radius))
 
 
 def with_lead(base: Scene, lead: float) -> Scene:
-    """Return a screw with another lead [m], and a nut that is long enough for it.
+    """Return a copy of the screw ``base`` with another lead [m], and with a nut that is long enough for it.
 
     A lead of zero gives a bearing with 16 balls. At leads of up to 6 mm the balls have 3 mm diameter and the conformity
     stays.
@@ -119,12 +119,15 @@ def with_lead(base: Scene, lead: float) -> Scene:
 
 
 def _with_axial_support_only(base: Scene) -> Scene:
-    """Return a scene whose screw is supported along and about z only, so that the balls carry lateral loads and moments."""
+    """Return a copy of the scene ``base`` whose screw is supported only along and about z.
+
+    The balls then carry lateral loads and moments.
+    """
     return replace(base, supports=(Support(0.0, (("uz", 0.0), ("rz", 0.0))),))
 
 
 def _with_displaced_screw_end(base: Scene, offset: float, oversize: float) -> Scene:
-    """Return a scene with an oversize of all balls, and with a support that displaces the right end of the screw along x.
+    """Return a copy of the scene ``base`` with oversized balls and a support that displaces the screw's right end along x.
 
     ``offset``: displacement of the end [m]; ``oversize``: excess of the ball radii [m].
     """
@@ -133,7 +136,7 @@ def _with_displaced_screw_end(base: Scene, offset: float, oversize: float) -> Sc
 
 
 def _load_cases(base: Scene) -> Iterator[StabilityCase]:
-    """Yield scenes of a screw with axial and lateral loads, moments, and an offset end."""
+    """Yield hard scenes of the screw ``base``: axial and lateral loads, moments, and a laterally displaced end."""
     for k in range(-2, 7):
         yield StabilityCase(f"axial {10.0**k:g} N", "axial load", _with_load(base, (0.0, 0.0, 10.0**k)))
     yield StabilityCase("axial -5000 N", "axial load", _with_load(base, (0.0, 0.0, -5000.0)))
@@ -157,7 +160,7 @@ def _load_cases(base: Scene) -> Iterator[StabilityCase]:
 
 
 def _clearance_and_preload_cases(base: Scene) -> Iterator[StabilityCase]:
-    """Yield scenes of a screw with clearance, preload and random ball sizes."""
+    """Yield hard scenes of the screw ``base``: clearance, preload and random ball sizes."""
     for gap in (5e-6, 50e-6):
         for force in (0.01, 1.0, 5000.0):
             scene = _with_load(_with_ball_errors(base, -gap), (0.0, 0.0, force))
@@ -174,7 +177,7 @@ def _clearance_and_preload_cases(base: Scene) -> Iterator[StabilityCase]:
 
 
 def _stiffness_cases(base: Scene) -> Iterator[StabilityCase]:
-    """Yield scenes of a screw with a softer or stiffer shaft, and with other moduli."""
+    """Yield hard scenes of the screw ``base``: a softer or stiffer shaft, and other Young's moduli."""
     factors = [10.0**k for k in (-3, -2, -1, 1, 2, 3)]
     for f in factors:
         yield StabilityCase(f"shaft x {f:g}, contacts unchanged", "shaft stiffness", with_shaft_stiffness(base, f))
@@ -186,7 +189,7 @@ def _stiffness_cases(base: Scene) -> Iterator[StabilityCase]:
 
 
 def _geometry_cases(base: Scene) -> Iterator[StabilityCase]:
-    """Yield scenes of a screw with other conformities, numbers of balls, leads and contact angles."""
+    """Yield hard scenes of the screw ``base``: other conformities, numbers of balls, leads and contact angles."""
     for ratio in (1.01, 1.001, 1.0001, 1.00001):
         close = with_groove_radius_ratio(base, ratio)
         yield StabilityCase(f"r_G/r_B {ratio:g}, axial", "conformity", close)
@@ -207,7 +210,7 @@ def _geometry_cases(base: Scene) -> Iterator[StabilityCase]:
 
 
 def _cases_with_free_rigid_motion(base: Scene) -> Iterator[StabilityCase]:
-    """Yield scenes with one or two balls or with missing supports, each with the free rigid motion to expect, if any."""
+    """Yield hard scenes of the screw ``base``: one or two balls, or missing supports, which may leave it free to move."""
     one = replace(base, balls=replace(base.balls, azimuths=(0.0,)))
     for force in (0.01, 5000.0):
         yield StabilityCase(f"one ball, {force:g} N", "one ball", _with_load(one, (0.0, 0.0, force)))
@@ -243,7 +246,7 @@ PULLED = (
 
 
 def _material_and_size_cases(base: Scene) -> Iterator[StabilityCase]:
-    """Yield scenes of a screw with other materials, one large ball, four balls and a long shaft."""
+    """Yield hard scenes of the screw ``base``: other materials, one large ball, four balls, and a long shaft."""
     nut = replace(base, nut=replace(base.nut, material=POLYMER))
     balls = replace(base, balls=replace(base.balls, material=CERAMIC))
     for name, scene in (("polymer nut", nut), ("ceramic balls", balls)):
@@ -270,10 +273,7 @@ def _material_and_size_cases(base: Scene) -> Iterator[StabilityCase]:
 
 
 def shipped_shaft_scene(name: str) -> Assembly:
-    """Return a scene of the package for a shaft with several nuts and bearings; raises TypeError for another scene.
-
-    ``name``: name of the scene.
-    """
+    """Return the built-in scene ``name`` of a shaft with several nuts or bearings; TypeError if it has only one."""
     found = catalogue.shipped_scene(name)
     if not isinstance(found, Assembly):
         raise TypeError(f"{name} has a single nut or bearing, not several on a shaft")
@@ -281,7 +281,7 @@ def shipped_shaft_scene(name: str) -> Assembly:
 
 
 def axis_of_balls_and_rollers() -> Assembly:
-    """Return the ball-screw axis of the package, whose right bearing is replaced by tapered roller rows of Smith's example.
+    """Return the built-in ball-screw axis with tapered roller bearings (of Smith's example) at its right end.
 
     The bearings are preloaded by axial offsets.
     """
@@ -291,7 +291,7 @@ def axis_of_balls_and_rollers() -> Assembly:
 
 
 def _axis_preloaded_by_offsets() -> Assembly:
-    """Return the ball-screw axis of the package with bearings that are preloaded by axial offsets.
+    """Return the built-in ball-screw axis with ball bearings that are preloaded by axial offsets.
 
     With this kind of preload all formulations solve the same equations.
     """
@@ -302,7 +302,7 @@ def _axis_preloaded_by_offsets() -> Assembly:
 
 
 def _with_axis_loads(axis: Assembly, axial_force: float, lateral_force: float = 0.0, moment: float = 0.0) -> Assembly:
-    """Return a shaft scene with other loads.
+    """Return a copy of a ball-screw axis with other external loads.
 
     ``axial_force``: axial force [N], which acts on the carriage, or on the shaft without a carriage; ``lateral_force``:
     lateral force on the shaft along x [N], half of which also acts along y; ``moment``: moment on the shaft about x [N m].
@@ -315,7 +315,7 @@ def _with_axis_loads(axis: Assembly, axial_force: float, lateral_force: float = 
 
 
 def _change_every_nut_and_bearing(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Assembly:
-    """Return a shaft scene with each nut and each row of a bearing replaced.
+    """Return a copy of a ball-screw axis in which a function replaces each nut and each bearing row.
 
     ``change``: function that takes a nut or row and returns its replacement.
     """
@@ -323,7 +323,7 @@ def _change_every_nut_and_bearing(axis: Assembly, change: Callable[[RollingSet],
 
 
 def _change_ball_rows(axis: Assembly, change: Callable[[Scene], Scene]) -> Assembly:
-    """Return a shaft scene with the geometry of each ball nut and row of balls replaced.
+    """Return a copy of a ball-screw axis in which a function replaces the geometry of each ball nut and row of balls.
 
     ``change``: function that takes the geometry and returns its replacement.
     """
@@ -333,14 +333,14 @@ def _change_ball_rows(axis: Assembly, change: Callable[[Scene], Scene]) -> Assem
 
 
 def _change_roller_rows(axis: Assembly, **changes: Any) -> Assembly:
-    """Return a shaft scene with new values for some fields of each row of rollers; ``changes``: values by field name."""
+    """Return a copy of a ball-screw axis with changed rows of rollers; ``changes``: new values by field of `RollerRow`."""
     return _change_every_nut_and_bearing(
         axis, lambda s: replace(s, parts=replace(s.parts, **changes)) if isinstance(s.parts, RollerRow) else s
     )
 
 
 def _without_preload(axis: Assembly) -> Assembly:
-    """Return a shaft scene without preload, axial offsets and geometric errors."""
+    """Return a copy of a ball-screw axis without preload, axial offsets of bearings and geometric errors."""
     bare = _change_every_nut_and_bearing(axis, lambda s: replace(s, preload=0.0, offset=0.0))
     return _change_ball_rows(bare, lambda p: replace(p, errors=Errors()))
 
@@ -353,7 +353,7 @@ def _with_ball_count(scene: Scene, count: int) -> Scene:
 
 
 def _lengthen_axis(axis: Assembly, length: float) -> Assembly:
-    """Return a shaft scene with a longer shaft.
+    """Return a copy of a ball-screw axis with a longer shaft.
 
     ``length``: new length of the shaft [m]. Parts near the right end move with the end, the carriage and other parts near
     the middle half as far.
@@ -379,7 +379,7 @@ def _lengthen_axis(axis: Assembly, length: float) -> Assembly:
 
 
 def _axis_load_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
-    """Yield names and variants of an axis: other loads, no preload, and a warmer or colder shaft."""
+    """Yield names and hard variants of a ball-screw axis: other loads, no preload, and a warmer or colder shaft."""
     for force in (0.0, 0.01, 3000.0, -3000.0, 1e6):
         yield f"axial {force:g} N", _with_axis_loads(axis, force)
     for force in (1.0, 1e3, 1e5):
@@ -395,7 +395,7 @@ def _axis_load_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
 
 def _axis_part_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
-    """Yield names and variants of an axis: other materials, conformity and balls, and a long shaft."""
+    """Yield names and hard variants of a ball-screw axis: other materials, conformity and balls, and a long shaft."""
 
     def is_nut(p: Scene) -> bool:
         return p.track.lead > 0.0
@@ -418,7 +418,7 @@ def _axis_part_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
 
 def _roller_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
-    """Yield names and variants of an axis: other slices, crown, number, angles and material of its rollers."""
+    """Yield names and hard variants of a ball-screw axis with other rollers: slices, crown, number, angles, material."""
     crossed = _with_axis_loads(axis, 2000.0, 2000.0)
     yield "1 slice, across", _change_roller_rows(crossed, slices=1)
     yield "101 slices, across", _change_roller_rows(crossed, slices=101)
@@ -430,7 +430,7 @@ def _roller_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
 
 def _axis_cases() -> Iterator[StabilityCase]:
-    """Yield scenes of shafts with a ball nut, ball bearings and tapered roller bearings."""
+    """Yield hard scenes of ball-screw axes with ball bearings and tapered roller bearings."""
     mixed, rollers, balls = (
         axis_of_balls_and_rollers(),
         shipped_shaft_scene("smith-axis-taper"),

@@ -1,4 +1,4 @@
-"""Numerical stability: hard scenes solved by several formulations, each converged or with the reason why not.
+"""Numerical stability: scenes that are hard to solve, solved by several formulations of the equations.
 
 The scenes are in `extreme_cases`. A second formulation, whose unknowns are the contact loads and which uses the compliance
 of the same beam, must find the same loads. It does not solve rows of rollers without balls; for these the load-displacement
@@ -64,7 +64,7 @@ FORCES = "contact loads, same equations"
 #: Models of elastic bodies by the name of their formulation; all must solve the hard scenes.
 BACKENDS = {FORCES: "lin"} | {m.label: m.name for m in MODELS.values() if m.extremes}
 
-#: Names of all formulations.
+#: Names of all formulations of the equations.
 FORMULATIONS = (ENERGY, *BACKENDS, *SOURCE)
 
 #: Largest number of unknowns for which the dense Jacobian of Lin's thesis is attempted.
@@ -82,11 +82,11 @@ SAME = 1e-4
 
 @dataclass(frozen=True)
 class FormulationOutcome:
-    """Outcome of solving one hard scene by one formulation of the equations."""
+    """Outcome of one attempt to solve a hard scene by one formulation of the equations."""
 
-    #: Name of the scene.
+    #: Name of the hard scene.
     case: str
-    #: Group of the scene.
+    #: Group of the scene in the stability table.
     group: str
     #: Name of the formulation.
     formulation: str
@@ -98,18 +98,18 @@ class FormulationOutcome:
     converged: bool
     #: Number of iterations.
     iterations: int = 0
-    #: Largest unbalanced force over the largest force; None if nothing was solved or there is no force.
+    #: Largest unbalanced force over the largest force; None if the scene was not solved or has no force.
     residual: float | None = None
     #: Smallest residual that double precision allows (energy solver only).
     round_off_bound: float = 0.0
-    #: Run time with set-up [s].
+    #: Run time of set-up and solution [s].
     seconds: float = 0.0
     #: Number of unknowns.
     unknowns: int = 0
-    #: Largest difference of a contact load from the energy solver's with the same beam nodes [% of the largest load]; None
-    #: unless both converged.
+    #: Largest difference of a contact load from that of the energy solver with the same beam nodes [% of the largest load];
+    #: None unless both converged.
     difference_percent: float | None = None
-    #: Short form of the status, with remarks.
+    #: Short form of the status, followed by warnings and remarks.
     reason: str = ""
 
     @property
@@ -163,7 +163,7 @@ def _solve_by_energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
 
 
 def _attempt_by_energy_solver(case: StabilityCase, result: StaticResult | AxisResult | None = None) -> FormulationOutcome:
-    """Return the outcome of the energy solver for a hard scene.
+    """Solve a hard scene by the energy solver, and return the outcome.
 
     ``result``: static result of the energy solver for this scene; None: the scene is solved first.
     """
@@ -205,7 +205,7 @@ def _attempt_by_force_formulation(
 
 
 def _loads_of_all_contacts(result: StaticResult | AxisResult) -> Array:
-    """Return the loads [N] of all ball contacts and rollers of a result as one array.
+    """Return the loads of all ball contacts and rollers of a result as one array [N].
 
     Its shape is (N, 4) for a scene of N balls, and (n,) for a shaft with n contacts and rollers in all.
     """
@@ -215,7 +215,7 @@ def _loads_of_all_contacts(result: StaticResult | AxisResult) -> Array:
 def _outcome_from_result(
     case: StabilityCase, formulation: str, result: StaticResult | AxisResult, begin: float
 ) -> FormulationOutcome:
-    """Return the outcome of a formulation from its static result, without the difference from the energy solver.
+    """Return the outcome of a formulation from its static result; its loads are not compared with the energy solver's.
 
     ``begin``: value of ``perf_counter`` [s] at which the solution began.
     """
@@ -234,12 +234,15 @@ def _outcome_from_result(
 
 
 def _make_attempt(case: StabilityCase, formulation: str, status: str, **found: Any) -> FormulationOutcome:
-    """Return the outcome of a formulation for a hard scene with a given status; ``found``: further fields by name."""
+    """Return the outcome of a formulation for a hard scene with a given status.
+
+    ``found``: values of further fields of `FormulationOutcome` by name.
+    """
     return FormulationOutcome(case.name, case.group, formulation, status, case.expected, status == CONVERGED, **found)
 
 
 def _reason_for_false_convergence(result: StaticResult | AxisResult) -> str:
-    """Return why a result that is reported as converged is wrong; empty if it is right, or not reported as converged.
+    """Return why a result that is reported as converged is no equilibrium; empty if it is one, or did not converge.
 
     It is checked that all numbers are finite, that the residual is small, that forces and moments balance, and that the
     slices of rollers follow their load-displacement law.
@@ -263,7 +266,7 @@ def _reason_for_false_convergence(result: StaticResult | AxisResult) -> str:
 
 
 def slice_law_residual(row: SetResult, result: AxisResult) -> float:
-    """Return the largest deviation of a roller slice's line load from its load-displacement law, over the largest load.
+    """Return the largest deviation of a roller slice's line load from its load-approach law, over the largest line load.
 
     ``row``: solved row of tapered rollers; ``result``: solution of the shaft. The approach of a slice follows from the
     displacements of cone and cup; their round-off is allowed for. Zero for a row of balls, and for rollers without load.
@@ -297,7 +300,7 @@ def _with_beam_nodes_of_source(scene: Scene) -> Scene:
 
 
 def source_unknowns(scene: Scene) -> int:
-    """Return the number of unknowns in the equations of Lin's thesis for a scene."""
+    """Return the number of unknowns of a scene in the equations of Lin's thesis."""
     layout = ball_layout(scene)
     problem = build_problem(scene, draw_specimen(scene, layout), layout, np.ones(4, dtype=bool))
     return 6 * layout.z.size + problem.unknowns
@@ -341,7 +344,7 @@ def _attempt_by_source_newton(
 
 
 def _clause_on_load_difference(difference_percent: float | None) -> str:
-    """Return a clause that says by how much contact loads differ from the energy solver's; empty if they are equal.
+    """Return a clause on the difference between contact loads and those of the energy solver; empty if they are equal.
 
     ``difference_percent``: largest difference of a load [% of the largest load]; None if it is not known.
     """
@@ -352,7 +355,7 @@ def _clause_on_load_difference(difference_percent: float | None) -> str:
 
 
 def _finite_or_none(value: float) -> float | None:
-    """Return a value, or None (for JSON) if it is not finite."""
+    """Return a number as a float; None, as JSON needs it, if it is not finite."""
     return float(value) if math.isfinite(value) else None
 
 
@@ -367,7 +370,7 @@ def _largest_load_difference(load: Array, reference_load: Array) -> float:
 
 
 def _first_clause_of_status(status: str) -> str:
-    """Return the first clause of a solver's status, or the first two if it begins with "not held" (a free rigid motion)."""
+    """Return the first clause of a solver's status, or the first two if the status begins with "not held: "."""
     parts = status.split(": ")
     return ": ".join(parts[:2]) if parts[0] == "not held" else status.split(" (")[0]
 
@@ -385,12 +388,12 @@ def _attempt_all_formulations(case: StabilityCase) -> list[FormulationOutcome]:
 def solve_all_hard_cases(
     progress: Callable[[int, int, str], None] = lambda *_: None, *, n_jobs: int = 2
 ) -> list[FormulationOutcome]:
-    """Solve every hard scene by every formulation, in several processes.
+    """Solve every hard scene by every formulation of the equations, in several processes.
 
     Parameters
     ----------
     progress
-        Called with the number of scenes done, their total, and the name of the last one.
+        Function that is called after each scene with the number of solved scenes, the number of all, and the scene's name.
     n_jobs
         Number of processes.
 
@@ -411,10 +414,10 @@ def solve_all_hard_cases(
 
 
 def unexpected_attempts(rows: Sequence[FormulationOutcome]) -> list[FormulationOutcome]:
-    """Return the outcomes of this program's own formulations that differ from what is expected.
+    """Return those outcomes of rollbench's own formulations that are not as expected.
 
-    Expected is convergence, or the status that names a free rigid motion. Also returned are outcomes whose contact loads
-    differ from those of the energy solver.
+    Expected is convergence, or for a scene that is not held the status that names its free rigid motion. Also returned are
+    outcomes whose contact loads differ from those of the energy solver.
     """
     ours = [r for r in rows if r.formulation == ENERGY or r.formulation in BACKENDS]
     return [
@@ -426,7 +429,7 @@ def unexpected_attempts(rows: Sequence[FormulationOutcome]) -> list[FormulationO
 
 
 def stability_table_rows(rows: Sequence[FormulationOutcome]) -> list[dict[str, Cell]]:
-    """Return the rows of the stability table: one for each hard scene, with the status of each formulation."""
+    """Return the rows of the report's stability table, one for each hard scene, with the status of each formulation."""
     by_case: dict[str, dict[str, Cell]] = {}
     for row in rows:
         line = by_case.setdefault(row.case, {"case": row.case, "group": row.group})
@@ -440,7 +443,7 @@ def stability_table_rows(rows: Sequence[FormulationOutcome]) -> list[dict[str, C
 
 
 def status_cell(row: FormulationOutcome) -> str:
-    """Return an outcome as text for a table cell: iterations if it converged, else the solver's status."""
+    """Return the outcome of a formulation as text for a table cell: number of iterations, else the solver's status."""
     if row.status == CONVERGED:
         apart = row.difference_percent
         other = f", another root ({apart:.2g} % off)" if apart is not None and apart > SAME else ""
@@ -449,7 +452,7 @@ def status_cell(row: FormulationOutcome) -> str:
 
 
 def count_outcomes(rows: Sequence[FormulationOutcome]) -> dict[str, tuple[int, int, int]]:
-    """Return, for each formulation, the number of scenes with the expected outcome, of scenes that were tried, and of all.
+    """Count for each formulation the scenes with the expected outcome, the scenes that were tried, and all scenes.
 
     The outcome is as expected if the solver converged, or if it named the scene's free rigid motion.
     """
@@ -477,7 +480,7 @@ GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRAS
 
 
 def read_campaigns(path: Path) -> list[Record]:
-    """Return the records of campaigns of random scenes from a JSON file.
+    """Read the records of test campaigns, each of many random scenes, from a JSON file.
 
     The list is empty if the file is missing or has other content.
     """
@@ -492,12 +495,12 @@ def read_campaigns(path: Path) -> list[Record]:
 
 
 def shipped_campaigns() -> list[Record]:
-    """Return the records of the campaigns of random scenes that are part of the package."""
+    """Return the records of test campaigns, each of many random scenes, that are part of the package."""
     return read_campaigns(Path(__file__).with_name("campaign.json"))
 
 
 def campaign_rows(records: Sequence[Record]) -> list[Row]:
-    """Return the rows of the report's table of campaigns, one for each campaign of random scenes.
+    """Return the rows of the report's table of test campaigns, one for each campaign of many random scenes.
 
     ``records``: records of the campaigns. A row has the command, the version, and the numbers of scenes, damaged files and
     killed processes with each outcome.

@@ -35,7 +35,7 @@ SCATTERS = "no order: contact loads scatter from mesh to mesh"
 
 
 def _extreme_load(side: int, sign: float, run: Run) -> float:
-    """Return the largest or smallest contact load on one flank in a solution of the 3D reference [N].
+    """Return the largest or smallest contact load on one flank by a solution of the 3D reference [N].
 
     ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and right); ``sign``: 1 for the
     largest load, -1 for the smallest; ``run``: the solution.
@@ -44,7 +44,7 @@ def _extreme_load(side: int, sign: float, run: Run) -> float:
 
 
 def _ball_load(ball: int, side: int, run: Run) -> float:
-    """Return the load [N] of one ball on one flank in a solution of the 3D reference.
+    """Return the load of one ball on one flank by a solution of the 3D reference [N].
 
     ``ball``: number of the ball from 0; ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR; ``run``: the solution.
     """
@@ -52,7 +52,7 @@ def _ball_load(ball: int, side: int, run: Run) -> float:
 
 
 def _centreline_displacement(station: int, axis: int, run: Run) -> float:
-    """Return the displacement [um] of the screw's centreline along one axis in a solution of the 3D reference.
+    """Return a displacement of the screw's centreline by a solution of the 3D reference [um].
 
     ``station``: number of an axial position that the solutions on all mesh levels share; ``axis``: 0, 1, 2 for x, y, z;
     ``run``: the solution.
@@ -61,7 +61,7 @@ def _centreline_displacement(station: int, axis: int, run: Run) -> float:
 
 
 def study_quantities(run: Run) -> list[tuple[str, str, Take]]:
-    """Return the quantities that a mesh study tabulates: name, unit, and a function that takes the value from a solution.
+    """Return the quantities that a mesh study compares: name, unit, and a function that reads the value from a solution.
 
     ``run``: a solution of the 3D reference, which determines the balls, flanks and axial positions.
     """
@@ -83,7 +83,9 @@ def study_quantities(run: Run) -> list[tuple[str, str, Take]]:
 def reference_from_stored_runs(
     scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)
 ) -> Reference | None:
-    """Return the 3D reference with its uncertainty from all stored solutions on some mesh levels; None if none is stored.
+    """Return the 3D reference of a scene with its uncertainty, from the stored solutions on several mesh levels.
+
+    None if no solution is stored.
 
     Parameters
     ----------
@@ -128,17 +130,17 @@ def mesh_level_rows(reference: Reference) -> list[dict[str, Any]]:
 
 
 def load_uncertainty_of_run(reference: Reference, run_index: int) -> float:
-    """Return the uncertainty of the contact loads by solution ``run_index`` and the coarser ones [% of the mean load].
+    """Return the mesh uncertainty of the contact loads if finer meshes than that of run ``run_index`` were not used.
 
-    ``reference``: 3D reference with its solutions; ``run_index``: number of the solution from 0, coarsest mesh first. It is
-    the root mean square over the contacts. For the first solution alone it is estimated from other scenes.
+    ``reference``: 3D reference with its runs; ``run_index``: number of the run from 0, coarsest mesh first. The uncertainty
+    is the root mean square over the contacts [% of the mean load]; for the coarsest mesh alone it is that of other scenes.
     """
     loads = {run.level: run.load for run in reference.runs[max(0, run_index + 1 - FITTED) : run_index + 1]}
     return mesh_uncertainty(loads, read_experience(shipped_store())).bar
 
 
 def accuracy_sentence(reference: Reference) -> str:
-    """Return a sentence on the accuracy of each mesh level, and on levels that take longer without clear gain.
+    """Return a sentence on the accuracy and time of each mesh level, and on levels that are hardly more accurate.
 
     Percentages are rounded up. Times are given if all were measured together on one machine.
     """
@@ -174,7 +176,7 @@ def _rounded_up_percent_text(percent: float) -> str:
 def mesh_study_table_of_scene(
     scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)
 ) -> list[dict[str, Any]]:
-    """Return the table of a mesh study of a scene: each quantity on each level, with its uncertainty.
+    """Return the table of a mesh study of a scene: the value of each quantity on each mesh level, and its uncertainty.
 
     Contact loads have the uncertainty of their contact on the finest level and no order of convergence, because they
     scatter from mesh to mesh. The uncertainty of a displacement follows from its order of convergence; with two levels
@@ -210,7 +212,7 @@ def mesh_study_table_of_scene(
 def mesh_study_table_of_reference(
     reference: Reference, base: Run | None, changed: Mapping[str, Run]
 ) -> list[dict[str, Any]]:
-    """Return the table that `mesh_study_table_of_scene` describes, from given solutions of the 3D reference.
+    """Return the table of a mesh study from the solutions of a 3D reference (columns as in `mesh_study_table_of_scene`).
 
     Parameters
     ----------
@@ -257,9 +259,9 @@ def mesh_study_table_of_reference(
 
 
 def _ball_and_flank_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
-    """Return ball and flank, numbered from 0, of the contact whose load is the quantity; None for a displacement.
+    """Return ball and flank, from 0, of the contact whose load a mesh-study quantity is; None for a displacement.
 
-    ``take``: function that takes the quantity from a solution; ``finest``: solution on the finest mesh level, which decides
+    ``take``: function that reads the quantity from a solution; ``finest``: solution on the finest mesh level, which decides
     which contact has the largest or smallest load of a flank.
     """
     if take.func is _ball_load:
@@ -271,16 +273,16 @@ def _ball_and_flank_of_quantity(take: Take, finest: Run) -> tuple[int, int] | No
 
 
 def _percent_of(value: float | None, of: float) -> float | None:
-    """Return ``value`` in per cent of ``of``; None if ``value`` is None, or if only ``of`` is zero."""
+    """Return ``value`` in per cent of ``of``; None if ``value`` is None, or if ``of`` is zero and ``value`` is not."""
     if value is None or (of == 0.0 and value != 0.0):
         return None
     return float(error_percent(value, 0.0, of))
 
 
 def _root_of_squares(moves: Mapping[str, float]) -> float | None:
-    """Return the root of the summed squares of the effects of modelling choices on a quantity; None without effects.
+    """Return the combined effect of modelling choices on a quantity: root of the sum of squares; None without effects.
 
-    A choice with several variants counts with its largest effect. ``moves``: change of the quantity by each variant.
+    ``moves``: change of the quantity by each variant of a choice; a choice with several variants counts with the largest.
     """
     by_choice: dict[str, float] = {}
     for name, move in moves.items():
@@ -291,7 +293,7 @@ def _root_of_squares(moves: Mapping[str, float]) -> float | None:
 
 
 def chosen_levels(count: int | None) -> tuple[int, ...]:
-    """Return the mesh levels of a study: 1 to ``count``, or `ADVISED` if ``count`` is None.
+    """Return the numbers of the mesh levels of a mesh study: 1 to ``count``, or `ADVISED` if ``count`` is None.
 
     Raises InputError if ``count`` is out of range.
     """
@@ -328,9 +330,7 @@ def compute_references_on_levels(
     source: bool = False,
     fresh: bool = False,
 ) -> list[Referenced]:
-    """Compute the 3D references of scenes by solutions on several mesh levels.
-
-    New solutions are stored in the first folder.
+    """Compute the 3D references of scenes by solutions on several mesh levels, and store new solutions in the first folder.
 
     Parameters
     ----------
@@ -371,7 +371,7 @@ def compute_references_on_levels(
         tasks += [t for s in scenes for t in plan_tasks([s], (), modelling_variant_names())]
 
     def report_coarsest_level(task: Task) -> None:
-        """Report the loads of the coarsest level while finer ones are computed."""
+        """Show the contact loads by the coarsest mesh level while finer levels are computed."""
         for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
             for one in stored_references(scene, stores[:1], (task.level,)):
                 table = mesh_study_rows_for_terminal(mesh_study_table_of_bearing(one, stores[:1], (task.level,)))
@@ -389,7 +389,7 @@ def compute_references_on_levels(
 
 
 def mesh_study_rows_for_terminal(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the table of a mesh study for the terminal, without rows of single balls, percentages and remarks."""
+    """Return a mesh-study table for the terminal: without rows of single balls, and columns of percentages and remarks."""
     return [
         {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
         for row in table
@@ -420,7 +420,7 @@ def mesh_study_for_library(
     dict
         JSON values.
     str
-        Key of the table to show.
+        Key in these values of the table to show.
     tuple of str
         Text lines that are shown below the table.
     """

@@ -61,7 +61,8 @@ class RollerRun:
 
     #: Mesh level.
     level: int
-    #: Numbers of cells across half of the possible contact zone, of cells of all meshes, and of degrees of freedom.
+    #: Number of cells across half of the possible contact zone, number of cells of all meshes, number of degrees of
+    #: freedom.
     across: int
     cells: int
     unknowns: int
@@ -86,7 +87,7 @@ class RollerRun:
     #: Wall and processor time [s].
     seconds: float
     cpu_seconds: float
-    #: Versions of the programs, digest of the sources, machine and day.
+    #: Versions of the programs, digest of the sources, machine, and day of the solution.
     versions: dict[str, str]
     sources: str
     machine: str
@@ -95,7 +96,7 @@ class RollerRun:
 
 @dataclass(frozen=True)
 class LoadedRoller:
-    """Kind of roller in a shaft scene, with the largest load on a roller of this kind."""
+    """One kind of roller among the bearings of a shaft, with the largest load on a roller of this kind."""
 
     #: Bearing row of the roller; fields that do not affect one roller between its races have their default values.
     row: RollerRow
@@ -106,13 +107,13 @@ class LoadedRoller:
 
 
 def has_rollers(scene: Described) -> bool:
-    """Return whether a shaft scene, or the first load case of a duty cycle, has rows of rollers."""
+    """Return whether a scene, or the first load case of a duty cycle, is a shaft with roller bearings."""
     one = scene.cases[0].scene if isinstance(scene, DutyCycle) else scene
     return isinstance(one, Assembly) and any(isinstance(s.parts, RollerRow) for s in one.sets)
 
 
 def roller_kinds_with_largest_load(assembly: Assembly) -> list[LoadedRoller]:
-    """Return the kinds of rollers in a shaft scene with the largest load on each kind; empty without rollers.
+    """Return the kinds of rollers on a shaft, each with the largest load on a roller of this kind; empty without rollers.
 
     Raises Refusal if the shaft has no equilibrium, or if no roller of a kind carries load.
     """
@@ -136,7 +137,7 @@ def roller_kinds_with_largest_load(assembly: Assembly) -> list[LoadedRoller]:
 
 
 def _row_with_relevant_fields(row: RollerRow) -> RollerRow:
-    """Return a row of rollers in which fields that do not affect the 3D model of one roller have their default values.
+    """Return a copy of a row of rollers in which fields without effect on the 3D model of one roller have default values.
 
     Such fields are the phase and the rib.
     """
@@ -169,7 +170,7 @@ def load_or_compute_roller_run(
     Raises
     ------
     Refusal
-        For a straight roller with sharp ends, or a contact zone that outgrows the model.
+        If the roller is straight with sharp ends, or the contact becomes wider than the 3D model allows.
     """
     if not fresh and (known := stored_run(roller, level, stores)) is not None:
         return known
@@ -250,12 +251,12 @@ def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[
 
 
 def _entry_of_run_field(name: str, k: int, run: RollerRun) -> float:
-    """Return one entry of a list in a 3D solution; ``name``: field with the list over loads or races; ``k``: index."""
+    """Return entry ``k`` of a field of a roller's 3D solution; ``name``: field with a list over loads or over races."""
     return float(getattr(run, name)[k])
 
 
 def _value_on_race_under_first_load(name: str, race: int, run: RollerRun) -> float:
-    """Return a value on one race under the largest load, from a 3D solution.
+    """Return a value on one race under the largest load, from a roller's 3D solution.
 
     ``name``: field with a list over the races; ``race``: index of the race in `RACES`.
     """
@@ -263,7 +264,7 @@ def _value_on_race_under_first_load(name: str, race: int, run: RollerRun) -> flo
 
 
 def roller_quantity_rows(roller: LoadedRoller, runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
-    """Return a table row for each quantity of a roller: its value on every mesh level, and the errors of low-order laws.
+    """Return a table row for each quantity of a roller: its 3D value on every mesh level, and the errors of low-order laws.
 
     Parameters
     ----------
@@ -319,7 +320,7 @@ def roller_rows_for_terminal(rows: Sequence[dict[str, Any]]) -> list[dict[str, A
 
 
 def convergence_over_mesh_levels(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
-    """Return order of convergence and uncertainty of a quantity of a roller.
+    """Return order of convergence and mesh uncertainty of a quantity of a roller's 3D solutions.
 
     ``values``: its values in the 3D solutions ``runs``, coarsest mesh first.
     """
@@ -327,7 +328,7 @@ def convergence_over_mesh_levels(values: Sequence[float], runs: Sequence[RollerR
 
 
 def approach_uncertainty_percent(runs: Sequence[RollerRun]) -> float | None:
-    """Return the discretisation uncertainty of the approach on the finest mesh [%]; None with a single solution.
+    """Return the mesh uncertainty of the approach of the races by the finest 3D solution [%]; None with a single solution.
 
     ``runs``: 3D solutions of a roller, coarsest mesh first.
     """
@@ -336,9 +337,10 @@ def approach_uncertainty_percent(runs: Sequence[RollerRun]) -> float | None:
 
 
 def roller_mesh_level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
-    """Return a table row for each mesh level: cells, time, force balance, uncertainty, and deviation of the approach.
+    """Return a table row for each mesh level of a roller: cells, time, force balance, and accuracy of the approach.
 
-    The deviation is that from the finest level. ``runs``: 3D solutions of a roller, coarsest mesh first.
+    The accuracy is given as uncertainty and as difference from the finest level. ``runs``: 3D solutions of a roller,
+    coarsest mesh first.
     """
     return [
         {
@@ -386,7 +388,7 @@ def compute_runs_of_roller_kinds(
 
 
 def low_order_sentence(roller: LoadedRoller, runs: Sequence[RollerRun]) -> str:
-    """Return sentences on the errors of the low-order laws for one roller against the 3D solution on the finest mesh."""
+    """Return sentences on the errors of two low-order laws for a roller against its 3D solution on the finest mesh."""
     low, best = low_order_stiffness(roller.row, roller.load), runs[-1]
     off = float(error_percent(low.stiffness, best.stiffness[0]))
     norm = float(error_percent(low.norm_stiffness, best.stiffness[0]))
@@ -400,7 +402,7 @@ def low_order_sentence(roller: LoadedRoller, runs: Sequence[RollerRun]) -> str:
 
 
 def study_json(roller: LoadedRoller, runs: Sequence[RollerRun]) -> dict[str, Any]:
-    """Return the JSON values of the mesh study of one kind of roller: levels, quantities, and profiles along the roller."""
+    """Return the JSON values of a roller's mesh study: mesh levels, quantities, and load profiles along the roller."""
     best = runs[-1]
     profile = [
         {"along_mm": 1e3 * x, **{f"line_load_{r}_N_per_mm": 1e-3 * best.line_load[i][k] for i, r in enumerate(RACES)}}

@@ -42,7 +42,7 @@ class RunTimeRow:
     job: str
     #: Wall clock [s]; None: not measured.
     seconds: float | None
-    #: Ratio to another time, explained in ``note``.
+    #: Ratio of two times, which ``note`` explains.
     ratio: float | None = None
     #: Number of unknowns of one solution.
     unknowns: int | None = None
@@ -77,7 +77,7 @@ def median_seconds(call: Callable[[], object], repeats: int, reset: Callable[[],
 
 
 def user_environment(extra: dict[str, str] | None = None) -> dict[str, str]:
-    """Return environment variables for a timed process: those of this process without the ones that set thread counts.
+    """Return the environment variables for a timed process: those of this process, without those that set thread counts.
 
     ``extra``: further environment variables by name, which are added.
     """
@@ -86,7 +86,7 @@ def user_environment(extra: dict[str, str] | None = None) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class FinishedProcess:
-    """Times, exit code and output of a process that has ended."""
+    """Times, exit code and printed output of a process that has ended."""
 
     #: Wall clock to its end [s].
     seconds: float
@@ -217,7 +217,7 @@ print(json.dumps({{"done": time(), "stages": run.stages, **own}}))
 
 @dataclass(frozen=True)
 class ColdLevelTime:
-    """Time of a solution of the 3D reference on one mesh level, from the start of the interpreter to the contact loads.
+    """Time of a first solution by the 3D reference on one mesh level, from the interpreter's start to the contact loads.
 
     A field is None if it was not measured.
     """
@@ -236,21 +236,21 @@ class ColdLevelTime:
     scene: str = "lin-case1"
     #: Number of loaded contacts.
     contacts: int | None = None
-    #: Seconds of a further load case.
+    #: Wall clock of a further load case [s].
     load_case: float | None = None
-    #: Seconds of each stage of the set-up.
+    #: Wall clock of each stage of the set-up, such as meshing, by its name [s].
     stages: dict[str, float] | None = None
 
 
 @dataclass(frozen=True)
 class ColdModelTime:
-    """Times of a model on a scene, measured in a new process."""
+    """Times of a low-order model on a scene, measured in a new process with empty caches."""
 
-    #: Seconds of interpreter, imports and first solution.
+    #: Wall clock of interpreter start, imports and first solution [s].
     process: float
-    #: Seconds of the first solution.
+    #: Wall clock of the first solution [s].
     first: float
-    #: Seconds of the fastest further solution.
+    #: Wall clock of the fastest further solution [s].
     warm: float
     #: Peak memory of the process [MB]; None: not measured.
     memory: float | None
@@ -308,7 +308,7 @@ def time_mesh_level_in_new_process(scene: str, level: int) -> ColdLevelTime:
 
 
 def _run_with_empty_caches(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str, Any]]:
-    """Run a Python program in a new process with empty caches; return its start-up time [s] and the JSON values it prints.
+    """Run a Python program in a new process with empty caches; return when it started [s] and the JSON values it printed.
 
     ``child``: text of the Python program, such as `CHILD`; ``ask``: arguments of the program by name; ``what``: name of the
     measurement in the message of the RuntimeError that is raised if the process fails.
@@ -329,7 +329,7 @@ def _run_with_empty_caches(child: str, ask: dict[str, Any], what: str) -> tuple[
         )
     if process.returncode != 0:
         last = process.stderr.strip().splitlines()[-1:] or ["no message"]
-        raise RuntimeError(f"{what}: the timing process failed: {last[0]}")
+        raise RuntimeError(f"the process that timed {what} failed: {last[0]}")
     return begin, json.loads(process.stdout)
 
 
@@ -341,11 +341,11 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class RunTime:
-    """Cold and warm run time of a model on a scene."""
+    """Run times of a model on a scene: of a first solution in a new process (cold), and of a further one (warm)."""
 
-    #: Seconds of a new process with empty caches to its first solution.
+    #: Wall clock of a new process with empty caches until its first solution [s].
     cold: float
-    #: Seconds of a further solution, with compiled kernels.
+    #: Wall clock of a further solution in this process [s].
     warm: float
     #: Peak memory of that process [MB]; None: not measured.
     memory: float | None
@@ -355,21 +355,21 @@ class RunTime:
 class StoredRunTimes:
     """Run times that were measured together and stored, with the conditions of the measurement."""
 
-    #: Conditions of the measurement.
+    #: Program version, sources and machine of the measurement.
     measured: Measured
     #: Date of the measurement.
     date: str
     #: Run times by names of scene and model.
     times: Mapping[tuple[str, str], RunTime]
-    #: Times in a new process, by name of the model and kind of kernels ("interpreted" or "compiled").
+    #: Times of a first solution in a new process, by name of the model and kind of kernels ("interpreted" or "compiled").
     first: Mapping[tuple[str, str], ColdModelTime]
-    #: Cold times of the 3D reference on single mesh levels.
+    #: Times of a first solution by the 3D reference on single mesh levels, in new processes.
     levels: Sequence[ColdLevelTime] = ()
     #: Times of commands typed on a terminal.
     typed: Sequence[CommandTime] = ()
 
     def __str__(self) -> str:
-        """Return a sentence on machine, version and date of the measurement."""
+        """Return a sentence that states with which machine and program version, and when, the run times were measured."""
         now = measuring_conditions()
         if self.measured.version != now.version:
             older = f", not with the {now.version} of this report"
@@ -382,7 +382,7 @@ class StoredRunTimes:
 
 @dataclass(frozen=True)
 class SetUpCost:
-    """Processor time of a cold set-up of the 3D reference, in one process with one thread."""
+    """Processor time of setting up the 3D reference for a new scene, in one process with one thread and empty caches."""
 
     #: Name of the scene.
     scene: str
@@ -390,8 +390,8 @@ class SetUpCost:
     level: int
     #: Number of loaded contacts.
     contacts: int
-    #: Processor time of every stage [s] by kind of work: "all"; its parts "meshing", "assembly" and "elimination"; and
-    #: "dense", the part of the elimination that is dense algebra.
+    #: By the name of each stage: its processor time [s] by kind of work: "all"; its parts "meshing", "assembly" and
+    #: "elimination"; and "dense", the part of the elimination that is dense algebra.
     stages: Mapping[str, Mapping[str, float]]
 
     def processor_time_of_work(self, kind: str) -> float:
@@ -404,7 +404,7 @@ class SetUpCost:
 
 @dataclass(frozen=True)
 class SetUpVariant:
-    """Cheaper variant of the set-up of the 3D reference on mesh level 1: time saved, and change of the contact loads."""
+    """Cheaper way to set up the 3D reference on mesh level 1: processor time saved, and change of the contact loads."""
 
     #: Name of the scene.
     scene: str
@@ -418,13 +418,13 @@ class SetUpVariant:
 
 @dataclass(frozen=True)
 class SetUpCosts:
-    """Processor times of set-ups of the 3D reference and of cheaper variants, with machine, date and version."""
+    """Processor times for setting up the 3D reference and cheaper variants of it, with machine, date and version."""
 
     #: Machine on which the times were measured.
     machine: str
     #: Date of the measurement.
     date: str
-    #: Processor times of cold set-ups.
+    #: Processor times of set-ups with empty caches.
     jobs: Sequence[SetUpCost]
     #: Cheaper variants of set-ups.
     ways: Sequence[SetUpVariant]
@@ -438,7 +438,7 @@ def today() -> str:
 
 
 def load_from_first_valid_store(stores: Sequence[Path], file: str, build: Callable[[Any], T]) -> T | None:
-    """Return the object read from a JSON file in the first folder where the file is valid; None if it is valid nowhere.
+    """Read an object from a JSON file in the first folder that has a valid file; None if no folder has one.
 
     ``stores``: folders in the order in which they are tried; ``file``: name of the file; ``build``: function that builds
     the object from the file's JSON values, and raises ValueError, KeyError or TypeError if they are not valid.
@@ -459,7 +459,7 @@ def save_records(store: Path, file: str, records: Sequence[Any]) -> None:
 
 
 def _one_json_line_per_row(rows: Sequence[Any]) -> str:
-    """Return JSON values as text with one value per line, separated by commas, without brackets around the list."""
+    """Return the elements of a JSON list as text, one per line with commas between, without the brackets of the list."""
     return ",\n ".join(json.dumps(row) for row in rows)
 
 
@@ -468,7 +468,7 @@ TYPED = "typed"
 
 
 def times_file_name(source: str) -> str:
-    """Return the file name of stored run times.
+    """Return the name of the JSON file that stores run times.
 
     ``source``: name of the publication on whose page of the report the times are shown; `TYPED` for the times of commands
     that a user types on a terminal; empty for the times of all scenes that are compared with the 3D reference.
@@ -494,17 +494,17 @@ def save_times(store: Path, run_times: StoredRunTimes, source: str = "") -> None
 
 
 def run_times_for_page(study: Study, source: str) -> StoredRunTimes | None:
-    """Return the stored run times for a publication's page, else those of all compared scenes; None if neither is stored.
+    """Return the stored run times for a publication's page of the report, else those of all compared scenes.
 
-    ``study``: comparison of models with the 3D reference, with its folders of stored results; ``source``: name of the
-    publication.
+    ``study``: cache of the report, which states the folders of stored results; ``source``: name of the publication. None if
+    neither is stored.
     """
     stores = (*(study.stores or ()), shipped_store())
     return load_times(stores, source) or load_times(stores)
 
 
 def load_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes | None:
-    """Return the run times from the first folder with a valid file; None without one.
+    """Read stored run times from the first folder with a valid file; None without one.
 
     ``stores``: the folders in the order in which they are tried; ``source``: which times are read: a publication's name,
     `TYPED` (commands typed on a terminal) or empty (all compared scenes), as in `times_file_name`.
@@ -522,7 +522,7 @@ def load_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes | Non
 
 
 def load_costs(stores: Sequence[Path]) -> SetUpCosts | None:
-    """Return the stored processor times of set-ups of the 3D reference from the first folder with a valid file, or None."""
+    """Read the processor times for setting up the 3D reference from the first folder with a valid file; None: no file."""
 
     def costs_from_json(data: dict[str, Any]) -> SetUpCosts:
         jobs, ways = [SetUpCost(**row) for row in data["jobs"]], [SetUpVariant(**row) for row in data["ways"]]
@@ -558,7 +558,7 @@ MEMBERS, THREADS = 1000, (1, 2)
 
 @dataclass(frozen=True)
 class CommandTime:
-    """Times of a ``rollbench`` command in an empty home directory; a field is None if it was not measured."""
+    """Times of a ``rollbench`` command typed in an empty home directory; a time is None if it was not measured."""
 
     #: The command.
     command: str
@@ -581,7 +581,7 @@ class CommandTime:
 
     @property
     def job(self) -> RunTimeRow:
-        """Return the times as a row of the table of run times."""
+        """Times of the command as a row of the table of run times."""
         if self.seconds is None:
             return RunTimeRow(f"{self.command}, from an empty home", None, note=self.note)
         first = "" if self.first_line is None else f"first line {self.first_line:.3g} s, "
@@ -592,10 +592,10 @@ class CommandTime:
 
 
 def time_command_in_empty_home(command: str) -> CommandTime:
-    """Time a command in an empty home directory, then again there, then in an empty home directory while a core is busy.
+    """Time a ``rollbench`` command in an empty home directory, again in the same one, and in an empty one with a busy core.
 
     ``command``: arguments of ``rollbench``, such as "solve lin-case1". During the third measurement another process keeps a
-    processor core busy. If the command fails, only the note of the returned times is set.
+    processor core busy. If the command fails, the returned record has only a note.
     """
     found = _run_in_empty_home(command, 2)
     busy = subprocess.Popen([sys.executable, "-c", BUSY])
@@ -614,7 +614,7 @@ def time_command_in_empty_home(command: str) -> CommandTime:
 
 
 def _run_in_empty_home(command: str, times: int) -> list[FinishedProcess]:
-    """Run a command several times in one new home directory and return the times and output of each run.
+    """Run a ``rollbench`` command several times in one new home directory; return times and output of each run.
 
     If the command names ``my.toml``, this scene file is written there first. ``times``: number of runs.
     """
@@ -627,10 +627,10 @@ def _run_in_empty_home(command: str, times: int) -> list[FinishedProcess]:
 
 
 def time_ensemble_with_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[RunTimeRow]:
-    """Time an ensemble of specimens of the scene ``lin-random`` by the model lin in one thread, then in two threads.
+    """Time the solution of many random draws of the scene ``lin-random`` by the model lin, in one thread, then in two.
 
-    A specimen is the scene with one drawn set of random geometric errors. There is one row for each number of threads.
-    ``count``: number of specimens; ``repeats``: number of timed solutions, of which the median time is taken.
+    Each draw is the scene with one set of random geometric errors. There is one row for each number of threads. ``count``:
+    number of draws; ``repeats``: number of timed runs, of which the median time is taken.
     """
     parts = scene("lin-random")
     alone = 0.0

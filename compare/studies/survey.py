@@ -1,4 +1,4 @@
-"""Survey: ball screws drawn at random from the range of catalogues, solved by the 3D reference and by the models.
+"""Survey: ball screws drawn at random within the range of catalogues, solved by the 3D reference and by low-order models.
 
 Drawn are size, number of starts, hand of the thread, preload, geometric errors, offsets of supports, and moments. The
 record of a screw has its features, the status of the 3D reference, and the errors of the models.
@@ -83,7 +83,7 @@ HELD = ("left face", "left face", "right face", "both faces", "outer surface")
 
 
 def scene_text(seed: int, number: int) -> str:
-    """Return the text of the scene file (TOML) of one randomly drawn screw; it depends on seed and number only.
+    """Return the scene file (TOML text) of one randomly drawn ball screw, which depends on seed and number only.
 
     ``seed``: seed of the survey; ``number``: number of the screw, from 0. Up to number `TUBES` - 1 the nut is a plain tube;
     from `TUBES` on it has a flange.
@@ -140,7 +140,7 @@ def scene_text(seed: int, number: int) -> str:
 
 
 def _draw_flange(rng: np.random.Generator, length: float, wall: float) -> dict[str, dict[str, str]]:
-    """Draw a flange for a nut, and the annulus of the flange's face that is fixed; return the scene's keys of both.
+    """Draw a flange for a nut, and the annulus of its face that is fixed; return the scene keys that describe both.
 
     ``rng``: generator of the random numbers; ``length``: length of the nut [mm]; ``wall``: outer diameter of its tubular
     part [mm].
@@ -166,14 +166,14 @@ def _draw_log_uniform(rng: np.random.Generator, low: float, high: float) -> floa
 
 
 def _draw_conformity(rng: np.random.Generator) -> float:
-    """Draw a conformity: groove radius over ball diameter, 0.515 to 0.54."""
+    """Draw the conformity of a groove (groove radius over ball diameter), from 0.515 to 0.54."""
     return round(float(rng.uniform(0.515, 0.54)), 3)
 
 
 def _draw_balls(
     rng: np.random.Generator, starts: int, ball: float, touching: float, *, halved: bool
 ) -> tuple[dict[str, Any], int]:
-    """Draw the circuits of a nut and how many balls fill them; return the scene's keys for the balls, then their number.
+    """Draw the ball circuits of a nut and their filling; return the scene keys of the balls, then the number of balls.
 
     ``rng``: generator of the random numbers; ``starts``: number of starts of the thread; ``ball``: ball diameter [mm];
     ``touching``: difference in azimuth between neighbouring balls that touch [rad]; ``halved``: whether the nut is
@@ -191,7 +191,7 @@ def _draw_balls(
 
 
 def _draw_preload(rng: np.random.Generator, kind: str, ball: float, force: float) -> dict[str, str]:
-    """Draw the amount of a preload or clearance; return the keys of the scene's preload, none for the kind "none".
+    """Draw the amount of a preload or clearance, and return the key of the scene's table [preload] that states it.
 
     ``kind``: one of `PRELOADS`; ``ball``: ball diameter [mm]; ``force``: typical axial load [N].
     """
@@ -204,7 +204,7 @@ def _draw_preload(rng: np.random.Generator, kind: str, ball: float, force: float
 
 
 def _draw_errors(rng: np.random.Generator) -> dict[str, Any]:
-    """Draw a tolerance class, or none, and return the scene's keys for the standard deviations of its geometric errors."""
+    """Draw one of three tolerance classes or none; return scene keys with the standard deviations of geometric errors."""
     chosen = int(rng.integers(len(CLASSES) + 1))
     if chosen == len(CLASSES):
         return {}
@@ -214,7 +214,7 @@ def _draw_errors(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _draw_supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]]:
-    """Draw the supports of a screw; return the keys of each support. ``length``: length of the screw [mm].
+    """Draw the supports of a screw, and return the scene keys of each; ``length``: length of the screw [mm].
 
     The left end is fixed except along z. The right end is floating or clamped, with or without offset or tilt, or it is
     free.
@@ -240,10 +240,10 @@ def _draw_supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]
 
 
 def _draw_loads(rng: np.random.Generator, force: float, radius: float, at: str) -> list[dict[str, Any]]:
-    """Draw an axial load on the left end, and at the nut a moment and a radial force, each in three of ten screws.
+    """Draw the loads on a screw, and return the scene keys of each load.
 
-    Returns the keys of each load. ``force``: typical axial load [N]; ``radius``: pitch radius [mm]; ``at``: axial position
-    of the nut as text with its unit.
+    An axial load acts on the left end; a moment and a radial force act at the nut, each on three of ten screws. ``force``:
+    typical axial load [N]; ``radius``: pitch radius [mm]; ``at``: axial position of the nut as text with its unit.
     """
     axial = force * _draw_log_uniform(rng, 0.15, 1.6) * rng.choice([-1.0, 1.0])
     moment = force * radius * 1e-3 * rng.uniform(0.05, 0.5) * (rng.random() < 0.3)
@@ -257,7 +257,7 @@ def _draw_loads(rng: np.random.Generator, force: float, radius: float, at: str) 
 
 
 def _draw_nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
-    """Draw the length [mm] of a nut whose faces lie 1 to 6 ball radii beyond its outermost balls, in whole micrometres.
+    """Draw the length of a nut [mm], a whole number of micrometres; its faces lie 1 to 6 ball radii beyond the outer balls.
 
     ``scene``: keys of the scene drawn so far, with a nut that is long enough for all balls.
     """
@@ -280,7 +280,7 @@ def _scene_as_toml(scene: Mapping[str, Any]) -> str:
 
 
 def _is_list_of_tables(value: Any) -> bool:
-    """Return whether a value is a list of TOML tables."""
+    """Return whether a value of a scene key is written as a list of TOML tables."""
     return isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
 
 
@@ -298,9 +298,9 @@ Record = dict[str, Any]
 
 
 def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
-    """Draw a screw, solve it by the 3D reference and the low-order models, and return the record of their comparison.
+    """Draw a random ball screw, and compare the low-order models with the 3D reference on it.
 
-    A failure becomes a part of the record; no exception is raised.
+    A failure becomes part of the returned record; no exception is raised.
 
     Parameters
     ----------
@@ -314,7 +314,7 @@ def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
     Returns
     -------
     dict
-        Record of the screw as JSON values.
+        Record of the screw as JSON values: its properties, status of the 3D reference, and errors of the models.
     """
     begin = process_time()
     text, name = scene_text(seed, number), f"survey-{seed}-{number}"
@@ -337,17 +337,17 @@ def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
 
 
 def scenes_with_given_and_raised_loads(text: str, name: str) -> tuple[Scene, Scene]:
-    """Return a screw under the loads of its scene file, then the same screw under these loads times `RAISED`.
+    """Return a screw under the loads of its scene file, then the same screw under these loads times `RAISED` (1.05).
 
     The axial tangent rigidity follows from the solutions of both. ``text``: TOML text of the scene file; ``name``: name of
-    the first scene, to which the second adds "-raised".
+    the first scene; that of the second ends in "-raised".
     """
     scene = scene_file.scene_from_text(text, f"{name}.toml")
     return scene, replace(scene, name=f"{name}-raised", loads=tuple(_load_times_raise_factor(x) for x in scene.loads))
 
 
 def stored_run(runs: Path | None, scene: Scene) -> Run | None:
-    """Return the stored solution of a scene by the 3D reference on mesh level `LEVEL`; None if none is stored.
+    """Return the stored solution of a scene by the 3D reference on mesh level 1; None if there is none.
 
     ``runs``: folder of stored solutions; None: nothing is stored.
     """
@@ -356,15 +356,15 @@ def stored_run(runs: Path | None, scene: Scene) -> Run | None:
 
 
 def _load_times_raise_factor(load: Any) -> Any:
-    """Return a load with its force and moment multiplied by `RAISED`."""
+    """Return an external load with force and moment multiplied by `RAISED` (1.05)."""
     force, moment = (tuple(RAISED * x for x in values) for values in (load.force, load.moment))
     return replace(load, force=force, moment=moment)
 
 
 def features_that_affect_model_error(scene: Scene) -> Record:
-    """Return the properties of a screw on which the error of a low-order model depends, as far as they need no solution.
+    """Return those properties of a screw that affect the error of low-order models and are known without a solution.
 
-    The names of the properties end in the unit. "low_face_radii" and "high_face_radii" are the distances from the nut's
+    Their names end in the unit. "low_face_radii" and "high_face_radii" are the distances from the nut's
     faces at low and high z to the nearest ball centre, in ball radii; "offset_um" and "tilt_mrad" are the largest lateral
     displacement and rotation that a support imposes.
     """
@@ -397,7 +397,7 @@ def features_that_affect_model_error(scene: Scene) -> Record:
 
 
 def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
-    """Return a record of a randomly drawn screw: status and contact loads of the 3D reference, and errors of the models.
+    """Compare the models with the 3D reference on a randomly drawn screw; return status, loads and errors as JSON values.
 
     ``raised``: the same screw with raised loads; ``runs``: solutions of both by the 3D reference. Without two converged
     solutions or without loaded contacts the record has the status only.
@@ -454,7 +454,7 @@ def _rounded_or_none(value: float | None, factor: float = 1.0) -> float | None:
 
 
 def _record_of_model_errors(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
-    """Return a model's errors on a randomly drawn screw [%], and the errors estimated from those on other scenes.
+    """Return a model's errors on a randomly drawn screw [%], with the errors that are expected from other scenes.
 
     ``result``: the model's solution; ``run``: solution of the 3D reference; ``point``: the model's errors against it.
     """
@@ -481,7 +481,7 @@ ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percen
 
 
 def _solve_screw_and_append_record(folder: Path, token: str, seed: int, number: int) -> Record | None:
-    """Solve a randomly drawn screw, append its record to a folder and return it.
+    """Compare the models on a randomly drawn screw, append the record to the survey's folder, and return it.
 
     ``token``: text in the folder that identifies the present execution of the survey; ``seed``: seed of the survey;
     ``number``: number of the screw. Returns None without solving if a later execution has taken over the folder.
@@ -497,7 +497,7 @@ def _solve_screw_and_append_record(folder: Path, token: str, seed: int, number: 
 def solve_screws_of_survey(
     seed: int, count: int, folder: Path, workers: int, step: Callable[[str], None], record_file: Path | None = None
 ) -> list[Record]:
-    """Return the records of the first ``count`` screws of a survey; screws with a stored record are not solved again.
+    """Compare the models on the first ``count`` screws of a survey, and return the records; stored ones are reused.
 
     Parameters
     ----------
@@ -540,9 +540,9 @@ def solve_screws_of_survey(
 
 
 def _stored_answers(path: Path | None, seed: int) -> list[Record]:
-    """Return those records of a survey's file that are valid for this seed and for the present mesh level and version.
+    """Return those records in a survey's file that have this seed and the present mesh level and program version.
 
-    ``path``: the file, None if there is no file; ``seed``: seed of the survey. The list is empty without valid records.
+    ``path``: the file; None: no file; ``seed``: seed of the survey. The list is empty without such records.
     """
     if path is None or not path.exists():
         return []
@@ -552,12 +552,12 @@ def _stored_answers(path: Path | None, seed: int) -> list[Record]:
 
 
 def records_without_converged_loads(records: Sequence[Record]) -> list[Record]:
-    """Return those records whose screw the 3D reference did not solve, under its own loads or under the raised ones."""
+    """Return the records of screws on which the 3D reference did not converge under the given or the raised loads."""
     return [r for r in records if r["status"] != ANSWERED or r.get("raised_status", ANSWERED) != ANSWERED]
 
 
 def survey_json(seed: int, records: Sequence[Record]) -> str:
-    """Return the records of a survey as JSON text, one screw per line, with the numbers of screws requested and solved."""
+    """Return the records of a survey as JSON text, one screw per line after the numbers of screws asked and solved."""
     asked = 1 + max((r["number"] for r in records), default=-1)
     head = {"command": f"rollbench stability --survey {asked}", "seed": seed, "level": LEVEL, "solved": len(records)}
     rows = ",\n".join(json.dumps(r, ensure_ascii=False) for r in records)
@@ -565,7 +565,7 @@ def survey_json(seed: int, records: Sequence[Record]) -> str:
 
 
 def shipped_survey() -> dict[str, Any]:
-    """Return the survey that is part of the package, as JSON values; it has no screws if the file is missing."""
+    """Return the survey of random screws in the package as JSON values; it has no screws if its file is missing."""
     path = shipped_store() / SURVEY
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": []}
     return found
@@ -593,12 +593,12 @@ class ModelAccuracy(NamedTuple):
     within: int
     #: Largest error of a contact load [% of the mean load].
     largest: float
-    #: Number of screws whose largest error is at most the error that the program expects for the scene.
+    #: Number of screws whose largest error does not exceed the error that was expected for the screw.
     as_expected: int
 
 
 def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAccuracy:
-    """Return the accuracy of a low-order model over those randomly drawn screws whose records have errors of this model."""
+    """Return the accuracy of a low-order model against the 3D reference, over all records with errors of this model."""
     errors = [r["models"][model] for r in records if model in r.get("models", {})]
     worst = [abs(e["largest_percent"]) for e in errors]
     within = sum(w <= WORST_AIM and e["rms_percent"] <= RMS_AIM for w, e in zip(worst, errors, strict=True))
@@ -607,7 +607,7 @@ def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAc
 
 
 def error_summary_of_all_models(records: Sequence[Record]) -> list[dict[str, Any]]:
-    """Return table rows with median, 95th percentile and maximum of each model's errors over the randomly drawn screws.
+    """Return table rows with median, 95th percentile and maximum of each model's errors over randomly drawn screws.
 
     There is a row for each model and kind of error, such as the largest or the root mean square. Its keys are `SUMS`, where
     "scenes" is the number of screws for which this error is known.

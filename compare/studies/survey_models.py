@@ -1,4 +1,4 @@
-"""Errors of models, users' own included, on randomly drawn ball screws (see `survey`), against stored 3D contact loads.
+"""Errors of models, also of users' models, on randomly drawn ball screws (`survey`), against stored 3D contact loads.
 
 The contact loads of the survey's runs are stored next to its record (`store_loads`), each with a digest of its screw. If
 the digest differs from that of the screw that is drawn now, the model is not judged on this screw.
@@ -63,20 +63,21 @@ Row = dict[str, Any]
 
 
 def drawn_screw(number: int) -> Scene:
-    """Return the scene of randomly drawn screw ``number`` of the survey."""
+    """Return the ball screw number ``number`` of the survey, which draws screws at random, as a scene."""
     return scene_file.scene_from_text(survey.scene_text(survey.SEED, number), f"{screw_name(number)}.toml")
 
 
 def screw_name(number: int) -> str:
-    """Return the name of randomly drawn screw ``number``, which is also the name of its files."""
+    """Return the name of the randomly drawn screw number ``number``, with which the names of its files begin."""
     return f"survey-{survey.SEED}-{number}"
 
 
 def store_loads(path: Path, runs: Path, count: int) -> int:
-    """Write the 3D contact loads of the first ``count`` random screws to a file, and return the number of screws in it.
+    """Write the contact loads by the 3D reference on the first ``count`` random screws to a file.
 
     ``path``: the file; ``runs``: folder with stored solutions of the 3D reference. For screws without a solution there, the
-    loads that the file already has are kept. Raises InputError if it cannot be written.
+    loads that the file already has are kept. Returns the number of screws in the file. Raises InputError if it cannot be
+    written.
     """
     before = _read_loads(path)
     for number in range(count):
@@ -96,9 +97,9 @@ def _scene_digest(scene: Scene) -> str:
 
 
 def _read_loads(path: Path) -> dict[int, Row]:
-    """Return the contact loads in a file by number of the screw.
+    """Read the contact loads of randomly drawn screws from a file, and return them by the number of the screw.
 
-    The result is empty if the file is missing, or belongs to another seed or mesh level.
+    The result is empty if the file is missing, or was written for another seed or mesh level.
     """
     if not path.exists():
         return {}
@@ -109,15 +110,14 @@ def _read_loads(path: Path) -> dict[int, Row]:
 
 @cache
 def stored_loads() -> dict[int, Row]:
-    """Return the 3D contact loads of randomly drawn screws that are part of the package, by number of the screw."""
+    """Return the contact loads by the 3D reference on random screws, stored in the package, by number of the screw."""
     return _read_loads(shipped_path(f"references/{LOADS}"))
 
 
 def stored_reference(scene: Scene, number: int) -> Reference | None:
     """Return the 3D reference of a randomly drawn screw from its stored contact loads; None if none are stored.
 
-    ``scene``: the screw; ``number``: its number. The uncertainty is taken from experience with this mesh level on other
-    scenes.
+    ``scene``: the screw; ``number``: its number. The uncertainty is that of other scenes on the same mesh level.
     """
     row = stored_loads().get(number)
     if row is None or row["of"] != _scene_digest(scene):
@@ -128,7 +128,7 @@ def stored_reference(scene: Scene, number: int) -> Reference | None:
 
 
 def judge_model_on_drawn_screw(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
-    """Solve a randomly drawn screw with a model, and compare its contact loads with the stored 3D reference.
+    """Solve a randomly drawn screw with a model, and compare the contact loads with the stored 3D reference.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def judge_model_on_drawn_screw(model: str, number: int, limit: float = LIMIT, en
 def compare_models_on_drawn_screws(
     models: Sequence[str], count: int, workers: int | None, limit: float, step: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Compare models with the 3D reference on the first ``count`` random screws, and add the stored errors of our models.
+    """Compare models with the 3D reference on the first ``count`` random screws, and add stored errors of our models.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def compare_models_on_drawn_screws(
     Returns
     -------
     dict
-        JSON values.
+        JSON values: summary of the errors, verdicts, and errors on each screw.
 
     Raises
     ------
@@ -266,7 +266,7 @@ def _judge_model_on_screws(
 
 
 def error_summary_of_model(model: str, rows: Sequence[Row]) -> list[Row]:
-    """Return a row for each kind of error of a model: its median, 95th percentile and maximum over the solved screws.
+    """Return a table row for each kind of error of a model: median, 95th percentile and maximum over the solved screws.
 
     ``model``: name of the model; ``rows``: rows of `judge_model_on_drawn_screw` for this model.
     """
@@ -292,11 +292,10 @@ WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
 
 
 def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
-    """Return a row for each kind of random screw (see `WHERE`) with the median of each model's largest load error.
+    """Return a table row for each kind of random screw (such as with clearance) with the median error of each model.
 
-    Errors are in per cent of the mean load.
-
-    ``models``: rows of `judge_model_on_drawn_screw` for each model by its name.
+    The error is the largest one of a contact load on a screw, in per cent of the mean load. ``models``: rows of
+    `judge_model_on_drawn_screw` by the name of the model.
     """
     known = {r["number"]: r for r in survey.shipped_survey()["scenes"]}
     out = []
@@ -313,10 +312,10 @@ def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
 
 
 def survey_figure(data: Mapping[str, Any]) -> Figure:
-    """Return a figure of models' errors on random screws.
+    """Return a figure of the errors of models on randomly drawn screws.
 
-    Its panels show the share of screws whose error is below a value, and the error on every screw in the order of the first
-    model's errors. ``data``: JSON values of `compare_models_on_drawn_screws`.
+    One panel shows the share of screws whose error is below a value, the other the error on every screw; screws are sorted
+    by the error of the first model. ``data``: JSON values of `compare_models_on_drawn_screws`.
     """
     models = {
         model_title(name): [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in data["models"].items()
@@ -338,12 +337,12 @@ def survey_figure(data: Mapping[str, Any]) -> Figure:
     label = "worst contact load: error / % of the mean load"
     return Figure(
         "survey",
-        f"{main} on {len(models[main])} drawn ball screws",
+        f"Errors of the model {main} on {len(models[main])} randomly drawn ball screws",
         (
-            Panel("screws within an error", label, "share of the screws / %", lines, log="x", zero=True),
-            Panel("screw by screw", f"screws in the order of the error of {main}", label, points, log="y"),
+            Panel("share of screws below an error", label, "share of the screws / %", lines, log="x", zero=True),
+            Panel("error on each screw", f"screws, sorted by the error of {main}", label, points, log="y"),
         ),
-        f"Against level {data['level']} of the 3D reference; refined and lin as the survey's record has them.",
+        f"Errors against mesh level {data['level']} of the 3D reference; those of refined and lin are stored ones.",
         columns=1,
         size=(4.0, 6.4),
     )
@@ -380,7 +379,7 @@ RUNS = "survey-levels.json"
 
 @dataclass(frozen=True)
 class TimedLevelRun:
-    """Timed solution of a randomly drawn screw on a mesh level of the 3D reference."""
+    """Solution of a randomly drawn screw by the 3D reference on one mesh level, with its processor times."""
 
     #: Number of the screw.
     number: int
@@ -398,19 +397,19 @@ class TimedLevelRun:
 
 @dataclass(frozen=True)
 class StoredTimedLevelRuns:
-    """Stored timed solutions on several mesh levels, with the conditions and the date of their measurement."""
+    """Timed solutions of random screws on several mesh levels, with version, machine and date of the measurement."""
 
-    #: Conditions of the measurement.
+    #: Version, sources and machine of the measurement.
     measured: Measured
     #: Date of the last run.
     date: str
-    #: The runs.
+    #: Timed solutions, one for each screw and mesh level.
     runs: Sequence[TimedLevelRun]
 
 
 @dataclass(frozen=True)
 class ErrorsAndTimes:
-    """Largest errors and times of a model or mesh level, in arrays with one entry for each randomly drawn screw."""
+    """Largest load errors and processor times of a model or mesh level, in arrays with one entry per random screw."""
 
     #: Name of the model or mesh level.
     name: str
@@ -427,13 +426,13 @@ class ErrorsAndTimes:
 
 
 def numbers_of_screws_for_level_2() -> list[int]:
-    """Return the numbers of those random screws that are also solved on mesh level 2, in the order of their solution."""
+    """Return the numbers of the random screws that are solved on mesh levels 1 and 2, in the order of their solution."""
     chosen = np.random.default_rng([survey.SEED, COUNT]).choice(KNOWN_SCREWS, COUNT, replace=False)
     return [int(number) for number in chosen]
 
 
 def load_cases_of_drawn_screw(number: int) -> tuple[Scene, Scene]:
-    """Return random screw ``number`` under its loads, then under raised loads.
+    """Return the random screw number ``number`` under its drawn loads, then under these loads times 1.05.
 
     The axial tangent rigidity follows from the solutions of both.
     """
@@ -442,7 +441,9 @@ def load_cases_of_drawn_screw(number: int) -> tuple[Scene, Scene]:
 
 
 def solve_and_time_mesh_level(number: int, level: int) -> TimedLevelRun:
-    """Solve a randomly drawn screw on a mesh level in this process, with one thread and without cache, and time it.
+    """Solve a randomly drawn screw by the 3D reference on a mesh level, and measure the processor times.
+
+    It is solved in this process with one thread and without cached meshes.
 
     ``number``: number of the screw; ``level``: mesh level. On level 1 the cells at the cut ends of the shaft are coarser,
     as in the survey. Raises InputError if the screw cannot be meshed.
@@ -464,7 +465,7 @@ def solve_and_time_mesh_level(number: int, level: int) -> TimedLevelRun:
 
 
 def time_mesh_levels_on_screws(store: Path, step: Callable[[str], None], count: int = COUNT) -> StoredTimedLevelRuns:
-    """Solve and time the first ``count`` chosen random screws on all mesh levels, in parallel on all cores.
+    """Solve the first ``count`` chosen random screws on mesh levels 1 and 2 and time them, in parallel on all cores.
 
     ``store``: folder in which each solution is stored when it is done. Stored solutions of the same program sources on the
     same machine are not repeated. ``step``: function that is called with each line of progress. Raises InputError if the
@@ -484,14 +485,14 @@ def time_mesh_levels_on_screws(store: Path, step: Callable[[str], None], count: 
 
 
 def save_levels(store: Path, level_runs: StoredTimedLevelRuns) -> None:
-    """Write timed solutions to a JSON file in a folder, one per line; raises InputError if the file cannot be written."""
+    """Write timed solutions of random screws to a JSON file in the folder ``store``; InputError if that fails."""
     head = json.dumps({**asdict(level_runs.measured), "date": level_runs.date})
     rows = ",\n".join(json.dumps(asdict(run), separators=(",", ":")) for run in level_runs.runs)
     replace_file(store / RUNS, f'{head[:-1]}, "runs": [\n{rows}\n]}}\n')
 
 
 def load_levels(stores: Sequence[Path]) -> StoredTimedLevelRuns | None:
-    """Return the timed solutions from the first of the folders ``stores`` with a valid file; None if no file is valid."""
+    """Read timed solutions of random screws from the first of the folders ``stores`` with a valid file; None: no file."""
 
     def read(data: dict[str, object]) -> StoredTimedLevelRuns:
         measured = Measured(str(data["version"]), str(data["sources"]), str(data["machine"]))
@@ -503,7 +504,7 @@ def load_levels(stores: Sequence[Path]) -> StoredTimedLevelRuns | None:
 
 
 def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[survey.Record]) -> list[ErrorsAndTimes]:
-    """Return largest errors and times of the models and of the mesh levels of the 3D reference.
+    """Return load errors and processor times of the models and of mesh levels 1 and 2 on random screws.
 
     Models are compared with mesh level 1 on all random screws. Models and mesh level 1 are compared with level 2 on the
     chosen ones.
@@ -511,9 +512,9 @@ def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[
     Parameters
     ----------
     runs
-        Runs of the chosen screws.
+        Timed solutions of the chosen screws on mesh levels 1 and 2.
     records
-        Records of the survey, with times of the models and their errors against level 1.
+        Records of the survey, with times of the models and their errors against mesh level 1.
     """
     answers = {model: [r["models"][model] for r in records if model in r.get("models", {})] for model in survey.MODELS}
     keys = ("gate_percent", "largest_percent", *SECONDS)
@@ -549,7 +550,7 @@ def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[
 
 
 def _largest_load_error_of_each_screw(loads: Sequence[Array], references: Sequence[TimedLevelRun]) -> tuple[Array, Array]:
-    """Return each screw's largest load error, first by the rule of ``rollbench check`` [%], then in % of the mean load.
+    """Return the largest load error on each screw by the rule of ``rollbench check`` [%], then in % of the mean load.
 
     ``loads``: contact loads (n, 4) [N] of each screw with n balls; ``references``: for each screw the solution that counts
     as exact.

@@ -59,33 +59,33 @@ LOAD = "load"
 
 @dataclass(frozen=True)
 class SceneTableOptions:
-    """Checked request for a table of a scene over values of its keys: scene, varied keys, model and quantities."""
+    """Checked request for a table of results of a scene over several values of its keys, such as the contact angle."""
 
     #: Text of the scene file.
     text: str
-    #: File or scene that error messages name.
+    #: Name of the scene or its file, for error messages.
     origin: str
     #: Name of the scene.
     scene: str
-    #: Keys with their values.
+    #: Varied keys with their values.
     keys: tuple[VariedKey, ...]
-    #: Columns for these keys in the table.
+    #: Columns of the table with the values of these keys.
     over: tuple[Over, ...]
     #: Name of the model.
     model: str
-    #: Quantities of each row.
+    #: Names of the requested quantities, keys of `QUANTITIES`.
     quantities: tuple[str, ...]
-    #: Axial position [m] of the stiffness, or name of a nut or bearing; None: centre of the nut, or the position that the
-    #: scene of a shaft states.
+    #: Axial position [m] at which the stiffness is requested, or name of a nut or bearing; None: centre of the nut, or the
+    #: position that the scene of a shaft states.
     station: float | str | None
-    #: Description of the body whose stiffness it is.
+    #: Text on which body the stiffness belongs to, and what holds it.
     stiffness_of: str
 
 
 def check_request(
     scene: str, over: Sequence[str], quantities: Sequence[str], model: str = "", stiffness_at: str | float | None = None
 ) -> SceneTableOptions:
-    """Check a request for a table, before anything is solved.
+    """Check a request for a table of a scene over values of its keys, before anything is solved.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def check_request(
 
 
 def _check_model_for_table(scene: Scene | Assembly, model: str, quantities: Sequence[str]) -> None:
-    """Raise InputError if a model is unknown, does not suit the scene, or has no stiffness matrix when one is requested."""
+    """Raise InputError if a model is unknown, does not cover the scene, or lacks a stiffness matrix that is requested."""
     if isinstance(scene, Assembly):
         if model not in AXIS_MODELS:
             raise ArgumentError("model", model, ", ".join(AXIS_MODELS), "choose one of these")
@@ -155,7 +155,7 @@ def _check_model_for_table(scene: Scene | Assembly, model: str, quantities: Sequ
 
 
 def _place_and_body_of_stiffness(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
-    """Return the axial position of the requested stiffness, then a description of the body to which the stiffness belongs.
+    """Return the axial position at which the stiffness is requested, then a text on the body to which it belongs.
 
     ``given``: the position as the user wrote it. The returned position is a number [m], the name of a nut or bearing, or
     None for the default. Raises InputError for a position that the shaft does not have.
@@ -173,7 +173,7 @@ def _place_and_body_of_stiffness(given: str | float | None, scene: Scene | Assem
         raise ArgumentError("stiffness_at", str(given), allowed, str(error)) from None
     if not 0.0 <= station <= scene.screw.length:
         raise ArgumentError(
-            "stiffness_at", str(given), f"0 mm to {1e3 * scene.screw.length:g} mm", "give a place on the shaft"
+            "stiffness_at", str(given), f"0 mm to {1e3 * scene.screw.length:g} mm", "give an axial position on the shaft"
         )
     return station, of
 
@@ -194,13 +194,13 @@ def axial_load_key(raw: dict[str, Any], origin: str) -> str:
 
 
 def _number_without_unit(text: Any) -> float:
-    """Return the number in a text such as "5 kN" without regard to its unit, here 5; zero for a text without number."""
+    """Return the number in a text such as "5 kN", here 5, whatever its unit; zero for a text without number."""
     found = split_quantity_text(str(text))
     return 0.0 if found is None else float(found[0])
 
 
 def _column_of_varied_key(vary: VariedKey) -> Over:
-    """Return the table column of a varied key: numbers if all its values share one unit, else the values as written."""
+    """Return the table column with the values of a varied key: numbers if all have the same unit, else texts as written."""
     split = [split_quantity_text(str(x)) if not isinstance(x, bool) else None for x in vary.choices]
     spelt = {x[1] for x in split if x is not None}
     if None in split or len(spelt) > 1:
@@ -210,7 +210,9 @@ def _column_of_varied_key(vary: VariedKey) -> Over:
 
 
 def solve_row(request: SceneTableOptions, values: Sequence[Any], engine: str) -> TableRow:
-    """Solve one combination of the keys' values and return its table row; if it is refused, the status says why.
+    """Solve a scene with one combination of the varied keys' values, and return the row of the table.
+
+    If scene or model do not allow the values, the status of the row says why.
 
     ``request``: checked request; ``values``: a value for each key; ``engine``: whether numerical kernels run as plain
     Python ("interpreted") or as machine code ("compiled").
@@ -226,7 +228,7 @@ def solve_row(request: SceneTableOptions, values: Sequence[Any], engine: str) ->
 
 
 def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableOptions, engine: str) -> TableRow:
-    """Solve a scene and return the table row with the requested quantities.
+    """Solve a scene and return a table row with the requested quantities.
 
     ``request``: checked request; ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine
     code ("compiled").
@@ -236,7 +238,7 @@ def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableOptions, en
     if not result.converged:
         return TableRow(str(result.status))
     matrix, rigidity, status = None, None, CONVERGED
-    errors: dict[str, Any] = {"error_words": "no shaft with several sets was compared with the 3D reference"}
+    errors: dict[str, Any] = {"error_words": "no shaft with several nuts or bearings was compared with the 3D reference"}
     tangent: Tangent | None = None
     if isinstance(scene, Scene) and isinstance(result, StaticResult):
         errors = _expected_errors(scene, result)
@@ -245,7 +247,7 @@ def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableOptions, en
             tangent = tangent_stiffness_at(scene, station, request.model, Options())
     elif isinstance(result, AxisResult) and "stiffness" in request.quantities:
         of_set = next((s.stiffness for s in result.sets if s.of.name == request.station), result.stiffness)
-        none = "the place cannot move, or no contact there carries load"
+        none = "this position cannot move, or no contact there carries load"
         known = of_set is not None and np.isfinite(of_set).any()
         tangent = Tangent(0.0, np.full((6, 6), np.nan) if of_set is None else of_set, CONVERGED if known else none)
     if tangent is not None and tangent.status != CONVERGED:
@@ -285,9 +287,9 @@ def _largest_pressures_of_rows(scene: Scene | Assembly, result: StaticResult | A
 
 
 def _expected_errors(scene: Scene, result: StaticResult) -> dict[str, Any]:
-    """Return the errors [%] to expect of a static result, by the names of the fields of a table row.
+    """Return the expected errors [%] of a static result by their fields of `TableRow`.
 
-    They are estimated from scenes for which the 3D reference is known.
+    They are estimated from the model's errors on scenes that were compared with the 3D reference.
     """
     form = estimate_model_error(scene, result)
     return {
@@ -308,7 +310,7 @@ def solve_table(request: SceneTableOptions, engine: Engine, step: Callable[[str]
     request
         Checked request.
     engine
-        Where the rows are computed: number of processes or cluster.
+        Number of processes, or cluster, that solve the rows.
     step
         Function that is called with each line of progress.
 
@@ -337,7 +339,7 @@ def solve_table(request: SceneTableOptions, engine: Engine, step: Callable[[str]
 
 
 def _table_as_json(request: SceneTableOptions, rows: Sequence[TableRow]) -> dict[str, Any]:
-    """Return the JSON values of ``rollbench table``; quantities that were not requested have no key.
+    """Return a table as the JSON values that ``rollbench table`` prints; quantities that were not requested have no key.
 
     ``request``: checked request; ``rows``: rows in the order of the combinations of the keys' values.
     """

@@ -1,4 +1,4 @@
-"""Table of stiffness, preload and life (`rollbench.compare.studies.table`) as files for other programs.
+"""Tables of a scene's stiffness, preload and life (``rollbench table``) as files for other programs.
 
 Formats are CSV, JSON, Parquet, netCDF, a figure, a module for ROSS and a table file for Modelica. ROSS takes five of the 36
 terms of the tangent stiffness, a Modelica CombiTable all of them. Both hold constant values without damping for each
@@ -68,7 +68,7 @@ def write_table(path: Path, table: Table) -> None:
 
 
 def _netcdf_dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
-    """Return a table as an xarray Dataset with one dimension per varied key, and two more for the 6 x 6 stiffness matrix.
+    """Return a table as an xarray Dataset with a dimension for each varied key, and two for the 6 x 6 stiffness matrix.
 
     ``columns``: values of each column by its name.
     """
@@ -128,7 +128,7 @@ def table_figure(table: Table) -> Figure | None:
 
 
 def _error_bars(table: Table, name: str, rows: Sequence[int]) -> tuple[list[float], list[float]] | None:
-    """Return the lower ends, then the upper ends of a quantity's error bars; None if an error is not known.
+    """Return the lower ends, then the upper ends of the error bars of a quantity; None if an expected error is not known.
 
     ``name``: column of the quantity; ``rows``: indices of the table rows.
     """
@@ -188,17 +188,17 @@ def bearing(n, place, cxx=0.0, **others):
 
 
 def _reasons_for_missing_answers(table: Table) -> list[str]:
-    """Return a line for each reason why rows of a table have no result, with the keys' values in these rows."""
+    """Return a line for each reason why rows of a table have no result, with the values of the varied keys there."""
     return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
 
 
 def _comment_lines(lines: Iterable[str]) -> str:
-    """Return lines as comments of Python or of a Modelica table file."""
+    """Return lines of text as comment lines ("# ...") of a Python module or a Modelica table file."""
     return "\n".join(f"# {one_line(line, 10_000)}" for line in lines)
 
 
 def modelica_text(table: Table) -> tuple[str, list[str]]:
-    """Return the text of a table file for Modelica.Blocks.Tables, then sentences on what it leaves out.
+    """Return a table as the text of a file for Modelica.Blocks.Tables, then sentences on what the file leaves out.
 
     Raises InputError unless the table has one or two varied keys with numbers, and enough rows with a result.
     """
@@ -244,7 +244,7 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
 
 
 def _modelica_block(name: str, values: Array) -> str:
-    """Return a matrix as text in the format of Modelica table files.
+    """Return a matrix in the format of a Modelica table file.
 
     ``name``: name of the matrix there; ``values``: the matrix, of any two dimensions.
     """

@@ -39,14 +39,14 @@ CaseAttributes = dict[int, dict[str, Value]]
 
 
 class RexsWriter:
-    """REXS model of a shaft that is being written, with the ids of components to which other components refer.
+    """REXS model of a shaft with bearings while it is written, with the ids of components that others refer to.
 
-    ``model``: the REXS model; ``notes``: sentences on what the model does not describe; ``unit``, ``casing`` and ``shaft``:
-    ids of the gear unit, its casing and the shaft; ``steels``: ids of the materials.
+    ``model``: the REXS model; ``notes``: sentences on what the REXS model does not describe; ``unit``, ``casing`` and
+    ``shaft``: ids of the gear unit, its casing and the shaft; ``steels``: id of each material.
     """
 
     def __init__(self, shaft: Assembly) -> None:
-        """Begin a model with the gear unit, its casing and the shaft; ``shaft``: scene of the shaft with its bearings."""
+        """Begin the REXS model with gear unit, casing and shaft; ``shaft``: scene of the shaft with its bearings."""
         self.model, self.steels = RexsModel(), dict[Material, int]()
         self.notes: list[str] = []
         self.unit = self.model.add("gear_unit", shaft.title)
@@ -63,14 +63,14 @@ class RexsWriter:
         self.rows: list[tuple[int, list[list[int]]]] = []
 
     def assign_material(self, part: int, material: Material) -> None:
-        """Assign a material to the component with the id ``part``; a new material is first added to the model."""
+        """Assign a material to the REXS component with the id ``part``; a new material is first added to the model."""
         if material not in self.steels:
             constants = {"elastic_modulus": 1e-6 * material.youngs_modulus, "poisson_ratio": material.poissons_ratio}
             self.steels[material] = self.model.add("material", f"material {len(self.steels) + 1}", **constants)
         self.model.add_relation("reference", origin=part, referenced=self.steels[material])
 
     def add_part(self, whole: int, type: str, name: str = "", order: int | None = None, **attributes: Value | None) -> int:
-        """Add a component to the model as a part of another component, and return its id.
+        """Add a component to the REXS model as a part of another component, and return its id.
 
         ``whole``: id of the other component; ``type`` and ``name``: REXS type and name of the new one; ``order``: its
         number among the parts of the other component, None without numbers; ``attributes``: its REXS attributes in their
@@ -93,7 +93,7 @@ def _to_rpm(speed: float) -> float:
 
 
 def _position_attributes(z: float, gear_unit: int) -> dict[str, Value]:
-    """Return the REXS attributes of a component's position on the shaft, in the coordinates of the gear unit.
+    """Return the REXS attributes that state a component's position on the shaft, in the coordinates of the gear unit.
 
     ``z``: position along the shaft [m]; ``gear_unit``: id of the gear unit.
     """
@@ -153,7 +153,7 @@ def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> 
 
 
 def _write_sections(writer: RexsWriter, shaft: Assembly) -> None:
-    """Add the cylinders of the shaft to the model.
+    """Add the cylinders of the shaft to the REXS model.
 
     The thread, and gaps between plain cylinders, become cylinders with the outer diameter of the screw.
     """
@@ -179,7 +179,7 @@ def _write_sections(writer: RexsWriter, shaft: Assembly) -> None:
 
 
 def _write_bearing(writer: RexsWriter, row: RollingSet, kind: str, **attributes: Value | None) -> int:
-    """Add a bearing with one row between the shaft and the casing to the model, and return its id.
+    """Add a single-row bearing between shaft and casing to the REXS model, and return its id.
 
     ``row``: row of the shaft scene; ``kind``: REXS type of the bearing; ``attributes``: further REXS attributes in their
     REXS units.
@@ -204,7 +204,7 @@ def _write_bearing(writer: RexsWriter, row: RollingSet, kind: str, **attributes:
 def _write_elements(
     writer: RexsWriter, row: int, azimuths: Iterable[float], kinds: Sequence[str], material: Material, **size: Value | None
 ) -> list[list[int]]:
-    """Add the rolling elements of a bearing row with their contacts; return for each element the ids of its contacts.
+    """Add balls or rollers of a bearing row and their contacts to the REXS model; return the contact ids of each element.
 
     ``row``: id of the bearing row; ``azimuths``: azimuths of the elements [rad]; ``kinds``: REXS types of the contacts of
     an element; ``material``: material of the elements; ``size``: REXS attributes of an element's size in mm and degrees.
@@ -220,7 +220,7 @@ def _write_elements(
 
 
 def _write_ball_bearing(writer: RexsWriter, row: RollingSet, parts: Scene) -> tuple[int, list[list[int]]]:
-    """Add a ball bearing; return its id, then for each ball the ids of its contacts.
+    """Add a ball bearing to the REXS model; return its id, then for each ball the ids of its contacts.
 
     ``row``: row of the shaft with its position; ``parts``: rings and balls of this row.
     """
@@ -253,7 +253,7 @@ def _write_ball_bearing(writer: RexsWriter, row: RollingSet, parts: Scene) -> tu
 
 
 def _write_roller_bearing(writer: RexsWriter, row: RollingSet, parts: RollerRow) -> tuple[int, list[list[int]]]:
-    """Add a tapered roller bearing; return its id, then for each roller the ids of its contacts.
+    """Add a tapered roller bearing to the REXS model; return its id, then for each roller the ids of its contacts.
 
     ``row``: row of the shaft with its position; ``parts``: rings and rollers of this row.
     """
@@ -280,7 +280,9 @@ def _write_roller_bearing(writer: RexsWriter, row: RollingSet, parts: RollerRow)
 
 
 def _write_supports(writer: RexsWriter, shaft: Assembly) -> None:
-    """Add the supports of the shaft as rigid concept bearings, without the rotation that the drive prevents.
+    """Add the supports of the shaft to the REXS model as rigid concept bearings.
+
+    The drive, which prevents the rotation about the axis, is left out.
 
     Raises Refusal for supports that a concept bearing cannot describe.
     """
@@ -302,7 +304,7 @@ def _write_supports(writer: RexsWriter, shaft: Assembly) -> None:
 
 
 def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[SolvedAxis]) -> list[CaseAttributes]:
-    """Add the loads on the shaft and those exerted by ball nuts; return their attributes in each load case.
+    """Add the external loads on the shaft and the loads by ball nuts to the REXS model; return their values per load case.
 
     ``solved``: solution of each load case. With a single load case the components themselves get these attributes, too.
     """
@@ -333,7 +335,7 @@ def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[SolvedAxi
 
 
 def _wrench_attributes(load: np.ndarray) -> dict[str, Value]:
-    """Return a load as REXS attributes; moments of zero are left out.
+    """Return a force and moment as REXS attributes; moments of zero are left out.
 
     ``load``: force along x, y, z [N] and moment about x, y, z [N m], (6,).
     """
@@ -373,7 +375,7 @@ def _attributes_of_load_case_results(writer: RexsWriter, one: SolvedAxis, speed:
 def _bearing_results(result: AxisResult, bearing: SetResult, answers: SetAnswers, speed: float | None) -> dict[str, Value]:
     """Return forces, deflections, stiffness, ratings and life of one bearing as REXS attributes.
 
-    ``result``: solution of the shaft; ``bearing``: its part for the bearing; ``answers``: ratings, pressures and life of
+    ``result``: solution of the shaft; ``bearing``: the bearing's part of it; ``answers``: ratings, pressures and life of
     the bearing; ``speed``: speed of the shaft [rad/s] for the life in hours, None if it is not known.
     """
     at = [float(np.interp(bearing.of.position, result.centreline_z, x)) for x in result.centreline.T]
@@ -463,7 +465,7 @@ def _roller_contact_results(contacts: list[list[int]], s: SetResult, row: Roller
 
 
 def _note_left_out(writer: RexsWriter, shaft: Assembly) -> None:
-    """Add sentences to the writer's notes on what the REXS file does not describe."""
+    """Add sentences to the notes of ``writer`` on what the REXS file does not describe of the scene ``shaft``."""
     moving = [h.name for h in shaft.housings if not h.is_fixed and h.name not in writer.sliding_housings]
     if moving:
         writer.notes.append(f"{', '.join(moving)}: a housing that moves is written as a casing at rest")

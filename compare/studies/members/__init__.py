@@ -1,1 +1,1 @@
-"""Ensembles: many specimens of a scene with randomly drawn geometric errors."""
+"""Ensembles: a scene solved for many random draws of its geometric errors (each draw is called a specimen)."""

@@ -78,19 +78,19 @@ CHUNK = 96
 
 @dataclass(frozen=True)
 class EnsembleResult:
-    """Contact loads of M specimens of a scene: each is the scene with its own drawn set of random errors."""
+    """Contact loads of M specimens of a scene; a specimen is the scene with one random draw of its geometric errors."""
 
     #: Contact loads, (M, N, 4) [N]; nan without equilibrium.
     loads: Array
     #: Status of each specimen, as in ``StaticResult``.
     statuses: tuple[str, ...]
-    #: Relative residual of each specimen, (M,).
+    #: Relative residual of each specimen's equations, (M,).
     residuals: Array
     #: Sum of the scene's loads times the displacements of their points of action, (M,) [J].
     works: Array
-    #: Number of specimens that needed all four flanks.
+    #: Number of specimens in which contacts on all four flanks had to be considered.
     all_sides: int
-    #: Number of specimens that were solved singly by ``solve_static``, not by the kernels for many specimens.
+    #: Number of specimens that were solved one by one with ``solve_static``, not together.
     general: int
 
     @property
@@ -100,16 +100,16 @@ class EnsembleResult:
 
 
 def is_solved_in_one_pass(scene: Scene) -> bool:
-    """Return whether one solution with flanks as exact circular arcs is enough for a specimen, so that many can share it.
+    """Return whether many random draws of the scene's geometric errors can be solved together, by one system of equations.
 
-    This is so if specimens differ in ball sizes, pitch and roundness only, and if Hertz constants do not follow the actual
-    contact angle.
+    This is so if the errors are those of ball sizes, pitch and roundness only, so that flanks are exact circular arcs, and
+    if the Hertz constants do not depend on the actual contact angle.
     """
     return have_equal_circular_grooves(scene) and scene.ingredients.hertz != "actual"
 
 
 def solve_random_specimens(scene: Scene, members: int | None = None, first: int = 0, *, threads: int = 1) -> EnsembleResult:
-    """Solve specimens of a scene with random errors; each has the same contact loads as by ``solve_static``.
+    """Solve many random draws of a scene's geometric errors (specimens); each has the contact loads of ``solve_static``.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def work_done_by_loads(scene: Scene, result: StaticResult) -> float:
 
 
 class _SpecimenBatch:
-    """Specimens of one ensemble that share a system of equations: drawn errors, the system, and results.
+    """Specimens (random draws of a scene's geometric errors) that share a system of equations, with their results.
 
     After `solve`, ``loads`` has the contact loads (M, N, 4) [N] of M specimens with N balls, ``residuals`` the relative
     residuals (M,), ``works`` the loads times the displacements of the points at which they act (M,) [J], and ``solved``
@@ -161,7 +161,7 @@ class _SpecimenBatch:
     """
 
     def __init__(self, scene: Scene, count: int, first: int, threads: int) -> None:
-        """Draw the random errors of ``count`` specimens from number ``first`` on.
+        """Draw the random geometric errors of ``count`` specimens of a scene, from specimen number ``first`` on.
 
         ``threads``: number of threads that `solve` uses.
         """
@@ -174,12 +174,12 @@ class _SpecimenBatch:
         self.residuals, self.works = np.full(count, np.nan), np.full(count, np.nan)
 
     def _drawn_errors(self, members: NDArray[np.int64]) -> Specimens:
-        """Return the drawn errors of some specimens; ``members``: their numbers in the batch."""
+        """Return the drawn geometric errors of those specimens whose numbers in the batch are ``members``."""
         centre = self.drawn.centre[members] if len(self.drawn.centre) > 1 else self.drawn.centre
         return Specimens(self.drawn.ball_radius[members], centre, self.drawn.radius)
 
     def solve(self) -> int:
-        """Solve all specimens, store their loads in this object, and return how many of them needed all four flanks.
+        """Solve all specimens and store their loads; return in how many of them all four flanks had to be considered.
 
         No specimen is solved if the scene cannot carry its loads.
         """
@@ -196,7 +196,7 @@ class _SpecimenBatch:
         return int(rest.size)
 
     def _problem_with_flanks(self, use: NDArray[np.bool_]) -> Problem | None:
-        """Return the static problem without random errors; None if nothing resists a motion that the loads drive.
+        """Return the static problem of the scene without random errors; None if the loads drive a free rigid motion.
 
         ``use``: whether each of the flanks SL, SR, NL, NR takes part (4,).
         """
@@ -209,14 +209,14 @@ class _SpecimenBatch:
         return None if mechanism.driven else pin_free_motions(problem, mechanism)
 
     def _solved_system(self, problem: Problem) -> BeamEquations:
-        """Return the system of equations that all specimens share, solved for the problem without random errors."""
+        """Return the system of equations that all specimens share, solved for the scene without random errors."""
         prepared = beam_equations(problem, pick_engine(ENGINE, self.scene.ball_count))
         prepared.iterate()
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
 
     def _solve_with_flanks(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
-        """Solve some specimens with the flanks of a static problem, and store the accepted solutions in this object.
+        """Solve some specimens with contacts only on those flanks that ``problem`` includes, and store accepted solutions.
 
         ``problem``: static problem, None if it has a free rigid motion; ``members``: numbers of the specimens in the batch.
         A solution is accepted only if no ball comes near a flank that the problem leaves out.
@@ -236,7 +236,7 @@ class _SpecimenBatch:
     def _solve_in_kernel(
         self, prepared: BeamEquations, near: _OmittedFlankCheck | None, members: NDArray[np.int64]
     ) -> None:
-        """Solve some specimens in the compiled kernel, and store the solutions that are accepted in this object.
+        """Solve some specimens by compiled code in one call, and store the solutions that are accepted.
 
         ``prepared``: common system of equations; ``near``: check of the flanks that the system leaves out, None if it has
         all; ``members``: numbers of the specimens in the batch.
@@ -255,7 +255,7 @@ class _SpecimenBatch:
         self.solved[kept] = True
 
     def _kernel_arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
-        """Return the geometry of some specimens as arrays for the kernels.
+        """Return the geometry of some specimens as arrays for the compiled solver.
 
         ``problem``: static problem without random errors; ``members``: numbers of the specimens in the batch.
         """
@@ -268,13 +268,13 @@ class _SpecimenBatch:
 
 
 class _OmittedFlankCheck:
-    """Check of solved specimens for flanks that were left out of the equations although they may carry load.
+    """Check whether flanks that were left out of the equations stay clear of the balls in the solved specimens.
 
     A specimen with such a flank nearer than ``MARGIN`` to its ball is solved again with all four flanks.
     """
 
     def __init__(self, prepared: BeamEquations, layout: BallLayout) -> None:
-        """Prepare the check for a solved system of equations whose problem leaves some flanks out."""
+        """Prepare the check for the solved equations ``prepared``, which leave some flanks out."""
         problem = prepared.problem
         self.use = problem.use
         rows = [_nodal_to_flank_displacements(problem, layout, s) for s in range(2)]
@@ -326,16 +326,15 @@ def _nodal_to_flank_displacements(problem: Problem, layout: BallLayout, side: in
 
 
 def ensemble_of_study(study: Study, name: str) -> EnsembleResult:
-    """Return the contact loads of specimens of a scene of the package; a comparison computes them only once.
+    """Return the contact loads of many random draws of the geometric errors of a built-in scene, computed once per report.
 
-    ``study``: comparison of models with the 3D reference, which states the number of specimens; ``name``: name of the
-    scene, which has random errors.
+    ``study``: cache of the report, which states the number of draws; ``name``: name of the scene.
     """
     return study.compute_once(_run_study_ensemble, name)
 
 
 def _run_study_ensemble(study: Study, name: str) -> EnsembleResult:
-    """Solve specimens of the scene ``name`` of the package; the comparison ``study`` states their number."""
+    """Solve many random draws of the geometric errors of the built-in scene ``name``; ``study`` states their number."""
     return solve_random_specimens(study.scene(name), study.members)
 
 
@@ -344,7 +343,7 @@ KEPT = {
     "largest_load_N": "largest contact load / N",
     "mean_load_N": "mean contact load / N",
     "load_stiffness_N_per_um": "stiffness at the loads / (N/um)",
-    "lost_contacts": "contacts lost against no random errors",
+    "lost_contacts": "contacts that carry load only without random errors",
     "relative_life": "life over that without random errors",
     "residual": "relative residual",
 }
@@ -353,16 +352,16 @@ KEPT = {
 WHOLE = {
     "largest_load_N": "largest load of a contact or roller / N",
     "tangent_N_per_um": "tangent rigidity along the axis / (N/um)",
-    "lost_contacts": "contacts lost against no random errors",
+    "lost_contacts": "contacts that carry load only without random errors",
     "residual": "relative residual",
 }
 
 #: Outputs of each specimen of a shaft: for each nut or bearing.
 OF_SET = {
     "largest_load_N": "largest load / N",
-    "mean_load_N": "mean load of those above 1 % of the largest / N",
+    "mean_load_N": "mean of the loads above 1 % of the largest / N",
     "axial_force_N": "axial force on the shaft / N",
-    "lost_contacts": "contacts lost",
+    "lost_contacts": "contacts that carry load only without random errors",
     "relative_life": "life over that without random errors",
 }
 
@@ -380,7 +379,7 @@ ELASTIC = tuple(name for name in LADDER if name != "lin")
 
 @dataclass(frozen=True)
 class SpecimenBlock:
-    """Results of a block of k specimens with N balls each, which were solved together."""
+    """Results of k specimens (random draws of a scene's geometric errors) with N balls each, solved in one block."""
 
     #: Contact loads, (k, N, 4) [N].
     loads: Array
@@ -391,7 +390,7 @@ class SpecimenBlock:
 
 
 def raceway_life_sum(load: Array) -> Array:
-    """Return L^(-10/9), up to a constant factor, of the life L of all raceways together by ISO/TS 16281.
+    """Return L^(-10/9) up to a constant factor, where L is the life of all raceways together by ISO/TS 16281.
 
     ``load``: contact loads (..., N, 4) [N] of N balls on the flanks SL, SR, NL, NR. The screw's grooves turn relative to
     the load (cubic mean over the balls), the nut's do not (power 10/3). The raceways are assumed to be equally strong, and
@@ -403,7 +402,7 @@ def raceway_life_sum(load: Array) -> Array:
 
 
 def relative_life(load: Array, nominal: Array) -> Array:
-    """Return the ratio of each specimen's life with its random errors to the life without random errors.
+    """Return the ratio of the rating life with random geometric errors to the life without them, for each random draw.
 
     ``load``: contact loads with random errors (..., N, 4) [N] of N balls; ``nominal``: contact loads without random errors
     (N, 4) [N].
@@ -413,7 +412,7 @@ def relative_life(load: Array, nominal: Array) -> Array:
 
 
 def output_names(scene: Scene | Assembly) -> list[str]:
-    """Return the names of the outputs of a specimen, in the order of their values in ``SpecimenBlock.kept``."""
+    """Return the names of the outputs that are kept of each random draw of a scene, such as the largest contact load."""
     if isinstance(scene, Scene):
         return [*KEPT]
     return [*WHOLE, *(f"set {i + 1} {key}" for i in range(len(scene.sets)) for key in OF_SET)]
@@ -433,7 +432,7 @@ def ball_slices(scene: Scene | Assembly) -> tuple[slice | None, ...]:
 
 
 def _change_parts_of_nuts_and_bearings(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) -> Scene | Assembly:
-    """Return a scene with the geometry of each nut or ball bearing changed by a function.
+    """Return a copy of a scene in which a function changes the geometry of each nut or ball bearing.
 
     ``change``: function that takes the geometry and the number of the nut or bearing from 0, and returns the changed
     geometry.
@@ -445,27 +444,26 @@ def _change_parts_of_nuts_and_bearings(scene: Scene | Assembly, change: Callable
 
 
 def with_seed(scene: Scene | Assembly, seed: int) -> Scene | Assembly:
-    """Return a scene with another seed of its random errors; several nuts and bearings get consecutive seeds."""
+    """Return a copy of a scene with another seed of its random errors; several nuts and bearings get consecutive seeds."""
     return _change_parts_of_nuts_and_bearings(
         scene, lambda parts, i: replace(parts, errors=replace(parts.errors, seed=seed + i))
     )
 
 
 def without_random_errors(scene: Scene | Assembly) -> Scene | Assembly:
-    """Return a scene without its random errors."""
+    """Return a copy of a scene without random geometric errors; fixed errors stay."""
     return _change_parts_of_nuts_and_bearings(scene, lambda parts, _: scene_without_random_errors(parts))
 
 
 def _solve_specimens(
     scene: Scene, model: str, engine: str, first: int, count: int, load_factor: float = 1.0
 ) -> tuple[Array, tuple[str, ...], Array, Array]:
-    """Solve specimens of one nut or bearing under the scene's loads times a factor.
+    """Solve many random draws of the geometric errors of a nut or bearing under the scene's loads times a factor.
 
     ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``first``:
-    number of the first specimen; ``count``: number k of specimens; ``load_factor``: factor on the loads. Returns contact
+    number of the first draw; ``count``: number k of draws; ``load_factor``: factor on the loads. Returns contact
     loads (k, N, 4) [N] for N balls, statuses, relative residuals (k,), and works done by the loads (k,) [J], in this order.
-    If the factor is not 1, specimens of a model with elastic bodies are first solved with the factor 1, as a starting
-    point.
+    If the factor is not 1, a model with elastic bodies first solves with the factor 1, as a starting point.
     """
     of, scene = scene, scale_loads(scene, load_factor) if load_factor != 1.0 else scene
     if model == "lin" and engine == "compiled":
@@ -485,7 +483,7 @@ def _solve_specimens(
 
 @lru_cache(maxsize=4)
 def _common_system(scene: Scene, model: str, engine: str, load_factor: float) -> ElasticMembers:
-    """Return the system of equations that all specimens of a scene share; it is computed once in a process.
+    """Return the equations that all random draws of a scene's errors share, computed once in a process.
 
     ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled");
     ``load_factor``: factor on the loads of the scene.
@@ -496,7 +494,7 @@ def _common_system(scene: Scene, model: str, engine: str, load_factor: float) ->
 
 
 def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array, first: int, count: int) -> SpecimenBlock:
-    """Solve ``count`` specimens of a scene from number ``first`` on.
+    """Solve ``count`` random draws of a scene's geometric errors (specimens), from number ``first`` on.
 
     Parameters
     ----------
@@ -542,7 +540,7 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
 def _solve_axis_block(
     assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int
 ) -> SpecimenBlock:
-    """Solve a block of specimens of a shaft with several nuts and bearings.
+    """Solve several random draws of the geometric errors of a shaft with several nuts and bearings.
 
     ``kernels``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); the other
     arguments are those of `solve_block`.
@@ -564,9 +562,9 @@ def contact_loads_of_all_balls(result: Solved) -> Array:
 
 
 def specimen_outputs(result: AxisResult, nominal: Array, ball_slices: Sequence[slice | None]) -> Array:
-    """Return the outputs of one specimen of a shaft in the order of `output_names`, nan for an output that does not exist.
+    """Return the outputs of one random draw of a shaft in the order of `output_names`; nan: the output does not exist.
 
-    ``result``: its static result; ``nominal``: contact loads of all N balls without random errors, (N, 4) [N];
+    ``result``: static result of the draw; ``nominal``: contact loads of all N balls without random errors, (N, 4) [N];
     ``ball_slices``: range of the balls of each nut or bearing, from `ball_slices`.
     """
     loads = contact_loads_of_all_balls(result)

@@ -1,5 +1,7 @@
 """Ensemble of specimens of a scene with random errors, by any model (``rollbench solve SCENE --members N``).
 
+A specimen is the scene with one random draw of its geometric errors.
+
 Results are statistics of outputs and distributions of the contact loads, with their sampling errors. Specimens are solved
 in blocks that may run in parallel. A specimen depends only on the scene's seed and its number, and blocks are combined in
 order, so that the results do not depend on the number of processes. Memory holds a block of loads in each process, six
@@ -60,7 +62,7 @@ MOST = 10_000_000
 
 
 class LoadDistributions:
-    """Distribution of each contact load over the specimens of an ensemble, from running sums and histograms.
+    """Distribution of each contact load over many random draws of the geometric errors, from sums and histograms.
 
     N is the number of balls; the four contacts of a ball are those on the flanks SL, SR, NL, NR (screw left and right, nut
     left and right).
@@ -75,14 +77,14 @@ class LoadDistributions:
     """
 
     def __init__(self, nominal: Array, width: float) -> None:
-        """Begin without specimens; the parameters are described at the class."""
+        """Start with empty sums and histograms; the class describes the parameters."""
         self.nominal, self.width = nominal, width
         self._first, self._second = np.zeros(nominal.shape), np.zeros(nominal.shape)
         self._low, self.largest = np.full(nominal.shape, np.inf), np.zeros(nominal.shape)
         self.counts = np.zeros((*nominal.shape, BINS + 2), dtype=np.int64)
 
     def add_loads(self, loads: Array) -> None:
-        """Add the contact loads of k specimens; specimens without equilibrium are left out.
+        """Add the contact loads of k random draws to sums and histograms; draws without equilibrium are left out.
 
         ``loads``: contact loads (k, N, 4) [N] of N balls, nan without equilibrium. They are added one after the other in
         order, so that the sums do not depend on the division into blocks.
@@ -99,35 +101,35 @@ class LoadDistributions:
 
     @property
     def _specimen_count(self) -> int:
-        """Number of specimens that were added."""
+        """Number of random draws whose loads were added."""
         return int(self.counts.reshape(-1, BINS + 2)[0].sum())
 
     @property
     def mean(self) -> Array:
-        """Return the mean load of each contact, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
+        """Mean load of each contact over the random draws, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
         return self.nominal + self._first / max(self._specimen_count, 1)
 
     @property
     def deviation(self) -> Array:
-        """Return the standard deviation of each contact load, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
+        """Standard deviation of each contact load over the random draws, (N, 4) [N], for N balls and four flanks."""
         n = self._specimen_count
         mean = self._first / max(n, 1)
         return np.asarray(np.sqrt(np.maximum(self._second - n * mean**2, 0.0) / max(n - 1, 1)))
 
     @property
     def smallest(self) -> Array:
-        """Return the smallest load of each contact, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
+        """Smallest load of each contact in all random draws, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
         return np.where(np.isfinite(self._low), self._low, 0.0)
 
     @property
     def loaded(self) -> Array:
-        """Return the fraction of specimens in which each contact carries load, (N, 4), for N balls and four flanks."""
+        """Share of the random draws in which each contact carries load, (N, 4), for N balls and four flanks."""
         return 1.0 - self.counts[..., 0] / max(self._specimen_count, 1)
 
     def quantile(self, level: float) -> Array:
-        """Return a quantile of each contact load, (N, 4) [N], to within the bin width, for N balls and four flanks.
+        """Return a quantile of each contact load over the random draws, (N, 4) [N], accurate to the bin width.
 
-        ``level``: level of the quantile, from 0 to 1.
+        ``level``: level of the quantile, from 0 to 1. N is the number of balls.
         """
         below = np.cumsum(self.counts, axis=-1)
         place = (below < level * below[..., -1:]).sum(axis=-1)
@@ -136,7 +138,7 @@ class LoadDistributions:
 
 @dataclass(frozen=True)
 class EnsembleSummary:
-    """Results of all M specimens of an ensemble."""
+    """Results of M random draws of the geometric errors of a scene (specimens), by one model."""
 
     #: Scene with the random errors.
     scene: Scene | Assembly
@@ -144,7 +146,7 @@ class EnsembleSummary:
     model: str
     #: Outputs of each specimen in the order of `ensemble.output_names`, (M, k); nan without equilibrium.
     kept: Array
-    #: Status of each specimen without equilibrium, by number of the specimen.
+    #: Status of each specimen without equilibrium, by the number of the specimen.
     failed: dict[int, str]
     #: Distributions of the contact loads over the specimens; the balls of a shaft come one nut or bearing after the other.
     bands: LoadDistributions
@@ -162,7 +164,7 @@ def solve_specimens_of_scene(
     step: Callable[[str], None] = lambda _: None,
     record_specimen: Callable[[int, str, Array], None] = lambda *_: None,
 ) -> EnsembleSummary:
-    """Solve the first ``count`` specimens of a scene, each with its own drawn set of random errors.
+    """Solve a scene for the first ``count`` random draws of its geometric errors (specimens).
 
     Parameters
     ----------
@@ -173,7 +175,7 @@ def solve_specimens_of_scene(
     count
         Number of specimens.
     engine
-        Where blocks of specimens are computed: number of processes or cluster.
+        Number of processes, or cluster, that solve blocks of specimens.
     step
         Function that is called with each line of progress.
     record_specimen
@@ -198,7 +200,7 @@ def solve_specimens_of_scene(
     nominal = contact_loads_of_all_balls(bare)
     if not bare.converged or not nominal.max(initial=0.0) > 0.0:
         reason = bare.status if not bare.converged else "no contact carries load without random errors"
-        what = "screw" if isinstance(scene, Scene) else "sets"
+        what = "screw" if isinstance(scene, Scene) else "nuts or bearings"
         advice = f"load or preload the {what}"
         raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", advice)
     bands, rows, failed = LoadDistributions(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
@@ -216,7 +218,7 @@ def solve_specimens_of_scene(
 
 
 def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> None:
-    """Check an ensemble that a user requests, before anything is solved.
+    """Check a request to solve many random draws of a scene's errors, before anything is solved.
 
     Raises InputError for an unknown model, a number of specimens out of range, or a scene without random errors.
     """
@@ -225,7 +227,10 @@ def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> 
         find_model(model, excluded=("condensed",))
     if not 2 <= count <= MOST:
         raise ArgumentError(
-            "members", str(count), f"2 to {MOST}", "take a thousand, which give bands to within some per cent"
+            "members",
+            str(count),
+            f"2 to {MOST}",
+            "take a thousand, which give quantiles of the loads to within some per cent",
         )
     if not has_random_errors(scene):
         where, table = ("errors", "[errors.balls]") if single else ("sets[].errors", "[sets.errors.balls]")
@@ -236,7 +241,7 @@ def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> 
 def _solve_blocks(
     arguments: tuple[Scene | Assembly, str, str, Array], count: int, engine: Engine, step: Callable[[str], None]
 ) -> Iterator[tuple[int, SpecimenBlock]]:
-    """Solve specimens in blocks, and yield for each block the number of its first specimen, then its results.
+    """Solve random draws of a scene's errors in blocks; yield for each block the number of its first draw, and its results.
 
     Blocks may be finished in any order but are yielded by increasing numbers. ``arguments``: first four arguments of
     `solve_block` (scene, model, kind of kernels, contact loads without random errors); ``count``: number of specimens;
@@ -256,7 +261,7 @@ def _solve_blocks(
 
 
 def _binomial_quantile(probability: float, trials: int, chance: float) -> int:
-    """Return the smallest count that a binomial variable does not exceed with probability ``probability``.
+    """Return a quantile of a binomial distribution: smallest count not exceeded with probability ``probability``.
 
     ``trials``: number of trials; ``chance``: probability of success of each trial. Probabilities are summed within about
     fifteen standard deviations of the mean; scipy.special has this too, but takes long to import.
@@ -270,7 +275,7 @@ def _binomial_quantile(probability: float, trials: int, chance: float) -> int:
 
 
 def sample_statistics(values: Array) -> dict[str, Any] | None:
-    """Return mean with standard error, standard deviation, extremes, and quantiles with their 95 % intervals.
+    """Return statistics of an output over many random draws: mean, deviation, extremes, quantiles, with their errors.
 
     Parameters
     ----------
@@ -280,7 +285,8 @@ def sample_statistics(values: Array) -> dict[str, Any] | None:
     Returns
     -------
     dict or None
-        JSON values; None with fewer than two values.
+        Mean with standard error, standard deviation, smallest and largest value, and quantiles with 95 % intervals, as JSON
+        values; None with fewer than two values.
     """
     y = np.sort(values[np.isfinite(values)])
     if y.size < 2:
@@ -298,7 +304,7 @@ def sample_statistics(values: Array) -> dict[str, Any] | None:
 def ensemble_for_library(
     described: Described, model: str, count: int, seed: int | None, workers: int | None, step: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Solve an ensemble for `rollbench.ensemble` and return its JSON values.
+    """Solve many random draws of a scene's errors for `rollbench.ensemble`, and return the JSON values.
 
     ``described``: scene or duty cycle; ``count``: number of specimens; ``seed``: seed of the random errors, None for that
     of the scene; ``workers``: number of processes; ``step``: function that is called with each line of progress. Raises
@@ -311,7 +317,7 @@ def ensemble_for_library(
 
 
 def ensemble_json(described: Described, each: Sequence[EnsembleSummary], cases: Sequence[str]) -> dict[str, Any]:
-    """Return the JSON values of an ensemble, which has entries for each load case if the scene has several.
+    """Return the results of many random draws as JSON values, with an entry for each load case if there are several.
 
     ``described``: scene or duty cycle; ``each``: results for each load case; ``cases``: names of the load cases, empty for
     a scene without load cases.
@@ -331,7 +337,7 @@ def solve_specimens_of_load_cases(
     step: Callable[[str], None],
     csv_out: Path | None = None,
 ) -> tuple[list[EnsembleSummary], list[str]]:
-    """Solve the specimens of a scene for each of its load cases.
+    """Solve each load case of a scene for many random draws of its geometric errors (specimens).
 
     ``name``: file or name of the scene in error messages; ``count``: number of specimens; ``seed``: seed of the random
     errors, None for that of the scene; ``step``: function that is called with each line of progress; ``csv_out``: file for
@@ -351,10 +357,10 @@ def solve_specimens_of_load_cases(
 
 
 def _write_row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, status: str, kept: Array) -> None:
-    """Write the row of one specimen to a CSV file: load case if there are several, number, status, outputs.
+    """Write the CSV row of one random draw: name of the load case if there are several, number, status, outputs.
 
-    ``write``: function that writes a row; ``head``: name of the load case, or empty; ``member``: number of the specimen;
-    ``kept``: outputs of the specimen, of which nan becomes an empty cell.
+    ``write``: function that writes a row; ``head``: list with the name of the load case, or empty; ``member``: number of
+    the draw; ``kept``: outputs of the draw, of which nan becomes an empty cell.
     """
     write([*head, member, status, *("" if np.isnan(v) else repr(float(v)) for v in kept)])
 
@@ -386,7 +392,7 @@ def _csv_row_writer(path: Path | None, names: Sequence[str]) -> Iterator[Callabl
 
 
 def members_json(members: EnsembleSummary) -> dict[str, Any]:
-    """Return the JSON values of an ensemble: statistics of the outputs, failures, and distributions of the contact loads.
+    """Return the results of many random draws as JSON values: output statistics, failures, distributions of contact loads.
 
     For a shaft, the statistics of each nut or bearing are in "sets", and rows of "balls" begin with the number of the nut
     or bearing.
@@ -414,7 +420,7 @@ def members_json(members: EnsembleSummary) -> dict[str, Any]:
 
 
 def _statistics_by_set(members: EnsembleSummary, assembly: Assembly) -> list[dict[str, Any]]:
-    """Return the statistics of the outputs of each nut or bearing on a shaft."""
+    """Return for each nut or bearing on a shaft the statistics of its outputs over many random draws, as JSON values."""
     by_set = np.split(members.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
     return [
         {"set": i + 1, "name": s.name, "statistics": {key: sample_statistics(kept[:, k]) for k, key in enumerate(OF_SET)}}
@@ -423,9 +429,9 @@ def _statistics_by_set(members: EnsembleSummary, assembly: Assembly) -> list[dic
 
 
 def _load_distributions_by_ball(bands: LoadDistributions) -> list[list[dict[str, Any]]]:
-    """Return for every ball a list with one JSON row per loaded contact, which describes the distribution of its load [N].
+    """Return for every ball a list of JSON rows, one per loaded contact, with mean and quantiles of the contact load [N].
 
-    ``bands``: distributions of the contact loads over the specimens.
+    ``bands``: distributions of the contact loads over many random draws of the geometric errors.
     """
     found = {
         "without_random_errors_N": bands.nominal,

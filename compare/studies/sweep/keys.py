@@ -29,7 +29,7 @@ _ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
 #: Pattern of the paths of keys that take the same value.
 _PATH = re.compile(rf"{_ONE}(\+{_ONE})*")
 
-#: Forms of the texts that vary a key.
+#: Allowed forms of a text that names a varied key with its values.
 _FORM = "KEY=A:B, KEY=A:B:N or KEY=v1,v2, units as in the scene"
 
 #: Groups of keys that state the same quantity, of which a scene has only one; a varied key replaces the others of its
@@ -56,7 +56,7 @@ class VariedKey:
 
     #: Dotted path of the key with indices from 0, such as ``loads[0].force[2]``; paths of several keys are joined by ``+``.
     key: str
-    #: Text as the user wrote it.
+    #: Key with its range or values, as the user wrote it.
     text: str
     #: Low end of a range.
     low: float = 0.0
@@ -64,13 +64,13 @@ class VariedKey:
     high: float = 0.0
     #: Unit of a range.
     unit: str = ""
-    #: Whether the range consists of whole numbers, both ends included.
+    #: Whether only whole numbers of the range are used, both ends included.
     whole: bool = False
     #: Values of a list, as in a scene file; empty for a range.
     choices: tuple[Any, ...] = ()
 
     def value_at_coordinate(self, u: float) -> Any:
-        """Return the value of the key at a coordinate ``u`` from 0 to 1 of its range or list, as a scene file writes it."""
+        """Return the value of the key at the relative position ``u`` (0 to 1) in its range or list, as in a scene file."""
         if self.choices:
             return self.choices[min(int(u * len(self.choices)), len(self.choices) - 1)]
         if self.whole:
@@ -89,7 +89,7 @@ class VariedKey:
 
     @property
     def trial_values(self) -> tuple[Any, ...]:
-        """Values with which the key is tried before anything is computed: all of a list, or both ends of a range."""
+        """Values with which the scene is checked before anything is solved: all of a list, or both ends of a range."""
         return self.choices or (self.value_at_coordinate(0.0), self.value_at_coordinate(1.0))
 
     @property
@@ -101,7 +101,7 @@ class VariedKey:
 
     @property
     def paths(self) -> list[str]:
-        """Paths of the keys that take the value."""
+        """Paths of all keys of the scene that take this value."""
         return self.key.split("+")
 
     @property
@@ -131,7 +131,7 @@ def read_varied_keys_of_table(texts: Sequence[str], argument: str = "over") -> t
 
 
 def read_vary(texts: Sequence[str]) -> tuple[VariedKey, ...]:
-    """Read the varied keys of a sweep from texts such as ``balls.count=20,24``.
+    """Read the varied keys of a sweep from texts such as "balls.count=20,24", one for each key.
 
     Raises InputError for a text of another form, and for a key that is named twice.
     """
@@ -146,7 +146,7 @@ def read_vary(texts: Sequence[str]) -> tuple[VariedKey, ...]:
 
 
 def _error_for_variation(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
-    """Return the error for a text or value of the argument ``vary`` that cannot be used.
+    """Return the ArgumentError for a text of the argument ``vary`` that cannot be used.
 
     ``value``: text or value that the user gave; ``allowed``: which values are allowed; ``advice``: how to correct the text.
     """
@@ -170,7 +170,7 @@ def _read_varied_key(text: str) -> VariedKey:
 
 
 def _read_range(key: str, text: str, values: str) -> VariedKey:
-    """Read one varied key with a range ``A:B`` or ``A:B:N``.
+    """Read a varied key whose values are a range "A:B", or "A:B:N" for N equally spaced values.
 
     ``key``: path of the key; ``text``: whole text as the user wrote it, for error messages; ``values``: the range in it.
     """
@@ -195,10 +195,10 @@ def _read_range(key: str, text: str, values: str) -> VariedKey:
 
 
 def _equally_spaced_values(text: str, low: float, high: float, unit: str, count: Sequence[str]) -> tuple[Any, ...]:
-    """Return equally spaced values from ``low`` to ``high``, both included, in the form of a scene file.
+    """Return equally spaced values from ``low`` to ``high``, both included, as a scene file writes them.
 
-    ``text``: whole text as the user wrote it, for error messages; ``unit``: unit of the values; ``count``: list with the
-    number of values as text.
+    ``text``: whole text as the user wrote it, for error messages; ``unit``: unit of the values; ``count``: number of
+    values, as a list with one text.
     """
     if len(count) != 1 or not re.fullmatch(r"\d{1,4}", count[0]) or not 2 <= int(count[0]) <= MOST_VALUES:
         raise _error_for_variation(
@@ -219,7 +219,7 @@ def _split_quantity(text: str) -> tuple[str, str]:
 
 
 def _read_scalar(text: str) -> Any:
-    """Return the value that a text has in TOML, or the text if it is not valid TOML."""
+    """Return the value that a text such as "24" or "true" has in TOML; the text itself if it is not valid TOML."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
@@ -243,9 +243,10 @@ def tables_with_varied_keys(raw: dict[str, Any], keys: Sequence[VariedKey], valu
 
 
 def pairs_of_varied_and_replaced_keys(raw: dict[str, Any], keys: Sequence[VariedKey]) -> list[tuple[str, str]]:
-    """Return the keys of a scene that varied keys replace, as pairs: path of the varied key, path of the replaced key.
+    """Return pairs of keys that state the same quantity: a varied key, and the key of the scene that it replaces.
 
-    Both keys of a pair state the same quantity. ``raw``: TOML tables of the scene.
+    An example is ``balls.radius``, which replaces ``balls.diameter``. ``raw``: TOML tables of the scene; ``keys``: varied
+    keys.
     """
     pairs = dict.fromkeys(
         (path, other) for vary in keys for path in vary.paths for other in _other_keys_for_same_quantity(path)
@@ -254,7 +255,7 @@ def pairs_of_varied_and_replaced_keys(raw: dict[str, Any], keys: Sequence[Varied
 
 
 def _other_keys_for_same_quantity(path: str) -> Iterator[str]:
-    """Yield the paths of the other keys that state the same quantity of the same nut or bearing as the key ``path``."""
+    """Yield the paths of other scene keys that state the same quantity as ``path``, such as diameter for radius."""
     prefix, key = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
     for group in _SAME:
         if key in group:
@@ -262,7 +263,7 @@ def _other_keys_for_same_quantity(path: str) -> Iterator[str]:
 
 
 def _remove_key(raw: dict[str, Any], key: str) -> bool:
-    """Remove a key from a scene's TOML tables, and its table if that becomes empty; return whether the key was there."""
+    """Remove a key from a scene's TOML tables, and its table if that gets empty; return whether the key was there."""
     above, _, last = key.rpartition(".")
     node: Any = raw
     for step in _path_steps(above):
@@ -299,7 +300,7 @@ def _set_key(raw: dict[str, Any], key: str, value: Any) -> None:
 
 
 def _check_entry(node: Any, step: str | int, key: str) -> None:
-    """Raise InputError if a table or list cannot have the next entry of a key's path.
+    """Raise InputError if a table or list of a scene cannot have the next entry of a key's path.
 
     ``node``: the table or list; ``step``: name or index of the entry; ``key``: whole path, for the error message.
     """
@@ -324,7 +325,7 @@ MOST = 1_000_000
 
 
 def base_points(samples: int, keys: int) -> int:
-    """Return the number n of base points of a design for Sobol indices.
+    """Return the number n of base points of a sweep's design, from which Sobol indices are computed.
 
     ``samples``: requested number of samples; ``keys``: number of varied keys. n is the power of two, at least 2, for which
     the ratio of the number of samples n (keys + 2) to ``samples`` is nearest to 1.
@@ -333,7 +334,7 @@ def base_points(samples: int, keys: int) -> int:
 
 
 def design_points(method: Method, keys: Sequence[VariedKey], samples: int, seed: int) -> Array:
-    """Return the coordinates of the m samples of a design, (m, d) in [0, 1] for d varied keys.
+    """Return the m samples of a sweep's design as coordinates in the ranges of d varied keys, (m, d) from 0 to 1.
 
     Equal arguments give equal samples. The designs are:
 
@@ -381,10 +382,10 @@ def design_points(method: Method, keys: Sequence[VariedKey], samples: int, seed:
 
 
 def _grid_points(keys: Sequence[VariedKey], samples: int) -> Array:
-    """Return the coordinates of all m combinations of the values of d keys, (m, d) in [0, 1].
+    """Return all m combinations of the values of d varied keys as coordinates in their ranges, (m, d) from 0 to 1.
 
-    ``samples``: largest number of combinations. Raises InputError if it is too small for all values of lists and both ends
-    of ranges.
+    ``samples``: largest number m of combinations. Raises InputError if it is too small for all values of lists and both
+    ends of ranges.
     """
     fixed = math.prod(len(v.choices) for v in keys if v.choices)
     ranges = sum(not v.choices for v in keys)
@@ -399,5 +400,8 @@ def _grid_points(keys: Sequence[VariedKey], samples: int) -> Array:
 
 
 def key_values_at_coordinates(keys: Sequence[VariedKey], coordinates: Array) -> list[object]:
-    """Return the values of all d keys in one sample, in the form of a scene file; ``coordinates``: its coordinates (d,)."""
+    """Return the values of all d varied keys in one sample, as a scene file writes them.
+
+    ``coordinates``: position of the sample in the range of each key, (d,) from 0 to 1.
+    """
     return [vary.value_at_coordinate(float(u)) for vary, u in zip(keys, coordinates, strict=True)]

@@ -71,19 +71,19 @@ class Sweep:
 
     #: Text of the scene file.
     text: str
-    #: File or scene that error messages name.
+    #: Name of the scene or its file, for error messages.
     origin: str
-    #: Varied keys.
+    #: Keys of the scene that are varied, with their ranges or values.
     keys: tuple[VariedKey, ...]
     #: Number of samples.
     samples: int
-    #: Design of the samples.
+    #: Design of the samples: "sobol", "lhs" (Latin hypercube) or "grid".
     method: Method = "sobol"
-    #: Seed of the design.
+    #: Seed of the random numbers of the design.
     seed: int = 0
     #: Name of the model.
     model: str = "refined"
-    #: Outputs that are computed; empty: all.
+    #: Names of the outputs that are computed, keys of `OUTPUTS`; empty: all.
     outputs: tuple[str, ...] = ()
 
     @property
@@ -92,11 +92,11 @@ class Sweep:
         return tuple(name for name in OUTPUTS if not self.outputs or name in (MAIN, *self.outputs))
 
     def coordinates(self) -> Array:
-        """Return the coordinates from 0 to 1 of the m samples, with one column for each of d varied keys, (m, d)."""
+        """Return the positions of the m samples in the ranges of the d varied keys, (m, d) from 0 to 1."""
         return design_points(self.method, self.keys, self.samples, self.seed)
 
     def header(self) -> dict[str, Any]:
-        """Return the JSON values that identify the sweep: all inputs on which the records of its samples depend."""
+        """Return all inputs on which the results of the samples depend, as JSON values that identify the sweep."""
         names = ("samples", "method", "seed", "model")
         what = {"scene": self.origin, "text": self.text, "vary": [vary.text for vary in self.keys]}
         some: dict[str, Any] = {"outputs_kept": list(self.wanted_outputs)} if self.outputs else {}
@@ -105,7 +105,7 @@ class Sweep:
         return {"rollbench": __version__, **what, **{name: getattr(self, name) for name in names}, **some}
 
     def check(self) -> None:
-        """Raise InputError if a model, output or varied key is unknown, or if the scene refuses a value of a varied key."""
+        """Raise InputError if model, output or varied key is unknown, or if the scene does not allow a value of a key."""
         for name in self.outputs:
             if name not in OUTPUTS:
                 raise ArgumentError("outputs", name, ", ".join(OUTPUTS), "give names separated by commas")
@@ -146,9 +146,10 @@ def solve_samples_of_sweep(sweep: Sweep, folder: Path, engine: Engine, step: Ste
 
 
 def _raise_if_first_samples_are_refused(sweep: Sweep, coordinates: Array) -> None:
-    """Raise InputError if the first samples are all refused for the same reason; stop at the first sample that is accepted.
+    """Raise InputError if scene or model refuse each of the first samples of a sweep for the same reason.
 
-    ``coordinates``: coordinates of the m samples in the unit cube, (m, d) for d varied keys.
+    Samples are tried until one is accepted. ``coordinates``: positions of the m samples in the ranges of the d varied keys,
+    (m, d) from 0 to 1.
     """
     refused: list[InputError] = []
     for place in coordinates[:FIRST]:
@@ -182,7 +183,7 @@ def _solve_missing_samples(
 
     ``folder``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``step``: function
     that is called with each line of progress; ``token_places_and_numbers``: token that identifies the present execution of
-    the sweep, coordinates of all m samples (m, d), and numbers of the missing samples.
+    the sweep, positions of all m samples in the ranges of the keys (m, d), and numbers of the missing samples.
     """
     token, places, left = token_places_and_numbers
     kernels = "compiled" if len(places) >= COMPILE_FROM else "interpreted"
@@ -297,7 +298,7 @@ def main_effects(keys: Sequence[VariedKey], rows: Sequence[Record]) -> dict[str,
 
 
 def _masks_of_key_ranges(vary: VariedKey, x: Array) -> list[NDArray[np.bool_]]:
-    """Return a Boolean mask (k,) over k samples for each part of a key's range, or for each value of its list.
+    """Group k samples by the value of a varied key: return a Boolean mask (k,) for each part of its range or list value.
 
     ``vary``: the key; ``x``: values of the key in the samples, (k,).
     """
@@ -309,7 +310,7 @@ def _masks_of_key_ranges(vary: VariedKey, x: Array) -> list[NDArray[np.bool_]]:
 
 
 def _means_of_sample_group(x: Array, y: Array) -> dict[str, float]:
-    """Return mean value of the key, mean output with its standard error, and number of samples of one group of k samples.
+    """Return for a group of k samples the mean of a key and of an output, its standard error, and the number of samples.
 
     ``x``: values of the key (k,); ``y``: values of the output (k,).
     """
@@ -416,18 +417,20 @@ def figures_from_sweep_summary(
 
 
 def _keys_with_largest_effect(keys: Sequence[VariedKey], summary: Mapping[str, Any]) -> tuple[list[int], str]:
-    """Return the indices of the varied keys with the largest main effects, then a sentence if some keys are left out.
+    """Return the indices of the varied keys with the largest effects on the largest load, then a sentence on left-out keys.
 
     At most `PANELS` keys are returned, as many as a figure has panels. A seed of random errors is left out, because an
     output has no trend over it. ``summary``: summary of the sweep from `summarise_sweep`.
     """
     ordered = _indices_of_ordered_keys(keys)
     shown = sorted(ordered, key=lambda k: -_range_of_mean_outputs(summary["main_effects"][keys[k].key]))[:PANELS]
-    return shown, "" if len(shown) == len(ordered) else f" The {PANELS} keys of largest effect, of {len(ordered)}."
+    return shown, "" if len(shown) == len(
+        ordered
+    ) else f" Shown are the {PANELS} keys with the largest effects, of {len(ordered)} varied keys."
 
 
 def _indices_of_ordered_keys(keys: Sequence[VariedKey]) -> list[int]:
-    """Return the indices of the varied keys other than the seed of random errors; all if there is no other key.
+    """Return the indices of the varied keys without the seed of random errors; of all keys if only the seed varies.
 
     Values of a seed have no meaningful order.
     """
@@ -435,7 +438,7 @@ def _indices_of_ordered_keys(keys: Sequence[VariedKey]) -> list[int]:
 
 
 def _range_of_mean_outputs(groups: Sequence[Mapping[str, float]]) -> float:
-    """Return the difference between the largest and the smallest mean output of the groups of a key.
+    """Return the effect of a key: difference between largest and smallest mean output over groups of samples.
 
     ``groups``: entries of `main_effects` for the key.
     """
@@ -446,7 +449,7 @@ def _range_of_mean_outputs(groups: Sequence[Mapping[str, float]]) -> float:
 def _effects_figure(
     name: str, keys: Sequence[VariedKey], summary: Mapping[str, Any], left: str, called: Callable[[VariedKey], str]
 ) -> Figure:
-    """Return a figure of the main effects: mean of the output `MAIN` over each key, with its standard error.
+    """Return a figure of the mean of the largest contact load over each varied key, with its standard error.
 
     ``name``: start of the figure's name; ``keys``: varied keys to show; ``summary``: summary of the sweep; ``left``:
     sentence on keys that are left out, empty if there are none; ``called``: function that returns the short name of a key.
@@ -461,14 +464,14 @@ def _effects_figure(
         short = called(vary)
         label = vary.label if short == vary.name or not vary.unit else f"{short} / {vary.unit}"
         panels.append(Panel(short, label, OUTPUTS[MAIN], (series,), integer_x=bool(vary.choices)))
-    caption = "Mean over all samples in a part of the key's range; bars: its standard error." + left
+    caption = "Mean largest load of the samples in each part of the key's range; bars: standard error." + left
     return Figure(f"{name}-effects", f"{name}: main effects", tuple(panels), caption, same_y=True)
 
 
 def _scatter_figure(
     name: str, keys: Sequence[VariedKey], shown: Sequence[int], rows: Sequence[Record], left: str
 ) -> Figure:
-    """Return a figure of the output `MAIN` of single samples over each key that is shown.
+    """Return a figure of the largest contact load of single samples over each varied key that is shown.
 
     ``name``: start of the figure's name; ``shown``: indices of the keys that are shown; ``rows``: records of the samples;
     ``left``: sentence on keys that are left out, empty if there are none.
@@ -485,7 +488,7 @@ def _scatter_figure(
 def _worst_figure(
     name: str, keys: Sequence[VariedKey], worst: Sequence[Record], called: Callable[[VariedKey], str]
 ) -> Figure:
-    """Return a figure that shows where in its range each key lies, for the samples with the largest contact loads.
+    """Return a figure of the samples with the largest contact loads: position of each varied key in its range.
 
     ``name``: start of the figure's name; ``worst``: records of these samples; ``called``: function that returns the short
     name of a key.
@@ -499,15 +502,17 @@ def _worst_figure(
     series = tuple(
         Series(f"{row[MAIN]:.4g} N at {row['at']}", number, list(at)) for row, at in zip(worst[:5], place[:5], strict=True)
     )
-    caption = "Place of each key in its range (0 to 1), of the samples with the largest loads."
-    panel = Panel("worst samples", "", "place in its range", series, names=[called(v) for v in keys])
+    caption = "Position of each varied key in its range (0 to 1), in the samples with the largest contact loads."
+    panel = Panel(
+        "samples with the largest loads", "", "position in the range of the key", series, names=[called(v) for v in keys]
+    )
     return Figure(f"{name}-worst", f"{name}: worst samples", (panel,), caption)
 
 
 def _indices_figure(
     name: str, keys: Sequence[VariedKey], indices: Mapping[str, Any], called: Callable[[VariedKey], str]
 ) -> Figure | None:
-    """Return a figure of the Sobol indices of the output `MAIN` with their confidence intervals; None without indices.
+    """Return a figure of the Sobol indices of the largest contact load, with confidence intervals; None without indices.
 
     ``name``: start of the figure's name; ``indices``: result of `sobol_indices_by_output`; ``called``: function that
     returns the short name of a key.
@@ -533,7 +538,7 @@ def _indices_figure(
 def make_sweep(
     scene: str, vary: Sequence[str], samples: int, method: Method, seed: int, model: str, outputs: Sequence[str] = ()
 ) -> Sweep:
-    """Define a sweep of a scene.
+    """Return the definition of a sweep of a scene: varied keys, design of the samples, model and outputs.
 
     ``scene``: name of a scene of the package, or a scene file; ``vary``: texts that name the varied keys with their ranges
     or values; ``samples``, ``method`` and ``seed``: number of samples, design and seed of the design; ``model``: name of

@@ -63,8 +63,8 @@ OUTPUTS = {
     "preload_N": "axial preload / N",
     "torque_Nmm": "friction torque / (N mm)",
     "life_million_revolutions": "life L10 / 10^6 revolutions",
-    "largest_growth": "largest load over the first case's, of any set",
-    "least_growth": "the same, least of any set",
+    "largest_growth": "largest load over that of the first load case, largest ratio of all nuts and bearings",
+    "least_growth": "largest load over that of the first load case, smallest ratio of all nuts and bearings",
 }
 #: Outputs that compare load cases; None for a scene without load cases.
 GROWTH = ("largest_growth", "least_growth")
@@ -81,10 +81,10 @@ Makers = dict[str, Callable[[], Any]]
 def sample_outputs(
     scene: Scene, result: StaticResult, model: str, options: Options, wanted: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
-    """Return outputs of a converged static result by name, and "at": ball and flank of the contact with the largest load.
+    """Return the outputs of a sweep's sample by name, and "at": ball and flank of the contact with the largest load.
 
-    ``result``: static result of the scene; ``model`` and ``options``: name and options of the model that solved it;
-    ``wanted``: names of the outputs, keys of `OUTPUTS`. Rigidity (secant from the unloaded position) and preload need a
+    ``result``: converged static result of the scene; ``model`` and ``options``: name and options of the model that solved
+    it; ``wanted``: names of the outputs, keys of `OUTPUTS`. Rigidity (secant from the unloaded position) and preload need a
     solution without loads, which is computed only for them. The torque needs a [friction] table in the scene. An output
     that does not exist for the scene is None.
     """
@@ -114,7 +114,7 @@ def cycle_outputs(
     *,
     wanted: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
-    """Return the outputs of a duty cycle from results and outputs of its load cases.
+    """Return the outputs of a sweep's sample for a duty cycle, from results and outputs of its load cases.
 
     They are the outputs of the load case with the largest contact load, which "at" names, with three exceptions. Life is
     the shortest life of a nut or bearing over the duty cycle. Torque is the mean over all revolutions. Growth is the ratio
@@ -158,20 +158,21 @@ def cycle_outputs(
 
 
 def _loads_by_nut_or_bearing(result: StaticResult | AxisResult) -> list[Array]:
-    """Return the loads [N] of the contacts or rollers, with one array for each nut and bearing of a scene."""
+    """Return the loads of ball contacts or rollers of a result [N], as one array for each nut or bearing of the scene."""
     return [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
 
 
 def axis_outputs(
     assembly: Assembly, result: AxisResult, engine: str, wanted: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
-    """Return outputs of a converged static result of a shaft with several nuts and bearings, by name.
+    """Return the outputs of a sweep's sample for a shaft with several nuts and bearings, by name.
 
-    ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``wanted``:
-    names of the outputs, keys of `OUTPUTS`. Loads are those of ball contacts and rollers; "at", the place of the largest
-    load, begins with the name of the nut or bearing. The displacement is axial, at the section or housing that the scene
-    names; for the rigidity it counts from the unloaded position. Approaches and torque are of balls only. Life is the
-    shortest life of a nut or bearing; preload is the largest axial force on one of them without loads.
+    ``result``: converged static result; ``engine``: whether numerical kernels run as plain Python ("interpreted") or as
+    machine code ("compiled"); ``wanted``: names of the outputs, keys of `OUTPUTS`. Loads are those of ball contacts and
+    rollers; "at", the place of the largest load, begins with the name of the nut or bearing. The displacement is axial,
+    at the section or housing that the scene names; for the rigidity it counts from the unloaded position. Approaches and
+    torque are of balls only. Life is the shortest life of a nut or bearing; preload is the largest axial force on one of
+    them without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
     force, moved, loads = (
@@ -218,7 +219,7 @@ def _outputs_over_nuts_and_bearings(
     contacts: Callable[[], int],
     rollers: Sequence[tuple[str, Array]] = (),
 ) -> dict[str, Any]:
-    """Return the wanted outputs over all nuts and bearings of a scene by name, and "at", the contact with the largest load.
+    """Return the outputs of a sweep's sample by name, and "at", the contact with the largest load of all nuts and bearings.
 
     Parameters
     ----------
@@ -261,7 +262,7 @@ def _outputs_over_nuts_and_bearings(
 
 
 def _displacement_along_loads(scene: Scene, result: StaticResult) -> float | None:
-    """Return the mean displacement [um] of the points at which the loads act, each along its force; None without a force.
+    """Return the mean displacement of the points of action of the loads, each along its force [um]; None without forces.
 
     Each load is weighted by the magnitude of its force.
     """
@@ -326,7 +327,7 @@ Record = dict[str, Any]
 
 
 def create_or_check_sweep_folder(folder: Path, header: Mapping[str, Any]) -> None:
-    """Create the folder of a sweep, or check that an existing folder belongs to this sweep.
+    """Create the folder that stores a sweep, or check that an existing folder belongs to this sweep.
 
     ``header``: JSON values that identify the sweep, such as its scene and keys; they are written to a file of the folder.
     Raises InputError if the folder holds other files or another sweep.
@@ -353,7 +354,7 @@ def create_or_check_sweep_folder(folder: Path, header: Mapping[str, Any]) -> Non
 def reserve_sweep_folder(folder: Path) -> Iterator[str]:
     """Reserve the folder of a sweep for the present execution and yield the token that identifies it.
 
-    It waits until no process of an earlier execution of the sweep writes in the folder. Raises InputError if another
+    It waits until no process of an earlier execution of the sweep writes to the folder. Raises InputError if another
     execution is active there.
     """
     from filelock import FileLock, Timeout
@@ -388,8 +389,8 @@ def _wait_for_earlier_runs(folder: Path) -> None:
             advice = "end the processes of the earlier run"
             raise ArgumentError(
                 "out",
-                "a folder in which processes of an earlier run write",
-                "a folder in which none of them writes",
+                "a folder to which processes of an earlier run of the sweep still write",
+                "a folder to which no other process writes",
                 advice,
                 str(folder),
             ) from None
@@ -408,7 +409,7 @@ def hold_lock(folder: Path) -> Iterator[None]:
 
 
 def _process_name() -> str:
-    """Return the name of this machine and the number of this process, as part of a file name."""
+    """Return the name of this machine and the number of this process, by which files of a sweep are named."""
     return f"{platform.node()}-{os.getpid()}"
 
 
@@ -421,34 +422,34 @@ def is_current_run(folder: Path, token: str) -> bool:
 
 
 class RecordWriter:
-    """Writer that appends records of samples to a file in the folder of a sweep, which only this process writes."""
+    """Writer that appends records of solved samples to a file in a sweep's folder; no other process writes this file."""
 
     def __init__(self, folder: Path, token: str) -> None:
-        """Name the file after the start of the run's token; the file is opened when the first record is appended.
+        """Choose the name of the file, which is opened when the first record is appended.
 
-        ``folder``: folder of the sweep; ``token``: text that identifies the run.
+        ``folder``: folder of the sweep; ``token``: text that identifies the execution of the sweep.
         """
         self._path = folder / RECORDS / f"{token[:8]}-{_process_name()}.lines"
 
     def append(self, records: Sequence[Record]) -> None:
-        """Append records to the file in one call; raises OSError if the disk does not take all of them."""
+        """Append records of samples to the file in one call; OSError if the disk does not take all of them."""
         lines = b"".join(map(pack_record, records))
         handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
         try:
             if os.write(handle, lines) != len(lines):
-                raise OSError(28, "records were not written whole", str(self._path))
+                raise OSError(28, "the records of samples were not written completely", str(self._path))
         finally:
             os.close(handle)
 
 
 def pack_record(record: Record) -> bytes:
-    """Return a record of a sample as one line of JSON with a checksum."""
+    """Return the record of a sample as one line: a checksum, then JSON."""
     body = json.dumps(record, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
     return b"%08x %s\n" % (zlib.crc32(body), body)
 
 
 def unpack_record(line: bytes) -> Record | None:
-    """Return the record in a line of JSON with a checksum; None if the line is incomplete or damaged."""
+    """Return the record of a sample from a line with checksum and JSON; None if the line is incomplete or damaged."""
     checksum, _, body = line.rstrip(b"\n").partition(b" ")
     if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(body):
         return None
@@ -457,7 +458,7 @@ def unpack_record(line: bytes) -> Record | None:
 
 
 def stored_records(folder: Path) -> Iterator[Record]:
-    """Yield all undamaged records in the folder of a sweep, file by file."""
+    """Yield all undamaged records of samples in the folder of a sweep, file by file."""
     for path in sorted((folder / RECORDS).glob("*.lines")):
         with path.open("rb") as file:
             for line in file:
@@ -467,7 +468,7 @@ def stored_records(folder: Path) -> Iterator[Record]:
 
 
 def records_by_sample(folder: Path) -> dict[int, Record]:
-    """Return the records in the folder of a sweep by the numbers of the samples, which begin at 0."""
+    """Return the stored records of a sweep's samples by the number of the sample, from 0."""
     return {int(record["sample"]): record for record in stored_records(folder)}
 
 
@@ -477,7 +478,7 @@ CONVERGED = "converged"
 #: Pattern of the numbers in a reason for which values are refused.
 _NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
 
-#: Number of balls on a shaft from which on one solution in plain Python takes seconds.
+#: Number of balls on a shaft from which on machine code is used, as one solution in plain Python takes seconds.
 AXIS_COMPILED = 40
 
 
@@ -534,7 +535,7 @@ def solve_sample_or_refuse(
 
 
 def reason_without_numbers(error: InputError) -> str:
-    """Return why the values of a sample are refused, as text in which "#" replaces each number.
+    """Return why a sample's values are refused, as text in which "#" replaces each number.
 
     Reasons that differ only in numbers, such as a range that depends on the sample, thus become equal. ``error``: error
     that the refused values raised.
@@ -558,7 +559,7 @@ def _solve_duty_cycle_sample(cycle: DutyCycle, model: str, engine: str, wanted: 
 def solve_case(
     scene: Scene | Assembly, model: str, engine: str, wanted: Collection[str]
 ) -> tuple[StaticResult | AxisResult, dict[str, Any]]:
-    """Return the static result of one load case, then its outputs by name (empty if it has no solution).
+    """Solve one load case of a sweep's sample: return its static result, then its outputs by name (empty without solution).
 
     ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); a shaft with
     `AXIS_COMPILED` balls or more is always solved with machine code. ``wanted``: names of the outputs.
