@@ -1,4 +1,4 @@
-"""Functions of the Python library: each computes what the command of the same name prints, and returns it as a record.
+"""Functions of ``import rollbench``: each computes what the command of the same name prints, and returns a record.
 
 Linear algebra runs on one thread while a function runs; the former number of threads is restored when the function returns.
 ``OMP_NUM_THREADS``, or the variable of one library such as ``OPENBLAS_NUM_THREADS``, takes precedence where it is set.
@@ -175,7 +175,7 @@ def solve_described(
     *,
     stiffness: bool = False,
 ) -> Result:
-    """Solve a scene that has already been read from its file; see `solve`.
+    """Solve a scene that has already been read from its file, as `solve` does.
 
     Parameters
     ----------
@@ -270,7 +270,7 @@ def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, me
 
 
 def load_curve_of(described: Described, loads: str, model: str, options: Options, origin: str = "") -> LoadCurve:
-    """Compute displacement and stiffness over load for a scene that has already been read; see `load_curve`.
+    """Compute displacement and stiffness over a range of loads for a scene that has already been read; see `load_curve`.
 
     Parameters
     ----------
@@ -349,7 +349,7 @@ def side_by_side(
 def side_by_side_described(
     described: Sequence[Described], origins: Sequence[str], model: str, member: int, stiffness_at: float | None
 ) -> SideBySide:
-    """Compare scenes that have already been read from their files; see `side_by_side`.
+    """Solve and compare scenes that have already been read from their files, as `side_by_side` does.
 
     Parameters
     ----------
@@ -825,10 +825,10 @@ def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7
 
 
 def _described(scene: Described | str | Path) -> Described:
-    """Return the record of a scene; if its name or file is given, read it first."""
+    """Return the record of a scene that is given as record, name or file."""
     return read(scene) if isinstance(scene, (str, Path)) else scene
 
 
 def _origin(scene: Described | str | Path, described: Described) -> str:
-    """Return the file or name by which error messages refer to a scene."""
+    """Return the file or name by which error messages refer to a scene given as record, name or file."""
     return str(scene) if isinstance(scene, (str, Path)) else described.name

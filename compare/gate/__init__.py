@@ -1,1 +1,1 @@
-"""Acceptance checks (the gate): verdicts on models and on users' loads, against the 3D reference and printed numbers."""
+"""Acceptance checks (the gate): verdicts on models and users' loads, against the 3D reference and published numbers."""

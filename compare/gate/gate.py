@@ -32,7 +32,7 @@ from rollbench.meshes.section import screw_section
 
 
 def compare_sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, float, float]]:
-    """Compute the contact of the scene's ball with a flat of the same material, by the program and by Hertz (1881).
+    """Compute the contact of a ball with a flat of the same material, by rollbench and by Hertz's closed form (1881).
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def compare_sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, f
     Returns
     -------
     list of tuple
-        Name, unit, value by the program and value in closed form, for approach, contact radius and largest pressure.
+        Name, unit, value by rollbench and value in closed form, for approach, contact radius and largest pressure.
     """
     m = scene.balls.material
     modulus = contact_modulus(m.youngs_modulus, m.poissons_ratio, m.youngs_modulus, m.poissons_ratio)
@@ -64,9 +64,7 @@ def compare_sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, f
 
 
 def compare_rigid_screw_load(scene: Scene) -> tuple[float, float]:
-    """Compute the ball load of an error-free rigid screw under its axial load [N].
-
-    Returns the load by the solver, then the load in closed form.
+    """Compute the ball load of a rigid screw without errors under axial load [N]: by the solver, then in closed form.
 
     Closed form: an axial displacement s of the screw lengthens the distance between the two groove centres of each ball
     from d to D = |(d cos beta, d sin beta + s cos alpha)|, where beta is the contact angle and alpha the lead angle. The
@@ -99,9 +97,7 @@ def compare_rigid_screw_load(scene: Scene) -> tuple[float, float]:
 
 
 def compare_cantilever_deflection(scene: Scene) -> tuple[float, float]:
-    """Compute the tip deflection of the scene's shaft as a cantilever under a lateral force of 1 N [m].
-
-    Returns the deflection by the solver, then the deflection in closed form.
+    """Compute the tip deflection of a shaft as a cantilever under 1 N across [m]: by the solver, then in closed form.
 
     Closed form of a Timoshenko beam of length L: L^3/(3 E I) + L/(kappa G A), with the bending stiffness E I and the shear
     stiffness kappa G A. In the solved scene small balls with clearance keep the ball contacts unloaded.
@@ -119,9 +115,7 @@ def compare_cantilever_deflection(scene: Scene) -> tuple[float, float]:
 
 
 def compare_two_ball_load(scene: Scene) -> tuple[float, float]:
-    """Compute the load of each of two opposite balls under an axial load F of 100 N [N].
-
-    Returns the load by the solver, then the load in closed form.
+    """Compute the load of two opposite balls under an axial load F of 100 N [N]: by the solver, then in closed form.
 
     Closed form: F / (2 sin gamma), where gamma is the contact angle under load.
     """
@@ -140,13 +134,12 @@ def compare_two_ball_load(scene: Scene) -> tuple[float, float]:
 
 
 def compare_oversize_preload(scene: Scene, oversize: float) -> tuple[float, float]:
-    """Compute the preload on a screw contact due to oversized balls [N]: by the solver, then in closed form.
+    """Compute the preload on a screw contact due to balls with oversize [N]: by the solver, then in closed form.
 
     The screw is rigid and carries no external load. By symmetry a ball moves only radially, by x. Its approach to each
     screw flank is e + |(x - d cos beta, d sin beta)| - d, to each nut flank the same with x + d cos beta. Here e is the
     oversize of the ball radius (``oversize``) [m], beta the contact angle, and d the distance of the groove centre from the
-    ball centre. The closed form is
-    the x at which the radial forces on the ball balance.
+    ball centre. The closed form is the x at which the radial forces on the ball balance.
     """
     squeezed = replace(
         scene,
@@ -172,10 +165,10 @@ def compare_oversize_preload(scene: Scene, oversize: float) -> tuple[float, floa
     return float(solve_static(squeezed).load[:, :2].mean()), contact(x, screw, -1.0, float(constants[0]))[0]
 
 
-#: Limit of the default model's largest error [% of the mean load], tight enough to detect changes for the worse.
+#: Limit of the default model's largest contact-load error [% of the mean load]; so low that a deterioration is noticed.
 TIGHT = 2.0
 
-#: Scenes for which this limit is higher: the limit [%], and the reason.
+#: Scenes with a higher limit than `TIGHT`: the limit [% of the mean load], and the reason.
 WIDER = {"unseen-thin-nut": (2.4, "the wall under the nut's groove is thin, and the model's nut a smooth tube")}
 
 #: Limit [%] of checks that are exact except for round-off and the tolerance of a root search.
@@ -184,7 +177,7 @@ EXACT = 1e-6
 
 @dataclass(frozen=True)
 class GateCheck:
-    """Result of one acceptance check: a computed number against a reference value, or a printed claim in words.
+    """Result of one acceptance check: a computed number against a reference value, or a claim that a publication prints.
 
     Value, reference, error and limit are None for a claim.
     """
@@ -197,9 +190,9 @@ class GateCheck:
     value: float | None
     #: Reference value.
     reference: float | None
-    #: Error [%].
+    #: Error of the computed value [%].
     error_percent: float | None
-    #: Limit [%].
+    #: Limit of the error [%].
     limit_percent: float | None
     #: Whether the absolute error minus the uncertainty of the reference is within the limit.
     passed: bool
@@ -207,12 +200,12 @@ class GateCheck:
     detail: str = ""
     #: Uncertainty of the reference [%].
     uncertainty_percent: float | None = None
-    #: Whether ``rollbench check`` fails if this check fails; if not, the check is only reported.
+    #: Whether a failure of this check makes ``rollbench check`` fail; if not, the check is only reported.
     gated: bool = True
 
     @property
     def verdict(self) -> str:
-        """Verdict as text: ``ok``, ``FAIL``, ``undecided`` or ``reported``.
+        """Verdict of the check as text: ``ok``, ``FAIL``, ``undecided`` or ``reported``.
 
         It is ``undecided`` if the error exceeds the limit by less than the uncertainty, and ``reported`` for a passed check
         that is only reported (see `gated`).
@@ -223,12 +216,12 @@ class GateCheck:
         return "reported" if not self.gated else "undecided" if over else "ok"
 
     def as_json(self) -> dict[str, Any]:
-        """Return the check as a dictionary for JSON, with its verdict."""
+        """Return the fields of the check and its verdict as a dictionary for JSON."""
         return asdict(self) | {"verdict": self.verdict}
 
 
 def check_of_number(name: str, kind: str, value: float, reference: float, limit: float) -> GateCheck:
-    """Return the check of a computed number against a reference value.
+    """Return the acceptance check of a computed number against a reference value.
 
     ``name``: checked quantity; ``kind``: kind of the reference, such as "closed form"; ``value``: computed number;
     ``reference``: value that it should have, in the same unit; ``limit``: limit of the error [%].
@@ -246,7 +239,7 @@ def check_of_error(
     detail: str = "",
     uncertainty: float | None = None,
 ) -> GateCheck:
-    """Return a check for which only the error is known, not the values.
+    """Return an acceptance check for which only the error is known, not the values.
 
     ``name``: what is checked; ``kind``: kind of the reference; ``passed``: result; ``detail``: explanation; ``error``,
     ``limit``, ``uncertainty``: error, its limit and the reference's uncertainty [%].
@@ -255,7 +248,7 @@ def check_of_error(
 
 
 def check_of_printed_entry(entry: Evidence, max_error: float) -> GateCheck:
-    """Return the check of a printed number or claim of a publication against the computed value.
+    """Return the acceptance check of a number or claim that a publication prints, against the computed value.
 
     ``entry``: the printed number or claim with the computed value. The limit of the error is the tolerance of the printed
     number, at most ``max_error`` [%].
@@ -276,16 +269,16 @@ def check_of_printed_entry(entry: Evidence, max_error: float) -> GateCheck:
 
 
 def check_printed_entries(study: Study, max_error: float) -> list[GateCheck]:
-    """Check every printed number or claim of class hard, as-printed or input (`printed.CLASSES`) that has a computed value.
+    """Check the published numbers and claims of the classes hard, as-printed and input (`printed.CLASSES`).
 
-    ``max_error``: upper limit of the error [%].
+    Entries without a computed value are left out. ``max_error``: upper limit of the error [%].
     """
     gated = [e for e in evidence(study) if e.printed.cls in ("hard", "as-printed", "input") and e.agrees is not None]
     return [check_of_printed_entry(e, max_error) for e in gated]
 
 
 def check_external_bands(study: Study) -> list[GateCheck]:
-    """Check every number and claim of other programs, makers or textbooks that has a tolerance band.
+    """Check the numbers and claims of other programs, makers and textbooks that have a tolerance band.
 
     The limit of the error is the distance from the printed number to that end of the band which lies on the side of the
     computed value.
@@ -295,7 +288,7 @@ def check_external_bands(study: Study) -> list[GateCheck]:
 
 
 def check_of_band(found: Evidence) -> GateCheck:
-    """Return the check of a printed number or claim that has a tolerance band.
+    """Return the acceptance check of a published number or claim that has a tolerance band.
 
     ``found``: the printed number or claim with the computed value.
     """
@@ -308,7 +301,7 @@ def check_of_band(found: Evidence) -> GateCheck:
 
 
 def check_closed_forms(study: Study, max_error: float) -> list[GateCheck]:
-    """Check solutions of the screw of Lin's thesis (scene lin-case1) against closed forms; ``max_error``: limit [%]."""
+    """Check solutions for the screw of Lin's thesis (scene lin-case1) against closed forms; ``max_error``: limit [%]."""
     scene = study.scene("lin-case1")
     limit = min(EXACT, max_error)
     rows = [
@@ -326,7 +319,7 @@ def check_closed_forms(study: Study, max_error: float) -> list[GateCheck]:
 
 
 def check_solvers(study: Study, max_error: float) -> list[GateCheck]:
-    """Check the equilibrium of every built-in scene's solution, and the agreement of both solvers of the beam model.
+    """Check the equilibrium of the solution of every built-in scene, and the agreement of both solvers of Lin's model.
 
     Limit of the errors: `EXACT`, at most ``max_error`` [%].
     """
@@ -354,10 +347,11 @@ def check_solvers(study: Study, max_error: float) -> list[GateCheck]:
 def check_default_model(study: Study, max_error: float) -> list[GateCheck]:
     """Check the default model against the stored 3D references of case studies and of screws not used in development.
 
-    Two limits apply to each scene. The error of the worst contact, in per cent of its reference load (of the mean load for
-    small loads), has the limit ``max_error``. The largest error in per cent of the mean load has the limit ``TIGHT``, or
-    that in ``WIDER``. The uncertainty of the reference is subtracted from each error; for the second limit at most the
-    limit itself, so that a coarse reference cannot excuse every error.
+    Two errors of each scene have a limit. The error of the worst contact, in per cent of its reference load (of the mean
+    load for small loads), has the limit ``max_error``. The largest error in per cent of the mean load has the limit
+    ``TIGHT``, or that in ``WIDER``. An error passes if it exceeds its limit by no more than the uncertainty of the
+    reference. For the second error this allowance is at most as large as the limit, so that a reference on a coarse mesh
+    cannot excuse every error.
     """
     rows: list[GateCheck] = []
     for name in (*REFERENCED, *UNSEEN):
@@ -389,10 +383,10 @@ def check_default_model(study: Study, max_error: float) -> list[GateCheck]:
 
 
 def check_lin_model(study: Study, max_error: float) -> list[GateCheck]:
-    """Check Lin's model on every scene with a 3D reference, and report its worst contact.
+    """Report the largest error of Lin's model on every scene with a 3D reference, and check the list of known errors.
 
-    Errors of this model above the limit ``max_error`` [%] do not make a check fail: the contacts with such errors are
-    listed in ``known_exceedances.toml`` with their cause. A check fails only if this list is wrong.
+    Errors above the limit ``max_error`` [%] do not make a check fail: the contacts with such errors are listed in
+    ``known_exceedances.toml`` with their cause. A check fails only if this list does not match the computed errors.
     """
     rows: list[GateCheck] = []
     known = {(x.scene, x.ball, x.side) for x in known_exceedances()}

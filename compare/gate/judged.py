@@ -1,4 +1,4 @@
-"""Quantities other than contact loads that `rollbench check` judges: limits, values, uncertainties, users' CSV files.
+"""Quantities other than contact loads that `rollbench check` judges: error limits, values, uncertainties, CSV files.
 
 Contact angle, approach and pressure are judged on every contact; displacement, rigidity, torque and life of the whole
 screw. By Hertz the approach of a contact is proportional to F^(2/3) and its largest pressure to F^(1/3); life is
@@ -34,17 +34,17 @@ from rollbench.meshes.units import COMMA, UnitError, dimension_description, has_
 
 #: Options with which the default model computes the unloaded position of the screw and the contacts for the friction.
 INTERPRETED = Options(discretisation=False, engine="interpreted")
-#: Note on quantities that are computed from loads.
+#: Note on quantities whose reference value is computed from contact loads.
 BY_FORMULA = "reference value computed by rollbench's formula from the reference's loads"
 
 
 @dataclass(frozen=True)
 class JudgedQuantity:
-    """Quantity other than a contact load that `rollbench check` judges, such as the life of the screw."""
+    """Quantity other than a contact load that `rollbench check` judges, such as the life, with its default error limit."""
 
-    #: Key in JSON, which ends with the unit.
+    #: Key of the quantity in JSON, which ends with the unit.
     key: str
-    #: Name in tables, files and options.
+    #: Name of the quantity in tables, files and options.
     name: str
     #: Ratio of the default error limit of this quantity to that of the contact loads.
     times: float = 1.0
@@ -70,7 +70,7 @@ DISPLACEMENT = JudgedQuantity("displacement_um", "displacement")
 RIGIDITY = JudgedQuantity("rigidity_N_per_um", "rigidity")
 TORQUE = JudgedQuantity("torque_Nmm", "torque")
 LIFE = JudgedQuantity("life_million_revolutions", "life", 3.0)
-#: Quantities of every contact, by their columns in a CSV file; quantities of the whole screw; all of them by name.
+#: Judged quantities of every contact, by their columns in a CSV file; judged quantities of the whole screw; all by name.
 OF_CONTACTS = {"angle": ANGLE, "approach": APPROACH, "pressure": PRESSURE}
 OF_WHOLE = (DISPLACEMENT, RIGIDITY, TORQUE, LIFE)
 QUANTITIES = {q.name: q for q in (*OF_CONTACTS.values(), *OF_WHOLE)}
@@ -115,7 +115,7 @@ def parse_error_limits(texts: Sequence[str]) -> dict[str, float]:
 
 
 def error_limit_of(quantity: JudgedQuantity, stated_limits: Mapping[str, float], limit_of_loads: float) -> float:
-    """Return the error limit of a quantity [%; deg for angles].
+    """Return the error limit of a judged quantity [%; deg for angles].
 
     It is the limit in ``stated_limits`` (limits that the user states, by name of the quantity) if the quantity has one
     there; otherwise the default, which for most quantities is a multiple of the limit ``limit_of_loads`` of the contact
@@ -125,7 +125,7 @@ def error_limit_of(quantity: JudgedQuantity, stated_limits: Mapping[str, float],
 
 
 def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Array) -> Array:
-    """Compute the elastic approach [m] or the largest pressure [Pa] of all contacts by Hertz, (n, 4).
+    """Compute the elastic approach [m] or the largest pressure [Pa] of all contacts from their loads by Hertz, (n, 4).
 
     ``quantity``: which of the two: `PRESSURE`, or any other for the approach; ``load``: contact loads (n, 4) [N].
     """
@@ -136,7 +136,7 @@ def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Arr
 def uncertainty_from_loads(
     quantity_of_loads: Callable[[Array], Array | float | None], load: Array, uncertainty: Array
 ) -> Array | float | None:
-    """Return the uncertainty of a quantity that follows from the uncertainty of the contact loads.
+    """Return the uncertainty of a quantity due to the uncertainty of the contact loads from which it is computed.
 
     All loads are raised together, then lowered together, by their uncertainty.
 
@@ -162,7 +162,7 @@ def uncertainty_from_loads(
 
 
 def contact_quantity_of_reference(scene: Scene, reference: Reference, quantity: JudgedQuantity) -> tuple[Array, Array]:
-    """Return the values of a contact quantity (angle, approach or pressure) by the reference, and their uncertainty.
+    """Return the reference's values of a contact quantity (angle, approach or pressure), and their uncertainty.
 
     Both are arrays (n, 4) in SI units; an uncertainty that is not known is nan.
     """
@@ -178,7 +178,7 @@ def contact_quantity_of_reference(scene: Scene, reference: Reference, quantity: 
 
 @dataclass(frozen=True)
 class WholeScrewQuantities:
-    """Computes quantities of the whole screw (displacement, rigidity, torque, life) from the contact loads of a scene."""
+    """Evaluation of a scene's contact loads: displacement, rigidity, torque and life of the whole screw."""
 
     #: Scene whose screw is evaluated.
     scene: Scene
@@ -192,7 +192,7 @@ class WholeScrewQuantities:
         return unloaded_axial_displacement(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
 
     def value_of(self, quantity: JudgedQuantity, answer: Loads, station: float | None = None) -> float | None:
-        """Return a quantity in SI units (a life in million revolutions) from the results of a model or a 3D run.
+        """Return a quantity of the whole screw in SI units (a life in million revolutions), by a model or a 3D run.
 
         ``answer``: contact loads and displacements by the model or run; ``station``: axial position at which a displacement
         is taken [m]; None: the nut's centre. None is returned if the quantity is not defined for these loads.
@@ -215,9 +215,10 @@ class WholeScrewQuantities:
     def reference(
         self, quantity: JudgedQuantity, ref: Reference, station: float | None = None
     ) -> tuple[float | None, float | None]:
-        """Return the value of a quantity by the reference ``ref``, and its uncertainty, in SI units; None if not known.
+        """Return the reference's value of a quantity of the whole screw, and its uncertainty, in SI units; None if unknown.
 
-        ``station``: axial position of a displacement [m]; None: the nut's centre. A life is in million revolutions.
+        ``ref``: the reference; ``station``: axial position of a displacement [m], None: the nut's centre. A life is in
+        million revolutions.
         """
         answers = [loads_from_run(run, "") for run in ref.runs]
         if quantity in (TORQUE, LIFE):
@@ -232,7 +233,7 @@ class WholeScrewQuantities:
         return values[-1], grid_convergence(values, ref.sizes).uncertainty
 
     def reason_without_value(self, quantity: JudgedQuantity, ref: Reference) -> str:
-        """Return the reason why the reference ``ref`` has no value of a quantity."""
+        """Return the reason why the reference ``ref`` gives no value of a quantity of the whole screw."""
         if quantity is TORQUE:
             return "the scene has no [friction]" if self.scene.friction is None else "the friction model finds none"
         if quantity is LIFE:
@@ -240,7 +241,7 @@ class WholeScrewQuantities:
         return f"{ref.label} contains none" if ref.stated else "the screw does not move in the direction of its load"
 
     def computation_note(self, quantity: JudgedQuantity) -> str:
-        """Return a note on how the reference's value of a quantity is computed; empty if there is nothing to note."""
+        """Return a note on how the reference's value of a quantity of the whole screw is computed; may be empty."""
         if quantity in (TORQUE, LIFE):
             return BY_FORMULA
         return (
@@ -268,7 +269,7 @@ class WholeScrewQuantities:
 
     @cached_property
     def _default_solution(self) -> StaticResult:
-        """Solution of the default model, whose loads and angles are replaced by others to compute their friction."""
+        """Solution of the scene by the default model; its loads and angles are replaced by others to compute friction."""
         return run_model(self.scene, DEFAULT, INTERPRETED)
 
 
@@ -286,7 +287,7 @@ LIVES = {"million revolutions": 1.0, "1e6 revolutions": 1.0, "revolutions": 1e-6
 
 @dataclass(frozen=True)
 class GivenValue:
-    """Value of one quantity of the whole screw (such as rigidity or life) from a user's file."""
+    """A user's value of a quantity of the whole screw (such as rigidity or life), which is to be judged."""
 
     #: Quantity that the value belongs to.
     quantity: JudgedQuantity
@@ -296,7 +297,7 @@ class GivenValue:
     force: float | None = None
     #: Axial position at which a displacement applies [m]; None: the nut's centre.
     station: float | None = None
-    #: Load or position as written in the file; empty: none is written.
+    #: Text in the file's column ``where``: load or axial position of the value; may be empty.
     where: str = ""
     #: Number or name of the nut or bearing on the shaft, as written in the file; empty: none is written.
     set: str = ""
@@ -308,7 +309,7 @@ class GivenValue:
 
 
 def read_given_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], tuple[str, ...]]:
-    """Read from a CSV file the values of the whole screw that are to be judged.
+    """Read a user's values of the whole screw (such as rigidity or life), which are to be judged, from a CSV file.
 
     Parameters
     ----------
@@ -348,7 +349,7 @@ def read_given_values(path: Path, case: str | None = None) -> tuple[list[GivenVa
 
 
 def _value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> GivenValue:
-    """Return the value that one row of a user's file states; InputError if a cell is not valid.
+    """Return the value of the whole screw that one row of a user's file states; InputError if a cell is not valid.
 
     ``line``: number of the line, as text; ``cells``: texts of the row by column; ``decimal_comma``: whether a comma is the
     decimal mark of numbers.

@@ -1,4 +1,4 @@
-"""Writing of verdicts to files: JUnit XML for test servers, Markdown for summaries, CSV for spreadsheets.
+"""Writing of verdicts on scenes to files: JUnit XML for test servers, Markdown for summaries, CSV for spreadsheets.
 
 The module also lists the verdicts that changed since an earlier file of ``rollbench check --csv`` or ``--json``.
 """
@@ -45,9 +45,9 @@ HEADINGS = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """Row of a published table of verdicts: a verdict on a user's scene, or a check of the built-in scenes."""
+    """Row of a table of verdicts for output files: a verdict on a user's scene, or a check of the built-in scenes."""
 
-    #: Whether the row is shown as passed.
+    #: Whether the row counts as passed.
     good: bool
     #: Verdict as text, such as "pass".
     word: str
@@ -65,18 +65,18 @@ class Outcome:
     limit: float | None
     #: Unit of error, uncertainty and limit.
     unit: str = "%"
-    #: Number (from 1) of the ball of the decisive contact.
+    #: Number (from 1) of the ball of the contact that determines the verdict.
     ball: int | None = None
-    #: Flank of the decisive contact.
+    #: Groove flank of the contact that determines the verdict.
     flank: str = ""
     #: Further explanation.
     note: str = ""
-    #: For the balls next to the decisive one: number of the ball, judged load, reference load and its uncertainty [N].
+    #: For the balls next to this contact: number of the ball, judged load, reference load and its uncertainty [N].
     near: tuple[tuple[int, float, float, float], ...] = ()
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """Texts of the cells of the row, in the order of `HEADINGS`; a unit other than per cent follows the number."""
+        """Texts of the row's cells, in the order of `HEADINGS`; numbers have their unit unless it is per cent."""
         numbers = (number_cell_text(x, self.unit) for x in (self.error, self.uncertainty, self.limit))
         ball = "" if self.ball is None else str(self.ball)
         cells = (self.word, self.scene, self.judged, self.quantity, *numbers, ball, self.flank, self.note)
@@ -93,20 +93,20 @@ def number_cell_text(value: float | None, unit: str) -> str:
 
 
 def outcome_of_verdict(v: Verdict) -> Outcome:
-    """Return the row to be published for the verdict ``v`` on a user's scene."""
+    """Convert the verdict ``v`` on a user's scene to a row of the table of verdicts for output files."""
     note = "; ".join(filter(None, (v.pair_text.strip(", "), v.detail)))
     numbers = v.error, v.uncertainty, v.limit, v.unit
     return Outcome(v.word == "pass", v.word, v.subject, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near)
 
 
 def outcome_of_check(row: GateCheck) -> Outcome:
-    """Return the row to be published for an acceptance check of the built-in scenes."""
+    """Convert an acceptance check of the built-in scenes to a row of the table of verdicts for output files."""
     numbers = (row.error_percent, row.uncertainty_percent, row.limit_percent)
     return Outcome(row.passed, row.verdict, row.name, "", row.kind, *numbers, note=row.detail)
 
 
 def junit_xml(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
-    """Return verdicts as JUnit XML: a test case for each row, and the notes as properties.
+    """Return rows of verdicts as JUnit XML: a test case for each row, and the notes as properties.
 
     ``outcomes``: rows of verdicts; ``notes``: notes on the whole table. A row that did not pass is a failure, whose type is
     its verdict.
@@ -132,7 +132,7 @@ def junit_xml(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
 
 
 def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
-    """Return verdicts as Markdown: counts, notes, a table, and a chart of the loads around the worst ball.
+    """Return rows of verdicts as Markdown: counts, notes, a table, and a chart of the loads around the worst ball.
 
     ``outcomes``: rows of verdicts, of which those that did not pass come first; ``notes``: notes on the whole table. The
     chart is written in Mermaid, which GitHub, GitLab, Forgejo and Gitea draw, because a comment there cannot contain an
@@ -149,9 +149,9 @@ def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str
 
 
 def outcome_with_worst_ball(outcomes: Sequence[Outcome]) -> Outcome | None:
-    """Return the row with the largest error among those that did not pass, else among all; its ball is drawn in the chart.
+    """Return the row of verdicts whose contact is drawn in the chart: largest error among failed rows, else among all.
 
-    Only rows with loads of the balls around the decisive one count. None if there is no such row.
+    Only rows with loads of the balls around the judged contact count. None if there is no such row.
     """
     shown = [o for o in outcomes if o.near]
     return min(shown, key=lambda o: (o.good, -abs(o.error or 0.0)), default=None)
@@ -164,7 +164,10 @@ def _chart_title(o: Outcome) -> str:
 
 
 def _load_chart_lines(o: Outcome | None) -> list[str]:
-    """Return the Markdown lines of a Mermaid chart of the contact loads around the ball of the row ``o``; none for None."""
+    """Return Markdown lines of a Mermaid chart of the contact loads around the worst ball; no lines if ``o`` is None.
+
+    ``o``: row of verdicts whose ball is drawn.
+    """
     if o is None:
         return []
     balls, loads, reference, _ = zip(*o.near, strict=True)
@@ -186,7 +189,7 @@ def _load_chart_lines(o: Outcome | None) -> list[str]:
 
 
 def worst_ball_figure(o: Outcome) -> Figure:
-    """Return a figure of judged loads, reference loads and their uncertainty around the decisive ball of the row ``o``."""
+    """Return a figure of judged and reference contact loads around the ball that determines the verdict of row ``o``."""
     from rollbench.reports.content import Figure, Panel, Series
 
     balls, loads, reference, bars = (list(x) for x in zip(*o.near, strict=True))
@@ -210,7 +213,7 @@ def _escape_markup(text: str) -> str:
 
 
 def verdicts_csv(outcomes: Sequence[Outcome]) -> str:
-    """Return verdicts as CSV text, with a line of column headings."""
+    """Return rows of verdicts as CSV text, with a line of column headings."""
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(HEADINGS)
@@ -227,7 +230,7 @@ def write_verdicts(
     csv_file: Path | None = None,
     environment: Mapping[str, str] | None = None,
 ) -> list[Path]:
-    """Write verdicts to files, and append the Markdown text to the summary of a continuous-integration job.
+    """Write rows of verdicts to files, and append the Markdown text to the summary of a continuous-integration job.
 
     A figure of the loads around the worst ball is written as SVG next to the Markdown file.
 
@@ -279,12 +282,12 @@ def _append_to_file(path: Path, text: str) -> Path:
     return path
 
 
-#: Key that identifies a row of verdicts: name of the scene or check, and name of the quantity.
+#: Pair that identifies a row of verdicts: name of the scene or check, and name of the quantity.
 Label = tuple[str, str]
 
 
 class RoundedVerdict(NamedTuple):
-    """Verdict with error and limit rounded to four digits, as published, for comparison with an earlier file."""
+    """Verdict with error and limit rounded to four digits as in output files, for comparison with an earlier file."""
 
     #: Verdict as text, such as "pass".
     verdict: str
@@ -308,9 +311,9 @@ class VerdictChange(NamedTuple):
     scene: str
     #: Name of the quantity.
     quantity: str
-    #: Earlier verdict; None if the row is new.
+    #: Verdict in the earlier file; None if the row is new.
     before: RoundedVerdict | None
-    #: Present verdict; None if the row was removed.
+    #: Present verdict; None if the row no longer exists.
     after: RoundedVerdict | None
 
     def as_json(self) -> dict[str, Any]:
@@ -344,7 +347,7 @@ class VerdictChange(NamedTuple):
 
 
 def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[VerdictChange]:
-    """Return the verdicts that differ from those of an earlier file in verdict or error, are new, or were removed.
+    """Return the changes of verdicts since an earlier file: other verdict or error, new rows, removed rows.
 
     Parameters
     ----------
@@ -373,7 +376,7 @@ def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[Verdic
 
 
 def _verdict_and_error_text(row: RoundedVerdict | None) -> tuple[str, str] | None:
-    """Return verdict and error (two decimals) of a row as texts, by which rows are compared; None if there is no row."""
+    """Return verdict and error (two decimals) of a row as texts, to compare earlier and present rows; None without row."""
     return None if row is None else (row.verdict, row.size)
 
 
@@ -384,7 +387,7 @@ def _rounded_verdict(verdict: str, error: float | None, limit: float | None, uni
 
 
 def _key_and_rounded_verdict(o: Outcome) -> tuple[Label, RoundedVerdict]:
-    """Return the key (scene, quantity) and the rounded verdict of the present row ``o``."""
+    """Return the names of scene and quantity that identify the row of verdicts ``o``, and its rounded verdict."""
     return (one_line(o.scene, 2000), one_line(o.quantity, 2000)), _rounded_verdict(o.word, o.error, o.limit, o.unit)
 
 
@@ -407,7 +410,7 @@ def _read_earlier_verdicts(path: Path) -> dict[Label, RoundedVerdict]:
 
 
 def _verdicts_in_csv(text: str) -> Iterator[tuple[Label, RoundedVerdict]]:
-    """Yield the key (scene, quantity) and the verdict of each line of a CSV text; ValueError for other headings."""
+    """Yield the names of scene and quantity, and the verdict, of each line of a CSV text; ValueError for other headings."""
     headings, *rows = csv.reader(text.splitlines())
     if tuple(headings) != HEADINGS:
         raise ValueError(headings)
@@ -425,12 +428,12 @@ def _number_and_unit(cell: str) -> tuple[float | None, str]:
 
 
 def _verdicts_in_json(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the records of verdicts on scenes, or of acceptance checks, from the JSON output of ``rollbench check``."""
+    """Return the JSON records of verdicts on scenes, or of acceptance checks, in the output of ``rollbench check``."""
     return list(data["verdicts"] if "verdicts" in data else data["rows"])
 
 
 def _verdict_from_json(row: Mapping[str, Any]) -> tuple[Label, RoundedVerdict]:
-    """Return the key (scene, quantity) and the verdict of one JSON record of ``rollbench check``.
+    """Return the names of scene and quantity, and the verdict, of one JSON record of ``rollbench check``.
 
     The unit of error and limit is the ending of their keys.
     """

@@ -1,4 +1,4 @@
-"""Gate for users' scenes: compares contact loads of a model, or of another program, with the 3D reference.
+"""Acceptance check of users' scenes: contact loads of a model, or of another program, against the 3D reference.
 
 A user's file of contact loads, measured or from another 3D program, can replace the 3D reference.
 """
@@ -68,7 +68,7 @@ UNCERTAINTY, PROVENANCE = "uncertainty", "provenance"
 def read_reference_file(
     path: Path, scene: Scene, row_filter: Only = EVERY, contacts: int | None = None
 ) -> tuple[Reference, tuple[str, ...]]:
-    """Read a user's reference loads from a file with the columns of `loads_file`, for every ball and flank.
+    """Read a user's reference loads of all balls and flanks from a file with the columns of `loads_file`.
 
     The file states the uncertainty of its loads in a column (``uncertainty_N``, or ``uncertainty_percent`` of each load) or
     in a note above the table (``# uncertainty: 0.5 %`` of the mean load, or ``2 N``). If it states none, the uncertainty is
@@ -121,7 +121,7 @@ def read_reference_file(
 
 
 def uncertainty_warning(ref: Reference, limit: float) -> str:
-    """Return a warning if the largest uncertainty of a contact load of the reference exceeds the error limit; else "".
+    """Return a warning if the uncertainty of a contact load of the reference exceeds the error limit; otherwise "".
 
     ``ref``: the reference; ``limit``: error limit of contact loads [% of the contact's load; of the mean load for small
     loads].
@@ -136,7 +136,7 @@ def uncertainty_warning(ref: Reference, limit: float) -> str:
 
 
 def _stated_uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str]:
-    """Return the load uncertainty (n, 4) [N] that a user's reference file states, and its description as text.
+    """Return the uncertainty of the contact loads (n, 4) [N] that a user's reference file states, and a text about it.
 
     ``given``: contents of the file; ``mean``: mean contact load [N], to which a percentage in a note refers. InputError if
     the file states the uncertainty in several ways or not validly.
@@ -170,7 +170,7 @@ def _stated_uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Arr
 
 
 def run_record_of_loads(scene: Scene, load: Array, angle: Array) -> Run:
-    """Return a record of a 3D run, without mesh, displacements and times, with given contact loads and angles.
+    """Return given contact loads and angles as the record of a 3D run that has no mesh, displacements and times.
 
     ``load``: contact loads (n, 4) [N]; ``angle``: contact angles (n, 4) [deg]. Loads from a file can then be used wherever
     a run of the 3D reference is expected.
@@ -205,10 +205,10 @@ def run_record_of_loads(scene: Scene, load: Array, angle: Array) -> Run:
 #: Number of mesh levels computed by default: the smallest number from which a mesh uncertainty can be estimated.
 ENOUGH = 2
 
-#: Limit [%] below which the user may have meant a fraction (0.07 for 7 %): no reference is that accurate.
+#: Error limit [%] below which the user may have meant a fraction (0.07 for 7 %): no reference is that accurate.
 SHARE = 0.2
 
-#: Reason of a verdict "not covered" on a scene without reference.
+#: Reason of the verdict "not covered" on a scene without 3D reference.
 NONE_STORED = "no run of its 3D reference is stored, and none is to be computed"
 
 #: Known columns of a file of contact loads, as text for messages.
@@ -221,7 +221,7 @@ NO_CASES: Mapping[str, str] = {}
 
 @dataclass(frozen=True)
 class GateRequest:
-    """Request to judge a model or file: error limits, and the 3D reference or user's reference to judge it against."""
+    """What is to be judged (a model or a file), by which error limits, and against which reference."""
 
     #: Folders with stored runs of the 3D reference; new runs are stored in the first.
     stores: tuple[Path, ...]
@@ -231,7 +231,7 @@ class GateRequest:
     loads: Path | None = None
     #: Limit of the errors of contact loads [%]; None: the limit that the scene states, or else `LIMIT`.
     max_error: float | None = None
-    #: Least number of mesh levels of the 3D reference; None: the number of stored levels, but at least `ENOUGH`.
+    #: Least number of mesh levels of the 3D reference; None: as many as are stored, but at least `ENOUGH`.
     levels: int | None = None
     #: Whether missing runs of the 3D reference are computed.
     compute: bool = True
@@ -259,7 +259,7 @@ def gate_request(
     stored: Path | None = None,
     compute: bool = True,
 ) -> GateRequest:
-    """Check the user's arguments and return them as a request to judge a model or file.
+    """Check the user's arguments and return them as a `GateRequest`, a request to judge a model or a file.
 
     Parameters
     ----------
@@ -317,7 +317,7 @@ def gate_request(
 
 @dataclass(frozen=True)
 class UserFiles:
-    """Contents of a user's files (loads, values, reference) for a scene or load case."""
+    """Contents of a user's files for one scene or load case: judged contact loads, judged values, reference loads."""
 
     #: Contact loads of another program, one record for each nut or bearing.
     loads: tuple[GivenLoads, ...] = ()
@@ -337,7 +337,7 @@ def check_scenes(
     warn: Callable[[str], None] = lambda _: None,
     cases: Mapping[str, str] = NO_CASES,
 ) -> list[Verdict]:
-    """Judge a model's or a file's contact loads and other values on each scene, against the 3D or the user's reference.
+    """Judge contact loads and other values of a model or a file on each scene, against the 3D or the user's reference.
 
     Missing runs of the 3D reference are computed first, unless the request forbids it.
 
@@ -403,7 +403,7 @@ def check_scenes(
 
 
 def _contact_verdicts_of_set(one: Referenced, files: UserFiles, limits: Limits, request: GateRequest) -> list[Verdict]:
-    """Return the verdicts on the contact loads of one nut or bearing, taken from a user's file or from a model.
+    """Return the verdicts on the contact loads of one nut or bearing by a model or by a user's file.
 
     ``one``: the nut or bearing with its reference; ``files``: contents of the user's files; ``limits``: error limits;
     ``request``: model or file to be judged.
@@ -420,7 +420,7 @@ def _contact_verdicts_of_set(one: Referenced, files: UserFiles, limits: Limits, 
 
 
 def _with_set_name(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
-    """Return the verdicts with the names of the shaft assembly and of its nut or bearing filled in.
+    """Return the verdicts with the names of the scene and of its nut or bearing filled in, if the scene has several.
 
     ``one``: the nut or bearing that they judge; the verdicts of a scene with a single one are unchanged.
     """
@@ -430,7 +430,7 @@ def _with_set_name(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
 def _add_stored_reference_verdict(
     verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, request: GateRequest
 ) -> list[Verdict]:
-    """Return the verdicts, after adding to the first one's explanation how the stored 3D reference would judge the loads.
+    """Return the verdicts, with the stored 3D reference's verdict on the same loads added to the first one's explanation.
 
     Nothing is added unless ``verdicts`` refer to a user's reference file and a 3D reference is stored, too. ``given``: the
     user's contact loads; ``one``: the nut or bearing with the reference against which it was judged.
@@ -451,7 +451,7 @@ def _verdict_on_value(
     request: GateRequest,
     reason: str,
 ) -> Verdict:
-    """Return the verdict on a user's value of the whole screw (such as its life or stiffness).
+    """Return the verdict on a user's value of a quantity of the whole screw (such as life or rigidity).
 
     ``value``: the user's value; ``referenced_sets``: the nuts or bearings to which it belongs, with their references; if
     there is none, the verdict is "not covered" for the given ``reason``. Of several nuts or bearings on one shaft, only the
@@ -475,7 +475,7 @@ def is_name_of_set(referenced: Referenced, text: str) -> bool:
 
 
 def _names_of_set(assembly: Assembly, k: int) -> tuple[str, str]:
-    """Return the texts that identify the nut or bearing ``k`` (from 0) in users' files: its number from 1, and its name."""
+    """Return the two texts by which users' files may name the nut or bearing ``k`` (from 0): number from 1, and name."""
     return str(k + 1), assembly.sets[k].name
 
 
@@ -490,7 +490,7 @@ def _not_covered_verdict(scene: Solvable, judged: str, quantity: str, limit: flo
 def _scenes_with_user_files(
     scenes: Sequence[Solvable], request: GateRequest, cases: Mapping[str, str]
 ) -> Sequence[Solvable]:
-    """Return the scenes to which the user's files apply; an empty sequence if the request names no file.
+    """Return the scenes to which the user's files apply; none if the request names no file.
 
     ``scenes``: scenes to be judged; ``cases``: name of the load case by name of the scene, for load cases of one scene.
     ArgumentError if there are several scenes that are not load cases of a single one.
@@ -605,9 +605,9 @@ def stored_reference_of_set(referenced: Referenced, stores: Sequence[Path]) -> R
 
 
 def _check_set_names(scene: Solvable, values: Sequence[GivenValue], path: Path) -> None:
-    """Raise InputError if a value in the file ``path`` names no nut or bearing, or an unknown one.
+    """Raise InputError if a value in a user's file names no nut or bearing of the scene, or an unknown one.
 
-    Values of a scene with one nut or bearing need no name.
+    ``path``: path of the file. Values of a scene with a single nut or bearing need no name.
     """
     if isinstance(scene, Scene):
         return
@@ -619,9 +619,10 @@ def _check_set_names(scene: Solvable, values: Sequence[GivenValue], path: Path) 
 
 
 def _scene_at_value_load(scene: Solvable, value: GivenValue, path: Path) -> Scene:
-    """Return the scene with its loads scaled to the axial load at which a value in the file ``path`` is given.
+    """Return the scene with its loads scaled to the axial load at which a user's value is given.
 
-    ``value``: the value with its axial load. InputError if the scene has no axial load, or several nuts or bearings.
+    ``value``: the value with its axial load; ``path``: the user's file. InputError if the scene has no axial load, or
+    several nuts or bearings.
     """
     assert value.force is not None
     if isinstance(scene, Assembly):
@@ -644,7 +645,7 @@ def _check_unknown_columns(path: Path, headings: Sequence[str], warn: Callable[[
 
 
 def _notes_on_loads(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[str]:
-    """Yield notes on a user's contact loads, some of which may be empty texts.
+    """Yield explanations for the verdict on a user's contact loads; some may be empty texts.
 
     ``given``: the user's contact loads; ``limits``: error limits. The notes state flanks without loads, balls that the file
     numbers differently, and suspected causes of large errors.
@@ -657,7 +658,7 @@ def _notes_on_loads(given: GivenLoads, reference: Reference, limits: Limits) -> 
 
 
 def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
-    """Return the error limits for a scene: those that the user states, else those that the scene states, else `LIMIT`.
+    """Return the error limits for a scene: those of the user, else those of the scene, else the default `LIMIT`.
 
     Parameters
     ----------
@@ -680,14 +681,14 @@ def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[s
 
 
 def fraction_limit_warnings(limits: Limits) -> Iterator[str]:
-    """Yield a warning for each limit that looks like a fraction, such as 0.07 % where 7 % may be meant."""
+    """Yield a warning for each error limit that looks like a fraction, such as 0.07 % where 7 % may be meant."""
     for name, limit in {"loads": limits.largest, **limits.others}.items():
         if limit < SHARE and name != ANGLE.name:
             yield f"the limit of {name} is {limit:g} %: do you mean {100.0 * limit:g} %? Limits are in per cent"
 
 
 def _verdicts_on_model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
-    """Return the verdicts on a model's results for one nut or bearing; a single "fail" if the model finds no equilibrium.
+    """Return the verdicts on a model's results for one nut or bearing; one "fail" if the model finds no equilibrium.
 
     ``one``: the nut or bearing with its reference; ``name``: name of the model; ``stores``: folders with 3D runs.
     """
@@ -719,7 +720,7 @@ def _verdicts_on_model(one: Referenced, name: str, limits: Limits, stores: Seque
 def _compute_missing_runs(
     scenes: Sequence[Solvable], request: GateRequest, engine: Engine, step: Callable[[str], None]
 ) -> dict[str, str]:
-    """Compute missing runs of the 3D reference, and return why a computation failed, by name of the scene.
+    """Compute missing runs of the 3D reference, and return the reasons of failed ones by name of the scene.
 
     ``request``: number of mesh levels and folders of runs; ``engine``: settings that determine where runs are computed;
     ``step``: function that is called with each line of progress. A scene that the 3D reference cannot represent does not

@@ -35,13 +35,13 @@ LIMIT = 7.0
 #: Exit code of each verdict, the worst verdict first; of several verdicts the worst determines the exit code.
 CODES: dict[Word, int] = {"fail": 1, "not converged": 1, "undecided": 3, "not covered": 4, "pass": 0}
 
-#: Number of balls on either side of the decisive ball that a picture shows.
+#: Number of balls that a figure shows on either side of the ball that determines the verdict.
 NEAR = 6
 
 #: Other units of force, in newtons.
 UNITS = {"kilonewtons": 1e3, "pounds": 4.4482216152605, "kiloponds": 9.80665, "millinewtons": 1e-3}
 
-#: Relative deviation from a unit's factor up to which the ratio of two load sums is explained by that wrong unit.
+#: Relative deviation up to which the ratio of judged to reference loads is taken for the factor of a wrong unit.
 ALIKE = 0.2
 
 LARGEST = "largest error of a contact load"
@@ -72,7 +72,7 @@ def subject_text(scene: str, case: str | None, set_: str | None) -> str:
 
 @result_record
 class Verdict:
-    """Verdict on one quantity of a scene, of one of its load cases or of a nut or bearing, with the error and its limit."""
+    """Verdict on one quantity of a scene, of a load case, or of a nut or bearing, with the error and its limit."""
 
     #: Name of the scene.
     scene: str
@@ -82,29 +82,29 @@ class Verdict:
     quantity: str
     #: Verdict as text, such as "pass".
     word: Word
-    #: Error on the decisive contact [`unit`]; None if the quantity could not be judged.
+    #: Error of the quantity, or of the contact that determines the verdict [`unit`]; None if it could not be judged.
     error: float | None = stated(
         "error_percent",
-        "error of the judged quantity, in the rule of the gate: of its own value, of the mean load for contacts below a "
-        "tenth of it",
+        "error of the judged quantity in per cent of the reference value; for contact loads below a tenth of the mean "
+        "load in per cent of the mean load",
         QuantityDescription(
             "error_deg",
-            "error of the contact angle that decides, of contacts that bear load in both",
+            "error of the contact angle that determines the verdict, of contacts loaded in both results",
             error="`uncertainty_deg` beside it",
         ),
         error="`uncertainty_percent` beside it",
     )
-    #: Uncertainty of the reference on the decisive contact [`unit`]; None: not known.
-    uncertainty: float | None = stated("uncertainty_deg", "the reference's uncertainty of it, by discretisation")
+    #: Uncertainty of the reference for this quantity or contact [`unit`]; None: not known.
+    uncertainty: float | None = stated("uncertainty_deg", "uncertainty of the reference's contact angle, by discretisation")
     #: Limit of the error [`unit`].
     limit: float = stated(
         "limit_percent",
-        "limit of the scene or of the command line",
-        QuantityDescription("limit_deg", "its limit, 1 deg unless given"),
+        "error limit of the scene or of the command line",
+        QuantityDescription("limit_deg", "error limit of the contact angle, 1 deg unless given"),
     )
-    #: Number (from 1) of the ball of the decisive contact.
+    #: Number (from 1) of the ball of the contact that determines the verdict.
     ball: int | None = None
-    #: Flank of the decisive contact.
+    #: Groove flank of the contact that determines the verdict.
     flank: str | None = None
     #: Mesh levels of the reference.
     levels: tuple[int, ...] = ()
@@ -112,7 +112,7 @@ class Verdict:
     contacts: int = 0
     #: Further explanation; may be empty.
     detail: str = ""
-    #: Largest and RMS error in per cent of the mean load, which every output states first; None for other quantities.
+    #: Largest and RMS error of the contact loads in per cent of the mean load; None for other quantities.
     of_mean: LoadError | None = stated(
         "max_percent_of_mean",
         "error of the worst contact load in per cent of the mean load",
@@ -127,12 +127,12 @@ class Verdict:
     unit: str = "%"
     #: Key of the quantity, its judged value and its value in the reference; None for contact loads.
     pair: tuple[str, float, float] | None = None
-    #: For the balls next to the decisive one: number of the ball, judged load, reference load and its uncertainty [N].
+    #: For the balls next to this contact: number of the ball, judged load, reference load and its uncertainty [N].
     near: tuple[tuple[int, float, float, float], ...] = ()
 
     @property
     def error_percent(self) -> float | None:
-        """Error on the decisive contact [%]; None if the quantity is judged in another unit."""
+        """Error that determines the verdict [%]; None if the quantity is judged in another unit."""
         return self.error if self.unit == "%" else None
 
     @property
@@ -196,7 +196,7 @@ class Verdict:
         return f", {value:.4g} against {reference:.4g} {words_and_unit_of_key(key)[1]}"
 
     def compared(self) -> str:
-        """Return a text that compares error and uncertainty with the limit, such as ``1.4 % + 0.2 % <= 7 %``."""
+        """Return error, uncertainty and limit as a comparison, such as ``1.4 % + 0.2 % <= 7 %`` for "pass"."""
         error, limit = f"{abs(self.error or 0.0):.2f} {self.unit}", f"{self.limit:.4g} {self.unit}"
         if self.uncertainty is None:
             return f"{error}, uncertainty unknown, limit {limit}"
@@ -237,7 +237,7 @@ def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> W
 
 
 class ContactError(NamedTuple):
-    """Error on one judged contact, with the uncertainty of the reference."""
+    """Error of the judged load or angle on one contact, with the uncertainty of the reference."""
 
     #: Error [%; deg for contact angles].
     error: float
@@ -250,7 +250,7 @@ class ContactError(NamedTuple):
 
 
 def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Word, ContactError]:
-    """Return the worst verdict on any contact, and the contact that decides it.
+    """Return the worst verdict on any contact, and the contact that determines it.
 
     ``points``: errors of all judged contacts; ``limit``: error limit, in the unit of these errors. The decisive contact is
     the one that exceeds the limit by most; if none exceeds it, the one nearest to the limit.
@@ -265,7 +265,7 @@ def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Word
 def verdict_without_reference(
     reference: Reference, judged: str, quantity: str, limit: float, why: str, unit: str = "%"
 ) -> Verdict:
-    """Return the verdict "not covered" on a quantity for which the reference has no value.
+    """Return the verdict "not covered", for a quantity of which the reference has no value.
 
     ``judged``: name of the model or file; ``limit``: error limit in ``unit``; ``why``: the reason.
     """
@@ -277,7 +277,7 @@ def verdict_without_reference(
 def judge_contact_loads(
     judged: str, load: Array, reference: Reference, limits: Limits, flanks: Sequence[str] = SIDES, detail: str = ""
 ) -> list[Verdict]:
-    """Judge the contact loads of a model or file against a reference: largest error and RMS error.
+    """Judge the contact loads of a model or file against a reference, by their largest error and their RMS error.
 
     Parameters
     ----------
@@ -335,16 +335,17 @@ def judge_contact_loads(
 def _loads_of_neighbouring_balls(
     load: Array, reference: Reference, at: ContactError
 ) -> tuple[tuple[int, float, float, float], ...]:
-    """Return the loads of the balls around the contact ``at``, on the same flank, up to `NEAR` balls on either side.
+    """Return the judged and reference loads on the flank of a contact, of up to `NEAR` balls on either side.
 
-    Each entry is (number of the ball from 1, judged load, reference load, uncertainty of the reference load), loads in N.
+    ``at``: the contact. Each entry is (number of the ball from 1, judged load, reference load, uncertainty of the reference
+    load), loads in N.
     """
     s, balls = SIDES.index(at.side), range(max(at.ball - 1 - NEAR, 0), min(at.ball + NEAR, len(load)))
     return tuple((k + 1, float(load[k, s]), float(reference.load[k, s]), float(reference.uncertainty[k, s])) for k in balls)
 
 
 def reference_notes(reference: Reference) -> str:
-    """Return notes on a reference as text: its origin, incomplete convergence, a single mesh level; empty without any."""
+    """Return remarks on a reference as text: its origin, incomplete convergence, a single mesh level; may be empty."""
     single = ONE_LEVEL if reference.parts.by_experience and not reference.stated else ""
     return "; ".join(filter(None, (reference.stated, reference.unsettled, single)))
 
@@ -355,7 +356,7 @@ def worst_verdict(words: Sequence[Word]) -> Word:
 
 
 def suspected_cause_text(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
-    """Return the likely cause of errors above the limit: wrong unit, different numbering of balls, or swapped flanks.
+    """Return the likely cause if loads exceed the error limit: wrong unit, other numbering of balls, or swapped flanks.
 
     Parameters
     ----------
@@ -399,7 +400,7 @@ def _largest_error(given: Array, right: Array, mean: float) -> float:
     return float(np.abs(error_percent(given, right, mean)).max())
 
 
-#: Note on approaches and pressures that are computed from the contact loads of the reference.
+#: Remark on approaches and pressures that are computed from the reference's contact loads.
 BY_HERTZ = "reference value computed by Hertz theory from its contact loads and the radii of each contact"
 
 
@@ -415,7 +416,7 @@ class ContactValues(NamedTuple):
 
 
 def contact_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> ContactValues:
-    """Return a model's contact loads, and its contact angles, approaches and pressures if these have a limit.
+    """Return a model's contact loads, and those of its contact angles, approaches and pressures that have an error limit.
 
     ``answer``: results of the model; ``limits``: error limits by name of the quantity.
     """
@@ -430,7 +431,7 @@ def contact_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, fl
 
 
 def screw_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> list[GivenValue]:
-    """Return a model's values of the quantities of the whole screw (such as life or stiffness) that have a limit.
+    """Return a model's values of the quantities of the whole screw (such as life or rigidity) that have an error limit.
 
     ``answer``: results of the model; ``limits``: error limits by name of the quantity.
     """
@@ -445,7 +446,7 @@ def screw_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, floa
 def judge_contact_quantities(
     judged: str, given: ContactValues, scene: Scene, ref: Reference, limits: Limits
 ) -> list[Verdict]:
-    """Judge contact angles, approaches and pressures against the reference, each by its decisive contact.
+    """Judge contact angles, approaches and pressures against the reference, each by the contact with the worst error.
 
     ``judged``: name of the model or file; ``given``: its values on all contacts; ``ref``: the reference. Quantities that
     are not stated, and angles that the reference does not have, are left out.
@@ -458,7 +459,7 @@ def judge_contact_quantities(
 def _judge_contact_quantity(
     judged: str, given: ContactValues, name: str, scene: Scene, ref: Reference, limits: Limits
 ) -> Verdict:
-    """Judge one contact quantity (angle, approach or pressure) by its decisive contact.
+    """Judge one contact quantity (angle, approach or pressure) by the contact with the worst error.
 
     ``judged``: name of the model or file; ``given``: its values; ``name``: key of the quantity in `OF_CONTACTS`; ``ref``:
     the reference; ``limits``: error limits. Errors of approach and pressure are in per cent of the reference value of the
@@ -499,7 +500,7 @@ def _judge_contact_quantity(
 
 
 def judge_given_value(judged: str, given: GivenValue, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
-    """Judge a value of the whole screw (such as its life or stiffness) against that of the reference.
+    """Judge a value of the whole screw (such as its life or rigidity) against that of the reference.
 
     ``judged``: name of the model or file that states the value ``given``; ``ref``: the reference. The error is in per cent
     of the reference value.
@@ -520,5 +521,5 @@ def judge_given_value(judged: str, given: GivenValue, scene: Scene, ref: Referen
 
 
 def quantities_without_verdict(verdicts: Sequence[Verdict]) -> list[str]:
-    """Return the names of those quantities (`QUANTITIES`) on which there is none of the given verdicts."""
+    """Return the names of those judged quantities (`QUANTITIES`) for which the given verdicts contain none."""
     return [name for name in QUANTITIES if not any(v.quantity.split(" at ")[0] == name for v in verdicts)]
