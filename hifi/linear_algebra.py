@@ -550,7 +550,9 @@ def _checked_positive_diagonal(matrix: sp.csc_array) -> Array:
     diagonal: Array = matrix.diagonal()
     if not np.all(diagonal > 0.0):  # also NaN
         bad = int(np.argmin(np.where(np.isnan(diagonal), -np.inf, diagonal)))
-        raise FactorError(f"not positive definite: diagonal entry {bad} is {diagonal[bad]:.3g} (is its node in no cell?)")
+        raise FactorError(
+            f"the matrix is not positive definite: diagonal entry {bad} is {diagonal[bad]:.3g} (is its node in no cell?)"
+        )
     return diagonal
 
 
@@ -579,7 +581,9 @@ def _run_elimination(eliminate: Callable[[], T]) -> T:
     try:
         return eliminate()
     except ArithmeticError as error:
-        raise FactorError(f"not positive definite: elimination breaks down at column {error.args[0]}") from error
+        raise FactorError(
+            f"the matrix is not positive definite: elimination breaks down at column {error.args[0]}"
+        ) from error
 
 
 def _superlu_solver(matrix: sp.csc_array) -> Solve:
@@ -590,7 +594,7 @@ def _superlu_solver(matrix: sp.csc_array) -> Solve:
     try:
         lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:
-        raise FactorError(f"not positive definite: SuperLU reports {error}") from error
+        raise FactorError(f"the matrix is not positive definite: SuperLU reports {error}") from error
     if not (np.array_equal(lu.perm_r, lu.perm_c) and np.all(lu.U.diagonal() > 0.0)):
-        raise FactorError("not positive definite: SuperLU met a pivot that is not positive")
+        raise FactorError("the matrix is not positive definite: SuperLU met a pivot that is not positive")
     return lambda rhs: np.asarray(lu.solve(rhs))

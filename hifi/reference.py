@@ -114,14 +114,14 @@ def solve_reference(
     frozen: bool = False,
     step: Callable[[str], None] = lambda _: None,
 ) -> ReferenceResult:
-    """Solve all contacts of a prepared geometry by the 3D reference, for one load case or pattern of manufacturing errors.
+    """Solve all contacts of a meshed and condensed ball screw or bearing by the 3D reference, for one load case.
 
     Parameters
     ----------
     setup : Setup
         Meshed and condensed parts of one geometry.
     scene : Scene
-        The load case.
+        The load case, with manufacturing errors.
     updates : int, default ROUNDS
         Largest number of updates of contact normals and gaps to the displaced state; 0: both keep their nominal values,
         except that gaps are corrected for the position of each contact on its mesh grid.

@@ -105,7 +105,7 @@ class Setup:
     others_MB: float = 0.0
 
     def body(self, side: int) -> ScrewResponse | NutResponse | None:
-        """Return the condensed screw or nut that has a flank (0 to 3); None: a rigid nut."""
+        """Return the condensed body on which a groove flank (0 to 3) lies: screw or nut; None for a rigid nut."""
         return self.screw if side < 2 else self.nut
 
 

@@ -73,10 +73,11 @@ def describe_bodies_of_each_set(assembly: Assembly) -> tuple[SetBodies, ...]:
     for s in assembly.sets:
         if not isinstance(s.parts, Scene):
             raise ValueError(
-                f"{s.name}: the 3D reference has no rollers on a shaft; mesh-study computes one of the rollers in 3D"
+                f"{s.name}: the 3D reference cannot solve a roller bearing on a shaft; mesh-study solves one of its "
+                "rollers in 3D"
             )
         if s.carrier is not None:
-            raise ValueError(f"{s.name}: the 3D reference has no inner ring on a housing")
+            raise ValueError(f"{s.name}: the 3D reference cannot model a bearing whose inner ring is on a housing")
     if assembly.thermal_strain:
         raise ValueError("the 3D reference does not model thermal expansion of the shaft: remove the warming")
     sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
@@ -182,7 +183,9 @@ def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Fram
         if p.housing is None:
             continue
         if p.setup.nut is None:
-            raise ValueError("the 3D reference has no rigid nut on a housing that moves")
+            raise ValueError(
+                "the 3D reference cannot model a rigid nut on a movable housing: make the nut elastic, or fix the housing"
+            )
         at = frame.housings[p.housing].at - p.shift
         carried.append(CarriedNut(p.setup.nut.G, p.setup.nut.rigid @ rigid_motion_transfer_matrix(-at), p.housing))
     stretches = [p.setup.screw.stretch.shift_along_shaft(p.shift) for p in placed]

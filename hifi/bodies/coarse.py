@@ -74,9 +74,10 @@ NO_RESULTANT = 1e-9
 
 
 def reduce_socket_transfer_to_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
-    """Find few displacement modes V of a contact, with their nodal forces Q on its socket, such that H is nearly V Q.
+    """Find a few displacement modes V of a contact, and their nodal forces Q on the socket, such that H is nearly V Q.
 
-    H^T gives the forces by which a patch transfers its contact loads to the nodes of the socket.
+    H (`CondensedPatch.H`) gives the displacements of the contact by the motion of the socket, the box that the patch fills;
+    H^T gives the forces on the socket by the contact loads.
 
     The first modes belong to the independent resultants (forces and moments) of the contact loads. Each gives the nodal
     forces on the socket that contact pressures cause on average per unit of the resultant, so that Q^T V^T f is in
@@ -134,7 +135,7 @@ def _dominant_left_singular_vectors(traces: Array, least: float) -> Array:
 
 
 def rigid_motions_of_patch(patch: CondensedPatch) -> tuple[Array, Array]:
-    """Compute six independent rigid motions of a patch, as displacements of its socket's nodes and of its contact nodes.
+    """Compute six independent rigid motions of a fine patch, as displacements of its socket's and its contact nodes.
 
     Parameters
     ----------
@@ -228,7 +229,7 @@ def convert_mesh_order(mesh: Mesh, kind: str) -> Mesh:
         ``kind`` is neither "P1" nor "P2".
     """
     if kind not in ("P1", "P2"):
-        raise ValueError(f"the element order of a coarse body got {kind!r}; allowed: 'P1' or 'P2'")
+        raise ValueError(f"the element type of a body's coarse mesh must be 'P1' or 'P2', got {kind!r}")
     if kind == "P2":
         return mesh
     points = node_coordinates(mesh)
@@ -242,7 +243,7 @@ def convert_mesh_order(mesh: Mesh, kind: str) -> Mesh:
 def assemble_body_stiffness(
     mesh: Mesh, sockets: Sequence[Socket], patches: dict[int, CondensedPatch], young: float, poisson: float
 ) -> sp.csc_array:
-    """Assemble the stiffness of a coarse body with a condensed patch in every socket.
+    """Assemble the stiffness of a coarsely meshed body with condensed fine patches in its sockets (boxes at the contacts).
 
     Parameters
     ----------

@@ -391,7 +391,9 @@ def _interpolate_periodic(values: Array, place: Array) -> Array:
 
 
 def tabulate_gap_corrections(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material: Material) -> GridWave:
-    """Tabulate the gap corrections for the contacts on one flank: smooth force law less approach at each grid position.
+    """Tabulate the gap corrections for the contacts on one flank, at positions in a grid cell and several forces.
+
+    A correction is the approach by the smooth force law less the approach computed at the position.
 
     Parameters
     ----------

@@ -49,6 +49,7 @@ Flags = NDArray[np.bool_]
 class BallBlock:
     """Compliance D = blkdiag(A_s) + V G V^T between the contact pairs of one ball, flank after flank.
 
+    A_s: local compliance of flank s; V: few smooth modes by which the ball couples its flanks; G: compliance between them.
     Its factorisation costs sum n_s^3 instead of (sum n_s)^3 operations.
     """
 
@@ -228,7 +229,8 @@ def ball_block_from_dense_matrix(matrix: Array) -> BallBlock:
 class Compliance:
     """Compliance C = blkdiag(D_p) + U G U^T of the contacts of all balls, with U = blkdiag(U_p); C itself is never formed.
 
-    Create it with `compliance_of_single_ball` or `compliance_of_coupled_balls`, which check the matrices.
+    D_p: compliance of ball p alone; U_p: modes by which its contacts act on screw and nut; G: compliance between the modes
+    of all balls. Create it with `compliance_of_single_ball` or `compliance_of_coupled_balls`, which check the matrices.
     """
 
     #: Compliance D_p between the n_p contact pairs of each ball p.

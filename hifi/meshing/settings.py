@@ -40,7 +40,7 @@ ROUNDING = 5e-6
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Settings:
-    """Mesh choices of the 3D reference."""
+    """Mesh settings of the 3D reference: cell sizes at contacts and in bodies, submodels, modes and element type."""
 
     #: Cells across the short semi-axis b of a contact.
     b_over_h: float = frozen_default(4.0)
@@ -80,7 +80,7 @@ class Settings:
 
 
 def round_up_lengths(lengths: tuple[float, float]) -> tuple[float, float]:
-    """Round lengths [m] up to multiples of `ROUNDING`, so that similar scenes share their patches.
+    """Round two lengths [m] up to multiples of `ROUNDING`, so that similar scenes get the same contact meshes.
 
     Parameters
     ----------
@@ -120,7 +120,10 @@ NEAR = 0.2
 
 @dataclass(frozen=True)
 class ExpectedContacts:
-    """Estimated contacts of n balls with the flanks SL, SR (screw left, right), NL, NR (nut left, right)."""
+    """Estimated loads, angles and ellipses of the contacts of n balls with the groove flanks, in the order SL, SR, NL, NR.
+
+    S: screw, N: nut; L: left, R: right.
+    """
 
     #: Contact loads ``(n, 4)`` [N].
     load: Array
@@ -149,10 +152,7 @@ class ExpectedContacts:
         return float((self.across[ball, side] * scale).mean()), float((self.along[ball, side] * scale).mean())
 
     def reach(self) -> tuple[float, float]:
-        """Return the largest distances from the nominal contact point to the edge of any contact [m].
-
-        The first distance is across the groove, the second along it.
-        """
+        """Return how far the contact ellipses reach from the nominal contact points, across and along the groove [m]."""
         return float((self.across + np.abs(self.shift)).max()), float(self.along.max())
 
     def sides(self) -> tuple[int, ...]:
@@ -228,7 +228,7 @@ def estimate_contacts_of_scene(scene: Scene) -> ExpectedContacts:
 def estimate_contacts_of_each_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
     """Estimate the contact loads and ellipses of each nut or bearing on a shaft, to size its meshes.
 
-    A preload by force is replaced by the shift of the nut that produces it with all parts rigid but the contacts.
+    A preload by force is replaced by the axial shift of the nut that produces it if only the contacts are elastic.
 
     Parameters
     ----------

@@ -178,7 +178,7 @@ class Frame:
 
     @property
     def stations(self) -> set[float]:
-        """Axial positions of supports and loads [m]."""
+        """Axial positions of all supports of and loads on the shaft [m]."""
         return {x.at for x in self.supports} | {x.at for x in self.loads}
 
     def prescribed_motions(self) -> list[tuple[int, float, int, float]]:
