@@ -127,7 +127,7 @@ def condense_patches_of_flank(
     sockets : Sockets
         Sockets of groove and ball.
     settings : Settings
-        Mesh choices.
+        Mesh settings: cell sizes, modes and element type.
 
     Returns
     -------
@@ -385,7 +385,7 @@ def assemble_stiffness_and_contact_modes(
     count : int
         Number of displacement modes of every contact.
     settings : Settings
-        Mesh choices.
+        Mesh settings: cell sizes, modes and element type.
 
     Returns
     -------
@@ -421,7 +421,7 @@ def condense_ball(material: Material, mesh: BallBody, patches: dict[int, SidePat
     patches : dict[int, SidePatches]
         Condensed patches of each flank.
     settings : Settings
-        Mesh choices.
+        Mesh settings: cell sizes, modes and element type.
 
     Returns
     -------
@@ -474,7 +474,7 @@ def condense_screw(
     patches : dict[int, CondensedPatch]
         Condensed patch of each flank of the screw.
     settings : Settings
-        Mesh choices.
+        Mesh settings: cell sizes, modes and element type.
     dims : Dimensions
         Dimensions of the solid parts.
 
@@ -625,7 +625,7 @@ def condense_nut(
     patches : dict[int, CondensedPatch]
         Condensed patch of each flank of the nut.
     settings : Settings
-        Mesh choices.
+        Mesh settings: cell sizes, modes and element type.
     dims : Dimensions
         Dimensions of the solid parts.
 

@@ -504,7 +504,7 @@ def ball_contact_pressures(
     scene : Scene
         Ball screw or bearing.
     settings : Settings
-        Mesh choices.
+        Mesh settings: cell sizes, modes and element type.
     ball : int
         Number of the ball, from 0.
     loads : (4,) Array

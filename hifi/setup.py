@@ -169,7 +169,7 @@ def prepare(
     sides : tuple[int, ...]
         Flanks (0 to 3 for SL, SR, NL, NR) that may carry load.
     settings : Settings
-        Mesh choices.
+        Mesh settings: cell sizes, modes and element type.
     step : Step, optional
         Function that is called with a text on the progress.
     scenes : Sequence[Scene], optional

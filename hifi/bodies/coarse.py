@@ -81,12 +81,12 @@ def reduce_socket_transfer_to_modes(patch: CondensedPatch, count: int) -> tuple[
 
     The first modes belong to the independent resultants (forces and moments) of the contact loads. Each gives the nodal
     forces on the socket that contact pressures cause on average per unit of the resultant, so that Q^T V^T f is in
-    equilibrium with all forces f. Resultants are those of the forces themselves, by the means of rigid motions over the
-    pressure functions; H of a carrier patch gives them only to some 1e-4 (`hifi.bodies.patch.condense_patch`). The next
-    modes are the strongest of the remaining loads on the socket, which have no resultant.
+    equilibrium with all contact loads f. The resultants are computed from the contact loads themselves; H of a coarser
+    patch gives them only to some 1e-4 (`hifi.bodies.patch.condense_patch`). The next modes are the strongest of the
+    remaining loads on the socket, which have no resultant.
 
     The pressures are elliptic, of several sizes and positions in the contact zone (`hertz_pressures_of_unit_force`), so
-    that the modes do not depend on the grid and few are needed. Single pressure functions count with the weight `REST`. The
+    that the modes do not depend on the grid and few are needed. Loads on single nodes count with the weight `REST`. The
     last modes are errors of H in the resultants, so that V Q is exact with all modes.
 
     Parameters
@@ -99,9 +99,9 @@ def reduce_socket_transfer_to_modes(patch: CondensedPatch, count: int) -> tuple[
     Returns
     -------
     V : (c, k) Array
-        k orthonormal modes of the contact loads.
+        k orthonormal displacement modes of the contact.
     Q : (k, 3 nodes) Array
-        Rows Q of these modes on the degrees of freedom of the socket's nodes.
+        Nodal forces of these modes on the degrees of freedom of the socket's nodes.
     """
     rigid, moved = rigid_motions_of_patch(patch)
     W, strength, _ = np.linalg.svd(moved, full_matrices=False)

@@ -58,7 +58,7 @@ def choose_patch_lines(
     Parameters
     ----------
     settings : Settings
-        Mesh choices.
+        Mesh settings: cell sizes, modes and element type.
     width : tuple[float, float]
         Half widths of the socket that the patch fills, across and along the groove [m].
     deep : float
@@ -104,7 +104,7 @@ def choose_socket_size(
     dims : Dimensions
         Dimensions of the solid parts.
     settings : Settings
-        Mesh choices.
+        Mesh settings: cell sizes, modes and element type.
 
     Returns
     -------
@@ -258,7 +258,7 @@ def mesh_parts(
     sides : tuple[int, ...]
         Groove flanks (0, 1: screw, 2, 3: nut) that carry contacts.
     settings : Settings
-        Mesh choices.
+        Mesh settings: cell sizes, modes and element type.
     cache : Cache, optional, default None
         Cache of meshes on disk; None: all parts are meshed.
 
@@ -297,7 +297,7 @@ def list_mesh_calls(
     sides : tuple[int, ...]
         Groove flanks (0, 1: screw, 2, 3: nut) that carry contacts.
     settings : Settings
-        Mesh choices.
+        Mesh settings: cell sizes, modes and element type.
 
     Returns
     -------
@@ -385,7 +385,7 @@ def element_order_of_bodies(settings: Settings) -> Literal["P1", "P2"]:
     Parameters
     ----------
     settings : Settings
-        Mesh choices.
+        Mesh settings: cell sizes, modes and element type.
 
     Returns
     -------
@@ -409,7 +409,7 @@ def mesh_load_transfer_patch(
     map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     settings : Settings
-        Mesh choices of the contact's patch.
+        Mesh settings of the contact's patch.
 
     Returns
     -------
@@ -436,7 +436,7 @@ def mesh_patch(
     map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     settings : Settings
-        Mesh choices.
+        Mesh settings: cell sizes, modes and element type.
 
     Returns
     -------

@@ -167,7 +167,7 @@ def finite_body_contact_under_load(
 def solve_normal_contact_with_groove(scene: kinematics.Rolling, touch: kinematics.GrooveContact, choices: Choices) -> Patch:
     """Solve the normal contact of a ball with a groove on a grid of cells, under the contact's prescribed force.
 
-    ``scene``: the rolling balls; ``touch``: the contact of one of them with a groove; ``choices``: numerical choices.
+    ``scene``: the rolling balls; ``touch``: the contact of one of them with a groove; ``choices``: numerical settings.
     Raises ValueError if the direction to the groove's bottom is unknown, or a finite body has no room for the contact
     zone.
     """
@@ -304,7 +304,7 @@ def prepare_friction_contacts(scene: kinematics.Rolling, choices: Choices) -> li
     scene : kinematics.Rolling
         The balls.
     choices : Choices
-        Numerical choices.
+        Numerical settings.
 
     Returns
     -------
@@ -490,7 +490,7 @@ def copy_without_ball_to_ball_contacts(scene: kinematics.Rolling) -> kinematics.
 
 
 def hertz_semi_axes(scene: kinematics.Rolling, touch: kinematics.GrooveContact) -> tuple[float, float]:
-    """Compute the Hertzian semi-axes of a ball's contact with a groove.
+    """Compute the semi-axes of the Hertzian contact ellipse between a ball and a groove.
 
     Parameters
     ----------
@@ -654,7 +654,7 @@ class TransientResult:
 
     @property
     def converged(self) -> bool:
-        """Whether every step is a solution."""
+        """Whether all time steps have converged."""
         return self.status == "converged"
 
 

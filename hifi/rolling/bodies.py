@@ -714,7 +714,7 @@ class ContactPosition:
         poisson : float
             Poisson's ratio.
         sizes : Sizes
-            Numerical choices.
+            Numerical settings.
 
         Returns
         -------
@@ -776,7 +776,7 @@ def contact_kernel(at: ContactPosition, load: float, young: float, poisson: floa
     poisson : float
         Poisson's ratio.
     sizes : Sizes
-        Numerical choices.
+        Numerical settings.
 
     Returns
     -------
@@ -807,7 +807,7 @@ def compute_and_cache_kernels(
     poisson : float
         Poisson's ratio.
     sizes : Sizes
-        Numerical choices.
+        Numerical settings.
     processes : int
         Number of processes.
 

@@ -226,7 +226,7 @@ def simulate_rolling_onset(patch: Patch, mu: float, share: float, steps: int) ->
         contact = Contact(bound, response / seconds, motion, np.array([0]), -upstream @ forces / seconds)
         solution = solve_friction([contact], balance, y, [forces] if step else None)
         if not solution.converged:
-            raise ValueError(f"friction in step {step} of a contact that begins to roll: {solution.status}")
+            raise ValueError(f"the friction of a contact that begins to roll, step {step}: {solution.status}")
         forces, y = solution.forces[0], solution.motions
         sticking = int(np.count_nonzero(solution.stick[0]))
         out.append(OnsetStep(float(y[0]), sticking, -float(forces @ solution.slips[0])))
@@ -294,7 +294,7 @@ def solve_normal_contact_by_rolling_model(
     shape : tuple[int, int]
         Cells of the grid along and across the groove.
     sizes : Sizes
-        Numerical choices of the kernel.
+        Numerical settings of the finite bodies.
 
     Returns
     -------
