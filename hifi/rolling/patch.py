@@ -190,7 +190,7 @@ def _corner_coordinates(x: Array, y: Array, dx: float, dy: float) -> tuple[Array
 
 
 def _log_term_without_cancellation(x: Array, y: Array) -> Array:
-    """Evaluate x arsinh(y/|x|), which equals x ln(y + R) with R^2 = x^2 + y^2 up to a function of x only.
+    """Evaluate x arsinh(y/abs(x)), which equals x ln(y + R) with R^2 = x^2 + y^2 up to a function of x only.
 
     It has no cancellation for y < 0. The value at x = 0 is the limit 0.
     """
