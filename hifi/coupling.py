@@ -46,7 +46,7 @@ class PlacedSet:
 
     @property
     def ball_count(self) -> int:
-        """Number of balls."""
+        """Number of balls of the nut or bearing."""
         return self.setup.layout.z.size
 
     @cached_property

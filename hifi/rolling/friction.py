@@ -189,7 +189,10 @@ def _newton_terms_of_coulomb_law(c: Contact, q: Array, y: Array, grip: Array) ->
     held = np.flatnonzero(stick)
 
     def free_rows(A: Array) -> Array:
-        """Select rows of a matrix (2 n, k): along ``across`` for slipping cells, then x and y for cells that stick."""
+        """Return the rows of a matrix (2 n, k) for the unknowns of Newton's step.
+
+        A slipping cell has one, perpendicular to its pull; a cell that sticks has two, along x and y.
+        """
         return np.concatenate([across[:, :1] * A[slip] + across[:, 1:] * A[n + slip], A[held], A[n + held]])
 
     MR = free_rows(c.elastic)

@@ -266,8 +266,8 @@ def mount_stretches(
     for z in sorted(acted):
         if not rigid and any(s.is_inside_without_port(z) for s in stretches):
             raise ValueError(
-                f"the support or load at {1e3 * z:.4g} mm lies inside the 3D stretch of the shaft, which was prepared "
-                "without it: prepare the geometry with all scenes that will be solved"
+                f"the support or load at {1e3 * z:.4g} mm lies inside the part of the shaft that is meshed in 3D, "
+                "which was condensed without it: prepare the geometry with all scenes that will be solved"
             )
     n = 6 * len(nodes)
     K = np.zeros((n + 6 * len(frame.housings),) * 2)
