@@ -98,7 +98,7 @@ def assumptions_table(study: Study) -> Table:
         rows += [{"case": PREFIX + name, "assumed": text} for text in texts]
     columns = (Quantity("case", "case or scene", "", "s"), Quantity("assumed", "inferred or chosen to run it", "", "s"))
     return Table(
-        "external-assumed", "Inputs that the publications leave open, and the values assumed for them", columns, rows
+        "external-assumed", "Inputs that the publications do not print, and what is assumed for them", columns, rows
     )
 
 
@@ -116,7 +116,9 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
     series = (Series("error", [x for x, _ in points], [y for _, y in points], "markers"),)
     panel = Panel("computed against published", "", "error / %", series, names=list(errors))
     caption = "Only numbers that the same theory must give, or that have a stated tolerance; the tables show all."
-    return Figure("external-errors", "Difference between computed and published values", (panel,), caption, columns=1)
+    return Figure(
+        "external-errors", "Errors of computed against published values, by publisher", (panel,), caption, columns=1
+    )
 
 
 def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
@@ -258,7 +260,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         assumptions_table(study),
     )
     return Section(
-        "external", "Comparison with other programs, catalogues and textbooks", items, conclusion=agreement_sentence(found)
+        "external",
+        "Computed values against other programs, catalogues and textbooks",
+        items,
+        conclusion=agreement_sentence(found),
     )
 
 

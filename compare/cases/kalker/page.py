@@ -448,7 +448,7 @@ def _from_rest_row(s: RunFromRest) -> Row:
 
 
 def _numerical_choice_row(c: ChoiceEffect) -> Row:
-    """Return the table row of a numerical choice, such as a grid: largest change of the ball-to-ball force, uncertainty."""
+    """Return the table row of a numerical choice, such as the grid: its effect on the ball-to-ball force, uncertainty."""
     return {
         "scene": c.scene,
         "choice": c.choice,

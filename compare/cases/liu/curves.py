@@ -76,9 +76,10 @@ def _printed_markers(x: Sequence[float], y: Sequence[float], label: str = "print
 
 @cache
 def _ensemble_of_screws(half_range: int) -> Ensemble:
-    """Draw `CURVES` screws with random ball errors, and solve their contact loads under the axial loads `TEST_LOADS`.
+    """Draw 1000 screws (`CURVES`) with random ball errors, and solve their contact loads under several axial loads.
 
-    ``half_range``: the errors of the ball diameters are uniform within plus and minus this range [um].
+    The loads are `TEST_LOADS`. ``half_range``: the errors of the ball diameters are uniform within plus and minus this
+    range [um].
     """
     return solve_ensemble(liu.calibrated_model(), 1e-6 * half_range, list(TEST_LOADS), CURVES, seed=liu.SEED + half_range)
 

@@ -126,9 +126,10 @@ def solve_with_error_of_ball_33(error_um: float, load: float, chain: BallScrewCh
 
 @cache
 def solve_drawn_screws(half_range_um: int) -> Ensemble:
-    """Draw `MEMBERS` screws with random ball errors, and solve their contact loads under the axial loads `LOADS`.
+    """Draw 5000 screws (`MEMBERS`) with random ball errors, and solve their contact loads under several axial loads.
 
-    ``half_range_um``: the errors of the ball diameters are uniform within plus and minus this range [um].
+    The loads are `LOADS`. ``half_range_um``: the errors of the ball diameters are uniform within plus and minus this range
+    [um].
     """
     return solve_ensemble(
         calibrated_model(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um
@@ -186,7 +187,7 @@ def section_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 
 
 def compare_with_elimination() -> tuple[int, int, float]:
-    """Compare the Newton method with Liu's elimination of unloaded balls, on `FEW` randomly drawn screws at 500 N.
+    """Compare the Newton method with Liu's elimination of unloaded balls, on 20 randomly drawn screws at 500 N.
 
     Returns, in this order: the number of screws with the same loaded balls by both; the largest number of rounds that the
     elimination takes; the largest difference of a ball's load between both methods, over the screw's largest load.
@@ -378,7 +379,7 @@ SETS = "abc"
 
 
 def drawn_values_for_printed_number(key: str) -> Array:
-    """Return the values of all randomly drawn screws (n,) that belong to one printed number, in its printed unit.
+    """Return the quantity of a printed number for all randomly drawn screws (n,), in its printed unit.
 
     ``key``: key of the printed number: quantity, half range of the ball errors [um], and axial load [N], such as
     "K_2_3000".
@@ -415,7 +416,7 @@ def record_percentile(e: Findings, key: str, *remarks: str) -> None:
 
 
 def judge_fraction_of_screws(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
-    """Return whether the fraction of randomly drawn screws with a property reaches `UNLIKELY`, then the fraction in words.
+    """Return whether at least 0.5 % of the randomly drawn screws (`UNLIKELY`) have a property; then the share in words.
 
     ``mask``: for each of these screws, whether it has the property.
     """

@@ -88,7 +88,7 @@ class ComputedBand(NamedTuple):
 
     @classmethod
     def of(cls, values: Iterable[float], slack: float = 0.0) -> ComputedBand:
-        """Return a band from computed values: the first one is its value, and their range is its range.
+        """Return the first of several computed values, together with the range of all of them.
 
         ``values``: computed values, the most probable first; ``slack``: amount by which the range is widened at each end,
         in the unit of the values.
@@ -98,7 +98,7 @@ class ComputedBand(NamedTuple):
 
     @classmethod
     def within(cls, value: float, share: float) -> ComputedBand:
-        """Return a band from a computed value and a range of plus or minus a fraction of this value.
+        """Return a computed value, together with a range of plus or minus a fraction of it.
 
         ``share``: half width of the range over the value.
         """
@@ -187,7 +187,7 @@ def compare_table_entry(
 
 @dataclass(frozen=True)
 class ErrorStatistics:
-    """Statistics of the errors of computed against published values, for a group of them.
+    """Bias, scatter and number of the errors of a group of computed values against published ones.
 
     ``number``: number of values; ``bias``, ``scatter``: mean and standard deviation of the errors [%]; ``inside``: number
     of published values in the computed band; ``width``: median width of the bands [% of the computed value];
@@ -203,7 +203,7 @@ class ErrorStatistics:
 
 
 def error_statistics(found: Sequence[PublishedValue]) -> ErrorStatistics | None:
-    """Return the statistics of the errors of all judged values; None if no value is judged.
+    """Return bias, scatter and number of the errors of all judged values; None if no value is judged.
 
     ``found``: published values with the computed ones.
     """

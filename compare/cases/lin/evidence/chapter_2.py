@@ -219,7 +219,7 @@ def section_2_4_1(findings: Findings, study: Study) -> None:
 
 
 def _compute_case_1(study: Study, findings: Findings) -> None:
-    """Compute load ratio, two-point contact and lateral displacement in Lin's case study 1.
+    """Compute largest over smallest load of Lin's case study 1; check two-point contact and lateral displacement.
 
     ``study``: gives solved scenes and stored 3D references; ``findings``: receives the results.
     """
@@ -278,10 +278,10 @@ def _compute_case_3(study: Study, findings: Findings) -> None:
 
 
 def _compare_with_ansys(study: Study, findings: Findings) -> None:
-    """Compute counterparts of the errors that Lin prints for his model against ANSYS; ``findings`` receives the results.
+    """Compute the errors of Lin's model against the 3D reference, to compare with those that he prints against ANSYS.
 
-    They are the errors of Lin's model against this project's 3D reference, as the ANSYS loads are not printed. ``study``:
-    gives solved scenes and stored 3D references.
+    The loads by ANSYS are not printed. ``findings``: receives the results; ``study``: gives solved scenes and stored 3D
+    references.
     """
     every = [c.errors["own"] for c in study.compute_once(combined.evaluate_combinations) if not c.contradicts_text]
     readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
@@ -412,7 +412,7 @@ def _check_single_error_claims(study: Study, findings: Findings) -> None:
 
 
 def _check_random_error_claims(study: Study, findings: Findings) -> None:
-    """Check Lin's claims on contact loads with random ball errors by randomly drawn screws.
+    """Check Lin's claims on contact loads with random ball errors, on many randomly drawn screws.
 
     ``study``: gives the solved scenes and the randomly drawn screws; ``findings``: receives the results.
     """

@@ -73,7 +73,7 @@ def solve_rotary_as_printed(case: str) -> bearing.BearingBallSolution:
 
 @cache
 def solve_rotary(case: str, hertz: Mode = "right") -> bearing.BearingBallSolution:
-    """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2, by least dissipation.
+    """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2: that of least friction loss.
 
     ``case``: "I", "II" or "III"; ``hertz``: "right" for exact Hertz constants, "as printed" for those with Lin's faults,
     which give his loads and contact ellipses.

@@ -70,7 +70,7 @@ def solve_screw_pair(case: str, interpretation: Literal["plain", "inferred"]) ->
 
 @cache
 def simulate_screw(amplitude: float) -> TravelHistory:
-    """Simulate the whole screw of section 3.4.4 of Lin's thesis over time, with a time-step error below `STEP_GOAL`.
+    """Simulate the whole screw of Lin's section 3.4.4 over time, with a time-step error below 0.3 % of the mean torque.
 
     ``amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg]. Returns motions and
     torques at each time step.
@@ -80,10 +80,11 @@ def simulate_screw(amplitude: float) -> TravelHistory:
 
 @cache
 def simulate_with_step_control(amplitude: float) -> tuple[TravelHistory, StepError | None]:
-    """Simulate the whole screw of section 3.4.4 of Lin's thesis, with a time-step error below `STEP_GOAL`.
+    """Simulate the whole screw of Lin's section 3.4.4, with a time-step error below 0.3 %, and estimate this error.
 
-    ``amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg]. Returns the history
-    of motions and torques, then the error by the time step over the mean torque, None if it is unknown.
+    The permitted error over the mean torque is `STEP_GOAL`. ``amplitude``: amplitude of theta, the deviation of the contact
+    angles from nominal, 2 or 3 [deg]. Returns the history of motions and torques, then the error by the time step over the
+    mean torque, None if it is unknown.
     """
     run = source_cases.shipped_simulation_inputs(amplitude)
     return run_with_step_errors(run, run.duration, None, STEP_GOAL)
@@ -294,7 +295,7 @@ def time_steps_in_words(amplitude: float) -> str:
 
 
 def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute inputs, numbers and claims of the simulation of the whole screw in section 3.4.4 of Lin's thesis.
+    """Recompute the numbers printed on the simulation of the whole screw in Lin's section 3.4.4, and check the claims.
 
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
     ``study``: not used here.
@@ -382,7 +383,7 @@ def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def section_4_3(findings: Findings, study: Study) -> None:
-    """Compute numbers and claims of section 4.3 of Lin's thesis: bearing torques, and the onset of ball-to-ball contact.
+    """Recompute the bearing torques of Lin's section 4.3, and check the claims on torque and ball-to-ball contact.
 
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds;
     ``study``: gives the solved scenes.
@@ -618,7 +619,7 @@ BY_SOURCE = (("screw", 3.0), ("nut", 2.5))
 
 
 def simulation_inputs_of_interpretation(follows: str, amplitude: float, oversize: float, pattern: str) -> Run:
-    """Return the inputs of the whole-screw simulation of Lin's section 3.4.4 under one interpretation as in `TRIED`.
+    """Return inputs of the whole-screw simulation of Lin's section 3.4.4, with assumptions where his text leaves them open.
 
     ``follows``: part with which the deviation theta of the contact angles moves, "screw" or "nut"; ``amplitude``:
     amplitude of theta [deg]; ``oversize``: oversize of the ball radius [um]; ``pattern``: whether theta acts on "one" or
@@ -632,10 +633,10 @@ def simulation_inputs_of_interpretation(follows: str, amplitude: float, oversize
 
 @cache
 def interpretation_results() -> tuple[RunSummary, ...]:
-    """Simulate the whole screw of Lin's section 3.4.4 under every interpretation of `TRIED`, in 200 equal time steps.
+    """Simulate the whole screw of Lin's section 3.4.4 for each interpretation of its unprinted inputs, listed in `TRIED`.
 
-    Returns a summary of each simulation, with the largest ball-to-ball torque and the nut angles at which it occurs and at
-    which contact ends.
+    Each simulation has 200 equal time steps. Returns a summary of each simulation, with the largest ball-to-ball torque and
+    the nut angles at which it occurs and at which contact ends.
     """
     return tuple(
         summarise_history(simulate_equal_steps(simulation_inputs_of_interpretation(*reading))) for reading in TRIED
@@ -646,7 +647,7 @@ PRINTED_OF_RUN = ("largest", "largest_at", "none_at")
 
 
 def nearest_interpretation_in_words(key: str) -> str:
-    """Return in words the interpretation of `TRIED` whose result comes closest to a printed number, with its other results.
+    """Return in words the interpretation of Lin's text whose simulation comes closest to a printed number, with results.
 
     ``key``: key of the printed number in section 3.4.4 of Lin's thesis, one of `PRINTED_OF_RUN`.
     """
@@ -699,7 +700,7 @@ RUN = (
 
 
 def simulation_row(label: str, value: str, history: TravelHistory) -> Row:
-    """Return the table row with the results of one simulation of the whole screw, by the columns `RUN`.
+    """Return the table row, with columns `RUN`, of the results of one simulation of the whole screw.
 
     ``label``: name of the assumption that is varied; ``value``: the assumption in words; ``history``: motions and torques
     at each time step.
@@ -726,7 +727,7 @@ def simulation_row(label: str, value: str, history: TravelHistory) -> Row:
 
 
 def simulation_row_by_lin_method(run: Run) -> Row:
-    """Return the table row of a whole-screw simulation by Lin's method, by the columns `RUN`.
+    """Return the table row, with columns `RUN`, of the results of a whole-screw simulation by Lin's method.
 
     By this method, the motions that the balls would have without ball-to-ball contact decide which balls touch. ``run``:
     inputs of the simulation.

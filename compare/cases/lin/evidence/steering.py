@@ -107,7 +107,7 @@ def _solve_lash_test(scene: Scene, load_range: str, restrained: Sequence[str]) -
 
 
 def peak_to_peak(test: LoadCurve) -> float:
-    """Return the lash [m]: displacement from one end of a lash test's load range to the other end.
+    """Return the lash of a ball screw [m]: its displacement between both ends of the load range of a lash test.
 
     ``test``: load curve of the test. Raises ValueError if there is no equilibrium at an end of the load range.
     """
@@ -195,9 +195,10 @@ def largest_screw_and_bearing_loads(result: AxisResult) -> tuple[float, float]:
 
 
 def solve_load_ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
-    """Return the largest contact load at a tie-rod angle of 18 deg over that at 0 deg: of ball screw, then of bearing.
+    """Return the load ratio of the steering gear's ball screw, then that of its bearing, for tie-rod angles 18 and 0 deg.
 
-    ``gear``: the steering gear; ``opposed``: whether the lateral forces of both tie rods have opposite directions.
+    A load ratio is the largest contact load at 18 deg over that at 0 deg. ``gear``: the steering gear; ``opposed``: whether
+    the lateral forces of both tie rods have opposite directions.
     """
     low, high = (
         largest_screw_and_bearing_loads(solve_at_tie_rod_angle(gear, 0.0)),

@@ -15,9 +15,9 @@ from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 ABOUT = (
-    "Lash is the displacement of the screw under a force that reverses: axial, of its end along the axis; conical, "
-    "across the screw at a distance from the nut. The difference between four ball patterns is (largest - "
-    "smallest)/smallest of the peak-to-peak displacements at 200 N; Lin does not define it.",
+    "Lash: displacement of the screw under a force that reverses. Axial test: force along the axis at the end of the "
+    "screw; conical test: lateral force at a distance from the nut. Difference of the ball patterns: (largest - "
+    "smallest)/smallest of their peak-to-peak displacements at 200 N; Lin does not define it.",
     "For every choice of the open inputs, the axial tests differ less than the conical ones in most "
     "directions, and always less than the largest of them. The numbers depend on the distance of the force "
     "and the restraint of the screw more than they differ from the printed ones.",

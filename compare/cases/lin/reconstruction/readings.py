@@ -460,9 +460,10 @@ def largest_over_smallest_load(load: Array) -> float:
 
 
 def low_order_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Definition, tuple[float, ...]]:
-    """Return the errors [%] of the low-order model's loads against the 3D loads, by each `Definition` of the error.
+    """Return the errors of the low-order model's loads against the 3D loads, in per cent of each and of the mean load.
 
-    For each definition: largest and RMS error of case 1, then of case 2. ``low``, ``solid``: contact loads of both cases by
+    The keys are "own" (of each load) and "mean" (of the mean load); the values are largest and RMS error of case 1, then of
+    case 2. ``low``, ``solid``: contact loads of both cases by
     the low-order and by the 3D model, each (n, 4) [N] for n balls.
     """
     found = [load_error(a, b) for a, b in zip(low, solid, strict=True)]
@@ -510,7 +511,7 @@ def _require_runs(study: Study, combination: Combination, level: int | None = No
 
 
 def evaluate_combinations(study: Study) -> list[CombinationResult]:
-    """Return load ratios and errors for each pair of interpretations of the low-order model and of the 3D model.
+    """Return load ratios and errors for each pair of a low-order and a 3D combination of interpretations.
 
     A load ratio is the largest over the smallest load of case 1. The first result has all choices by default. Raises
     LookupError if a 3D result is not stored. ``study``: gives solved scenes and stored 3D results.

@@ -116,7 +116,7 @@ def thrusts_and_stiffness_by_formulas(
     second = layout.bearings_at("right")
 
     def stretch_error(left: float) -> float:
-        """Return the elongation [m] of supports and screw at a left end thrust [N], less the imposed stretch."""
+        """Return the elongation [m] of supports and screw under a thrust [N] on the left end, less the imposed stretch."""
         forces = left, left + applied
         moved = sum(solve_set_equilibrium(rows, f).displacement for rows, f in zip((first, second), forces, strict=True))
         return moved + float(bars @ forces) - bearings.STRETCH
@@ -143,7 +143,7 @@ def thrusts_and_stiffness_by_scene(
 
 
 def _solve_layout_scene(study: Study, layout: SupportBearingLayout, nut_position: float) -> EndThrustsAndStiffness:  # noqa: ARG001 - kept by the study
-    """Solve the scene of an axis under a load at the nut; raises AssertionError if it does not converge.
+    """Solve the scene of a screw axis by the beam model under a load at the nut; AssertionError without convergence.
 
     ``layout``: support bearings of the axis; ``nut_position``: position of the nut over the length between the supports.
     ``study``: not used here.
@@ -224,7 +224,7 @@ def screw_tension() -> float:
 
 @cache
 def bearing_state_at_end(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> BearingSetState:
-    """Return the equilibrium of the bearing rows at one end of the axis.
+    """Return the equilibrium of the bearing rows at one end of the screw axis, under preload, stretch or applied load.
 
     ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "preload": only the preload acts; "stretch": the
     screw is stretched, too; "applied": the carriage's load of Smith's section 4.2 acts as well; ``preload``: preload [N] as
@@ -353,7 +353,7 @@ def _compute_bearing_row_loads(e: Findings, kind: str, end: str) -> None:
 
 
 def axis_stiffness_at_middle(supports: float) -> float:
-    """Return the axial stiffness [N/m] of the carriage at mid-length, both halves of the screw acting in parallel.
+    """Return the axial stiffness [N/m] of the axis with the nut at mid-length, both halves of the screw in parallel.
 
     ``supports``: stiffness of each support [N/m].
     """

@@ -172,7 +172,7 @@ def thrust_state_of_ball_bearing(load: float) -> ThrustState:
 def recompute_ball_spreadsheet(
     pounds: float, curvature_difference: float | None = SHEET_DIFFERENCE
 ) -> as_printed.Spreadsheet:
-    """Return the results of Smith's spreadsheet (Figure 2-10), recomputed with its faults.
+    """Return the results of Smith's spreadsheet for the ball bearing (Figure 2-10), recomputed with its errors.
 
     ``pounds``: thrust on the bearing [lbf]; ``curvature_difference``: curvature difference F(p)_o of the outer race, by
     default the printed one; None: from the dimensions.
@@ -440,19 +440,19 @@ CROWN, SLICES = 2.0, 101
 
 @cache
 def combined_load_state() -> CombinedState:
-    """Return the equilibrium of Smith's tapered bearing (Figure 3-6) under thrust and radial load, by line contacts."""
+    """Return the equilibrium of Smith's tapered roller bearing under the thrust and the radial load of his Figure 3-6."""
     return solve_thrust_and_radial_equilibrium(taper_bearing(), SHEET_LOAD, RADIAL)
 
 
 @cache
 def roller_contacts_under_thrust() -> RollerContacts:
-    """Return half widths, pressures and areas of one tapered roller's contacts under the thrust of Figure 3-6."""
+    """Return half widths, pressures and areas of one tapered roller's contacts under the thrust of Smith's Figure 3-6."""
     b = taper_bearing()
     return roller_contacts(b, SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))))
 
 
 def taper_stiffness(pounds: float, depth: float = RING_DEPTH) -> float:
-    """Return the tapered bearing's axial stiffness [lbf/in] by line contacts.
+    """Return the tapered roller bearing's axial stiffness [lbf/in] from the deformation of its line contacts.
 
     ``pounds``: thrust [lbf]; ``depth``: depth [m] in the rings to which the contacts' deformation is counted.
     """
@@ -461,7 +461,7 @@ def taper_stiffness(pounds: float, depth: float = RING_DEPTH) -> float:
 
 
 def crowned_taper_stiffness(pounds: float) -> float:
-    """Return the tapered bearing's axial stiffness [lbf/in] with crowned rollers, computed in slices along the roller.
+    """Return the tapered roller bearing's axial stiffness [lbf/in] with crowned rollers, computed in slices of a roller.
 
     ``pounds``: thrust [lbf]; the crown's radius is `CROWN`.
     """
@@ -489,7 +489,7 @@ def taper_spreadsheet_deflection(pounds: float = SHEET_LOAD / POUND) -> float:
 
 
 def taper_deflection_range() -> tuple[float, float]:
-    """Return the smallest and the largest axial deflection [in] by Smith's equations within the rounding of his inputs."""
+    """Return smallest and largest axial deflection [in] of the tapered bearing within the rounding of Smith's inputs."""
     b = taper_bearing()
     half = (0.005, 0.005, np.radians(0.05), np.radians(0.005))
     middle = (b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
