@@ -120,7 +120,7 @@ class ElasticEquations(OneSetEquations):
         return super().iterate(from_linear)
 
     def flanks(self) -> Sequence[ContactState]:
-        """Return contact forces, ball centres and flank motions in the present state."""
+        """Return contact forces, ball centres and flank motions, as the iteration has them now."""
         problem, state, moved, pair = self.problem, self.state, self.shifts(), self.pair
         if pair is None:
             return (ContactState(problem, state.contact, state.inner[:, :2].copy(), moved),)

@@ -263,7 +263,7 @@ def solve_opening_program(work: Array, approach_rows: Any, fixed_motion_rows: Ar
 def status_of_runaway_body(
     find_motion: Callable[[], Array | None], body: str, describe_opening: Callable[[Array], str]
 ) -> Status:
-    """Return the status of a body that moved without limit in the iteration.
+    """Return the status of a solve in which a body moved without limit in the Newton iteration.
 
     The status is "not held" only if a linear program proves that the contacts cannot carry the load; otherwise it is "not
     converged".

@@ -296,7 +296,7 @@ def contact_angle_sines(chain: BallScrewChain, errors: Array, state: ChainState)
 
 
 def _screw_motion_at_balls(row: SpringRow, state: ChainState) -> Array:
-    """Return the axial motion of the screw at each of the M balls along the load ``(M,)`` [m].
+    """Return the axial motion of the screw at each of the M balls, positive in the direction of the load ``(M,)`` [m].
 
     ``state``: solution of Liu's equations for the balls of ``row``. The nut's loaded end is fixed.
     """

@@ -111,7 +111,7 @@ class Equilibrium:
     )
     #: Moment of the pin ``(3,)`` [N m].
     pin_moment: Array = quantity_field(
-        "pin_moment_Nm", "moment of this pin about the origin", parts="[]", default_factory=lambda: np.zeros(3)
+        "pin_moment_Nm", "moment about the origin that the pin exerts", parts="[]", default_factory=lambda: np.zeros(3)
     )
     #: Largest component of the pin's force or moment, divided by the largest force or moment.
     pin_share: float = quantity_field(
@@ -151,12 +151,12 @@ class SolverReport:
     #: Mathematical formulation that is solved, for example "convex energy".
     formulation: str = quantity_field("formulation")
     #: Relative residual that rounding errors in double precision can leave.
-    round_off_bound: float = quantity_field("round_off_bound", "bound of the residual due to rounding only", default=0.0)
+    round_off_bound: float = quantity_field("round_off_bound", "residual that rounding errors can leave", default=0.0)
     #: Estimated error by the beam's discretisation: largest change of a contact load [N] on halved elements, or (if the
     #: beam's nodes are not at the contacts) with a node at every contact; None if it was not computed.
     discretisation: float | None = quantity_field(
         "discretisation_percent",
-        "change of the loads when every beam element is halved, in per cent of the mean load",
+        "largest change of a contact load if every beam element is halved, in per cent of the mean load",
         show=lambda _: None,
         default=None,
     )
@@ -352,7 +352,7 @@ class HousingResult(Answering):
         "force on the housing by its fixed freedoms and its springs, x, y, z",
         QuantityDescription(
             "frame_moment_Nm",
-            "moment of these forces about the housing's axial position",
+            "moment on the housing by its fixed freedoms and its springs, about its axial position",
             show=lambda wrench: wrench[3:],
             parts="[]",
         ),

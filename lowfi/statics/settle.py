@@ -152,7 +152,7 @@ class StaticEquations(ABC):
 
     @abstractmethod
     def flanks(self) -> Sequence[ContactState]:
-        """Return contact forces, ball centres and flank motions of each bearing and nut in the present state."""
+        """Return contact forces, ball centres and flank motions of each bearing and nut, as the iteration has them now."""
 
     @abstractmethod
     def with_arms(self, arms: Sequence[Array]) -> Self:

@@ -364,6 +364,7 @@ class JumpsInsideStretches:
     def _motions_per_jump(self, x: Stretch) -> tuple[Array, Ints]:
         """Return the motions of nodes per unit jump at the cut of the stretch ``x``, and the first node above each contact.
 
+        A jump is the motion that the deformation of the stretch under a contact force adds to the shaft above the contact.
         The first array ``(m, 6, 6)`` has the axes node, motion of the node and component of the jump; it covers the m nodes
         up to the cut, or all nodes if the shaft carries no load above the cut. The second array holds for each flank motion
         of the stretch the number of the first node above its contact.
@@ -375,6 +376,7 @@ class JumpsInsideStretches:
     def nodal_motions_by_flank_forces(self, pushes: Array) -> Array:
         """Return the motions ``(6 n,)`` [m, rad] of the n nodes by the jumps that the contact forces on c flanks cause.
 
+        A jump is the motion that the deformation of the stretch under a contact force adds to the shaft above the contact.
         ``pushes`` ``(2 c,)`` [N]: forces on the flanks, two components in the ball's section plane each.
         """
         out = np.zeros((self.problem.nodes.size, 6))
@@ -450,8 +452,9 @@ class SectionForceCoupling:
     def nodal_loads_of_jumps(self, pushes: Array) -> Array:
         """Return the nodal loads ``(6 n,)`` [N, N m] on the beam that are equivalent to the jumps at the cuts.
 
-        External loads cause these jumps, and forces on the flanks: ``pushes`` ``(2 c,)`` [N], two components for each of
-        the c flanks of the shaft.
+        A jump is the motion of the shaft above a cut relative to the beam below it, by deformation of the stretch of shaft
+        between them under external loads and under forces on the flanks. ``pushes`` ``(2 c,)`` [N]: these forces, two
+        components for each of the c flanks of the shaft.
         """
         return np.asarray(self.wrenches.T @ (self.jumps @ pushes + self.given))
 

@@ -161,7 +161,7 @@ class BeamEquations(OneSetEquations):
         return np.asarray(self.state.contact[..., 0])
 
     def flanks(self) -> Sequence[ContactState]:
-        """Return contact forces, ball centres and flank motions in the present state."""
+        """Return contact forces, ball centres and flank motions, as the iteration has them now."""
         moved = np.zeros((len(self.state.p), 4, 2))
         moved[:, :2] = flank_motions(self.problem, self.state.q)
         return (ContactState(self.problem, self.state.contact, self.state.p, moved),)
@@ -523,7 +523,7 @@ def pin_free_motions(problem: Problem, mechanism: Mechanism, other: bool = False
 
 
 def runaway_status(problem: Problem) -> Status:
-    """Return the status of a screw that moved without limit in the iteration.
+    """Return the status of a solve in which the screw moved without limit in the Newton iteration.
 
     The status is "not held" only if a linear program proves that contacts and supports cannot carry the load; otherwise it
     is "not converged". ``problem``: the static problem that was iterated.

@@ -155,7 +155,7 @@ class ElasticAssemblyEquations(AssemblyEquations):
     squeeze: SectionForceCoupling | None
 
     def flanks(self) -> Sequence[ContactState]:
-        """Return contact forces, ball centres and flank motions of each bearing and nut in the present state."""
+        """Return contact forces, ball centres and flank motions of each bearing and nut, as the iteration has them now."""
         return contact_states_of_sets(self.system, self.row_states()[0], self.shifts())
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
@@ -516,7 +516,9 @@ def block_diagonal(S: list[Array]) -> Array:
 
 
 def compliance_of_inner_and_outer(first: Array, second: Array) -> Array:
-    """Return the compliance matrix ``(8 N, 8 N)`` [m/N] of all flanks of N balls, ordered ball by ball.
+    """Return the compliance matrix ``(8 N, 8 N)`` [m/N] of all four flanks of N balls, from those of screw and nut.
+
+    Rows and columns are ordered ball by ball.
 
     Parameters
     ----------

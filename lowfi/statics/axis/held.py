@@ -201,7 +201,7 @@ def _approach_change_of_rollers(system: AssemblyArrays, by_row: Array) -> list[A
 
 
 def status_of_runaway_assembly(system: AssemblyArrays) -> Status:
-    """Return the status of an assembly in which the shaft or a housing moved without limit in the iteration.
+    """Return the status of an assembly whose shaft or housing moved without limit in the Newton iteration.
 
     The status is "not held" only if a linear program proves that the contacts cannot carry the loads; otherwise it is "not
     converged".

@@ -89,7 +89,7 @@ def guess_loaded_flanks(assembly: Assembly, places: Sequence[Placed]) -> list[Ma
 
 
 def estimate_axial_displacement(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) -> float:
-    """Estimate the axial displacement of the shaft [m], with all bodies rigid.
+    """Estimate the axial displacement of the shaft [m] under the loads, with elastic contacts between rigid bodies.
 
     It is the prescribed displacement of a support, or else the one at which the contact forces of all bearings and nuts
     balance the axial load.
@@ -325,7 +325,7 @@ class RigidAssemblyEquations(AssemblyEquations):
     state: MotionState
 
     def flanks(self) -> Sequence[ContactState]:
-        """Return contact forces, ball centres and flank motions of each bearing and nut in the present state."""
+        """Return contact forces, ball centres and flank motions of each bearing and nut, as the iteration has them now."""
         return contact_states_of_sets(self.system, self.state)
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
@@ -357,7 +357,7 @@ class RigidAssemblyEquations(AssemblyEquations):
         return ModelDescription("convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ())
 
     def slopes(self) -> EnergyDerivatives:
-        """Return the first and second derivatives of the energy in the present state."""
+        """Return the first and second derivatives of the energy in the present state of the iteration."""
         out = EnergyDerivatives(np.zeros(self.state.q.shape), np.zeros((len(self.state.p), 8, 8)))
         self.engine.evaluate_axis(self.given, self.state, out)
         return out
@@ -408,7 +408,7 @@ def rigid_assembly_equations(system: AssemblyArrays, engine: ModuleType) -> Rigi
 
 
 class AssemblyModel(NamedTuple):
-    """Mechanical model by which an assembly is solved."""
+    """Mechanical model of an assembly: its name, its assumptions, and the function that makes its equations."""
 
     #: Name of the model.
     name: str

@@ -1,9 +1,10 @@
 """Forces and stiffness of bearing rollers, each divided into slices that are line contacts with the two raceways.
 
-The rings are either rigid bodies on a shaft (`roller_forces`) or elastic bodies (`roller_elements`). With elastic rings, a
-roller has two motions for each ring: the displacement along the contact normal at the roller's middle, and the slope along
-the roller times the roller's length, both in metres. They are stored in the arrays of a ball, with the cone (inner ring) in
-place of its flank SL and the cup (outer ring) in place of its flank NL.
+The rings are rigid. The approach of each slice follows either from the six motions of the bodies that carry the rings
+(`roller_forces`) or, on an elastic shaft, from two motions of each ring at the roller (`roller_elements`): displacement
+along the contact normal at the roller's middle, and the slope along the roller times the roller's length, both in metres.
+These are stored in the arrays of a ball, with the cone (inner ring) in place of its flank SL and the cup (outer ring) in
+place of its flank NL.
 """
 
 from math import exp, log, sqrt
@@ -86,7 +87,7 @@ def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array
 
 @kernel
 def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array, tiny: float) -> tuple[float, float]:
-    """Compute the forces of rollers on elastic rings; return energy [J] and the largest roller force [N].
+    """Compute the forces of rollers between rings on an elastic shaft; return energy [J] and the largest roller force [N].
 
     v (M, 8): motions of the rings at each roller [m], see the module. Writes the forces on the rings to f (M, 8) [N], and
     force and direction of each roller to ``contact`` (M, 4, 5), in the columns of a ball's contacts. The symmetric
@@ -127,7 +128,7 @@ def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array,
 
 @kernel
 def write_roller_stiffness_rows(contact: Array, rows: Array) -> int:
-    """Write the stiffness of a roller against the eight motions of its rings as S^T S; return the number of rows of S.
+    """Write factors S of a roller's stiffness S^T S against the eight motions of its rings; return the number of rows of S.
 
     contact (4, 5): stiffness of the roller, from `roller_elements`. Writes S to ``rows`` (6, 8), of which at most two rows
     are used; the number is 0 for a roller without force.
