@@ -312,7 +312,9 @@ def published_values_table(found: Sequence[PublishedValue]) -> Table:
         "Makers' tables stand in compare/cases/makers/tables; the first lines of each name repository, commit and file "
         "of its origin."
     )
-    return Table.of("outside", "All values published by makers, measured or by programs, and computed values", rows, note)
+    return Table.of(
+        "outside", "All published values of makers, measurements and programs, with the computed values", rows, note
+    )
 
 
 #: Printed tables of the case `external` that are judged here: publisher and class. Tables of THK are judged with the nuts.

@@ -149,7 +149,7 @@ def axis_stiffness_panel(found: Sequence[Evidence]) -> Panel:
             series.append(Series(f"{kind}, {words}", at, [float(v) for v in values], "line"))
         total = next(f for f in found if f.printed.key == f"total_{kind}")
         series.append(Series(f"{kind}, Smith's sum in series", [0.5], [1e-6 * (total.as_printed or 0.0)], "markers"))
-    return Panel("axis", "nut's position / L", "stiffness / 10⁶ lbf/in", series, zero=True)
+    return Panel("screw axis", "nut's position / L", "stiffness / 10⁶ lbf/in", series, zero=True)
 
 
 def stiffness_figure(found: Sequence[Evidence]) -> Figure:
@@ -291,7 +291,7 @@ def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
             (*loads, Series("slices", [-half, half], even, "line")),
             zero=True,
         ),
-        Panel("largest pressure across", "along the roller / mm", "MPa", pressures, zero=True),
+        Panel("largest contact pressure", "along the roller / mm", "MPa", pressures, zero=True),
     )
     caption = f"One roller under {roller.load:.4g} N. Load and pressure are even, except at the rounded ends."
     table = Table.of(
@@ -326,7 +326,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     return (
         Section(
             "smith",
-            "Smith (1994): support bearings of a ball-screw axis, and the axis",
+            "Smith (1994): support bearings and stiffness of a ball-screw axis",
             (Text(ABOUT, bullets=True),),
             conclusion=reproduction_sentence(count_entries_by_verdict(found)[0]),
         ),

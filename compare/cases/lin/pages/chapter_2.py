@@ -367,7 +367,7 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
         (
             Figure(
                 "errors-loads",
-                "Contact load over the ball's number with random geometric errors (Lin 2.4.2)",
+                "Lin 2.4.2: contact load over the ball's number, with geometric errors",
                 (left, right),
                 f"Bands: 5th to 95th percentile of each ball's load over {len(random.loads)} and {len(combined.loads)} "
                 "random screws.",

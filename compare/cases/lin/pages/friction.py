@@ -411,7 +411,7 @@ def simulation_figure() -> Figure:
     )
     return Figure(
         "friction-run",
-        "Whole screw (Lin, Figures 3.23 to 3.25): friction torque and touching balls over time",
+        "Simulation of a whole ball screw (Lin, Figures 3.23 to 3.25): friction torque and touching balls over time",
         panels,
         caption,
         3,
@@ -593,17 +593,15 @@ def simulation_sensitivity_table() -> Table:
     """
     largest, at, none_at = (printed_entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
-        f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
-        "finding as in Lin's thesis, where neighbours touch if they are near and approach when alone (3.77): overlapping "
-        "balls that separate count as free, and fewer forces are found. The rows below change one assumption at a time "
-        f"from theta = 3°, {simulation_inputs_of_section_3_4_4().force[0]:g} N, {screw.inferred_oversize_in_words()} "
-        "oversize, "
-        "loads not coupled, over one turn "
-        "of the nut in steps of 7.2°. A run that loses no contact within that turn has no entry there."
+        f"Lin prints {largest} % at {at}°, no contact from {none_at}° on, and four groups. Third row: Lin's root finding, "
+        "by which neighbouring balls touch if they are near and would approach without contact (3.77). Rows below: one "
+        "assumption changed at a time from theta of 3° (deviation of the contact angles), "
+        f"{simulation_inputs_of_section_3_4_4().force[0]:g} N, {screw.inferred_oversize_in_words()} oversize and contact "
+        "loads without friction, over one turn of the nut in steps of 7.2°. Empty: contact does not end within that turn."
     )
     return Table.of(
         "friction-run-sensitivity",
-        "Whole screw over two seconds: change of the results with each assumption",
+        "Simulation of a whole ball screw (Lin 3.4.4): change of the results with each assumption",
         screw.simulation_sensitivity_rows(),
         note,
     )
@@ -616,16 +614,18 @@ def simulation_interpretations_table() -> Table:
     """
     largest, at, none_at = (printed_entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
-        f"Printed: {largest} % at {at}°, no contact at {none_at}°, in steps of 3.6°. The text leaves open from which "
-        "part the azimuth of Figure 3.23 counts, amplitude, oversize, and whether both contacts of the screw deviate; "
-        "the rule of contact is Lin's (3.77) in the last rows. No interpretation gives all three: with theta on the "
-        "screw contact begins and ends too early; with theta that stays with the nut the largest and its angle come "
-        "out together, and the end is too late; both angles come out within 7° at two fifths of the printed torque. "
-        "Interpretations chosen by the printed numbers confirm none of them."
+        f"Lin prints {largest} % at {at}° and no contact from {none_at}° on. Theta: deviation of the contact angles. "
+        "Lin's text leaves open whether theta moves with the screw or the nut, its amplitude, whether it acts on one or "
+        "both contacts of the screw, and the oversize of the balls. Last rows: Lin's rule of contact (3.77). No "
+        "interpretation gives all three numbers. With theta on the screw, contact begins and ends too early; with theta on "
+        "the nut, largest torque and its angle come out together, and contact ends too late."
     )
     rows = screw.simulation_interpretation_rows()
     return Table.of(
-        "friction-run-readings", "Whole screw (Lin 3.4.4): ball-to-ball torque by interpretation of the text", rows, note
+        "friction-run-readings",
+        "Simulation of a whole ball screw (Lin 3.4.4): ball-to-ball torque, by interpretation",
+        rows,
+        note,
     )
 
 
@@ -653,8 +653,8 @@ def ball_contact_onset_table(study: Study) -> Table:
     There is a row for each kind of geometric error and each velocity of unloaded balls. ``study``: gives the solved scenes.
     """
     note = (
-        "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls at their instantaneous speeds. The conclusion of "
-        "4.3.2 depends on unloaded balls being slow: if they roll along at the nominal speed it no longer holds."
+        "Screw of Lin's Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls. Lin's conclusion that balls touch sooner "
+        "with roundness errors needs unloaded balls to be slow: it does not hold if they move at the nominal speed."
     )
     title = "Nut angle at which neighbouring balls first touch, with pitch or roundness error (Lin 4.3.2)"
     return Table.of("friction-onset", title, screw.ball_contact_onset_rows(study), note)

@@ -197,7 +197,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     found = study.compute_once(combined.evaluate_combinations)
     return Section(
         "reconstruction",
-        "Origin of the largest model error of 5.38 % that Lin prints (2.4.1)",
+        "Lin 2.4.1: possible origin of the model error of 5.38 % that the thesis prints",
         (
             Text(
                 (
@@ -410,7 +410,9 @@ def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResul
         for name, values in [("printed", printed), *given.items()]
     ]
     return Table.of(
-        "reconstruction", "Load ratio and errors printed in Lin 2.4.1, and computed by each possible explanation", rows
+        "reconstruction",
+        "Largest over smallest load, and model errors: printed in Lin 2.4.1, and by each possible explanation",
+        rows,
     )
 
 
@@ -431,7 +433,7 @@ def deviations_from_print_table(found: list[combined.CombinationResult]) -> Tabl
     note = "Ratio: largest over smallest load, in per cent of the printed ratio. Errors: in percentage points."
     return Table.of(
         "reconstruction-missed",
-        "Deviations of load ratio and errors from those printed in Lin 2.4.1, by possible explanation",
+        "Largest over smallest load, and model errors: deviations from Lin 2.4.1 by each possible explanation",
         rows,
         note,
     )
@@ -485,7 +487,9 @@ def single_interpretation_table(found: list[combined.CombinationResult]) -> Tabl
         }
         rows.append(row | _cells_by_error_definition(c))
     return Table.of(
-        "reconstruction-alone", "Load ratio and errors (Lin 2.4.1) for each single interpretation of Lin's text", rows
+        "reconstruction-alone",
+        "Largest over smallest load, and model errors (Lin 2.4.1) for each interpretation of Lin's text",
+        rows,
     )
 
 
@@ -504,7 +508,7 @@ def combination_table(found: list[combined.CombinationResult]) -> Table:
     note += "from the printed numbers: two load ratios in per cent, four errors in percentage points."
     return Table.of(
         "reconstruction-combinations",
-        f"Load ratio and errors (Lin 2.4.1) for all {len(found)} combinations of interpretations of Lin's text",
+        f"Largest over smallest load, and model errors (Lin 2.4.1) for all {len(found)} combinations of interpretations",
         rows,
         note,
     )
@@ -561,5 +565,8 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
         ),
     )
     return Figure(
-        "reconstruction", "Load ratio and errors for each combination of interpretations of Lin's text", panels, columns=3
+        "reconstruction",
+        "Largest over smallest load, and model errors (Lin 2.4.1) by combined interpretations of the text",
+        panels,
+        columns=3,
     )

@@ -55,8 +55,8 @@ def lash_figure(scene: Scene) -> Figure:
     panels = (
         Panel("axial test", "axial force / N", "displacement / µm", axial),
         Panel("conical test, force along x", f"lateral force {at} / N", "displacement / µm", conical),
-        Panel("conical test", "direction of the force / deg", "peak to peak / µm", peaks, zero=True),
-        Panel("difference of the patterns", "direction of the force / deg", "difference / %", shown, zero=True),
+        Panel("conical test: lash", "direction of the force / deg", "peak to peak / µm", peaks, zero=True),
+        Panel("difference of the ball patterns", "direction of the force / deg", "difference / %", shown, zero=True),
     )
     return Figure("lash", "Lash of a ball screw with its balls arranged in four patterns (Lin 4.2)", panels, ABOUT[0])
 
@@ -127,10 +127,7 @@ def steering_gear_figure(points: list[steering.LoadRatiosOfLayout]) -> Figure:
         )
     caption = "Load ratio: largest contact load at a tie-rod angle of 18° over that at 0°. Bearing: at the nut's centre."
     return Figure(
-        "rack",
-        "Steering gear (Lin 4.2): load ratios over the pinion's position, largest loads over the tie-rod angle",
-        panels,
-        caption,
+        "rack", "Steering gear (Lin 4.2): largest contact loads over pinion position and tie-rod angle", panels, caption
     )
 
 
@@ -215,12 +212,12 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
             figures[1],
             Table.of(
                 "rack-bands",
-                "Steering gear (Lin 4.2): range of the load ratios over each input that is not printed",
+                "Steering gear (Lin 4.2): largest load at 18° over that at 0°, range over each input that is not printed",
                 load_ratio_range_rows(points),
             ),
             Table.of(
                 "rack-layouts",
-                "Steering gear (Lin 4.2): load ratios for each layout of pinion, tie rods and bearing",
+                "Steering gear (Lin 4.2): largest load at 18° over that at 0°, by layout of pinion, tie rods and bearing",
                 load_ratio_rows(points),
                 SENSE,
             ),
