@@ -278,7 +278,7 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
         "Bias, scatter: mean and standard deviation of the errors of the computed values. Band: range of a computed value "
         "over the rounding of printed inputs and the usual range of unprinted ones. Errors of clearances are in per cent "
         "of the displacement under the measuring load, those of contact loads by CalculiX of the mean load. 80 %: fraction "
-        f"of a computed nut rigidity that makers print. Not judged: {'; '.join(without)}."
+        f"of a computed nut rigidity that makers advise to use. Not judged: {'; '.join(without)}."
     )
     return Table.of(
         "outside-summary", "Bias and scatter of computed against published values, by quantity and publisher", rows, note

@@ -186,8 +186,8 @@ def row_loads_figure(found: Sequence[Evidence]) -> Figure:
         panels.append(Panel(words, "end and row", "load / lbf", series, zero=True, integer_x=True, names=names))
     caption = (
         "Preload: bearings alone; stretch: screw stretched as well; applied: also 1000 lbf on the carriage towards the "
-        "left. Smith does not solve for equilibrium: he adds half of the tension and of this load to the rows at each "
-        "end."
+        "left. Smith does not solve for equilibrium: at each end he adds half of the tension and of this load to the rows "
+        "in its direction, and subtracts it from the opposite rows."
     )
     return Figure(
         "smith-loads",

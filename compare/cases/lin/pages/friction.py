@@ -264,11 +264,10 @@ def linear_pair_map_figures() -> tuple[Figure, Figure]:
         "friction-force",
         "Linear bearing (Lin, Figure 3.15): ball-to-ball force and loss ratio over the side force ratio",
         [*force_map_panels(m, m.force, "force / N"), *force_map_panels(m, m.ratio, "loss ratio")],
-        "Loss ratio: friction loss with over that without ball-to-ball contact. Where the balls approach each other, force "
-        f"and ratio grow up to {m.force.numerical.max():.2f} N and {100.0 * m.ratio.numerical.max():.1f} % (printed as an "
-        f"increase of {printed_entry('lin-3.3', 'worst_ratio').printed} %). Lin's formula gives a force "
-        f"too small by up to {-m.force.error.min():.2f} N, and a ratio wrong by up to "
-        f"{np.abs(m.ratio.error).max():.2f}.",
+        "Loss ratio: 1 + loss between the balls over their losses without contact. Where the balls approach each other, "
+        f"force and ratio grow up to {m.force.numerical.max():.2f} N and {100.0 * m.ratio.numerical.max():.1f} % (printed "
+        f"as an increase of {printed_entry('lin-3.3', 'worst_ratio').printed} %). Lin's formula gives a force too small "
+        f"by up to {-m.force.error.min():.2f} N, and a ratio wrong by up to {np.abs(m.ratio.error).max():.2f}.",
         3,
     )
     return first, second

@@ -254,9 +254,9 @@ def _end_thrusts_under_load(tensile: float) -> dict[str, float]:
 def row_loads_as_printed(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
     """Return the loads [lbf] of the bearing rows at one end of the axis by Smith's rule, which violates equilibrium.
 
-    By this rule, half of the screw's tension and half of the carriage's load act at each end, and they are added in full to
-    the preload of every row. ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied";
-    ``preload``: preload of each row [lbf].
+    By this rule, half of the screw's tension and half of the carriage's load act at each end. They are added to the
+    preloads of the rows in their direction, and also subtracted from those of the opposite rows. ``kind``: "ball" or
+    "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied"; ``preload``: preload of each row [lbf].
     """
     loads = as_printed.row_loads_by_smith(
         preload, bearings.DIRECTIONS[kind][end], 0.5 * round(screw_tension() / bearings.POUND, -1)
