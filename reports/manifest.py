@@ -38,9 +38,9 @@ def read_report_file(path: Path) -> str:
     latter describes the file, such as "a pipe, a device or a folder".
     """
     if path.exists() and not path.is_file():
-        raise ValueError("a pipe, a device or a folder")
+        raise ValueError("a pipe, a device or a folder, from which no report file can be read")
     if (size := path.stat().st_size) > LARGEST:
-        raise ValueError(f"a file of {size:.3g} bytes, which exceeds the largest permitted size of {LARGEST:.3g} bytes")
+        raise ValueError(f"a file of {size:.3g} bytes; the largest permitted size of a report file is {LARGEST:.3g} bytes")
     return path.read_text(encoding="utf-8")
 
 
@@ -64,5 +64,5 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     """
     found = parse_json(read_report_file(folder / FILE))
     if not isinstance(found, dict) or not all(is_mapping_of_texts(found.get(key)) for key in ("inputs", "files")):
-        raise ValueError(f"a damaged report manifest {FILE}")
+        raise ValueError(f"a report manifest {FILE} whose entries 'inputs' or 'files' are missing or damaged")
     return found

@@ -362,7 +362,7 @@ def write_validation_report(
             raise ArgumentError(name, str(value), "only without `source`", "leave one of them out")
     wanted, stored = (parts_of_case_page(source), True) if source else (select_report_parts(only, quick=quick), stored)
     if fresh and stored:
-        raise ArgumentError("fresh", "both fresh and stored", "only one of them", "leave `stored` out to compute runs")
+        raise ArgumentError("fresh", "both fresh and stored", "only one of them", "leave `stored` out to compute runs anew")
     from rollbench.reports.pages import write_report
 
     with folder_errors_as_input_errors(out):
@@ -429,7 +429,7 @@ def check_scene_arguments(names: Sequence[str], **given: Any) -> None:
         raise ArgumentError("scene", "an empty list", allowed, advice)
     for name, value in given.items():
         if value is not None and len(names) > 1:
-            raise ArgumentError(name, str(value), "only with one scene", "write the page of each scene separately")
+            raise ArgumentError(name, str(value), "only with a single scene", "write the page of each scene separately")
 
 
 @limited_to_one_thread()

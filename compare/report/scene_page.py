@@ -111,7 +111,7 @@ def solve_and_make_page(name: str, stores: Sequence[Path], file: Path | None = N
     described = catalogue.any_scene(name)
     sets = isinstance(described.parts if isinstance(described, DutyCycle) else described, Assembly)
     if sets and file is not None:
-        raise ArgumentError("reference", str(file), "only with a scene of one set of balls", "leave it out", name)
+        raise ArgumentError("reference", str(file), "only with a scene of a single nut or bearing", "leave it out", name)
     if isinstance(described, DutyCycle):
         return _page_of_worst_case(name, described, stores, file)
     if isinstance(described, Assembly):
@@ -130,7 +130,7 @@ def _page_of_worst_case(name: str, cycle: DutyCycle, stores: Sequence[Path], fil
     names = [case.name for case in cycle.cases]
     whole = compute_cycle_results(cycle, solved)
     if whole.pressure is None:
-        value = "no load case that converges and loads a contact"
+        value = "no load case that has a solution with loaded contacts"
         raise Refusal(name, "cases", value, "see the status of each load case: rollbench solve")
     worst = whole.pressure.case
     one = solved[names.index(worst)]

@@ -99,7 +99,7 @@ def _layout_from_record(case: str, path: str, one: Mapping[str, Any]) -> Printed
                 printed_entry(*name.split(":"))
             except KeyError as error:
                 advice = "correct this key in the file of table layouts"
-                raise InputError(path, one["number"], name, "the key of a printed number", advice) from error
+                raise InputError(path, one["number"], name, "the key of an existing printed number", advice) from error
         rows.append((label, names))
     texts = {key: one[key] for key in ("number", "short", "title", "printed", "kind")}
     return PrintedLayout(case, **texts, columns=tuple(one["columns"]), rows=tuple(rows))
