@@ -76,8 +76,8 @@ def graded_coordinates(cell_length: float, fine_length: float, block_edge: float
     """
     if not (0.0 < cell_length <= block_edge and fine_length < block_edge and growth_ratio > 1.0):
         raise ValueError(
-            f"cell_length {cell_length} m, fine_length {fine_length} m, block_edge {block_edge} m, growth_ratio "
-            f"{growth_ratio}: choose 0 < cell_length <= block_edge, fine_length < block_edge and "
+            f"no mesh with cell_length {cell_length} m, fine_length {fine_length} m, block_edge {block_edge} m and "
+            f"growth_ratio {growth_ratio}: choose 0 < cell_length <= block_edge, fine_length < block_edge and "
             "growth_ratio > 1"
         )
     equal = int(np.ceil(fine_length / cell_length - 1e-9))

@@ -47,7 +47,7 @@ from rollbench.meshes.record_keys import digest_of_values
 
 
 class StageDone(str):
-    """Progress message on a stage of a computation that has ended, such as meshing.
+    """Progress message that a stage of a computation, such as meshing, is finished.
 
     The attribute ``stage`` is the name of the stage; ``cached`` tells whether all its results were read from the cache.
     """

@@ -65,10 +65,12 @@ def build_mesh(
         The type is unknown, the cells have another number of nodes, or a face of a boundary belongs to no cell.
     """
     if element_type not in MESHES:
-        raise ValueError(f"element {element_type!r} is unknown; use one of {', '.join(MESHES)}")
+        raise ValueError(f"element type {element_type!r} is unknown; use one of {', '.join(MESHES)}")
     order = np.array(_SKFEM[element_type])
     if cells.ndim != 2 or cells.shape[1] != len(order):
-        raise ValueError(f"cells have the shape {cells.shape}, but element {element_type} needs (m, {len(order)})")
+        raise ValueError(
+            f"the array of cells has the shape {cells.shape}, but element type {element_type} needs (m, {len(order)})"
+        )
     ordered = cells[:, order]
     mesh = MESHES[element_type](np.ascontiguousarray(points.T), np.ascontiguousarray(ordered.T))
     number = np.full(len(points), -1, dtype=np.int64)
@@ -146,7 +148,7 @@ def _integers_of_faces(corners: Index, count: int) -> Index:
     The integers sort like the rows of corners. Of a face with four corners only three are used, which identify it.
     """
     if count >= 2**21:
-        raise ValueError(f"the mesh has {count} nodes, and faces can be identified in meshes of fewer than {2**21} only")
+        raise ValueError(f"the mesh has {count} nodes; faces can be identified only in meshes of fewer than {2**21} nodes")
     low = corners[:, :3].astype(np.int64)
     return np.asarray(low @ count ** np.arange(low.shape[1] - 1, -1, -1))
 

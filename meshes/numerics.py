@@ -53,7 +53,7 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
     if f_at == 0.0:
         return at
     if copysign(1.0, f_before) == copysign(1.0, f_at):
-        raise ValueError("f(low) and f(high) must have different signs")
+        raise ValueError("the function must have different signs at the two ends of the interval")
     other = f_other = step_before = step = 0.0
     for _ in range(300):
         if f_before != 0.0 and f_at != 0.0 and copysign(1.0, f_before) != copysign(1.0, f_at):
@@ -79,7 +79,7 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
         before, f_before = at, f_at
         at += step if abs(step) > least else (least if half > 0.0 else -least)
         f_at = float(f(at))
-    raise ArithmeticError("no root found in 300 steps")
+    raise ArithmeticError("Brent's method finds no root of the function in 300 steps")
 
 
 #: Number of points up to which all distances are computed, which is faster than importing and building a k-d tree.

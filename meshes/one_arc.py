@@ -211,7 +211,7 @@ def free_contact_angle(centre_distance: float, radial: float | None, axial: floa
     """
     share = (radial if axial is None else axial or 0.0) or 0.0
     if not share < 2.0 * centre_distance:
-        raise ValueError(f"below {2e3 * centre_distance:.4g} mm")
+        raise ValueError(f"the clearance must be below {2e3 * centre_distance:.4g} mm, where the contact angle is 90 deg")
     return max(
         acos(1.0 - share / (2.0 * centre_distance)) if axial is None else asin(share / (2.0 * centre_distance)), LEAST
     )

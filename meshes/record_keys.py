@@ -185,7 +185,7 @@ def canonical_text(value: object) -> str:
     kind = getattr(value, "format", "")
     if type(value).__module__.startswith("scipy.sparse") and kind in ("csr", "csc"):  # a matrix or an array
         return f"{kind}_matrix{canonical_text([getattr(value, x) for x in ('shape', 'data', 'indices', 'indptr')])}"
-    raise TypeError(f"{type(value).__module__}.{type(value).__qualname__} has no canonical form")
+    raise TypeError(f"{type(value).__module__}.{type(value).__qualname__}: values of this type have no canonical text")
 
 
 def _record_text(record: type, values: Mapping[str, object]) -> str:
@@ -215,7 +215,7 @@ def _float_text(value: float) -> str:
 def _array_text(value: np.ndarray[Any, Any]) -> str:
     """Return the canonical text of an array: its type, its shape and the digest of its values."""
     if value.dtype.kind not in "biufc":
-        raise TypeError(f"an array of {value.dtype} has no canonical form")
+        raise TypeError(f"an array of {value.dtype} has no canonical text: its entries are not numbers")
     return f"array({value.dtype.str}, {value.shape}, {hashlib.sha256(np.ascontiguousarray(value).data).hexdigest()})"
 
 

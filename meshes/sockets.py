@@ -393,7 +393,7 @@ def section_angles_of_flank(m: GrooveMap, side: int, land_radius: float) -> tupl
 
 
 def turns_to_groove(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, float]:
-    """Return the whole turns between a ball's azimuth and its azimuth counted along a groove, and its distance from it.
+    """Return how many turns to add to a ball's azimuth to count it along a helical groove, and its distance from it.
 
     Azimuths along a helical groove are counted on over whole turns.
 

@@ -104,7 +104,7 @@ class RexsRelation:
 
 @dataclass
 class RexsModel:
-    """Content of a REXS file.
+    """Contents of a REXS file: components of a drive train, their relations, and load cases.
 
     ``components``: components by their ids; ``relations``: relations between them; ``cases``: for each load case, the
     attributes that it states, by the ids of the components.

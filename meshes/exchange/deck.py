@@ -159,7 +159,7 @@ def set_entry_lines(entries: Iterable[int]) -> Iterator[str]:
 
 
 def check_names(names: Sequence[str]) -> None:
-    """Raise ValueError for a name of a set that an input deck does not allow, or that occurs twice in any spelling."""
+    """Raise ValueError for a set's name that an input deck does not allow, or that two sets have (letter case ignored)."""
     seen = set[str]()
     for name in names:
         if not name or len(name) > LONGEST_NAME or not name.isascii() or any(c in " ,=*" for c in name):

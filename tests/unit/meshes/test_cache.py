@@ -127,7 +127,7 @@ def test_key_covers_builder_class_versions_and_sources(monkeypatch):
 
 
 def test_a_builder_without_a_name_of_its_own_is_refused(tmp_path: Path):
-    for build, given, why in ((lambda: record(), (), "not defined at module"), (record, (print,), "no canonical form")):
+    for build, given, why in ((lambda: record(), (), "not defined at module"), (record, (print,), "no canonical text")):
         with pytest.raises(TypeError, match=why):
             Cache(tmp_path).get(build, given, Record)
 

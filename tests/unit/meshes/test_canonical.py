@@ -168,7 +168,7 @@ FORMLESS = [object(), Path("a"), {1}, len, np.array([None]), 1j, np.ma.array([1.
 @pytest.mark.parametrize("value", FORMLESS, ids=lambda value: type(value).__name__)
 def test_what_has_no_form_is_refused(value: object) -> None:
     for inside in (value, (value,), {"a": value}):
-        with pytest.raises(TypeError, match="no canonical form"):
+        with pytest.raises(TypeError, match="no canonical text"):
             canonical_text(inside)
 
 
