@@ -146,7 +146,7 @@ class SolutionTally:
             self.other += float(np.max(np.abs(found.ball_force - force), initial=0.0)) > OTHER * (bound or 1.0)
 
     def count_own_solution(self, good: bool, power: float, loss: float, apart: float) -> None:
-        """Count one solution of this package's solver.
+        """Count one solution of this package's friction solver, and update the largest errors.
 
         ``good``: whether this solution converged; ``power``: power [W] put in by the driven surfaces; ``loss``: power [W]
         dissipated by friction; ``apart``: relative difference of this solution's loss or ball-to-ball forces from those of

@@ -378,11 +378,12 @@ def change_gear_layout(gear: Assembly, pinion: float, hold: str, offset: float) 
 
 
 def load_ratios_of_all_layouts(gear: Assembly) -> Iterator[LoadRatiosOfLayout]:
-    """Yield the load ratios of the steering gear for every layout.
+    """Yield the load ratios of the steering gear for every layout: largest contact load at 18 deg over that at 0 deg.
 
-    A layout has a position and a restraint of the pinion, directions of both lateral forces, and an offset of the bearing.
-    A pinion that restrains the rack's tilting keeps the lateral force of the tie rod on its other side away from the nut.
-    The direction of this force then has no influence, so that only one direction is solved.
+    The angles are those of the tie rods. A layout has a position and a restraint of the pinion, directions of both lateral
+    forces, and an offset of the bearing. A pinion that restrains the rack's tilting keeps the lateral force of the tie rod
+    on its other side away from the nut. The direction of this force then has no influence, so that only one direction is
+    solved.
     """
     for hold in PINION_HOLDS:
         for opposed in (False, True)[: 1 if "rx" in PINION_HOLDS[hold] else 2]:
@@ -394,7 +395,10 @@ def load_ratios_of_all_layouts(gear: Assembly) -> Iterator[LoadRatiosOfLayout]:
 
 @dataclass(frozen=True)
 class LoadRatioRange:
-    """Range of the steering gear's load ratios over one input that is not printed; all other inputs as in the scene."""
+    """Range of the steering gear's load ratios over one input that Lin does not print; all other inputs as in the scene.
+
+    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg.
+    """
 
     #: Name of the input.
     changed: str
@@ -493,9 +497,10 @@ def gears_with_open_inputs_varied(gear: Assembly) -> Iterator[tuple[str, str, li
 
 @cache
 def load_ratio_ranges(gear: Assembly) -> tuple[LoadRatioRange, ...]:
-    """Return the ranges of the load ratios over inputs that Lin does not print, one input varied at a time.
+    """Return the ranges of the steering gear's load ratios over inputs that Lin does not print, one varied at a time.
 
-    ``gear``: the steering gear with the usual inputs.
+    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``gear``: the steering gear
+    with the usual inputs.
     """
     out = []
     for changed, values, gears in gears_with_open_inputs_varied(gear):

@@ -440,7 +440,7 @@ def oversize_map_panels(case: str, coupling: Coupling) -> list[Panel]:
 
 
 def force_without_oversize_over_printed(case: str, coupling: Coupling) -> float:
-    """Return the ball-to-ball force of two balls without oversize divided by the printed force, at an axial load of `LOAD`.
+    """Return the ball-to-ball force of two balls without oversize divided by the printed force, at an axial load of 50 N.
 
     ``case``: case of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, as in
     `oversize_map_panels`.
@@ -451,7 +451,7 @@ def force_without_oversize_over_printed(case: str, coupling: Coupling) -> float:
 
 
 def oversizes_at_printed_value_in_words(key: str) -> str:
-    """Return in words the oversizes at which a computed quantity at the axial load `LOAD` equals the printed value.
+    """Return in words the ball oversizes at which a computed quantity, at an axial load of 50 N, equals the printed value.
 
     They are given for cases (a) and (b) of Lin's Table 3.7. ``key``: "force" (ball-to-ball force) or "increase" (of the
     friction loss).
@@ -468,7 +468,7 @@ def oversizes_at_printed_value_in_words(key: str) -> str:
 
 
 def oversizes_at_crossings(values: Array, level: float) -> list[float]:
-    """Return the oversizes [µm] at which a quantity equals a given value, by linear interpolation.
+    """Return the ball oversizes [µm] at which a quantity equals a given value, by linear interpolation.
 
     ``values``: the quantity at the oversizes `screw.OVERSIZE`; ``level``: the given value, in the unit of the quantity.
     """
@@ -660,7 +660,7 @@ def ball_contact_onset_table(study: Study) -> Table:
 
 
 def screw_friction_introduction(pairs: Table, simulations: Table) -> Text:
-    """Return the text that introduces the results on two balls and on the whole screw.
+    """Return the introduction to the results on friction of two touching balls and of a whole ball screw.
 
     ``pairs``: table of two balls by interpretation; ``simulations``: table of the whole-screw simulations by assumption.
     """

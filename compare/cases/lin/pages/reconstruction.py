@@ -288,7 +288,7 @@ def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
 
 
 def _ratios_and_errors_in_words(c: combined.CombinationResult) -> str:
-    """Return in words the load ratios and errors of the combination of interpretations ``c``."""
+    """Return in words largest over smallest load, and the model errors, for the combination of interpretations ``c``."""
     return (
         f"ratios of {c.low_ratio:.3f} and {c.solid_ratio:.3f}, errors of {_errors_in_words(c.errors['own'])}, "
         f"{_fall_in_percent_of_printed(c):.0f} % of "
@@ -396,7 +396,7 @@ def friction_paragraph(study: Study) -> str:
 
 
 def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResult]) -> Table:
-    """Return the table of load ratios and errors: printed by Lin, and computed by each explanation of the printed ones.
+    """Return the table of largest over smallest load and model errors: printed by Lin, and by each possible explanation.
 
     ``found``: results of all combinations of interpretations.
     """
@@ -417,7 +417,7 @@ def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResul
 
 
 def deviations_from_print_table(found: list[combined.CombinationResult]) -> Table:
-    """Return the table of differences between computed and printed load ratios and errors, by explanation.
+    """Return the table of deviations from the printed largest over smallest load and model errors, by explanation.
 
     ``found``: results of all combinations of interpretations.
     """
@@ -440,7 +440,7 @@ def deviations_from_print_table(found: list[combined.CombinationResult]) -> Tabl
 
 
 def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit: str = "") -> Row:
-    """Return the table cells of both load ratios and the four errors of loads.
+    """Return table cells of largest over smallest load by two models, and of four errors of the low-order model.
 
     ``values``: load ratio of the low-order and of the 3D model, then the errors `ERRORS`; ``ratio``, ``error``: formats of
     ratios and errors; ``unit``: unit of the ratios, empty for the ratios themselves, "%" for differences.
@@ -456,7 +456,7 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
 
 
 def _cells_by_error_definition(c: combined.CombinationResult) -> Row:
-    """Return table cells of a combination: load ratios by both models, errors [% of each load] and [% of the mean load]."""
+    """Return table cells of a combination: largest over smallest load by both models, errors by both definitions."""
     row: Row = {
         Quantity("low_ratio", "ratio, low order", "", ".3f"): c.low_ratio,
         Quantity("solid_ratio", "ratio, 3D", "", ".3f"): c.solid_ratio,
@@ -469,7 +469,7 @@ def _cells_by_error_definition(c: combined.CombinationResult) -> Row:
 
 
 def single_interpretation_table(found: list[combined.CombinationResult]) -> Table:
-    """Return the table of load ratios and errors by single interpretations; all other choices are by default.
+    """Return the table of largest over smallest load and model errors for each interpretation, other choices by default.
 
     ``found``: results of all combinations of interpretations, of which the first has all choices by default.
     """
@@ -515,13 +515,13 @@ def combination_table(found: list[combined.CombinationResult]) -> Table:
 
 
 def _combination_row(c: combined.CombinationResult) -> Row:
-    """Return the table row of a combination of interpretations: their short names, load ratios, errors of loads."""
+    """Return the table row of a combination of interpretations: short names, largest over smallest load, model errors."""
     row: Row = {"low order": combination_key(c.low), "3D": combination_key(c.solid)}
     return row | _cells_by_error_definition(c)
 
 
 def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
-    """Draw load ratios and errors of all combinations of interpretations, with the printed ones.
+    """Draw largest over smallest load and model errors of all combinations of interpretations, and the printed values.
 
     ``found``: results of the combinations.
     """
@@ -532,7 +532,7 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
     def scatter_series(
         pick: Callable[[combined.CombinationResult], tuple[float, float]], printed: tuple[float, float]
     ) -> tuple[Series, ...]:
-        """Return a marker for each combination, and one for the printed values.
+        """Return markers for all combinations of interpretations, and a marker for the printed values.
 
         ``pick``: function that returns abscissa and ordinate of a combination; ``printed``: abscissa and ordinate of the
         printed values.

@@ -98,7 +98,7 @@ def _directions_with_smaller_axial_difference(found: steering.LashDifferences) -
 
 
 def steering_gear_figure(points: list[steering.LoadRatiosOfLayout]) -> Figure:
-    """Draw load ratios of the steering gear over the pinion's position, and largest loads over the tie-rod angle.
+    """Draw load ratios of the steering gear over the pinion's position, and largest contact loads over the tie-rod angle.
 
     A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``points``: load ratios of
     all layouts.
@@ -134,10 +134,10 @@ def steering_gear_figure(points: list[steering.LoadRatiosOfLayout]) -> Figure:
 def _group_by_layout(
     points: list[steering.LoadRatiosOfLayout],
 ) -> dict[tuple[str, bool], list[steering.LoadRatiosOfLayout]]:
-    """Group the load ratios of layouts with the bearing at the nut's centre.
+    """Group the steering gear's load ratios by restraint of the pinion and direction of the tie rods' lateral forces.
 
     The keys are pairs: restraint of the pinion; whether the lateral forces of both tie rods have opposite directions.
-    ``points``: load ratios of all layouts; layouts with another position of the bearing are left out.
+    ``points``: load ratios of all layouts; only those with the bearing at the nut's centre are grouped.
     """
     out: dict[tuple[str, bool], list[steering.LoadRatiosOfLayout]] = {}
     for p in points:
@@ -167,7 +167,8 @@ def load_ratio_rows(points: list[steering.LoadRatiosOfLayout]) -> list[Row]:
 def load_ratio_range_rows(points: list[steering.LoadRatiosOfLayout]) -> list[Row]:
     """Return the table rows of the ranges of the steering gear's load ratios, one for each input that Lin does not print.
 
-    ``points``: load ratios of all layouts; the last row has their range.
+    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``points``: load ratios of all
+    layouts; the last row has their range.
     """
     rows = []
     for b in (*steering.load_ratio_ranges(steering_gear()), steering.load_ratio_range_over_layouts(points)):

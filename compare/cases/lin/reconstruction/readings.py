@@ -421,11 +421,11 @@ ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_er
 
 @dataclass(frozen=True)
 class CombinationResult:
-    """Results of one combination of interpretations: load ratios of case 1, and errors of the low-order model against 3D.
+    """Results of a combination of interpretations: largest over smallest load of case 1, errors of the low-order model.
 
     ``low``, ``solid``: interpretations for the low-order and for the 3D model; ``low_ratio``, ``solid_ratio``: largest over
-    smallest load of case 1 by these models; ``errors``: errors [%] by definition ("own": of each load, "mean": of the mean
-    load), each as largest and RMS error of case 1, then of case 2.
+    smallest load of case 1 by these models; ``errors``: errors [%] against the 3D loads by definition ("own": of each load,
+    "mean": of the mean load), each as largest and RMS error of case 1, then of case 2.
     """
 
     low: Combination
