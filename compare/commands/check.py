@@ -182,7 +182,7 @@ def shipped_checks_table(rows: Sequence[GateCheck]) -> Table:
         for row in sorted(rows, key=lambda row: row.passed)
     )
     return ruled_table(
-        "gate", ("", "check", "kind", "value", "reference", "error %", "limit %"), texts, ("", "check", "kind")
+        "shipped data", ("", "check", "kind", "value", "reference", "error %", "limit %"), texts, ("", "check", "kind")
     )
 
 

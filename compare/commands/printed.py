@@ -129,9 +129,9 @@ def printed_entries_table(rows: Sequence[Evidence], changed: Sequence[str]) -> l
 
     headings = [name + (" (not judged)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
     table = ruled_table(
-        "printed entries by verdict", headings, (map(str, row.values()) for row in count_entries_by_verdict(rows))
+        "printed numbers by verdict", headings, (map(str, row.values()) for row in count_entries_by_verdict(rows))
     )
-    entries = Table(title="entries", title_justify="left")
+    entries = Table(title="printed numbers and claims", title_justify="left")
     for heading in ("entry", "printed", "as printed", "right", "3D", "error %", "verdict", "reason"):
         entries.add_column(heading, overflow="fold")
     for one in rows:

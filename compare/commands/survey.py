@@ -180,7 +180,7 @@ def _stability_tables(
         [*(str(line[f]) for f in words), format_cell(line["residual"], ".1e"), format_cell(line["difference"], ".0e")]
         for line in stability_table_rows(rows)
     )
-    yield ruled_table("stability: cases by formulations", (*words, "residual", "difference %"), lines, words)
+    yield ruled_table("extreme scenes by solver", (*words, "residual", "difference %"), lines, words)
     for name, (solved, tried, total) in count_outcomes(rows).items():
         yield f"{name}: solved {solved} of {tried} attempted cases, out of {total}"
     for row in failures:

@@ -106,7 +106,7 @@ def sweep_terminal_parts(keys: Sequence[VariedKey], found: Mapping[str, Any]) ->
     parts += [f"failed: {row['samples']} samples: {row['reason']}" for row in found["failures"][:5]]
     names = ("mean", "standard_error", "standard_deviation", "smallest", "quantile_0.05", "quantile_0.95", "largest")
     rows = ([OUTPUTS[name], *(format_cell(x and x[n], ".5g") for n in names)] for name, x in found["outputs"].items())
-    parts.append(ruled_table("outputs", ["", *(n.replace("_", " ") for n in names)], rows))
+    parts.append(ruled_table("computed quantities", ["", *(n.replace("_", " ") for n in names)], rows))
     parts.append(_parameter_effects_table(keys, found))
     worst = ([str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found["worst"])
     headings = ["sample", OUTPUTS[MAIN], "at", *(v.name for v in keys)]

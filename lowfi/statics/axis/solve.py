@@ -493,7 +493,7 @@ def solve_assembly_by_model(
         ):
             break
         uses = flanks_by_thrust_direction(mounted)
-        notes = (*notes, "balls touch flanks that load or offset should lift off: solved again with all flanks")
+        notes = (*notes, "balls touch flanks that loads or offsets should lift off them: solved again with all flanks")
     state, held = prepared.row_states()
     proven = system if model.fewer else prepared.system  # elastic bodies: loose motions stay fixed in the proof
     status = solve_status(
