@@ -66,7 +66,7 @@ CASES = (
 
 @cache
 def cases_of_other_packages() -> tuple[Case, ...]:
-    """Return the cases that other installed packages add by entry points, sorted by name.
+    """Return the cases (publications to reproduce) that other installed packages add by entry points, sorted by name.
 
     InputError if an entry point cannot be imported, is no `Case`, or has the name of another case.
     """
@@ -90,7 +90,7 @@ def cases_of_other_packages() -> tuple[Case, ...]:
 
 
 def all_cases() -> tuple[Case, ...]:
-    """Return all cases, first those of rollbench, then those that other installed packages add."""
+    """Return all cases (publications to reproduce): those of rollbench, then those that other installed packages add."""
     return (*CASES, *cases_of_other_packages())
 
 
@@ -107,7 +107,7 @@ def shipped_toml_files(folder: str) -> dict[str, Path]:
 
 
 def find_case_file(folder: str, name: str) -> Path | None:
-    """Return the file of the scene or printed table called ``name``, from any case; None if no case has it.
+    """Return the file of the scene or printed table called ``name`` from the folder of any publication; None without one.
 
     ``folder``: "scenes" or "printed".
     """

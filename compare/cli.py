@@ -148,7 +148,7 @@ def _raise_terminated(_number: int, _frame: FrameType | None) -> None:
 
 @contextmanager
 def _term_as_interrupt() -> Iterator[None]:
-    """Handle the signal TERM like an interrupt from the keyboard inside the block; no effect outside the main thread."""
+    """Handle the signal TERM like an interrupt from the keyboard inside the ``with`` block; only in the main thread."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

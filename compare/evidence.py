@@ -303,7 +303,7 @@ def computations_with_function() -> dict[str, Computation]:
 
 
 def evidence(study: Study, *names: str) -> list[Evidence]:
-    """Compute values for the numbers and claims of printed tables, and return both for comparison.
+    """Compute values for the numbers and claims of printed tables, and return each number or claim with its value.
 
     Parameters
     ----------

@@ -134,7 +134,7 @@ def similar_paths(path: Path, others: Iterable[str] = ()) -> str:
 
 @contextmanager
 def os_errors_as_input_errors(path: Path, allowed: str = "a folder that can be written to") -> Iterator[None]:
-    """Raise InputError if the block under this context manager cannot write the file ``path``.
+    """Raise InputError if the ``with`` block cannot write the file ``path``.
 
     ``allowed``: what is allowed, as text for the message.
     """

@@ -194,7 +194,7 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
     """
 
     def refuse(key: str, allowed: str, advice: str, shown: str = "") -> InputError:
-        """Return the error to raise for a key of this row.
+        """Return the InputError to raise for a key of this row of the printed table.
 
         ``allowed``, ``advice``: what is allowed, and what to do, as texts of the message; ``shown``: text that the message
         shows instead of the value of the key; empty: the value is shown.
