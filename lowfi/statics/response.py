@@ -314,14 +314,21 @@ def response_of(
 
 @lru_cache(maxsize=4)
 def cached_compliance(asked: _ComplianceRequest) -> BodyCompliance:
-    """Return the compliance of shaft, screw and nut from a cache of the last four; computed if it is not there."""
+    """Return the compliance of screw (with its beam), nut and balls from a cache of the last four; else compute it.
+
+    ``asked``: problem, ball positions and method; only its ``key`` is compared.
+    """
     return _compute_compliance(asked.problem, asked.layout, asked.backend, None, compliance_between_contacts)
 
 
 def _compute_compliance(
     problem: Problem, layout: BallLayout, backend: Backend, condensed: Condensed | None, whole: WholeBody
 ) -> BodyCompliance:
-    """Compute the compliance of shaft, screw and nut without the cache; parameters as for `response_of`."""
+    """Compute the compliance of screw (with its beam), nut and balls at the contacts of a problem, without a cache.
+
+    ``layout``: ball positions; ``backend``: method; ``condensed``: compliance from a 3D model in place of a computed one;
+    ``whole``: function that computes the compliance of one complete screw or nut.
+    """
     scene, shaft, N = problem.scene, build_shaft(problem), layout.z.size
     axes = typical_axes(problem, 1.0)
     ball = ball_compliance(scene, axes, backend)
