@@ -305,9 +305,14 @@ def solve_elastic(
         Compliance of the bodies condensed from a 3D model, in place of a computed one.
     name
         Name of the model in the result.
-    engine, everything, member, refine
-        Kernels, flanks to model, number of the specimen, and splitting of beam elements, as for
-        `lowfi.statics.static.solve_static`.
+    engine
+        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the number of balls.
+    everything
+        Whether to model also flanks that cannot touch a ball, and ends of the shaft that carry no load.
+    member
+        Number of the specimen, for a scene with random errors: each number gives other errors.
+    refine
+        Number of elements that each beam element is split into.
 
     Returns
     -------

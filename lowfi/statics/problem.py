@@ -410,8 +410,9 @@ def _build_rigid_problem(
 ) -> Problem:
     """Return the static problem of a rigid screw, whose six motions are taken at the nut's centre.
 
-    The supports are linear constraints on these motions. ``parts``: as for `flank_motion_matrix`; ``use`` ``(4,)``: which
-    flanks get contacts; ``geometry``, ``closure``: result of `pack_geometry`; ``section``: cross-section of the screw.
+    The supports are linear constraints on these motions. ``parts``: scene, dimensions with errors, ball positions, and
+    shifts of the flanks' centres of curvature, as for `flank_motion_matrix`; ``use`` ``(4,)``: which flanks get contacts;
+    ``geometry``, ``closure``: result of `pack_geometry`; ``section``: cross-section of the screw.
 
     Raises
     ------

@@ -168,8 +168,12 @@ def solutions_clear_of_left_out_flanks(
 
     Parameters
     ----------
-    centres, shift, geometry
-        Ball centres, flank motions and contact geometry as for `gaps_to_flanks`.
+    centres
+        Displacements of the ball centres in their section planes ``(k, N, 2)`` [m].
+    shift
+        Motions of the flanks ``(k, N, 4, 2)`` [m].
+    geometry
+        Contact data ``(k, N, 4, 9)``: nominal positions, approach and Hertz constant, see `lowfi.statics.kernel.ball`.
     loads
         Contact forces ``(k, N, 4)`` [N].
     use

@@ -617,8 +617,10 @@ def solve_refined(
     ----------
     assembly
         Shaft with bearings and ball nuts.
-    engine, member
-        Kernels, and number of the specimen with random errors, as for `solve_assembly`.
+    engine
+        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the size of the problem.
+    member
+        Number of the specimen: each number gives other random errors.
     backend
         Method by which the compliance of screws, nuts and balls is computed.
     name

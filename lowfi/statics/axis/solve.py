@@ -463,8 +463,10 @@ def solve_assembly_by_model(
         Shaft with bearings and ball nuts.
     model
         Mechanical model.
-    engine, member
-        Kernels, and number of the specimen with random errors, as for `solve_assembly`.
+    engine
+        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the size of the problem.
+    member
+        Number of the specimen: each number gives other random errors.
     solve_same_model
         Function that solves another assembly by the same model. It serves to find the axial offsets that give the required
         preloads, where preloads are prescribed as forces.

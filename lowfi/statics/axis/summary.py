@@ -139,7 +139,7 @@ def status_after_assembly_check(
 ) -> Status:
     """Return the status of an assembly after the check of equilibrium of shaft, balls and housings.
 
-    It is "not converged" if one of them is out of balance, see `lowfi.statics.summary.status_after_equilibrium_check`.
+    It is "not converged" if the sum of the forces or moments on one of them is not zero within the accepted residual.
 
     Parameters
     ----------
