@@ -50,7 +50,7 @@ def solve_friction_of_named_scene(name: str, choices: FrictionChoices, say: Say 
     name
         Name or file of the scene.
     choices
-        Model, coefficients of friction and number of the specimen.
+        Model, coefficients of friction and number of the specimen (draw of random errors).
     say
         Called with a line on the torque as soon as it is known, as in `solve_friction_of_screw_or_bearing`.
 
@@ -78,7 +78,7 @@ def solve_friction_of_scene(
     scene
         Scene of a screw, bearing, shaft, duty cycle or of single parts.
     choices
-        Model, coefficients of friction and number of the specimen.
+        Model, coefficients of friction and number of the specimen (draw of random errors).
     origin
         Name or file of the scene, which an error for unsuitable choices states as the refused value.
     say

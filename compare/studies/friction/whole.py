@@ -333,7 +333,7 @@ NO_SPEED = (
 
 @dataclass(frozen=True)
 class FrictionChoices:
-    """Options of a friction computation that a user chooses: model, coefficients, specimen."""
+    """Options of a friction computation that a user chooses: model, coefficients of friction, draw of random errors."""
 
     #: Name of the low-order model that computes the contact loads; empty: the default.
     model: str = ""
@@ -386,7 +386,8 @@ def solve_friction_of_screw_or_bearing(
     scene
         Scene of one nut or bearing.
     choices
-        Model, coefficients of friction and number of the specimen; single balls are shown for the first coefficient.
+        Model, coefficients of friction and number of the specimen (draw of random errors); single balls are shown for the
+        first coefficient.
     say
         Function that is called with a line on the torque as soon as it is known, because the drag torque and the range of
         torques may take long.

@@ -231,8 +231,9 @@ def solve_linear_chain(chain: LinearChain, start: Array | None = None, fast: boo
     chain
         Chain of balls under given contact loads.
     start
-        Motions from which the search begins: v, R_B omega_x, R_B omega_y of each ball over the carriage's speed ``(N, 3)``,
-        with the ball radius R_B; they do not influence the result. None for nominal rolling.
+        Motions from which the search begins, divided by the carriage's speed ``(N, 3)``: velocity v of each ball and, times
+        the ball radius, its spins about the two axes across the track; they do not influence the result. None for nominal
+        rolling.
     fast
         Whether to use compiled kernels.
 

@@ -131,8 +131,8 @@ class BallChain(ABC):
     def input_power(self, wrench: Array) -> float:
         """Return the power [W] that the motions of screw and nut supply against friction.
 
-        ``wrench``: force (first three components) and moment of friction on the balls at each contact in x3, y3, z3
-        ``(N, 4, 6)`` [N, N m].
+        ``wrench``: force (first three components) and moment of friction on the balls at each contact in x3 (radial),
+        y3 (along the track), z3 (binormal) ``(N, 4, 6)`` [N, N m].
         """
 
 
@@ -159,8 +159,8 @@ class Chain(BallChain):
     def input_power(self, wrench: Array) -> float:
         """Return the power [W] that the motions of screw and nut supply against friction.
 
-        ``wrench``: force (first three components) and moment of friction on the balls at each contact in x3, y3, z3
-        ``(N, 4, 6)`` [N, N m].
+        ``wrench``: force (first three components) and moment of friction on the balls at each contact in x3 (radial),
+        y3 (along the track), z3 (binormal) ``(N, 4, 6)`` [N, N m].
         """
         return power_of_helical_motion(self.groove, self.normals, wrench)
 
@@ -345,7 +345,7 @@ def solve_motion_of_chain(
     chain
         Balls with their contact loads and the largest rates at which neighbours may approach each other.
     start
-        Motions ``(N, 4)`` [rad/s] (orbit, and spins about x3, y3, z3) and ball-to-ball forces ``(N,)`` [N] of a similar
+        Motions ``(N, 4)`` [rad/s] (orbit and three spins) and ball-to-ball forces ``(N,)`` [N] of a similar
         chain; None if none is known.
     fast
         Whether to use compiled kernels.

@@ -129,7 +129,10 @@ class HelicalMotion:
 
     @cached_property
     def turns(self) -> Array:
-        """Axes of a ball's four rotations (orbit about the screw's axis, three spins) as unit vectors in x3, y3, z3."""
+        """Axes of a ball's four rotations (orbit about the screw's axis, three spins), unit vectors ``(4, 3)``.
+
+        Components are those along x3 (radial), y3 (along the track), z3 (binormal).
+        """
         return np.concatenate([self.axis[None, :], np.eye(3)])
 
     @cached_property

@@ -189,7 +189,10 @@ class BallMotion:
 
     @property
     def wrench(self) -> Array:
-        """Force (first three) and moment of friction on the ball at each contact in x3, y3, z3 ``(4, 6)`` [N, N m]."""
+        """Force (first three) and moment of friction on the ball at each of its contacts ``(4, 6)`` [N, N m].
+
+        Components are those along x3 (radial), y3 (along the track), z3 (binormal).
+        """
         return friction_wrench_at_contacts(self.normals, self.motion.friction.force, self.motion.friction.moment)
 
     @property
@@ -213,10 +216,11 @@ def friction_wrench_at_contacts(normals: Array, force: Array, moment: Array) -> 
 def power_of_helical_motion(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
     """Return the power [W] that keeps nut and screw in helical motion against friction.
 
-    The power is the velocity of the body's surface at each contact times the force, plus the body's angular velocity times
-    the moment, because screw and nut push with the friction on the balls. ``groove``: grooves with the speeds of screw and
-    nut; ``normals``: directions from the ball's centre to the contacts in x3, y3, z3 ``(..., 4, 3)``; ``wrench``: force and
-    moment of friction on the balls in x3, y3, z3 ``(..., 4, 6)`` [N, N m].
+    The power is the velocity of the body's surface at each contact times the force, plus the body's angular velocity
+    times the moment, because screw and nut push with the friction on the balls. ``groove``: grooves with the speeds of
+    screw and nut; ``normals``: directions from the ball's centre to the contacts in x3 (radial), y3 (along the track),
+    z3 (binormal) ``(..., 4, 3)``; ``wrench``: force and moment of friction on the balls in the same axes ``(..., 4,
+    6)`` [N, N m].
     """
     body = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed)
     surface = groove.ball_radius * (normals @ groove.cross_product_matrices[0].T) + groove.radius * np.array(

@@ -54,7 +54,10 @@ class StaticContacts:
 
     @cached_property
     def normals(self) -> Array:
-        """Unit vectors from each ball's centre to its contacts, in its section's axes x3, y3, z3 ``(N, 4, 3)``."""
+        """Unit vectors from each ball's centre to its contacts ``(N, 4, 3)``.
+
+        Components are those along the axes x3 (radial), y3 (along the track), z3 (binormal) of the ball's section.
+        """
         return np.stack([SIGN_X * np.cos(self.angle), np.zeros_like(self.angle), SIGN_Z * np.sin(self.angle)], axis=-1)
 
     @cached_property

@@ -99,10 +99,10 @@ def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: Specimen, 
 
 
 def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array) -> Array:
-    """Return the forces on each ball and on the screw that its contact forces balance, less given forces ``(N, 3)`` [N].
+    """Return the unbalanced forces on each ball and on the screw: what the contacts resist, less given forces ``(N, 3)``.
 
-    Components are those on the ball along x3 (radial) and z3 (binormal), and on the screw along its axis. ``force``:
-    contact forces ``(N, 4)``; ``normal``: unit vectors from each ball's centre to its contacts in x3, z3 ``(N, 4, 2)``;
+    All are in N: on the ball along x3 (radial) and z3 (binormal), on the screw along its axis. ``force``: contact
+    forces ``(N, 4)``; ``normal``: unit vectors from each ball's centre to its contacts in x3, z3 ``(N, 4, 2)``;
     ``along``: direction of the screw's axis in x3, z3 ``(2,)``; ``applied``: the given forces ``(N, 3)``.
     """
     push = force[..., None] * normal
@@ -284,9 +284,10 @@ def _contacts_under_forces(
     """Return the contacts of N balls after k of them are brought into equilibrium with given forces.
 
     ``contacts``: contacts of all balls, of which those of ``balls`` (indices ``(k,)``) are replaced; ``place``:
-    positions of all balls without friction; ``forces``: forces on each of the k balls and on the screw ``(k, 3)`` [N];
-    ``start``: displacements to begin from ``(k, 3)`` [m]; ``frictionless``: contacts without friction, whose loads give
-    the scale of the tolerance; ``fast``: whether to use the compiled functions.
+    positions of all balls without friction; ``forces``: forces on each of the k balls along x3 (radial) and z3
+    (binormal) and on the screw ``(k, 3)`` [N]; ``start``: displacements to begin from ``(k, 3)`` [m]; ``frictionless``:
+    contacts without friction, whose loads give the scale of the tolerance; ``fast``: whether to use the compiled
+    functions.
 
     Returns
     -------
