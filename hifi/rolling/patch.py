@@ -442,8 +442,8 @@ class Patch:
         out = replace(
             self, at=self.at * length, size=self.size * length, normal=self.normal * force, approach=self.approach * square
         )
-        if "transport" in self.__dict__:  # [1/N]: compliance over length
-            out.__dict__["transport"] = self.transport_rate_matrix / square
+        if "transport_rate_matrix" in self.__dict__:  # [1/N]: compliance over length
+            out.__dict__["transport_rate_matrix"] = self.transport_rate_matrix / square
         return out
 
 

@@ -156,7 +156,7 @@ def test_commands_work_or_say_why_not(command, small, tmp_path):
     for tokens, why in (
         (("solve", small, "--members", "3"), "no random error"),
         (("solve", small, "--all"), "--all: got"),
-        (("solve", small, "--member", "1"), "the scene has no random errors"),
+        (("solve", small, "--member", "1"), "the scene has no random geometric errors"),
         (("sweep", small, *vary[:-3], "mei", "--out", tmp_path / "t"), "refined, lin, lin-source-partition, lin-cell"),
         (("solve", small, "--stiffness-at", "9 m"), "0 mm to"),
     ):
