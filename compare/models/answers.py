@@ -538,7 +538,7 @@ def rate_roller_loads(row: RollerRow, line_loads: Array, speed: float | None, lu
 
 
 def _conformity_warnings(scene: Scene) -> Iterator[Warned]:
-    """Yield a warning if the conformity of a groove exceeds `WIDEST`.
+    """Yield a warning if the conformity of a groove (its radius over the ball diameter) exceeds `WIDEST`, 0.6.
 
     The user has then probably divided the groove radius by the ball's radius instead of its diameter.
     """
@@ -627,7 +627,7 @@ class AxisAnswers:
 
     @property
     def sets_by_pressure(self) -> list[int]:
-        """Numbers (from 0) of the loaded nuts or rows, sorted by decreasing ratio of highest to allowed pressure."""
+        """Indices (from 0) of the loaded nuts or bearing rows, by decreasing ratio of highest to allowed pressure."""
         found = [x.loads for x in self.sets]
         shares = {i: x.worst.pressure / x.safety.allowed for i, x in enumerate(found) if x.worst and x.safety}
         return sorted(shares, key=lambda i: -shares[i])

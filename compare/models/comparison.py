@@ -88,7 +88,7 @@ def models_by_name(names: tuple[str, ...], argument: str = "models") -> list[Mod
 
 
 def path_of_condensed_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> Path | None:
-    """Return the path of the stiffness of screw and nut by the finest 3D run, condensed to the contacts, if it is stored.
+    """Return the path of the file with the condensed stiffness of screw and nut by the finest 3D run, if it is stored.
 
     ``reference``: 3D reference of the scene; ``stores``: folders with its runs; None: that included with rollbench. None if
     no folder has the file, or if the user gave the reference as a file.
@@ -369,7 +369,7 @@ def _finite_or_none(value: float) -> float | None:
 
 
 def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield the rows that compare the load and the contact angle of each contact that the model or the reference loads.
+    """Yield the rows that compare load and contact angle of each contact that carries load by the model or the reference.
 
     ``row``: function that returns a row from quantity, values and errors; ``answer``: results of the model.
     """
@@ -457,7 +457,7 @@ def load_ratio_uncertainty(reference: Reference) -> float | None:
 
 @dataclass(frozen=True)
 class Exceedance:
-    """Contact of a built-in scene whose load by the model "lin" is known to exceed the error limit, with the cause."""
+    """Contact of a built-in scene where the load by the model "lin" has a known error above the limit, with the cause."""
 
     #: Name of the scene.
     scene: str
@@ -470,7 +470,7 @@ class Exceedance:
 
 
 def known_exceedances() -> list[Exceedance]:
-    """Return the contacts whose load by the model "lin" is known to exceed the error limit, from a built-in file."""
+    """Read from a built-in file the contacts on which the load by the model "lin" has a known error above the limit."""
     return [Exceedance(**row) for row in files.read_shipped_toml("references/known_exceedances.toml").get("row", [])]
 
 

@@ -48,7 +48,7 @@ SPOKEN_FOR = {"lin-case1": "lin-case1", "lin-case2": "lin-case1", "lin-case3": "
 
 @dataclass(frozen=True)
 class Effect:
-    """Effect of one changed modelling choice or setting of the 3D reference on the contact loads of one scene."""
+    """Effect of one changed modelling choice (such as an idealisation) of the 3D reference on a scene's contact loads."""
 
     #: Name of the scene.
     scene: str
@@ -70,7 +70,11 @@ class Effect:
 
 @dataclass(frozen=True)
 class Modelling:
-    """Modelling uncertainty of the 3D reference on one scene: root of the summed squares of the effects of all choices."""
+    """Modelling uncertainty of the 3D reference on one scene, from the effects of its modelling choices.
+
+    Modelling choices are idealisations, and dimensions that the scene's publication does not print. Their effects are
+    combined as the root of the sum of squares.
+    """
 
     #: Name of the scene.
     scene: str

@@ -413,7 +413,7 @@ def has_random_errors(scene: Scene | Assembly) -> bool:
 
 
 def scene_key_of_error(error: ValueError) -> str:
-    """Return the key of the scene file that caused a solver's error; ``scene`` if the error does not name one.
+    """Return the key of the scene file that a solver's error names as its cause; "scene" if it names none.
 
     Examples
     --------

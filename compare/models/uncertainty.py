@@ -160,7 +160,7 @@ INPUTS = (
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Parts of the validation uncertainty u_val of one quantity of one scene, by their causes."""
+    """Parts of the validation uncertainty (ASME V&V 20) of one quantity of one scene: mesh, modelling choices, inputs."""
 
     #: Uncertainty due to each cause [%] by the name of the cause, a number or an array in the shape of the quantity; nan:
     #: not known.
@@ -443,7 +443,7 @@ def count_within_expected_error(rows: Sequence[Mapping[str, Any]]) -> dict[str, 
 
 @dataclass(frozen=True)
 class ChoiceEffects:
-    """Effect of the 3D reference's modelling choices on the contact loads of a scene on which they were varied."""
+    """Largest effects of modelling choices (such as idealisations) of the 3D reference on the contact loads of a scene."""
 
     #: Name of the scene.
     scene: str

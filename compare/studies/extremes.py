@@ -242,7 +242,7 @@ def _make_attempt(case: StabilityCase, formulation: str, status: str, **found: A
 
 
 def _reason_for_false_convergence(result: StaticResult | AxisResult) -> str:
-    """Return why a result that is reported as converged is no equilibrium; empty if it is one, or did not converge.
+    """Check a result that is reported as converged: return why it is no equilibrium, empty if it is one.
 
     It is checked that all numbers are finite, that the residual is small, that forces and moments balance, and that the
     slices of rollers follow their load-displacement law.
@@ -295,7 +295,7 @@ def slice_law_residual(row: SetResult, result: AxisResult) -> float:
 
 
 def _with_beam_nodes_of_source(scene: Scene) -> Scene:
-    """Return a scene whose beam has its nodes at the axial positions that Lin's thesis takes."""
+    """Return a copy of a scene in which the nodes of the screw's beam are at the positions of Lin's thesis."""
     return replace(scene, ingredients=replace(scene.ingredients, partition="source"))
 
 

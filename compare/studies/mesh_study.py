@@ -52,7 +52,7 @@ def _ball_load(ball: int, side: int, run: Run) -> float:
 
 
 def _centreline_displacement(station: int, axis: int, run: Run) -> float:
-    """Return a displacement of the screw's centreline by a solution of the 3D reference [um].
+    """Return one component of the displacement of the screw's centreline by a solution of the 3D reference [um].
 
     ``station``: number of an axial position that the solutions on all mesh levels share; ``axis``: 0, 1, 2 for x, y, z;
     ``run``: the solution.
@@ -130,7 +130,7 @@ def mesh_level_rows(reference: Reference) -> list[dict[str, Any]]:
 
 
 def load_uncertainty_of_run(reference: Reference, run_index: int) -> float:
-    """Return the mesh uncertainty of the contact loads if finer meshes than that of run ``run_index`` were not used.
+    """Return the mesh uncertainty of the contact loads by run ``run_index`` and the runs on coarser meshes alone.
 
     ``reference``: 3D reference with its runs; ``run_index``: number of the run from 0, coarsest mesh first. The uncertainty
     is the root mean square over the contacts [% of the mean load]; for the coarsest mesh alone it is that of other scenes.
@@ -259,7 +259,7 @@ def mesh_study_table_of_reference(
 
 
 def _ball_and_flank_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
-    """Return ball and flank, from 0, of the contact whose load a mesh-study quantity is; None for a displacement.
+    """Return ball and flank (from 0) of the contact if a mesh-study quantity is a contact load; None for a displacement.
 
     ``take``: function that reads the quantity from a solution; ``finest``: solution on the finest mesh level, which decides
     which contact has the largest or smallest load of a flank.

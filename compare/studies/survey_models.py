@@ -210,7 +210,7 @@ def compare_models_on_drawn_screws(
     if not 1 <= count <= survey.SCENES:
         raise ArgumentError("count", str(count), f"1 to {survey.SCENES}", "choose a number in that range")
     if not 0.0 < limit < float("inf"):
-        raise ArgumentError("max_error", f"{limit:g}", "above 0 %", "take 7, the limit of `check`")
+        raise ArgumentError("max_error", f"{limit:g}", "above 0 %", "give a limit in per cent, such as 7")
     for name in models:
         find_model(name, excluded=("condensed",))
     numbers = [number for number in range(count) if number in stored_loads()]

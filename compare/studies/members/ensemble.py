@@ -78,7 +78,7 @@ CHUNK = 96
 
 @dataclass(frozen=True)
 class EnsembleResult:
-    """Contact loads of M specimens of a scene; a specimen is the scene with one random draw of its geometric errors."""
+    """Contact loads of a scene for M random draws of its geometric errors; each draw is called a specimen."""
 
     #: Contact loads, (M, N, 4) [N]; nan without equilibrium.
     loads: Array
@@ -95,7 +95,7 @@ class EnsembleResult:
 
     @property
     def converged(self) -> NDArray[np.bool_]:
-        """Whether each specimen has an equilibrium, (M,)."""
+        """Whether each of the M random draws has an equilibrium, (M,)."""
         return np.array([s == "converged" for s in self.statuses], dtype=bool)
 
 
@@ -153,7 +153,7 @@ def work_done_by_loads(scene: Scene, result: StaticResult) -> float:
 
 
 class _SpecimenBatch:
-    """Specimens (random draws of a scene's geometric errors) that share a system of equations, with their results.
+    """Random draws of a scene's geometric errors (specimens) that share a system of equations, with their results.
 
     After `solve`, ``loads`` has the contact loads (M, N, 4) [N] of M specimens with N balls, ``residuals`` the relative
     residuals (M,), ``works`` the loads times the displacements of the points at which they act (M,) [J], and ``solved``
@@ -161,7 +161,7 @@ class _SpecimenBatch:
     """
 
     def __init__(self, scene: Scene, count: int, first: int, threads: int) -> None:
-        """Draw the random geometric errors of ``count`` specimens of a scene, from specimen number ``first`` on.
+        """Draw the random geometric errors of a scene ``count`` times, from draw number ``first`` on.
 
         ``threads``: number of threads that `solve` uses.
         """
@@ -174,12 +174,12 @@ class _SpecimenBatch:
         self.residuals, self.works = np.full(count, np.nan), np.full(count, np.nan)
 
     def _drawn_errors(self, members: NDArray[np.int64]) -> Specimens:
-        """Return the drawn geometric errors of those specimens whose numbers in the batch are ``members``."""
+        """Return the geometric errors of those random draws whose numbers in the batch are ``members``."""
         centre = self.drawn.centre[members] if len(self.drawn.centre) > 1 else self.drawn.centre
         return Specimens(self.drawn.ball_radius[members], centre, self.drawn.radius)
 
     def solve(self) -> int:
-        """Solve all specimens and store their loads; return in how many of them all four flanks had to be considered.
+        """Solve all random draws and store their loads; return in how many of them all four flanks had to be considered.
 
         No specimen is solved if the scene cannot carry its loads.
         """
@@ -209,14 +209,14 @@ class _SpecimenBatch:
         return None if mechanism.driven else pin_free_motions(problem, mechanism)
 
     def _solved_system(self, problem: Problem) -> BeamEquations:
-        """Return the system of equations that all specimens share, solved for the scene without random errors."""
+        """Return the system of equations that all random draws share, solved for the scene without random errors."""
         prepared = beam_equations(problem, pick_engine(ENGINE, self.scene.ball_count))
         prepared.iterate()
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
 
     def _solve_with_flanks(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
-        """Solve some specimens with contacts only on those flanks that ``problem`` includes, and store accepted solutions.
+        """Solve some random draws with contacts only on those flanks that ``problem`` includes; store accepted solutions.
 
         ``problem``: static problem, None if it has a free rigid motion; ``members``: numbers of the specimens in the batch.
         A solution is accepted only if no ball comes near a flank that the problem leaves out.
@@ -236,7 +236,7 @@ class _SpecimenBatch:
     def _solve_in_kernel(
         self, prepared: BeamEquations, near: _OmittedFlankCheck | None, members: NDArray[np.int64]
     ) -> None:
-        """Solve some specimens by compiled code in one call, and store the solutions that are accepted.
+        """Solve some random draws by one call of compiled code, and store the solutions that are accepted.
 
         ``prepared``: common system of equations; ``near``: check of the flanks that the system leaves out, None if it has
         all; ``members``: numbers of the specimens in the batch.
@@ -255,7 +255,7 @@ class _SpecimenBatch:
         self.solved[kept] = True
 
     def _kernel_arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
-        """Return the geometry of some specimens as arrays for the compiled solver.
+        """Return the geometry of some random draws as arrays for the compiled solver.
 
         ``problem``: static problem without random errors; ``members``: numbers of the specimens in the batch.
         """
@@ -268,7 +268,7 @@ class _SpecimenBatch:
 
 
 class _OmittedFlankCheck:
-    """Check whether flanks that were left out of the equations stay clear of the balls in the solved specimens.
+    """Check whether groove flanks that were left out of the equations stay clear of the balls in solved random draws.
 
     A specimen with such a flank nearer than ``MARGIN`` to its ball is solved again with all four flanks.
     """
@@ -283,7 +283,7 @@ class _OmittedFlankCheck:
     def flanks_stay_clear_of_balls(
         self, motions: Array, centres: Array, geometry: Array, loads: Array
     ) -> NDArray[np.bool_]:
-        """Return for each of k specimens whether all flanks that the equations leave out stay clear of the balls, (k,).
+        """Return for each of k random draws whether all flanks that the equations leave out stay clear of the balls, (k,).
 
         Parameters
         ----------
@@ -379,7 +379,7 @@ ELASTIC = tuple(name for name in LADDER if name != "lin")
 
 @dataclass(frozen=True)
 class SpecimenBlock:
-    """Results of k specimens (random draws of a scene's geometric errors) with N balls each, solved in one block."""
+    """Results of a scene with N balls for k random draws of its geometric errors (specimens), solved in one block."""
 
     #: Contact loads, (k, N, 4) [N].
     loads: Array
