@@ -81,16 +81,16 @@ SCALES: dict[str, tuple[str, float]] = {
     "bore": ("bore of the screw over the pitch diameter", 0.5),
     "lead": ("lead over the pitch diameter", 0.5),
     "ball": ("ball over the pitch diameter", 0.12),
-    "pressing": ("semi-axis of the contacts over the ball's radius", 0.15),
-    "preload": ("loads on the second pair of flanks over those on the first", 0.6),
-    "spread": ("spread of the loads over their mean", 0.5),
-    "lost": ("share of the contacts about to be lost", 0.4),
-    "one side": ("nut held at one face", 1.0),
-    "outside": ("nut held by its outer surface", 1.0),
-    "low face": ("nearness of a ball to the nut's low face", 0.3),
-    "high face": ("nearness of a ball to the nut's high face", 0.3),
+    "pressing": ("semi-axis of the contact ellipses over the ball's radius", 0.15),
+    "preload": ("loads on the less loaded pair of flanks over those on the other", 0.6),
+    "spread": ("standard deviation of the contact loads over their mean", 0.5),
+    "lost": ("share of the contacts that carry less than 15 % of the mean load", 0.4),
+    "one side": ("nut fixed at one face", 1.0),
+    "outside": ("nut fixed at its outer surface", 1.0),
+    "low face": ("nearness of the balls to the nut's face at low z", 0.3),
+    "high face": ("nearness of the balls to the nut's face at high z", 0.3),
     "moment": ("tilting moment on the contacts over the sum of their loads at the pitch radius", 0.1),
-    "radial": ("force across the axis on the contacts over the sum of their loads", 0.1),
+    "radial": ("lateral force on the contacts over the sum of their loads", 0.1),
     "angle": ("contact angle [deg]", 10.0),
     "screw": ("conformity of the screw's groove", 0.02),
     "nut": ("conformity of the nut's groove", 0.02),
@@ -102,7 +102,7 @@ SCALES: dict[str, tuple[str, float]] = {
 #: this feature; errors of other screws are estimated from screws without a flange.
 FLANGE = "flange"
 
-WITH_FLANGE = SCALES | {FLANGE: ("nut held by its flange", 1.0)}
+WITH_FLANGE = SCALES | {FLANGE: ("nut fixed at its flange", 1.0)}
 
 
 @result_record
@@ -383,7 +383,7 @@ def estimate_model_error(scene: Scene, result: StaticResult, points: Iterable[Po
         return estimate_not_covered("no scene was compared with the 3D reference")
     other = why_kind_not_compared(scene)
     if not other and sum(not flanged or FLANGE in p.features for p in like) < FEWEST:
-        what = "rings" if ring else "nuts held by a flange" if flanged else "screws"
+        what = "bearings" if ring else "nuts held by a flange" if flanged else "screws"
         other = f"too few {what} were compared with the 3D reference"
     if other:
         return estimate_not_covered(other)

@@ -222,8 +222,8 @@ class Model:
         return replace(assembly, sets=sets, ingredients=replace(assembly.ingredients, **dict(self.ingredients)))
 
 
-C_8, HALF_SPACES = "screw a beam by Lin C.8, nut rigid, balls half spaces", "balls half spaces"
-BARS = "axial bars and springs of fixed direction"
+C_8, HALF_SPACES = "screw a beam by equation C.8 of Lin's thesis, nut rigid, balls as half spaces", "balls as half spaces"
+BARS = "axial bars, and contact springs of fixed direction"
 MEI_AXIS = "its bars connect the supports of the screw to a single fixed nut"
 _ALL = (
     Model(
@@ -235,22 +235,22 @@ _ALL = (
         partial(_solve_axis_elastic, name="refined"),
         compared=True,
         extremes=True,
-        ladder_step=(4, "+ kernels, flanks and balls (the default)"),
+        ladder_step=(4, "+ elastic grooved screw and nut, flanks and balls (the default)"),
     ),
     Model(
         "lin",
         "model of Lin's thesis (chapter 2, misprints corrected): beam screw, rigid nut, Hertz contacts; least energy",
-        "the source's low-order model",
+        "low-order model of Lin's thesis",
         C_8,
         _solve_lin,
         _solve_axis_lin,
         compared=True,
-        ladder_step=(1, "the source's model: beam by C.8, rigid nut"),
+        ladder_step=(1, "Lin's model: screw as a beam, rigid nut"),
     ),
     Model(
         "lin-source-partition",
         "lin with the 15 mm beam elements inside the nut of Lin's thesis",
-        "the source's model on its 15 mm partition",
+        "Lin's model, 15 mm beam elements in the nut",
         C_8,
         _solve_lin,
         _solve_axis_lin,
@@ -260,7 +260,7 @@ _ALL = (
     Model(
         "lin-printed-hertz",
         "lin with the Hertz constants as Lin's thesis prints them (Table B.1, which has errors)",
-        "the source's model, Hertz constants as printed",
+        "Lin's model, Hertz constants as printed",
         C_8,
         _solve_lin,
         'use the model lin, with hertz = "as printed" under [ingredients]',
@@ -270,17 +270,17 @@ _ALL = (
     Model(
         "lin-cell",
         "lin with the cross-section of the grooved shaft for the beam",
-        "the source's model, section of the grooved cell",
-        f"screw a beam of the grooved cell's section, nut rigid, {HALF_SPACES}",
+        "Lin's model, cross-section of the grooved shaft",
+        f"screw a beam with the cross-section of the grooved shaft, nut rigid, {HALF_SPACES}",
         partial(_solve_elastic, name="lin-cell"),
         partial(_solve_axis_elastic, name="lin-cell"),
-        ladder_step=(2, "+ section of the grooved cell"),
+        ladder_step=(2, "+ cross-section of the grooved shaft"),
     ),
     Model(
         "lin-nut",
         "lin-cell with the nut as a beam, too",
-        "the source's model, nut as a beam",
-        f"screw and nut beams of the grooved cells' sections, {HALF_SPACES}",
+        "Lin's model, nut as a beam, too",
+        f"screw and nut beams with their grooved cross-sections, {HALF_SPACES}",
         partial(_solve_elastic, name="lin-nut"),
         partial(_solve_axis_elastic, name="lin-nut"),
         extremes=True,
@@ -298,7 +298,7 @@ _ALL = (
     Model(
         "source",
         "lin by the equations of Lin's thesis and plain Newton iteration, started from a designer's guess",
-        "equations and iteration of the source",
+        "equations and iteration of Lin's thesis",
         C_8,
         _solve_as_source,
         "the equations of Lin's thesis describe a single fixed nut",
@@ -329,7 +329,7 @@ _ALL = (
         "liu",
         "chain of balls along the axis that lose and gain contact, contact angles that turn, elastic nut (Liu et al. 2025)",
         "Liu: axial bars, turning contact angles",
-        "axial bars and springs whose direction turns, screw and nut loaded at one end",
+        "axial bars, and contact springs whose direction turns; screw and nut each loaded at one end",
         _solve_liu,
         "it describes one row of balls between a screw and a nut, each loaded at one end",
         suits=is_covered_by_liu,
