@@ -132,7 +132,7 @@ def junit_xml(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
 
 
 def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
-    """Return rows of verdicts as Markdown: counts, notes, a table, and a chart of the loads around the worst ball.
+    """Return rows of verdicts as Markdown: counts, notes, a table, and a chart of loads around the ball of largest error.
 
     ``outcomes``: rows of verdicts, of which those that did not pass come first; ``notes``: notes on the whole table. The
     chart is written in Mermaid, which GitHub, GitLab, Forgejo and Gitea draw, because a comment there cannot contain an
@@ -158,13 +158,13 @@ def outcome_with_worst_ball(outcomes: Sequence[Outcome]) -> Outcome | None:
 
 
 def _chart_title(o: Outcome) -> str:
-    """Return the title of the chart of loads around the worst ball: scene, ball, error and limit of the row ``o``."""
+    """Return the title of the chart of contact loads around a ball: scene, ball, error and limit of the row ``o``."""
     name = one_line(o.scene, 2000).replace('"', "'")
     return f"{name}, ball {o.ball} {o.flank}: {abs(o.error or 0.0):.2f} {o.unit}, limit {o.limit:.4g} {o.unit}"
 
 
 def _load_chart_lines(o: Outcome | None) -> list[str]:
-    """Return Markdown lines of a Mermaid chart of the contact loads around the worst ball; no lines if ``o`` is None.
+    """Return Markdown lines of a Mermaid chart of the contact loads around a ball; no lines if ``o`` is None.
 
     ``o``: row of verdicts whose ball is drawn.
     """
@@ -232,7 +232,7 @@ def write_verdicts(
 ) -> list[Path]:
     """Write rows of verdicts to files, and append the Markdown text to the summary of a continuous-integration job.
 
-    A figure of the loads around the worst ball is written as SVG next to the Markdown file.
+    A figure of the loads around the ball with the largest error is written as SVG next to the Markdown file.
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ OURS = "stored 3D reference"
 class ComparedLoads:
     """Contact loads of a model or of a 3D run, with their errors against the reference and the quantities that follow."""
 
-    #: Contact loads and displacements of the model or 3D run.
+    #: Contact loads and displacements of the model, or of the run of the 3D reference.
     answer: Loads
     #: Errors of the contact loads against the reference; None for the reference itself.
     error: LoadError | None
@@ -65,12 +65,12 @@ class ComparedLoads:
 
     @property
     def label(self) -> str:
-        """Name of the model or 3D run in the JSON."""
+        """Name of the model, or of the run of the 3D reference, in the JSON."""
         return self.answer.model
 
     @property
     def title(self) -> str:
-        """Name of the model or 3D run in tables and sentences."""
+        """Name of the model, or of the run of the 3D reference, in tables and sentences."""
         return model_title(self.answer.model)
 
     @property
@@ -227,7 +227,7 @@ def error_points_of_other_scenes(reference: Reference) -> list[Point]:
 
 
 def loads_and_rigidities(compared_loads: ComparedLoads) -> dict[str, Any]:
-    """Return the loads of a model or 3D run, and rigidity, pressure and life that follow from them, as JSON.
+    """Return the loads of a model or the 3D reference, and rigidity, pressure and life that follow from them, as JSON.
 
     ``compared_loads``: the loads. Forces are in N, displacements in um, rigidities in N/um.
     """

@@ -44,7 +44,7 @@ Pairs = Sequence[tuple[Referenced, SetComparison]]
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Loads:
-    """Contact loads of a model or 3D run, with the pressure, displacement and life that follow from them.
+    """Contact loads of a model or of the 3D reference, with the pressure, displacement and life that follow from them.
 
     The four columns of the arrays are the groove flanks SL, SR, NL, NR (screw or nut, left or right).
     """
@@ -305,7 +305,7 @@ def _comparison_of_single_set(
 
 
 def _loads_record_fields(compared_loads: ComparedLoads) -> dict[str, Any]:
-    """Return the fields of a `Loads` record, by name, for a model or 3D run.
+    """Return the fields of a `Loads` record, by name, for a model or the 3D reference.
 
     ``compared_loads``: its contact loads, whose angles are converted to radians.
     """
